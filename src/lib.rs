@@ -1,0 +1,11 @@
+//! pointreel: a viewer for time-varying point clouds (4D scans).
+//!
+//! A picture is made along one road, and each module only knows those before it:
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
+//! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
+
+pub mod cloud;
+pub mod math;
