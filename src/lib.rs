@@ -6,6 +6,8 @@
 //! |---|---|
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
+//! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
 
 pub mod cloud;
 pub mod math;
+pub mod octree;
