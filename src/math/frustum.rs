@@ -70,10 +70,11 @@ mod tests {
 
     fn frustum() -> Frustum {
         // 90° square view from the origin down -Z, near plane at 1.
-        Frustum::from_clip_matrix(&Mat4::perspective_infinite_reverse_rh(
-            std::f32::consts::FRAC_PI_2,
-            1.0,
-            1.0,
+        Frustum::from_clip_matrix(&Mat4::from_cols(
+            Vec4::X,
+            Vec4::Y,
+            Vec4::NEG_W,
+            Vec4::Z,
         ))
     }
 

@@ -1,0 +1,34 @@
+// A head light: it shines from the eye, so that every surface that can be seen is lit (paper 000 §V-B: per instance,
+// per vertex or per fragment).
+
+const AMBIENT: f32 = 0.25;
+const SPECULAR: f32 = 0.15;
+const SHININESS: f32 = 24.0;
+
+// x: factor on the colour; y: white added by the highlight. `to_eye` need not have unit length.
+fn head_light(normal: vec3f, to_eye: vec3f) -> vec2f {
+    // Light and eye share a direction, so the half vector is that direction too.
+    let facing = abs(dot(normal, normalize(to_eye)));
+    return vec2f(AMBIENT + (1.0 - AMBIENT) * facing, SPECULAR * pow(facing, SHININESS));
+}
+
+// Both vectors in the axes of the frame.
+fn light_at_vertex(normal: vec3f, center_from_eye: vec3f, corner_from_eye: vec3f) -> vec2f {
+    switch view.lighting {
+        case LIGHTING_PER_SURFEL: { return head_light(normal, -center_from_eye); }
+        case LIGHTING_PER_VERTEX: { return head_light(normal, -corner_from_eye); }
+        default: { return vec2f(1.0, 0.0); }
+    }
+}
+
+// The colour of a pixel. `normal` is packed, in the frame's axes; `pixel` is @builtin(position).xy.
+fn shade(color: vec3f, normal: u32, light: vec2f, pixel: vec2f) -> vec3f {
+    var factors = light;
+    if (view.lighting == LIGHTING_PER_FRAGMENT) {
+        let ndc = vec2f(2.0, -2.0) * pixel / view.viewport_px + vec2f(-1.0, 1.0);
+        let ray_in_view = vec3f(ndc / view.focal, -1.0);
+        let n = oct_decode(normal);
+        factors = head_light(rotate_to_view(n), -ray_in_view);
+    }
+    return min(color * factors.x + factors.y, vec3f(1.0));
+}

@@ -1,0 +1,28 @@
+// What every geometry pass hands from its vertex to its fragment stage, and the splat's mask.
+
+struct Varyings {
+    @builtin(position) position: vec4f,
+    // -1 to 1 across the quad.
+    @location(0) quad: vec2f,
+    @location(1) light: vec2f,
+    @location(2) @interpolate(flat) color: u32,
+    @location(3) @interpolate(flat) normal: u32,
+}
+
+fn varyings(instance: Instance) -> Varyings {
+    let vertex = amplified_vertex(instance);
+    return Varyings(vertex.clip, quad_corner(instance.vertex & 3u), vertex.light, vertex.color, vertex.normal);
+}
+
+fn shaded(in: Varyings) -> vec3f {
+    return shade(unpack4x8unorm(in.color).rgb, in.normal, in.light, in.position.xy);
+}
+
+// How fast the Gaussian falls; at the rim of the disk it is exp(-3) = 0.05.
+const MASK_FALLOFF: f32 = 3.0;
+
+// The circular Gaussian mask of paper 000 §V; 0 outside the disk.
+fn mask_weight(quad: vec2f) -> f32 {
+    let radius2 = dot(quad, quad);
+    return select(0.0, exp(-MASK_FALLOFF * radius2), radius2 <= 1.0);
+}

@@ -1,0 +1,55 @@
+// The global bind group: the camera and the settings of one pass. Mirror: render/gpu/gpu_data.rs, `ViewUniform`.
+
+struct View {
+    // Columns of the rotation from the frame's space into view space (right, up, backward).
+    rotation_x: vec4f,
+    rotation_y: vec4f,
+    rotation_z: vec4f,
+    // The eye in the frame's space is `eye_high + eye_low`.
+    eye_high: vec3f,
+    // Factor on the splat radius in this pass.
+    splat_scale: f32,
+    eye_low: vec3f,
+    // Distance to the near plane.
+    near: f32,
+    // Cotangents of half the field of view, horizontal and vertical.
+    focal: vec2f,
+    viewport_px: vec2f,
+    background_top: vec4f,
+    background_bottom: vec4f,
+    // View distances drawn white and black in the picture of the visibility pass.
+    depth_range: vec2f,
+    // Edge of a drawn point.
+    point_size_px: f32,
+    // Half the edge of the octree's cube.
+    cube_half_edge: f32,
+    // How far the visibility pass is pushed back, in splat radii.
+    depth_slack: f32,
+    // LIGHTING_* below.
+    lighting: u32,
+    // 1: what faces away is dropped.
+    cull_back_faces: u32,
+    unused: u32,
+}
+
+const LIGHTING_UNLIT: u32 = 0u;
+const LIGHTING_PER_SURFEL: u32 = 1u;
+const LIGHTING_PER_VERTEX: u32 = 2u;
+const LIGHTING_PER_FRAGMENT: u32 = 3u;
+
+@group(0) @binding(0) var<uniform> view: View;
+
+// From the eye to a point of the frame, in the frame's axes. Subtracting the rounded eye first is exact near the eye.
+fn offset_from_eye(position: vec3f) -> vec3f {
+    return (position - view.eye_high) - view.eye_low;
+}
+
+// Rotates an offset from the eye into view space.
+fn rotate_to_view(offset: vec3f) -> vec3f {
+    return view.rotation_x.xyz * offset.x + view.rotation_y.xyz * offset.y + view.rotation_z.xyz * offset.z;
+}
+
+// Reverse-Z with the far plane at infinity: depth = near / distance.
+fn project(position_in_view: vec3f) -> vec4f {
+    return vec4f(position_in_view.xy * view.focal, view.near, -position_in_view.z);
+}

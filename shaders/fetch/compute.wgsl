@@ -1,0 +1,11 @@
+// Strategy `compute`: the corners were written by passes/amplify.wgsl; the vertex stage only hands them on.
+
+@group(1) @binding(0) var<storage, read> amplified: array<SplatVertex>;
+
+struct Instance {
+    @builtin(vertex_index) vertex: u32,
+}
+
+fn amplified_vertex(instance: Instance) -> SplatVertex {
+    return amplified[instance.vertex];
+}

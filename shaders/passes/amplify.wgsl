@@ -1,0 +1,95 @@
+// Strategy `compute`: records that may be seen become quads, in the order of the cloud, and a draw call for them.
+//
+// Three dispatches: `count` sums what each workgroup keeps, `scan` turns the sums into offsets and writes the indirect
+// draw, `emit` writes the corners. The order is that of the records, so blending gives what the other strategies give.
+
+const GROUP_RECORDS: u32 = 256u;
+
+struct DrawIndexedIndirect {
+    index_count: u32,
+    instance_count: u32,
+    first_index: u32,
+    base_vertex: i32,
+    first_instance: u32,
+}
+
+@group(3) @binding(0) var<storage, read_write> vertices: array<SplatVertex>;
+@group(3) @binding(1) var<storage, read_write> group_offsets: array<u32>;
+@group(3) @binding(2) var<storage, read_write> draw: DrawIndexedIndirect;
+
+var<workgroup> kept: array<u32, GROUP_RECORDS>;
+
+// Runs in uniform control flow: number of kept records in the workgroup up to and with this one.
+fn inclusive_scan(local: u32, keep: u32) -> u32 {
+    kept[local] = keep;
+    for (var reach = 1u; reach < GROUP_RECORDS; reach *= 2u) {
+        workgroupBarrier();
+        var sum = kept[local];
+        if (local >= reach) {
+            sum += kept[local - reach];
+        }
+        workgroupBarrier();
+        kept[local] = sum;
+    }
+    workgroupBarrier();
+    return kept[local];
+}
+
+fn keeps(record: u32) -> u32 {
+    if (record >= arrayLength(&points)) {
+        return 0u;
+    }
+    return select(0u, 1u, may_be_seen(Instance(record * VERTICES_PER_RECORD)));
+}
+
+@compute @workgroup_size(GROUP_RECORDS)
+fn count(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(local_invocation_index) local: u32,
+    @builtin(workgroup_id) group: vec3u,
+) {
+    let sum = inclusive_scan(local, keeps(id.x));
+    if (local == GROUP_RECORDS - 1u) {
+        group_offsets[group.x] = sum;
+    }
+}
+
+@compute @workgroup_size(GROUP_RECORDS)
+fn scan(@builtin(local_invocation_index) local: u32) {
+    let groups = arrayLength(&group_offsets);
+    var total = 0u;
+    for (var start = 0u; start < groups; start += GROUP_RECORDS) {
+        let group = start + local;
+        var sum = 0u;
+        if (group < groups) {
+            sum = group_offsets[group];
+        }
+        let through = inclusive_scan(local, sum);
+        if (group < groups) {
+            group_offsets[group] = total + through - sum;
+        }
+        total += kept[GROUP_RECORDS - 1u];
+        workgroupBarrier();
+    }
+    if (local == 0u) {
+        // Six indices a quad of four vertices.
+        draw = DrawIndexedIndirect(total * VERTICES_PER_RECORD / 4u * 6u, 1u, 0u, 0, 0u);
+    }
+}
+
+@compute @workgroup_size(GROUP_RECORDS)
+fn emit(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(local_invocation_index) local: u32,
+    @builtin(workgroup_id) group: vec3u,
+) {
+    let keep = keeps(id.x);
+    let through = inclusive_scan(local, keep);
+    if (keep == 0u) {
+        return;
+    }
+    let slot = group_offsets[group.x] + through - 1u;
+    for (var vertex = 0u; vertex < VERTICES_PER_RECORD; vertex++) {
+        vertices[slot * VERTICES_PER_RECORD + vertex] = amplified_vertex(Instance(id.x * VERTICES_PER_RECORD + vertex));
+    }
+}

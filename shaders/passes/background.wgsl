@@ -1,0 +1,6 @@
+// The gradient behind the cloud.
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    return mix(view.background_top, view.background_bottom, position.y / view.viewport_px.y);
+}

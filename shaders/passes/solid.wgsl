@@ -1,0 +1,11 @@
+// Opaque geometry: the faces of voxels, and points.
+
+@vertex
+fn vertex(instance: Instance) -> Varyings {
+    return varyings(instance);
+}
+
+@fragment
+fn fragment(in: Varyings) -> @location(0) vec4f {
+    return vec4f(shaded(in), 1.0);
+}

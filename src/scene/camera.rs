@@ -1,0 +1,320 @@
+//! The camera: an orbit in f64 around a target, and what it looks like to a shader.
+//!
+//! Shaders must not see large coordinates: a frame's positions are f32 relative to the sequence origin, and the eye is
+//! handed over as a sum of two f32, so that `(position - eye_high) - eye_low` loses nothing a pixel could show.
+
+use super::settings::ParseChoiceError;
+use crate::math::{Aabb, Frustum};
+use glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
+use std::str::FromStr;
+
+/// The direction that is up in the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum UpAxis {
+    /// +X.
+    X,
+    /// +Y, the usual one of models.
+    #[default]
+    Y,
+    /// +Z, the usual one of surveys and LiDAR.
+    Z,
+    /// -X.
+    NegX,
+    /// -Y, the usual one of depth cameras.
+    NegY,
+    /// -Z.
+    NegZ,
+}
+
+impl UpAxis {
+    /// Every axis with its word.
+    pub const ALL: &'static [(&'static str, Self)] = &[
+        ("y", Self::Y),
+        ("z", Self::Z),
+        ("x", Self::X),
+        ("-y", Self::NegY),
+        ("-z", Self::NegZ),
+        ("-x", Self::NegX),
+    ];
+
+    /// Its word.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, axis)| *axis == self).map_or("y", |&(name, _)| name)
+    }
+
+    /// Columns right, up, back of the view with azimuth and elevation 0, in world space.
+    fn basis(self) -> DMat3 {
+        let (right, up) = match self {
+            Self::Y => (DVec3::X, DVec3::Y),
+            Self::NegY => (DVec3::X, DVec3::NEG_Y),
+            Self::Z => (DVec3::X, DVec3::Z),
+            Self::NegZ => (DVec3::X, DVec3::NEG_Z),
+            Self::X => (DVec3::NEG_Y, DVec3::X),
+            Self::NegX => (DVec3::Y, DVec3::NEG_X),
+        };
+        DMat3::from_cols(right, up, right.cross(up))
+    }
+}
+
+impl FromStr for UpAxis {
+    type Err = ParseChoiceError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let word = text.trim_start_matches('+').to_ascii_lowercase();
+        Self::ALL.iter().find(|(name, _)| *name == word).map(|&(_, axis)| axis).ok_or_else(|| {
+            ParseChoiceError::new("up axis", text, Self::ALL.iter().map(|(name, _)| *name))
+        })
+    }
+}
+
+/// Views along the axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ViewPreset {
+    /// Azimuth 0.
+    Front,
+    /// Azimuth 180.
+    Back,
+    /// Azimuth -90.
+    Left,
+    /// Azimuth 90.
+    Right,
+    /// From above.
+    Top,
+    /// From below.
+    Bottom,
+}
+
+impl ViewPreset {
+    /// Every preset with its word, azimuth and elevation in degrees.
+    pub const ALL: &'static [(&'static str, Self, f64, f64)] = &[
+        ("Front", Self::Front, 0.0, 0.0),
+        ("Back", Self::Back, 180.0, 0.0),
+        ("Left", Self::Left, -90.0, 0.0),
+        ("Right", Self::Right, 90.0, 0.0),
+        ("Top", Self::Top, 0.0, 90.0),
+        ("Bottom", Self::Bottom, 0.0, -90.0),
+    ];
+}
+
+/// A perspective camera on an orbit. World space is right-handed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// What it looks at, in world space.
+    pub target_in_world: DVec3,
+    /// From the target to the eye, scene units; positive.
+    pub distance: f64,
+    /// Turn about the up axis, degrees; grows as the eye moves to its right.
+    pub azimuth_deg: f64,
+    /// Height above the horizon, degrees, -90 to 90.
+    pub elevation_deg: f64,
+    /// Vertical field of view, degrees.
+    pub fov_deg: f64,
+    /// Which axis is up.
+    pub up: UpAxis,
+}
+
+/// Field of view of a new camera, degrees.
+const DEFAULT_FOV_DEG: f64 = 45.0;
+
+/// How much of the picture's height the bounding sphere fills after [`Camera::frame_bounds`].
+const FRAMED_FRACTION: f64 = 0.95;
+
+/// The near plane, as a part of the distance to the target.
+const NEAR_FRACTION: f64 = 0.005;
+
+impl Camera {
+    /// A view from the front, a little above, that shows all of `bounds` (relative to `origin`).
+    pub fn framing(bounds: &Aabb, origin: DVec3, up: UpAxis) -> Self {
+        let mut camera = Self {
+            target_in_world: origin,
+            distance: 1.0,
+            azimuth_deg: 30.0,
+            elevation_deg: 15.0,
+            fov_deg: DEFAULT_FOV_DEG,
+            up,
+        };
+        camera.frame_bounds(bounds, origin);
+        camera
+    }
+
+    /// Moves back or forth until the bounding sphere of `bounds` fits, keeping the direction.
+    pub fn frame_bounds(&mut self, bounds: &Aabb, origin: DVec3) {
+        self.target_in_world = origin + bounds.center().as_dvec3();
+        let radius = f64::from(bounds.radius());
+        let radius = if radius > 0.0 { radius } else { 0.5 };
+        self.distance = radius / (FRAMED_FRACTION * (0.5 * self.fov_deg).to_radians().sin());
+    }
+
+    /// Looks along an axis; target and distance stay.
+    pub fn look_from(&mut self, preset: ViewPreset) {
+        if let Some(&(_, _, azimuth, elevation)) = ViewPreset::ALL.iter().find(|(_, this, _, _)| *this == preset) {
+            self.azimuth_deg = azimuth;
+            self.elevation_deg = elevation;
+        }
+    }
+
+    /// Rows of this rotation are the camera's right, up and backward directions.
+    fn view_from_world_rotation(&self) -> DMat3 {
+        let turn = DMat3::from_rotation_y(self.azimuth_deg.to_radians())
+            * DMat3::from_rotation_x(-self.elevation_deg.to_radians());
+        (self.up.basis() * turn).transpose()
+    }
+
+    /// Where the eye is, in world space.
+    pub fn eye_in_world(&self) -> DVec3 {
+        self.target_in_world + self.distance * self.view_from_world_rotation().row(2)
+    }
+
+    /// Turns about the target. Elevation stops at the poles.
+    pub fn orbit(&mut self, azimuth_deg: f64, elevation_deg: f64) {
+        self.azimuth_deg = (self.azimuth_deg + azimuth_deg + 180.0).rem_euclid(360.0) - 180.0;
+        self.elevation_deg = (self.elevation_deg + elevation_deg).clamp(-90.0, 90.0);
+    }
+
+    /// Shifts eye and target by pixels of a picture `height_px` high, so that the target follows the pointer.
+    pub fn pan_px(&mut self, dx_px: f64, dy_px: f64, height_px: f64) {
+        let units_per_px = 2.0 * self.distance * (0.5 * self.fov_deg).to_radians().tan() / height_px.max(1.0);
+        let rotation = self.view_from_world_rotation();
+        self.target_in_world += (rotation.row(1) * dy_px - rotation.row(0) * dx_px) * units_per_px;
+    }
+
+    /// Multiplies the distance to the target; `factor < 1` moves closer.
+    pub fn zoom(&mut self, factor: f64) {
+        self.distance = (self.distance * factor).clamp(f64::MIN_POSITIVE.sqrt(), f64::MAX.sqrt());
+    }
+
+    /// Moves eye and target together by view-space units: right, up, backward.
+    pub fn fly(&mut self, movement_in_view: DVec3) {
+        self.target_in_world += self.view_from_world_rotation().transpose() * movement_in_view;
+    }
+
+    /// Turns about the eye, as when looking around: the target swings.
+    pub fn look_around(&mut self, azimuth_deg: f64, elevation_deg: f64) {
+        let eye = self.eye_in_world();
+        self.orbit(azimuth_deg, elevation_deg);
+        self.target_in_world += eye - self.eye_in_world();
+    }
+
+    /// What shaders and the octree see, for frames relative to `origin`.
+    pub fn transform(&self, origin: DVec3, viewport_px: [u32; 2]) -> ViewTransform {
+        let rotation = self.view_from_world_rotation();
+        let eye = self.eye_in_world() - origin;
+        let eye_high = eye.as_vec3();
+        let focal_y = 1.0 / (0.5 * self.fov_deg.clamp(1e-3, 179.0)).to_radians().tan();
+        let [width, height] = viewport_px.map(|edge| f64::from(edge.max(1)));
+        ViewTransform {
+            view_from_frame_rotation: rotation.as_mat3(),
+            eye_high,
+            eye_low: (eye - eye_high.as_dvec3()).as_vec3(),
+            focal: [(focal_y * height / width) as f32, focal_y as f32],
+            near: (self.distance * NEAR_FRACTION) as f32,
+            pixels_per_unit_at_1: (focal_y * height * 0.5) as f32,
+        }
+    }
+}
+
+/// A camera as f32 and relative to one frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewTransform {
+    /// Rotation into view space (right, up, backward).
+    pub view_from_frame_rotation: Mat3,
+    /// The eye relative to the sequence origin, rounded to f32.
+    pub eye_high: Vec3,
+    /// What the rounding left over.
+    pub eye_low: Vec3,
+    /// Cotangents of half the horizontal and vertical field of view.
+    pub focal: [f32; 2],
+    /// Distance to the near plane.
+    pub near: f32,
+    /// A length `s` at distance `d` covers `s / d` times this many pixels.
+    pub pixels_per_unit_at_1: f32,
+}
+
+impl ViewTransform {
+    /// Reverse-Z projection with the far plane at infinity: depth is `near / distance`.
+    pub fn clip_from_view(&self) -> Mat4 {
+        Mat4::from_cols(
+            Vec4::new(self.focal[0], 0.0, 0.0, 0.0),
+            Vec4::new(0.0, self.focal[1], 0.0, 0.0),
+            Vec4::NEG_W,
+            Vec4::new(0.0, 0.0, self.near, 0.0),
+        )
+    }
+
+    /// The frustum in the space of the frame.
+    pub fn frustum_in_frame(&self) -> Frustum {
+        let view_from_frame = Mat4::from_mat3(self.view_from_frame_rotation)
+            * Mat4::from_translation(-self.eye_high);
+        Frustum::from_clip_matrix(&(self.clip_from_view() * view_from_frame))
+    }
+
+    /// A point of the frame in view space.
+    pub fn to_view(&self, position_in_frame: Vec3) -> Vec3 {
+        self.view_from_frame_rotation * ((position_in_frame - self.eye_high) - self.eye_low)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit_box() -> Aabb {
+        Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) }
+    }
+
+    #[test]
+    fn presets_stand_where_their_names_say() {
+        let mut camera = Camera::framing(&unit_box(), DVec3::ZERO, UpAxis::Y);
+        let cases = [
+            (ViewPreset::Front, DVec3::Z),
+            (ViewPreset::Back, DVec3::NEG_Z),
+            (ViewPreset::Right, DVec3::X),
+            (ViewPreset::Left, DVec3::NEG_X),
+            (ViewPreset::Top, DVec3::Y),
+            (ViewPreset::Bottom, DVec3::NEG_Y),
+        ];
+        for (preset, direction) in cases {
+            camera.look_from(preset);
+            let eye = camera.eye_in_world() / camera.distance;
+            assert!((eye - direction).length() < 1e-12, "{preset:?}: {eye}");
+        }
+    }
+
+    #[test]
+    fn up_is_up_for_every_axis() {
+        for &(name, up) in UpAxis::ALL {
+            let camera = Camera { azimuth_deg: 37.0, elevation_deg: 20.0, ..Camera::framing(&unit_box(), DVec3::ZERO, up) };
+            let transform = camera.transform(DVec3::ZERO, [100, 100]);
+            let axis = up.basis().col(1).as_vec3();
+            let rise = transform.to_view(axis) - transform.to_view(Vec3::ZERO);
+            assert!(rise.y > 0.9 && rise.x.abs() < 1e-6, "{name}: {rise}");
+            assert!(transform.view_from_frame_rotation.determinant() > 0.99, "{name} is mirrored");
+        }
+    }
+
+    #[test]
+    fn the_target_is_in_the_middle_at_its_distance() {
+        let camera = Camera::framing(&unit_box(), DVec3::new(1e7, -2e7, 3e6), UpAxis::Z);
+        let transform = camera.transform(DVec3::new(1e7, -2e7, 3e6), [640, 480]);
+        let target = transform.to_view(Vec3::ZERO);
+        assert!((target + Vec3::Z * camera.distance as f32).length() < 1e-5, "{target}");
+    }
+
+    #[test]
+    fn panning_moves_the_target_with_the_pointer() {
+        let mut camera = Camera::framing(&unit_box(), DVec3::ZERO, UpAxis::Y);
+        camera.pan_px(48.0, -24.0, 480.0);
+        let transform = camera.transform(DVec3::ZERO, [480, 480]);
+        let clip = transform.clip_from_view() * transform.to_view(Vec3::ZERO).extend(1.0);
+        let px = clip.truncate().truncate() / clip.w * 240.0;
+        assert!((px.x - 48.0).abs() < 1e-3 && (px.y - 24.0).abs() < 1e-3, "{px}");
+    }
+
+    #[test]
+    fn looking_around_keeps_the_eye() {
+        let mut camera = Camera::framing(&unit_box(), DVec3::ZERO, UpAxis::Z);
+        let before = camera.eye_in_world();
+        camera.look_around(25.0, -10.0);
+        assert!((camera.eye_in_world() - before).length() < 1e-9);
+    }
+}

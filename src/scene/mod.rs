@@ -1,0 +1,10 @@
+//! Plain data between the sequence and a renderer: where the camera is, how the picture is asked for, and the
+//! [`ScenePacket`] that holds everything one picture needs. Nothing here knows a graphics API.
+
+mod camera;
+mod packet;
+mod settings;
+
+pub use camera::{Camera, UpAxis, ViewPreset, ViewTransform};
+pub use packet::{Scene, SceneStats, ScenePacket, Voxels};
+pub use settings::{Background, Lighting, ParseChoiceError, Primitive, Settings, Splatting, Strategy};

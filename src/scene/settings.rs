@@ -1,0 +1,266 @@
+//! Every choice a person has about a picture, with the words the command line and the window use for it.
+
+use crate::sequence::ColorSource;
+use std::fmt;
+use std::str::FromStr;
+
+/// Writes an enum of unit variants once: its list, its names and how a name is read back.
+macro_rules! choices {
+    ($(#[$doc:meta])* $name:ident, $what:literal { $($(#[$variant_doc:meta])* $variant:ident = $text:literal,)+ }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum $name { $($(#[$variant_doc])* $variant,)+ }
+
+        impl $name {
+            /// Every choice, in the order the window lists them.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            /// The word for it on the command line and in reports.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $text),+ }
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(self.name())
+            }
+        }
+
+        impl FromStr for $name {
+            type Err = ParseChoiceError;
+
+            fn from_str(text: &str) -> Result<Self, Self::Err> {
+                Self::ALL.iter().copied().find(|choice| choice.name() == text).ok_or_else(|| {
+                    ParseChoiceError::new($what, text, Self::ALL.iter().map(|choice| choice.name()))
+                })
+            }
+        }
+    };
+}
+
+/// A word that names no choice.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` is no {what}: expected {expected}")]
+pub struct ParseChoiceError {
+    what: &'static str,
+    text: String,
+    expected: String,
+}
+
+impl ParseChoiceError {
+    pub(super) fn new<'a>(what: &'static str, text: &str, expected: impl Iterator<Item = &'a str>) -> Self {
+        Self { what, text: text.to_owned(), expected: expected.collect::<Vec<_>>().join(", ") }
+    }
+}
+
+choices! {
+    /// What a point becomes on the screen.
+    Primitive, "primitive" {
+        /// Oriented disks (paper 000 §V).
+        Surfel = "surfel",
+        /// Cubes of the octree's visible set (paper 000 §VI).
+        Voxel = "voxel",
+        /// Plain squares of a fixed size in pixels.
+        Point = "point",
+    }
+}
+
+choices! {
+    /// The six ways of splatting of paper 000, Fig. 3.
+    Splatting, "splatting mode" {
+        /// (a) One pass, depth test and blending: square artefacts where splats cut each other.
+        Regular = "regular",
+        /// (b) One pass without depth: far splats shine through.
+        NoDepth = "no-depth",
+        /// (c) The depths that the visibility pass leaves, as grey.
+        Visibility = "visibility",
+        /// (d) Visibility pass, then blending of what lies at the surface.
+        TwoPass = "two-pass",
+        /// (e) Two passes, both with enlarged splats.
+        Enlarged = "enlarged",
+        /// (f) Two passes, enlarged in the second only: the paper's proposal and the default.
+        TwoPassEnlarged = "two-pass-enlarged",
+    }
+}
+
+impl Splatting {
+    /// Factors on the splat radius in the visibility and in the attribute pass.
+    pub fn scales(self, enlargement: f32) -> [f32; 2] {
+        match self {
+            Self::Regular | Self::NoDepth | Self::Visibility | Self::TwoPass => [1.0, 1.0],
+            Self::Enlarged => [enlargement, enlargement],
+            Self::TwoPassEnlarged => [1.0, enlargement],
+        }
+    }
+}
+
+choices! {
+    /// How instances reach the vertex stage (paper 000 §IV).
+    Strategy, "instancing strategy" {
+        /// Records pulled from a storage buffer.
+        Storage = "storage",
+        /// Records in 64 KiB uniform buffers, one draw for each.
+        Uniform = "uniform",
+        /// Records as texels.
+        Texture = "texture",
+        /// Records as per-instance vertex attributes.
+        Vertex = "vertex",
+        /// A compute pass writes the quads: what the geometry shader did.
+        Compute = "compute",
+    }
+}
+
+choices! {
+    /// Where the head light is evaluated (paper 000 §V-B).
+    Lighting, "lighting" {
+        /// Plain colours.
+        Unlit = "none",
+        /// Once a surfel or face.
+        PerSurfel = "surfel",
+        /// At each corner, interpolated.
+        PerVertex = "vertex",
+        /// At each pixel.
+        PerFragment = "fragment",
+    }
+}
+
+/// What is behind the cloud: a vertical gradient between two colours, or one colour when they are equal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Background {
+    /// Red, green, blue at the top edge.
+    pub top: [u8; 3],
+    /// Red, green, blue at the bottom edge.
+    pub bottom: [u8; 3],
+}
+
+impl Background {
+    /// Names and values of the presets.
+    pub const PRESETS: &'static [(&'static str, Self)] = &[
+        ("dusk", Self { top: [44, 52, 66], bottom: [17, 20, 26] }),
+        ("black", Self::solid([0, 0, 0])),
+        ("gray", Self::solid([119, 119, 119])),
+        ("white", Self::solid([255, 255, 255])),
+        ("sky", Self { top: [120, 165, 214], bottom: [235, 240, 245] }),
+    ];
+
+    /// One colour everywhere.
+    pub const fn solid(color: [u8; 3]) -> Self {
+        Self { top: color, bottom: color }
+    }
+}
+
+impl Default for Background {
+    fn default() -> Self {
+        Self::PRESETS[0].1
+    }
+}
+
+impl FromStr for Background {
+    type Err = ParseChoiceError;
+
+    /// Reads a preset's name, `#rrggbb`, or `#rrggbb-#rrggbb` (top to bottom).
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let preset = Self::PRESETS.iter().find(|(name, _)| *name == text).map(|&(_, preset)| preset);
+        let parsed = preset.or_else(|| match text.split_once('-') {
+            Some((top, bottom)) => Some(Self { top: parse_hex(top)?, bottom: parse_hex(bottom)? }),
+            None => parse_hex(text).map(Self::solid),
+        });
+        parsed.ok_or_else(|| {
+            let presets = Self::PRESETS.iter().map(|(name, _)| *name);
+            ParseChoiceError::new("background", text, presets.chain(["#rrggbb", "#rrggbb-#rrggbb"]))
+        })
+    }
+}
+
+fn parse_hex(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#')?;
+    if digits.len() != 6 || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+        return None;
+    }
+    let value = u32::from_str_radix(digits, 16).ok()?;
+    Some([(value >> 16) as u8, (value >> 8) as u8, value as u8])
+}
+
+/// All choices about a picture but where the camera stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// What points become.
+    pub primitive: Primitive,
+    /// How surfels are splatted.
+    pub splatting: Splatting,
+    /// How instances reach the GPU.
+    pub strategy: Strategy,
+    /// Factor on every splat radius.
+    pub splat_scale: f32,
+    /// Further factor of the enlarged passes; the paper uses 2.
+    pub enlargement: f32,
+    /// Drop what faces away. Off for clouds whose normals cannot be trusted.
+    pub cull_back_faces: bool,
+    /// Where light is evaluated.
+    pub lighting: Lighting,
+    /// What is behind the cloud.
+    pub background: Background,
+    /// Where colours come from.
+    pub colors: ColorSource,
+    /// Edge of a drawn point in pixels.
+    pub point_size_px: f32,
+    /// Acceptable loss δ of the octree's stop criterion, 0 to 0.6.
+    pub delta: f32,
+    /// Octants whose edge projects below this many pixels are not subdivided.
+    pub lod_px: f32,
+}
+
+impl Settings {
+    /// Largest δ offered.
+    pub const MAX_DELTA: f32 = 0.6;
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            primitive: Primitive::Surfel,
+            splatting: Splatting::TwoPassEnlarged,
+            strategy: Strategy::Storage,
+            splat_scale: 1.0,
+            enlargement: 2.0,
+            cull_back_faces: true,
+            lighting: Lighting::PerFragment,
+            background: Background::default(),
+            colors: ColorSource::Auto,
+            point_size_px: 1.0,
+            delta: 0.05,
+            lod_px: 1.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_choice_reads_back_from_its_name() {
+        for &mode in Splatting::ALL {
+            assert_eq!(mode.name().parse(), Ok(mode));
+        }
+        for &strategy in Strategy::ALL {
+            assert_eq!(strategy.name().parse(), Ok(strategy));
+        }
+        let error = "cone".parse::<Primitive>().unwrap_err();
+        assert_eq!(error.to_string(), "`cone` is no primitive: expected surfel, voxel, point");
+    }
+
+    #[test]
+    fn backgrounds_are_presets_colors_or_gradients() {
+        assert_eq!("black".parse(), Ok(Background::solid([0, 0, 0])));
+        assert_eq!("#0a10ff".parse(), Ok(Background::solid([10, 16, 255])));
+        assert_eq!(
+            "#000000-#ffffff".parse(),
+            Ok(Background { top: [0; 3], bottom: [255; 3] })
+        );
+        for wrong in ["", "#12345", "#12345g", "#é1234", "000000", "#000000-"] {
+            assert!(wrong.parse::<Background>().is_err(), "{wrong}");
+        }
+    }
+}
