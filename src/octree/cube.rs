@@ -122,8 +122,7 @@ mod tests {
 
     #[test]
     fn the_longest_edge_rules_and_extremes_are_inside() {
-        let cube =
-            Cube::around(&[Vec3::new(-1.0, 2.0, 0.0), Vec3::new(0.5, 2.25, 0.125)]).unwrap();
+        let cube = Cube::around(&[Vec3::new(-1.0, 2.0, 0.0), Vec3::new(0.5, 2.25, 0.125)]).unwrap();
         assert_eq!(cube.min, Vec3::new(-1.0, 2.0, 0.0));
         assert_eq!(cube.edge, 1.5);
         assert_eq!(Cube::around(&[]), None);

@@ -169,15 +169,16 @@ impl Traversal<'_> {
     /// each axis; `None` when there may be several.
     fn uniform_cut(&self, distance: Vec3, level: usize) -> Option<usize> {
         let half_edge = self.levels[level].half_edge;
-        let farthest_squared = (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN);
+        let farthest_squared =
+            (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN);
         let nearest_squared = nearest_squared(distance, half_edge + self.slack) * (1.0 - MARGIN);
         let depth = self.tree.depth() as usize;
         // No cell above this level stops, wherever in this cell it is.
         let first_stop = (level + 1..depth)
             .find(|&below| farthest_squared > self.levels[below].stop_beyond_squared)
             .unwrap_or(depth);
-        let all_stop = first_stop == depth
-            || nearest_squared > self.levels[first_stop].stop_beyond_squared;
+        let all_stop =
+            first_stop == depth || nearest_squared > self.levels[first_stop].stop_beyond_squared;
         all_stop.then_some(first_stop)
     }
 
