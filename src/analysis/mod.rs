@@ -8,6 +8,10 @@ mod normals;
 mod orientation;
 mod point_tree;
 mod radii;
+#[cfg(test)]
+pub(crate) mod test_shapes;
+#[cfg(test)]
+mod tests;
 
 pub use colors::{fake_color, scalar_colors};
 pub use neighbours::{Neighbours, nearest_neighbours};

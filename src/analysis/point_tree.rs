@@ -5,7 +5,7 @@
 //! close in memory, and the tree needs no pointers: node `i` has the children `2 i` and `2 i + 1`, the root is 1.
 //!
 //! When it wins: over a uniform grid wherever density varies. A cluster with an outlier a million times its size away,
-//! or a LiDAR sweep, is split as evenly as a sphere; even points that all coincide are shared out among buckets.
+//! or a laser scanner's sweep, is split as evenly as a sphere; even points that all coincide are shared out among buckets.
 //!
 //! Coordinates are scaled by a power of two into −1..1, which is exact, so that squared distances neither overflow nor
 //! (for clouds of one scale) underflow.

@@ -23,10 +23,10 @@ use rayon::prelude::*;
 pub const LONE_RADIUS: f32 = 0.5;
 
 /// Disks meet in corners of Voronoi cells; this much more lets them overlap there, for curvature and rounding.
-const OVERLAP: f32 = 1.1;
+const OVERLAP: f32 = 1.15;
 
 /// Largest radius, as a multiple of the distance to the last neighbour: corners beyond it are not known to be corners.
-const MAX_OF_REACH: f32 = 0.8;
+const MAX_OF_REACH: f32 = 1.0;
 
 /// Largest radius, as a multiple of the median radius of the neighbours.
 const MAX_OF_NEIGHBOURS: f32 = 3.0;

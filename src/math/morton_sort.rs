@@ -153,7 +153,7 @@ mod tests {
     fn nothing_one_and_equal_codes() {
         assert_sorted_like_std(&[]);
         assert_sorted_like_std(&[42]);
-        assert_sorted_like_std(&[7; 5000]);
+        assert_sorted_like_std(&vec![7; 5000]);
         assert_sorted_like_std(&[(1 << 63) - 1, 0, (1 << 63) - 1, 1]);
     }
 

@@ -12,6 +12,8 @@ mod byte_code;
 mod cube;
 mod select;
 mod stop;
+#[cfg(test)]
+mod tests;
 
 pub use byte_code::OctreeError;
 pub use cube::Cube;

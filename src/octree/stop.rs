@@ -28,7 +28,12 @@ impl StopCriterion {
     /// The first level that need not be subdivided.
     pub(super) fn depth(self, occupied: &OccupiedCells, point_count: usize) -> u32 {
         let Self::Loss(delta) = self;
-        let kept = 1.0 - f64::from(delta.max(0.0).min(1.0));
+        let delta = if delta.is_nan() {
+            0.0
+        } else {
+            delta.clamp(0.0, 1.0)
+        };
+        let kept = 1.0 - f64::from(delta);
         let enough = kept * point_count as f64;
         let distinct = occupied[LEVELS as usize];
         (0..LEVELS)
