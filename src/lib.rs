@@ -8,8 +8,10 @@
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
+//! | [`sequence`] | files in order, the clock, frames prepared ahead of the playhead within a byte budget |
 
 pub mod analysis;
 pub mod cloud;
 pub mod math;
 pub mod octree;
+pub mod sequence;
