@@ -1,3 +1,4 @@
+use super::Direction::{Backward, Forward};
 use super::*;
 use proptest::prelude::*;
 
@@ -87,7 +88,6 @@ fn ping_pong_tells_where_it_goes_next() {
             clock.direction()
         })
         .collect();
-    use Direction::{Backward, Forward};
     assert_eq!(
         directions,
         [Forward, Forward, Backward, Backward, Forward, Forward]

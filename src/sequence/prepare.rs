@@ -179,17 +179,16 @@ fn build(
         shapes = Some(Arc::new(estimated_shapes(&frame, &mut timings, counters)));
     }
 
-    let (id, points) = match same_colors {
-        Some(existing) => (existing.id, Arc::clone(&existing.points)),
-        None => {
-            let start = Instant::now();
-            let points = colored_points(&frame, colors, shapes.as_deref().map(Vec::as_slice));
-            timings.records_ms += milliseconds_since(start);
-            counters
-                .records_written
-                .fetch_add(points.len() as u64, Ordering::Relaxed);
-            (next_id(), Arc::new(points))
-        }
+    let (id, points) = if let Some(existing) = same_colors {
+        (existing.id, Arc::clone(&existing.points))
+    } else {
+        let start = Instant::now();
+        let points = colored_points(&frame, colors, shapes.as_deref().map(Vec::as_slice));
+        timings.records_ms += milliseconds_since(start);
+        counters
+            .records_written
+            .fetch_add(points.len() as u64, Ordering::Relaxed);
+        (next_id(), Arc::new(points))
     };
 
     let reusable = same_colors
