@@ -6,6 +6,10 @@
 //! |---|---|
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
+//! | [`analysis`] | neighbours, normals, splat radii, colours |
+//! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
 
+pub mod analysis;
 pub mod cloud;
 pub mod math;
+pub mod octree;

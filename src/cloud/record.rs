@@ -74,7 +74,6 @@ fn sign_not_zero(v: Vec2) -> Vec2 {
     Vec2::select(v.cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE)
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,7 +93,14 @@ mod tests {
 
     #[test]
     fn axes_are_exact() {
-        for axis in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z] {
+        for axis in [
+            Vec3::X,
+            Vec3::Y,
+            Vec3::Z,
+            Vec3::NEG_X,
+            Vec3::NEG_Y,
+            Vec3::NEG_Z,
+        ] {
             assert_eq!(oct_decode(oct_encode(axis)), axis);
         }
     }

@@ -70,12 +70,7 @@ mod tests {
 
     fn frustum() -> Frustum {
         // 90° square view from the origin down -Z, near plane at 1.
-        Frustum::from_clip_matrix(&Mat4::from_cols(
-            Vec4::X,
-            Vec4::Y,
-            Vec4::NEG_W,
-            Vec4::Z,
-        ))
+        Frustum::from_clip_matrix(&Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::NEG_W, Vec4::Z))
     }
 
     #[test]

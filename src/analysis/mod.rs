@@ -1,0 +1,72 @@
+//! Completing a frame: neighbours, normals, radii and colours, as pure functions on slices.
+//!
+//! Nothing here depends on timing or on the number of threads in rayon's pool: the same points give the same bits.
+
+mod colors;
+mod neighbours;
+mod normals;
+mod orientation;
+mod point_tree;
+mod radii;
+#[cfg(test)]
+pub(crate) mod test_shapes;
+#[cfg(test)]
+mod tests;
+
+pub use colors::{fake_color, scalar_colors};
+pub use neighbours::{Neighbours, nearest_neighbours};
+pub use radii::LONE_RADIUS;
+
+use glam::Vec3;
+use point_tree::PointTree;
+
+/// Number of neighbours that normals and radii are estimated from.
+///
+/// Twelve are two rings of a triangulated surface: enough to average noise out of a normal and to enclose a point on all
+/// sides, few enough not to reach round corners. The point itself is not counted.
+pub const DEFAULT_NEIGHBOURS: usize = 12;
+
+/// The surface around each point, in the order of the points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// Unit normals, consistently oriented.
+    pub normals: Vec<Vec3>,
+    /// Splat radii in scene units; positive and finite.
+    pub radii: Vec<f32>,
+}
+
+/// Estimates normals and radii from [`DEFAULT_NEIGHBOURS`] neighbours.
+///
+/// Normals point to `sensor` if it is given; else they are made consistent over the neighbourhood graph, and each
+/// connected component faces outwards. Positions must be finite. Every number of points is fine: a point without a
+/// surface around it (fewer than three distinct points nearby, or all in a line) gets a normal across what there is,
+/// and +Z where there is nothing.
+pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
+    let tree = PointTree::new(positions);
+    let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
+    let mut normals = normals::plane_normals(&tree, &neighbours);
+    let radii = radii::closing_radii(&tree, &neighbours, &normals);
+    match sensor {
+        Some(sensor) => orientation::face_sensor(&tree, sensor, &mut normals),
+        None => orientation::face_outwards(&tree, &neighbours, &mut normals),
+    }
+    Surface {
+        normals: tree.to_file_order(&normals),
+        radii: tree.to_file_order(&radii),
+    }
+}
+
+/// The radii of [`estimate_surface`] for points that have normals.
+///
+/// `normals` are of unit length, or zero where the tangent plane has to be estimated.
+///
+/// # Panics
+/// Precondition: as many normals as positions.
+pub fn splat_radii(positions: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
+    assert_eq!(positions.len(), normals.len(), "one normal for each point");
+    let tree = PointTree::new(positions);
+    let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
+    let mut normals = tree.to_slot_order(normals);
+    normals::fill_missing(&tree, &neighbours, &mut normals);
+    tree.to_file_order(&radii::closing_radii(&tree, &neighbours, &normals))
+}

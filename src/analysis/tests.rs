@@ -1,0 +1,397 @@
+//! Analysis against brute force and against shapes whose surface is known.
+
+use super::test_shapes::{self, Random, Sampled};
+use super::*;
+use proptest::prelude::*;
+
+fn neighbours_by_brute_force(positions: &[Vec3], k: usize) -> Vec<Vec<u32>> {
+    (0..positions.len())
+        .map(|index| {
+            let mut others: Vec<(f32, u32)> = (0..positions.len())
+                .filter(|&other| other != index)
+                .map(|other| {
+                    let d = positions[other] - positions[index];
+                    (d.x * d.x + d.y * d.y + d.z * d.z, other as u32)
+                })
+                .collect();
+            others.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            others.truncate(k);
+            others.into_iter().map(|(_, other)| other).collect()
+        })
+        .collect()
+}
+
+fn check_neighbours(positions: &[Vec3], k: usize) {
+    let found = nearest_neighbours(positions, k);
+    for (index, expected) in neighbours_by_brute_force(positions, k).iter().enumerate() {
+        assert_eq!(
+            found.of(index),
+            expected,
+            "point {index} of {}",
+            positions.len()
+        );
+    }
+}
+
+#[test]
+fn neighbours_of_random_clouds() {
+    let mut random = Random(1);
+    for count in [0, 1, 2, 5, 13, 16, 17, 100, 2000] {
+        let cloud: Vec<Vec3> = (0..count).map(|_| random.cube()).collect();
+        for k in [0, 1, 8, 12, 40] {
+            check_neighbours(&cloud, k);
+        }
+    }
+    check_neighbours(&test_shapes::torus(2000, 0.3, &mut random).positions, 12);
+}
+
+#[test]
+fn neighbours_where_distances_tie() {
+    let mut random = Random(2);
+    let lattice: Vec<Vec3> = (0..12 * 12 * 12)
+        .map(|i| Vec3::new((i % 12) as f32, (i / 12 % 12) as f32, (i / 144) as f32))
+        .collect();
+    // In a shuffled order, so that index and place have nothing to do with each other.
+    let mut shuffled = lattice.clone();
+    for i in (1..shuffled.len()).rev() {
+        shuffled.swap(i, random.next_bits() as usize % (i + 1));
+    }
+    check_neighbours(&lattice, 12);
+    check_neighbours(&shuffled, 12);
+    let plane: Vec<Vec3> = shuffled.iter().map(|p| p.with_y(0.0)).collect();
+    check_neighbours(&plane, 12);
+    let line: Vec<Vec3> = shuffled.iter().map(|p| Vec3::new(p.x, 0.0, 0.0)).collect();
+    check_neighbours(&line, 12);
+    check_neighbours(&[Vec3::splat(3.0); 200], 12);
+}
+
+#[test]
+fn neighbours_beside_outliers_and_at_extreme_scales() {
+    let mut random = Random(3);
+    let cloud: Vec<Vec3> = (0..800).map(|_| random.cube()).collect();
+    let outlier: Vec<Vec3> = cloud.iter().copied().chain([Vec3::splat(1e6)]).collect();
+    check_neighbours(&outlier, 12);
+    for scale in [1e-6f32, 1e9] {
+        let scaled: Vec<Vec3> = cloud.iter().map(|&p| p * scale).collect();
+        check_neighbours(&scaled, 12);
+    }
+    // Beyond the square root of f32::MAX plain squared distances are infinite; the answer is that of the unscaled cloud.
+    let huge = 2f32.powi(120);
+    let scaled: Vec<Vec3> = cloud.iter().map(|&p| p * huge).collect();
+    assert_eq!(
+        nearest_neighbours(&scaled, 12),
+        nearest_neighbours(&cloud, 12)
+    );
+}
+
+/// 60,000 points that a grid or an unbalanced tree would search in quadratic time, which no one would wait for.
+#[test]
+fn degenerate_clouds_are_not_quadratic() {
+    let mut random = Random(4);
+    let count = 60_000;
+    let tiny: Vec<Vec3> = (0..count)
+        .map(|_| random.cube() * 1e-3)
+        .chain([Vec3::splat(1e6)])
+        .collect();
+    let equal = vec![Vec3::new(1.0, 2.0, 3.0); count];
+    let two_places: Vec<Vec3> = (0..count).map(|i| Vec3::splat((i % 2) as f32)).collect();
+    // Squared distances in the cluster underflow beside the outlier: all equal to 0.
+    let underflow: Vec<Vec3> = (0..count)
+        .map(|_| random.cube() * 1e-30)
+        .chain([Vec3::splat(1e30)])
+        .collect();
+    for cloud in [tiny, equal, two_places, underflow] {
+        let surface = estimate_surface(&cloud, None);
+        assert_defined(&surface, cloud.len());
+    }
+    let lists = nearest_neighbours(&vec![Vec3::ONE; count], 3);
+    assert_eq!(lists.of(0), [1, 2, 3]);
+    assert_eq!(lists.of(40_000), [0, 1, 2]);
+}
+
+proptest! {
+    #[test]
+    fn neighbours_of_any_cloud(points in prop::collection::vec(prop::array::uniform3(-6i8..6), 0..150), k in 0usize..20) {
+        let positions: Vec<Vec3> = points.into_iter().map(|p| Vec3::from_array(p.map(f32::from))).collect();
+        check_neighbours(&positions, k);
+    }
+
+    #[test]
+    fn surfaces_of_any_cloud_are_defined(points in prop::collection::vec(prop::array::uniform3(-3i8..3), 0..60)) {
+        let positions: Vec<Vec3> = points.into_iter().map(|p| Vec3::from_array(p.map(f32::from))).collect();
+        assert_defined(&estimate_surface(&positions, None), positions.len());
+        assert_defined(&estimate_surface(&positions, Some(Vec3::Z)), positions.len());
+    }
+}
+
+fn assert_defined(surface: &Surface, count: usize) {
+    assert_eq!((surface.normals.len(), surface.radii.len()), (count, count));
+    assert!(surface.normals.iter().all(|normal| normal.is_normalized()));
+    assert!(
+        surface
+            .radii
+            .iter()
+            .all(|radius| radius.is_finite() && *radius > 0.0)
+    );
+}
+
+#[test]
+fn few_and_degenerate_points_have_a_surface() {
+    let mut random = Random(5);
+    for count in 0..=8 {
+        let cloud: Vec<Vec3> = (0..count).map(|_| random.cube()).collect();
+        assert_defined(&estimate_surface(&cloud, None), count);
+    }
+    let one = estimate_surface(&[Vec3::splat(7.0)], None);
+    assert_eq!((one.normals[0], one.radii[0]), (Vec3::Z, LONE_RADIUS));
+    let equal = estimate_surface(&[Vec3::splat(7.0); 50], None);
+    assert_eq!((equal.normals[9], equal.radii[9]), (Vec3::Z, LONE_RADIUS));
+
+    let direction = Vec3::new(1.0, 2.0, -0.5).normalize();
+    let line: Vec<Vec3> = (0..50).map(|i| direction * i as f32).collect();
+    let surface = estimate_surface(&line, None);
+    assert_defined(&surface, 50);
+    for normal in &surface.normals {
+        assert!(normal.dot(direction).abs() < 1e-3);
+    }
+    // Half the distance to a neighbour, plus the overlap: the line has no gap.
+    assert!(
+        surface.radii[5..45]
+            .iter()
+            .all(|radius| (0.5..0.7).contains(radius))
+    );
+}
+
+/// Angles in degrees between found and true normals, sign included: mean and largest.
+fn angles(found: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
+    let angles: Vec<f32> = found
+        .iter()
+        .zip(truth)
+        .map(|(a, b)| a.angle_between(*b).to_degrees())
+        .collect();
+    (
+        angles.iter().sum::<f32>() / angles.len() as f32,
+        angles.iter().copied().fold(0.0, f32::max),
+    )
+}
+
+fn assert_outwards(shape: &Sampled, mean_degrees: f32, max_degrees: f32) {
+    let surface = estimate_surface(&shape.positions, None);
+    let (mean, max) = angles(&surface.normals, &shape.normals);
+    assert!(
+        mean < mean_degrees && max < max_degrees,
+        "mean {mean}, largest {max} degrees"
+    );
+}
+
+#[test]
+fn closed_shapes_come_out_outward() {
+    let mut random = Random(6);
+    let sphere = test_shapes::sphere(10_000, &mut random);
+    let torus = test_shapes::torus(20_000, 0.4, &mut random);
+    assert_outwards(&sphere, 1.2, 8.0);
+    assert_outwards(&torus, 2.0, 20.0);
+    let far = sphere
+        .clone()
+        .and(test_shapes::sphere(3_000, &mut random).moved(Vec3::new(5.0, 1.0, 0.0)));
+    assert_outwards(&far, 1.5, 15.0);
+    // A sphere within a sphere: two components, each outward of itself.
+    let mut inner = test_shapes::sphere(3_000, &mut random);
+    inner
+        .positions
+        .iter_mut()
+        .for_each(|position| *position *= 0.5);
+    assert_outwards(&sphere.and(inner), 1.5, 15.0);
+}
+
+#[test]
+fn orientation_crosses_sharp_edges_and_keeps_thin_sheets_apart() {
+    let mut random = Random(7);
+    for half_edges in [
+        Vec3::ONE,
+        Vec3::new(1.0, 1.0, 0.03),
+        Vec3::new(1.0, 0.2, 0.05),
+    ] {
+        let shape = test_shapes::cuboid(30_000, half_edges, &mut random);
+        let surface = estimate_surface(&shape.positions, None);
+        let wrong = surface
+            .normals
+            .iter()
+            .zip(&shape.normals)
+            .filter(|(found, truth)| found.dot(**truth) < -0.1)
+            .count();
+        assert!(wrong < 30, "{wrong} of 30,000 face inwards of {half_edges}");
+    }
+}
+
+#[test]
+fn noise_does_not_turn_patches_over() {
+    let mut random = Random(8);
+    let mut sphere = test_shapes::sphere(20_000, &mut random);
+    for position in &mut sphere.positions {
+        *position *= 1.0 + 0.005 * (random.unit() - 0.5);
+    }
+    let surface = estimate_surface(&sphere.positions, None);
+    let wrong = surface
+        .normals
+        .iter()
+        .zip(&sphere.normals)
+        .filter(|(found, truth)| found.dot(**truth) < 0.0)
+        .count();
+    assert_eq!(wrong, 0);
+}
+
+#[test]
+fn normals_face_the_sensor() {
+    let mut random = Random(9);
+    let sensor = Vec3::new(0.5, -4.0, 2.0);
+    let sphere = test_shapes::sphere(5_000, &mut random);
+    let surface = estimate_surface(&sphere.positions, Some(sensor));
+    for (normal, position) in surface.normals.iter().zip(&sphere.positions) {
+        assert!(normal.dot(sensor - position) >= 0.0);
+    }
+}
+
+#[test]
+fn planes_are_exact_far_from_the_origin() {
+    let mut random = Random(10);
+    let normal = Vec3::new(0.0, 0.6, 0.8);
+    for offset in [0.0, 1e3, 1e5] {
+        // On multiples of 2⁻⁶, which f32 holds exactly also at 10⁵.
+        let positions: Vec<Vec3> = (0..5000)
+            .map(|_| {
+                let (a, b) = (
+                    (random.unit() * 1000.0).round(),
+                    (random.unit() * 200.0).round(),
+                );
+                Vec3::new(a, b * 4.0, b * -3.0) / 64.0 + Vec3::splat(offset)
+            })
+            .collect();
+        let surface = estimate_surface(&positions, None);
+        for found in &surface.normals {
+            assert!(found.dot(normal) > 0.999_999, "{found} at {offset}");
+        }
+    }
+}
+
+/// Share of rays from `origins` against `directions` that miss every disk within `reach` of where they start.
+fn uncovered(shape: &Sampled, radii: &[f32], probes: &Sampled) -> f32 {
+    let reach = radii.iter().copied().fold(0.0, f32::max) * 2.0;
+    let is_hole = |probe: Vec3, direction: Vec3| {
+        !shape.positions.iter().zip(&shape.normals).zip(radii).any(
+            |((&center, &normal), &radius)| {
+                let offset = center - probe;
+                if offset.length_squared() > reach * reach {
+                    return false;
+                }
+                let slope = normal.dot(direction);
+                let hit = direction * (normal.dot(offset) / slope);
+                slope.abs() > 0.2 && (hit - offset).length_squared() <= radius * radius
+            },
+        )
+    };
+    let holes = probes
+        .positions
+        .iter()
+        .zip(&probes.normals)
+        .filter(|&(&probe, &direction)| is_hole(probe, direction))
+        .count();
+    holes as f32 / probes.positions.len() as f32
+}
+
+#[test]
+fn disks_close_the_surface() {
+    let mut random = Random(11);
+    for (mut shape, probes) in [
+        (
+            test_shapes::sphere(4_000, &mut random),
+            test_shapes::sphere(20_000, &mut random),
+        ),
+        (
+            test_shapes::torus(8_000, 0.4, &mut random),
+            test_shapes::torus(20_000, 0.4, &mut random),
+        ),
+    ] {
+        let surface = estimate_surface(&shape.positions, None);
+        shape.normals = surface.normals;
+        let holes = uncovered(&shape, &surface.radii, &probes);
+        assert!(holes <= 0.0005, "{holes} of the surface is open");
+        let half: Vec<f32> = surface.radii.iter().map(|radius| radius * 0.5).collect();
+        let without = uncovered(&shape, &half, &probes);
+        assert!(without > 0.05, "half the radius would do: {without}");
+    }
+}
+
+#[test]
+fn outliers_do_not_grow_giant_disks() {
+    let mut random = Random(12);
+    let mut cloud = test_shapes::sphere(5_000, &mut random).positions;
+    cloud.push(Vec3::splat(1e6));
+    cloud.extend((0..5).map(|i| Vec3::new(30.0 + i as f32 * 5.0, 0.0, 0.0)));
+    let surface = estimate_surface(&cloud, None);
+    let largest = surface.radii.iter().copied().fold(0.0, f32::max);
+    assert!(largest < 2.0, "{largest}");
+}
+
+#[test]
+fn sparse_regions_keep_their_large_disks() {
+    // Spacing grows sixtyfold along x, as in a LiDAR sweep.
+    let mut positions = Vec::new();
+    let mut x = 1.0f32;
+    while x < 60.0 {
+        let step = 0.02 * x;
+        positions.extend((-10..=10).map(|row| Vec3::new(x, row as f32 * step, 0.0)));
+        x += step;
+    }
+    let surface = estimate_surface(&positions, None);
+    for (position, radius) in positions.iter().zip(&surface.radii) {
+        let spacing = 0.02 * position.x;
+        assert!(
+            (0.6..1.8).contains(&(radius / spacing)),
+            "{radius} at {position}"
+        );
+    }
+}
+
+#[test]
+fn radii_alone_agree_with_those_of_the_surface() {
+    let mut random = Random(13);
+    let torus = test_shapes::torus(3_000, 0.4, &mut random);
+    let surface = estimate_surface(&torus.positions, None);
+    // Some are given with the other sign, which does not matter, and some are to be estimated.
+    let some_missing: Vec<Vec3> = surface
+        .normals
+        .iter()
+        .enumerate()
+        .map(|(i, &normal)| match i % 3 {
+            0 => Vec3::ZERO,
+            1 => normal,
+            _ => -normal,
+        })
+        .collect();
+    for (a, b) in splat_radii(&torus.positions, &some_missing)
+        .iter()
+        .zip(&surface.radii)
+    {
+        assert!((a - b).abs() <= 1e-3 * b);
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let torus = test_shapes::torus(30_000, 0.4, &mut Random(14));
+    let with_threads = |count| {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(count)
+            .build()
+            .unwrap()
+            .install(|| {
+                (
+                    nearest_neighbours(&torus.positions, 12),
+                    estimate_surface(&torus.positions, None),
+                )
+            })
+    };
+    let one = with_threads(1);
+    assert!(with_threads(2) == one && with_threads(5) == one);
+}

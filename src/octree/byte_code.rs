@@ -1,0 +1,179 @@
+//! Reading the byte code of an octree: one mask byte for each internal node, breadth-first (paper 000 §VI-A).
+//!
+//! The bytes of a level say how many bytes the next level has, so the code needs no lengths, and any byte lost, added or
+//! emptied is noticed. What cannot be noticed is an octant moved within its byte.
+
+use super::Octree;
+use crate::math::morton::LEVELS;
+
+/// Why a byte code is not that of an octree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OctreeError {
+    /// More levels than Morton codes have.
+    #[error("octree byte code: depth {depth} is beyond the deepest level, {LEVELS}")]
+    TooDeep {
+        /// The depth given.
+        depth: u32,
+    },
+    /// The bytes end within a level.
+    #[error(
+        "octree byte code: level {level} has {expected} nodes, but the bytes end after {found} of them"
+    )]
+    Truncated {
+        /// Level whose bytes are missing.
+        level: u32,
+        /// Nodes on that level.
+        expected: usize,
+        /// Bytes left for them.
+        found: usize,
+    },
+    /// An internal node without children.
+    #[error("octree byte code: byte {index} (level {level}) is zero, but every node has a child")]
+    EmptyNode {
+        /// Position of the byte.
+        index: usize,
+        /// Level of the node.
+        level: u32,
+    },
+    /// More bytes than nodes.
+    #[error("octree byte code: {trailing} bytes follow the last node")]
+    TrailingBytes {
+        /// Bytes too many.
+        trailing: usize,
+    },
+}
+
+impl Octree {
+    /// The occupied cells at level `depth` that a byte code stands for, as integer coordinates below `2^depth`, in
+    /// Morton order.
+    ///
+    /// At depth 0 the code has no bytes and stands for the root. (An octree without points has no code: nothing to store.)
+    /// Memory is bounded by the bytes there are: eight cells for each.
+    pub fn cells_from_masks(masks: &[u8], depth: u32) -> Result<Vec<[u32; 3]>, OctreeError> {
+        if depth > LEVELS {
+            return Err(OctreeError::TooDeep { depth });
+        }
+        let mut cells = vec![[0; 3]];
+        let mut start = 0;
+        for level in 0..depth {
+            let Some(level_masks) = masks[start..].get(..cells.len()) else {
+                return Err(OctreeError::Truncated {
+                    level,
+                    expected: cells.len(),
+                    found: masks.len() - start,
+                });
+            };
+            if let Some(offset) = level_masks.iter().position(|&mask| mask == 0) {
+                return Err(OctreeError::EmptyNode {
+                    index: start + offset,
+                    level,
+                });
+            }
+            cells = cells
+                .iter()
+                .zip(level_masks)
+                .flat_map(|(&cell, &mask)| children(cell, mask))
+                .collect();
+            start += level_masks.len();
+        }
+        match masks.len() - start {
+            0 => Ok(cells),
+            trailing => Err(OctreeError::TrailingBytes { trailing }),
+        }
+    }
+}
+
+fn children([x, y, z]: [u32; 3], mask: u8) -> impl Iterator<Item = [u32; 3]> {
+    (0..8)
+        .filter(move |octant| mask >> octant & 1 == 1)
+        .map(move |octant| {
+            [
+                x << 1 | octant & 1,
+                y << 1 | octant >> 1 & 1,
+                z << 1 | octant >> 2,
+            ]
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::octree::StopCriterion;
+    use glam::Vec3;
+
+    /// Two levels: octants 0 and 7 of the root; in them octants 1 and 2, and octant 4.
+    const CODE: [u8; 3] = [0b1000_0001, 0b0000_0110, 0b0001_0000];
+
+    #[test]
+    fn a_code_by_hand() {
+        let cells = Octree::cells_from_masks(&CODE, 2).unwrap();
+        assert_eq!(cells, [[1, 0, 0], [0, 1, 0], [2, 2, 3]]);
+        assert_eq!(Octree::cells_from_masks(&[], 0).unwrap(), [[0; 3]]);
+    }
+
+    #[test]
+    fn damage_is_refused() {
+        let cases = [
+            (
+                &CODE[..2],
+                2,
+                OctreeError::Truncated {
+                    level: 1,
+                    expected: 2,
+                    found: 1,
+                },
+            ),
+            (
+                &CODE[..0],
+                2,
+                OctreeError::Truncated {
+                    level: 0,
+                    expected: 1,
+                    found: 0,
+                },
+            ),
+            (&CODE, 1, OctreeError::TrailingBytes { trailing: 2 }),
+            (&CODE, 0, OctreeError::TrailingBytes { trailing: 3 }),
+            (
+                &CODE,
+                3,
+                OctreeError::Truncated {
+                    level: 2,
+                    expected: 3,
+                    found: 0,
+                },
+            ),
+            (
+                &[CODE[0], 0, 1],
+                2,
+                OctreeError::EmptyNode { index: 1, level: 1 },
+            ),
+            (&[0], 1, OctreeError::EmptyNode { index: 0, level: 0 }),
+            (&CODE, 22, OctreeError::TooDeep { depth: 22 }),
+        ];
+        for (masks, depth, expected) in cases {
+            assert_eq!(Octree::cells_from_masks(masks, depth), Err(expected));
+        }
+    }
+
+    #[test]
+    fn every_lost_or_added_byte_of_a_real_tree_is_noticed() {
+        let points: Vec<Vec3> = (0..500)
+            .map(|i| Vec3::new((i * 37 % 101) as f32, (i * 53 % 97) as f32, (i % 13) as f32))
+            .collect();
+        let tree = Octree::build(&points, &vec![[0; 4]; 500], StopCriterion::Loss(0.0));
+        let masks = tree.masks();
+        for kept in 0..masks.len() {
+            assert!(Octree::cells_from_masks(&masks[..kept], tree.depth()).is_err());
+        }
+        for at in 0..masks.len() {
+            let mut longer = masks.to_vec();
+            longer.insert(at, 0xff);
+            assert!(Octree::cells_from_masks(&longer, tree.depth()).is_err());
+            let mut emptied = masks.to_vec();
+            emptied[at] = 0;
+            assert!(Octree::cells_from_masks(&emptied, tree.depth()).is_err());
+        }
+    }
+}

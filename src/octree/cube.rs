@@ -1,0 +1,185 @@
+//! The cube that encloses a cloud, and the cells its points fall into.
+
+use crate::math::{
+    Aabb,
+    morton::{self, FINEST_CELLS},
+};
+use glam::{DVec3, Vec3};
+
+/// Edge of the cube around points that all coincide, in scene units, unless they lie so far out that f32 cannot tell
+/// the ends of such an edge apart.
+const LONE_EDGE: f32 = 1.0;
+
+/// The cube that an octree divides: every cell of every level is a cube too.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cube {
+    /// Smallest corner, relative to the sequence origin.
+    pub min: Vec3,
+    /// Edge length; positive and finite.
+    pub edge: f32,
+}
+
+impl Cube {
+    /// The cube of no points.
+    pub(super) const EMPTY: Self = Self {
+        min: Vec3::ZERO,
+        edge: LONE_EDGE,
+    };
+
+    /// The cube whose smallest corner is that of the bounding box of `points` and whose edge is the longest of the box,
+    /// rounded up; `None` for no points.
+    ///
+    /// Points that coincide sit in the middle of a cube of edge 1 (or of 2⁻²⁰ of their distance from the origin, if that is
+    /// more). A box wider than the largest f32 gets that as its edge.
+    pub fn around(points: &[Vec3]) -> Option<Self> {
+        let bounds = Aabb::from_points(points);
+        if bounds.is_empty() {
+            return None;
+        }
+        let longest = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).max_element();
+        if longest == 0.0 {
+            let edge = LONE_EDGE.max(bounds.max.abs().max_element() / (1 << 20) as f32);
+            return Some(Self {
+                min: bounds.min - Vec3::splat(0.5 * edge),
+                edge,
+            });
+        }
+        let nearest = longest.min(f64::from(f32::MAX)) as f32;
+        let edge = if f64::from(nearest) < longest {
+            nearest.next_up().min(f32::MAX)
+        } else {
+            nearest
+        };
+        Some(Self {
+            min: bounds.min,
+            edge,
+        })
+    }
+
+    /// Edge of the cells of `level`.
+    pub fn cell_edge(&self, level: u32) -> f32 {
+        (f64::from(self.edge) / f64::from(1u32 << level)) as f32
+    }
+
+    /// Middle of a cell of `level` by its integer coordinates.
+    pub fn cell_center(&self, level: u32, cell: [u32; 3]) -> Vec3 {
+        let cell = Vec3::from_array(cell.map(|coordinate| coordinate as f32));
+        self.min + (cell + 0.5) * self.cell_edge(level)
+    }
+
+    /// The Morton codes of the finest cells that hold `points`. Precondition: the points this cube was made around.
+    ///
+    /// Cells are half-open: a point on the border of two belongs to the upper one, except for the upper faces of the cube,
+    /// which belong to the last cells.
+    pub(super) fn codes(&self, points: &[Vec3]) -> Vec<u64> {
+        let quantizer = Quantizer::new(self);
+        points
+            .iter()
+            .map(|&point| morton::encode(quantizer.cell(point)))
+            .collect()
+    }
+}
+
+/// Maps points to finest cells, exactly.
+///
+/// `floor(offset / cell)` needs a correctly rounded division to put a point that lies on a border into the right cell. A
+/// multiplication with the reciprocal is faster and at most one cell off, which a second look sets right: `index · cell` is
+/// exact in f64 (21 bits times the 24 of an f32), so comparing it with the offset is, too.
+struct Quantizer {
+    min: DVec3,
+    cell: f64,
+    cells_per_unit: f64,
+}
+
+impl Quantizer {
+    fn new(cube: &Cube) -> Self {
+        let cell = f64::from(cube.edge) / f64::from(FINEST_CELLS);
+        Self {
+            min: cube.min.as_dvec3(),
+            cell,
+            cells_per_unit: 1.0 / cell,
+        }
+    }
+
+    fn cell(&self, point: Vec3) -> [u32; 3] {
+        let offset = point.as_dvec3() - self.min;
+        offset.to_array().map(|offset| self.index(offset))
+    }
+
+    fn index(&self, offset: f64) -> u32 {
+        // Truncation is floor: the cube starts at the smallest coordinate. `as` saturates what is out of range.
+        let guess = (offset * self.cells_per_unit) as i32;
+        let rest = offset - f64::from(guess) * self.cell;
+        let index = guess + i32::from(rest >= self.cell) - i32::from(rest < 0.0);
+        index.clamp(0, FINEST_CELLS as i32 - 1) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_longest_edge_rules_and_extremes_are_inside() {
+        let cube = Cube::around(&[Vec3::new(-1.0, 2.0, 0.0), Vec3::new(0.5, 2.25, 0.125)]).unwrap();
+        assert_eq!(cube.min, Vec3::new(-1.0, 2.0, 0.0));
+        assert_eq!(cube.edge, 1.5);
+        assert_eq!(Cube::around(&[]), None);
+    }
+
+    #[test]
+    fn coinciding_points_sit_in_the_middle() {
+        for point in [
+            Vec3::ZERO,
+            Vec3::splat(1e7),
+            Vec3::new(-3e37, 0.0, 2e37),
+            Vec3::splat(1e-40),
+        ] {
+            let cube = Cube::around(&[point; 3]).unwrap();
+            assert!(cube.edge >= LONE_EDGE && cube.edge.is_finite());
+            assert!((cube.cell_center(0, [0; 3]) - point).length() <= 1e-6 * cube.edge);
+        }
+    }
+
+    #[test]
+    fn extents_beyond_f32_stay_finite() {
+        let points = [Vec3::splat(-f32::MAX), Vec3::splat(f32::MAX)];
+        let cube = Cube::around(&points).unwrap();
+        assert!(cube.edge.is_finite());
+        assert_eq!(
+            cube.codes(&points),
+            [0, morton::encode([FINEST_CELLS - 1; 3])]
+        );
+    }
+
+    proptest! {
+        /// Points on the borders of cells, where a reciprocal misplaces: for many edges and levels.
+        #[test]
+        fn borders_belong_to_the_upper_cell(edge in 1u32..10_000, exponent in -30i32..30, level in 1u32..=12, index in 0u32..4096) {
+            let index = index & ((1 << level) - 1);
+            let edge = edge as f32 * 2f32.powi(exponent);
+            let border = f64::from(edge) * f64::from(index) / f64::from(1u32 << level);
+            prop_assume!(f64::from(border as f32) == border);
+            let points = [Vec3::ZERO, Vec3::splat(edge), Vec3::new(border as f32, 0.0, 0.0)];
+            let codes = Cube::around(&points).unwrap().codes(&points);
+            prop_assert_eq!(codes[2], morton::encode([index << (21 - level), 0, 0]));
+            prop_assert_eq!(codes[1], morton::encode([FINEST_CELLS - 1; 3]));
+        }
+
+        #[test]
+        fn cells_hold_their_points(points in prop::collection::vec(prop::array::uniform3(-1e3f32..1e3), 2..40)) {
+            let points: Vec<Vec3> = points.into_iter().map(Vec3::from_array).collect();
+            let cube = Cube::around(&points).unwrap();
+            let cell_edge = f64::from(cube.edge) / f64::from(FINEST_CELLS);
+            for (code, point) in cube.codes(&points).into_iter().zip(&points) {
+                let offset = (point.as_dvec3() - cube.min.as_dvec3()).to_array();
+                for (index, offset) in morton::decode(code).into_iter().zip(offset) {
+                    let lower = f64::from(index) * cell_edge;
+                    let last = index == FINEST_CELLS - 1;
+                    prop_assert!(lower <= offset && (offset < lower + cell_edge || last && offset <= lower + cell_edge));
+                }
+            }
+        }
+    }
+}

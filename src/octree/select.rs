@@ -1,0 +1,205 @@
+//! Traversal: which voxels stand for the cloud in one view (paper 000 §VI-B).
+//!
+//! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its diameter)
+//! is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on screen.
+//! Two things keep most nodes from being looked at:
+//!
+//! - *Inside mask.* A plane that a sphere is entirely inside of is not tested again below that node.
+//! - *Uniform cuts.* Once no plane is left, the nearest and the farthest distance of a cell bound where all of its
+//!   descendants would stop. When both name the same level, the answer for the whole subtree is all of its nodes on that
+//!   level: a contiguous range of the breadth-first array, found by following first children down and copied at
+//!   once. Only cells that straddle the border of the frustum or of two levels of detail are descended into.
+//!
+//! When it wins: always; at worst (every cell straddles something) it visits what a plain traversal does.
+//!
+//! Distances are to the nearest point of a cell, so a projected edge is never underestimated, and an eye inside a cell
+//! always descends. The output depends on tree and view alone, and a reused `Vec` is not reallocated.
+
+use super::Octree;
+use crate::{
+    cloud::VoxelRecord,
+    math::{Frustum, morton::LEVELS},
+};
+use glam::Vec3;
+
+/// What a view needs of the octree. Positions are in the space of the frame (relative to the sequence origin).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SelectView {
+    /// Cells outside are dropped.
+    pub frustum: Frustum,
+    /// Where distances are measured from.
+    pub eye: Vec3,
+    /// A length `s` at distance `d` covers about `s * pixels_per_unit_at_1 / d` pixels.
+    pub pixels_per_unit_at_1: f32,
+    /// A cell whose edge covers less is not divided further; 0 (or less) always descends to the leaves.
+    pub lod_px: f32,
+}
+
+/// What a traversal did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SelectStats {
+    /// Nodes that were tested or copied.
+    pub visited_nodes: usize,
+    /// Voxels written.
+    pub emitted: usize,
+}
+
+impl Octree {
+    /// Replaces the contents of `out` by the voxels that stand for the cloud in `view`.
+    ///
+    /// They cover every leaf that can be seen, none twice: an emitted node stands for all leaves under it.
+    pub fn select(&self, view: &SelectView, out: &mut Vec<VoxelRecord>) -> SelectStats {
+        out.clear();
+        if self.voxels.is_empty() {
+            return SelectStats::default();
+        }
+        let mut traversal = Traversal {
+            tree: self,
+            view,
+            levels: self.level_limits(view),
+            slack: self.distance_slack(view.eye),
+            out,
+            visited_nodes: 0,
+        };
+        traversal.visit(0, 0, ALL_PLANES);
+        SelectStats {
+            visited_nodes: traversal.visited_nodes,
+            emitted: out.len(),
+        }
+    }
+
+    fn level_limits(&self, view: &SelectView) -> [LevelLimits; LEVELS as usize + 1] {
+        std::array::from_fn(|level| {
+            let edge = self.cube.cell_edge(level as u32);
+            LevelLimits {
+                half_edge: 0.5 * edge,
+                sphere_radius: 0.5 * 3f32.sqrt() * edge,
+                stop_beyond_squared: stop_distance_squared(edge, view),
+            }
+        })
+    }
+
+    /// A bound for the rounding of distances between `eye` and anything in the cube.
+    fn distance_slack(&self, eye: Vec3) -> f32 {
+        let reach = self.cube.min.abs().max_element() + self.cube.edge + eye.abs().max_element();
+        4.0 * f32::EPSILON * reach
+    }
+}
+
+/// A cell with this edge is not divided when the square of its distance is above this; infinite when it always is.
+fn stop_distance_squared(edge: f32, view: &SelectView) -> f32 {
+    let lod_px = f64::from(view.lod_px);
+    if lod_px > 0.0 {
+        (f64::from(edge) * f64::from(view.pixels_per_unit_at_1) / lod_px).powi(2) as f32
+    } else {
+        f32::INFINITY
+    }
+}
+
+/// One bit for each frustum plane that still has to be tested.
+type PlaneMask = u8;
+const ALL_PLANES: PlaneMask = (1 << Frustum::PLANES) - 1;
+
+/// Relative margin of squared distances beyond which rounding cannot change a decision.
+const MARGIN: f32 = 1e-5;
+
+/// What only depends on the level of a cell.
+#[derive(Debug, Clone, Copy)]
+struct LevelLimits {
+    half_edge: f32,
+    sphere_radius: f32,
+    stop_beyond_squared: f32,
+}
+
+struct Traversal<'a> {
+    tree: &'a Octree,
+    view: &'a SelectView,
+    levels: [LevelLimits; LEVELS as usize + 1],
+    slack: f32,
+    out: &'a mut Vec<VoxelRecord>,
+    visited_nodes: usize,
+}
+
+impl Traversal<'_> {
+    /// Recursion is bounded by the 21 levels.
+    fn visit(&mut self, node: usize, level: usize, planes: PlaneMask) {
+        self.visited_nodes += 1;
+        let voxel = self.tree.voxels[node];
+        let center = Vec3::from_array(voxel.center);
+        let limits = self.levels[level];
+        let Some(planes) = self.planes_left(center, limits.sphere_radius, planes) else {
+            return;
+        };
+        let distance = (center - self.view.eye).abs();
+        let is_leaf = node >= self.tree.masks.len();
+        if is_leaf || nearest_squared(distance, limits.half_edge) > limits.stop_beyond_squared {
+            self.out.push(voxel);
+        } else if planes == 0
+            && let Some(cut) = self.uniform_cut(distance, level)
+        {
+            self.emit_level_below(node, level, cut);
+        } else {
+            let [first, end] = self.children(node, node + 1);
+            for child in first..end {
+                self.visit(child, level + 1, planes);
+            }
+        }
+    }
+
+    /// The planes that the sphere is not entirely inside of; `None` when it is outside of one.
+    fn planes_left(&self, center: Vec3, radius: f32, planes: PlaneMask) -> Option<PlaneMask> {
+        let mut left = planes;
+        let mut untested = planes;
+        while untested != 0 {
+            let index = untested.trailing_zeros();
+            untested &= untested - 1;
+            let plane = self.view.frustum.planes()[index as usize];
+            let distance = plane.truncate().dot(center) + plane.w;
+            if distance < -radius {
+                return None;
+            }
+            if distance >= radius {
+                left &= !(1 << index);
+            }
+        }
+        Some(left)
+    }
+
+    /// The one level below `level` on which all descendants stop of a cell whose middle is `distance` from the eye along
+    /// each axis; `None` when there may be several.
+    fn uniform_cut(&self, distance: Vec3, level: usize) -> Option<usize> {
+        let half_edge = self.levels[level].half_edge;
+        let farthest_squared =
+            (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN);
+        let nearest_squared = nearest_squared(distance, half_edge + self.slack) * (1.0 - MARGIN);
+        let depth = self.tree.depth() as usize;
+        // No cell above this level stops, wherever in this cell it is.
+        let first_stop = (level + 1..depth)
+            .find(|&below| farthest_squared > self.levels[below].stop_beyond_squared)
+            .unwrap_or(depth);
+        let all_stop =
+            first_stop == depth || nearest_squared > self.levels[first_stop].stop_beyond_squared;
+        all_stop.then_some(first_stop)
+    }
+
+    /// Emits all descendants of `node` on level `cut`.
+    fn emit_level_below(&mut self, node: usize, level: usize, cut: usize) {
+        let mut range = [node, node + 1];
+        for _ in level..cut {
+            range = self.children(range[0], range[1]);
+        }
+        let voxels = &self.tree.voxels[range[0]..range[1]];
+        self.visited_nodes += voxels.len();
+        self.out.extend_from_slice(voxels);
+    }
+
+    /// The range of the children of the internal nodes `first..end` of one level.
+    fn children(&self, first: usize, end: usize) -> [usize; 2] {
+        [first, end].map(|node| self.tree.first_child[node] as usize)
+    }
+}
+
+/// Square of the distance from the eye to the nearest point of a cell whose middle is `distance` away along each axis.
+fn nearest_squared(distance: Vec3, half_edge: f32) -> f32 {
+    (distance - half_edge).max(Vec3::ZERO).length_squared()
+}

@@ -1,0 +1,82 @@
+//! When subdivision ends: one level for all leaves, so that all voxels have one size.
+
+use crate::math::morton::LEVELS;
+
+/// Number of occupied cells of every level, the root's level first.
+pub(super) type OccupiedCells = [usize; LEVELS as usize + 1];
+
+/// How deep an octree goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum StopCriterion {
+    /// The paper's δ (000 §VI-A): level h is subdivided while `oct(h)/n < 1 − δ`, where `oct(h)` counts its occupied cells.
+    ///
+    /// δ is clamped to 0..=1 and NaN counts as 0; the interface offers 0 to 0.6. Subdivision also ends where no finer
+    /// level of the 21 separates any two points, so that duplicates (which no cell size can part) do not drive δ = 0 to
+    /// the bottom.
+    Loss(f32),
+}
+
+impl Default for StopCriterion {
+    /// The δ of 5 % that the paper found good for its sequences.
+    fn default() -> Self {
+        Self::Loss(0.05)
+    }
+}
+
+impl StopCriterion {
+    /// The first level that need not be subdivided.
+    pub(super) fn depth(self, occupied: &OccupiedCells, point_count: usize) -> u32 {
+        let Self::Loss(delta) = self;
+        let delta = if delta.is_nan() {
+            0.0
+        } else {
+            delta.clamp(0.0, 1.0)
+        };
+        let kept = 1.0 - f64::from(delta);
+        let enough = kept * point_count as f64;
+        let distinct = occupied[LEVELS as usize];
+        (0..LEVELS)
+            .find(|&level| {
+                let cells = occupied[level as usize];
+                cells as f64 >= enough || cells == distinct
+            })
+            .unwrap_or(LEVELS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn depth(delta: f32, first_levels: &[usize], point_count: usize) -> u32 {
+        let last = first_levels[first_levels.len() - 1];
+        let mut occupied = [last; LEVELS as usize + 1];
+        occupied[..first_levels.len()].copy_from_slice(first_levels);
+        StopCriterion::Loss(delta).depth(&occupied, point_count)
+    }
+
+    #[test]
+    fn the_first_level_with_little_enough_loss() {
+        let levels = [1, 8, 50, 90, 95, 98, 100];
+        assert_eq!(depth(0.5, &levels, 100), 2);
+        assert_eq!(depth(0.49, &levels, 100), 3);
+        assert_eq!(depth(0.05, &levels, 100), 4);
+        assert_eq!(depth(0.0, &levels, 100), 6);
+        assert_eq!(depth(1.0, &levels, 100), 0);
+    }
+
+    #[test]
+    fn duplicates_do_not_drive_it_to_the_bottom() {
+        assert_eq!(depth(0.0, &[1, 4, 40], 100), 2);
+        assert_eq!(depth(0.0, &[1], 100), 0);
+    }
+
+    #[test]
+    fn odd_deltas_are_defined() {
+        let levels = [1, 8, 50, 100];
+        assert_eq!(depth(f32::NAN, &levels, 100), 3);
+        assert_eq!(depth(-3.0, &levels, 100), 3);
+        assert_eq!(depth(7.0, &levels, 100), 0);
+    }
+}
