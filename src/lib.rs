@@ -6,10 +6,12 @@
 //! |---|---|
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
+//! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
 
 pub mod analysis;
 pub mod cloud;
+pub mod io;
 pub mod math;
 pub mod octree;
