@@ -9,9 +9,11 @@
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
+//! | [`sequence`] | files in order, the clock, frames prepared ahead of the playhead within a byte budget |
 
 pub mod analysis;
 pub mod cloud;
 pub mod io;
 pub mod math;
 pub mod octree;
+pub mod sequence;
