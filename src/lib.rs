@@ -10,10 +10,18 @@
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
 //! | [`sequence`] | files in order, the clock, frames prepared ahead of the playhead within a byte budget |
+//! | [`scene`] | camera, settings, and the [`scene::ScenePacket`] that holds all that one picture needs |
+//! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
+//! | [`headless`] | pictures without a window |
+//! | [`cli`] | the command line |
 
 pub mod analysis;
+pub mod cli;
 pub mod cloud;
+pub mod headless;
 pub mod io;
 pub mod math;
 pub mod octree;
+pub mod render;
+pub mod scene;
 pub mod sequence;
