@@ -1,1 +1,7 @@
-fn main() {}
+//! The `pointreel` program; see [`pointreel::cli`].
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    pointreel::cli::main()
+}

@@ -4,6 +4,7 @@
 //! handed over as a sum of two f32, so that `(position - eye_high) - eye_low` loses nothing a pixel could show.
 
 use super::settings::ParseChoiceError;
+use crate::cloud::Frame;
 use crate::math::{Aabb, Frustum};
 use glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use std::str::FromStr;
@@ -40,6 +41,21 @@ impl UpAxis {
     /// Its word.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, axis)| *axis == self).map_or("y", |&(name, _)| name)
+    }
+
+    /// The likely up axis of a frame: depth cameras (whose position is known) look along +Z with Y down, surveys and
+    /// LiDAR sweeps are wide and flat along Z, and everything else is taken for a model with Y up.
+    pub fn guess(frame: &Frame) -> Self {
+        // A street or a room is at least this much wider than high.
+        const FLAT: f32 = 3.0;
+        let extent = frame.bounds().extent();
+        if frame.sensor().is_some() {
+            Self::NegY
+        } else if extent.z * FLAT < extent.x.min(extent.y) {
+            Self::Z
+        } else {
+            Self::Y
+        }
     }
 
     /// Columns right, up, back of the view with azimuth and elevation 0, in world space.

@@ -1,0 +1,156 @@
+//! How fast a sequence becomes ready to be drawn: files → decoded → completed → records, through the real [`Loader`] with one
+//! worker a core.
+//!
+//! Measured: the wall time from opening to the last (or first) frame with points and shapes; files are in the system's
+//! cache, as when a sequence loops. Not measured: a cold disk, octrees, uploads, drawing.
+//!
+//! Targets on two cores: 100,000 points with normals in the file at 60 frames a second, without at 15; the first picture
+//! of 100 frames within 0.5 s of opening. Criterion's `thrpt` is frames a second.
+
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use pointreel::sequence::{Direction, Loader, LoaderOptions, Needs, PreparedFrame, Sequence};
+use std::f32::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+const POINTS: usize = 100_000;
+const SURFELS: Needs = Needs {
+    shapes: true,
+    octree: None,
+    colors: pointreel::sequence::ColorSource::Auto,
+};
+
+/// What a scanner's file has beside positions and colours.
+#[derive(Clone, Copy)]
+enum Attributes {
+    None,
+    Normals,
+    NormalsAndRadii,
+}
+
+/// Writes a breathing, dented sphere: binary little-endian PLY, points on a spiral.
+fn write_frame(path: &Path, time: f32, attributes: Attributes) {
+    let mut header = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {POINTS}\n\
+         property float x\nproperty float y\nproperty float z\n"
+    );
+    let (with_normals, with_radii) = match attributes {
+        Attributes::None => (false, false),
+        Attributes::Normals => (true, false),
+        Attributes::NormalsAndRadii => (true, true),
+    };
+    if with_normals {
+        header += "property float nx\nproperty float ny\nproperty float nz\n";
+    }
+    if with_radii {
+        header += "property float radius\n";
+    }
+    header += "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+    let mut bytes = header.into_bytes();
+    for i in 0..POINTS {
+        let z = 1.0 - 2.0 * (i as f32 + 0.5) / POINTS as f32;
+        // The golden angle spreads points evenly over a sphere.
+        let angle = (i as f64 * 0.618_033_988_749_895).fract() as f32 * TAU;
+        let ring = (1.0 - z * z).sqrt();
+        let normal = [ring * angle.cos(), ring * angle.sin(), z];
+        let distance = 1.0 + 0.05 * (6.0 * angle + time).sin() * ring;
+        for component in normal {
+            bytes.extend((component * distance).to_le_bytes());
+        }
+        if with_normals {
+            for component in normal {
+                bytes.extend(component.to_le_bytes());
+            }
+        }
+        if with_radii {
+            bytes.extend(0.006f32.to_le_bytes());
+        }
+        bytes.extend(normal.map(|component| (127.0 * (component + 1.0)) as u8));
+    }
+    std::fs::write(path, bytes).expect("the temporary folder takes files");
+}
+
+fn write_sequence(frames: usize, attributes: Attributes) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for index in 0..frames {
+        let path = folder.path().join(format!("frame_{index}.ply"));
+        write_frame(&path, index as f32 * 0.1, attributes);
+    }
+    folder
+}
+
+fn open(folder: &Path) -> Loader {
+    let inputs: [PathBuf; 1] = [folder.to_path_buf()];
+    let sequence = Sequence::discover(&inputs).expect("frames were written");
+    Loader::new(Arc::new(sequence), LoaderOptions::default()).expect("threads start")
+}
+
+/// Opens the sequence and takes every frame in order.
+fn play_all(folder: &Path) -> usize {
+    let loader = open(folder);
+    let mut points = 0;
+    for index in 0..loader.sequence().len() {
+        loader.request(index, Direction::Forward, &SURFELS);
+        points += loader
+            .wait(index, &SURFELS)
+            .expect("a good frame")
+            .points
+            .len();
+    }
+    points
+}
+
+fn first_frame(folder: &Path) -> (Loader, Arc<PreparedFrame>) {
+    let loader = open(folder);
+    loader.request(0, Direction::Forward, &SURFELS);
+    let frame = loader.wait(0, &SURFELS).expect("a good frame");
+    (loader, frame)
+}
+
+fn bench(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("prepare 100k");
+    group
+        .sample_size(10)
+        .warm_up_time(Duration::from_secs(1))
+        .measurement_time(Duration::from_secs(5));
+    let cases = [
+        (
+            "normals and radii in the file",
+            40,
+            Attributes::NormalsAndRadii,
+        ),
+        ("normals in the file", 40, Attributes::Normals),
+        ("no normals", 16, Attributes::None),
+    ];
+    for (name, frames, attributes) in cases {
+        let folder = write_sequence(frames, attributes);
+        group.throughput(Throughput::Elements(frames as u64));
+        group.bench_function(name, |bencher| bencher.iter(|| play_all(folder.path())));
+    }
+    group.finish();
+
+    let mut group = criterion.benchmark_group("first of 100 frames");
+    group
+        .sample_size(10)
+        .warm_up_time(Duration::from_secs(1))
+        .measurement_time(Duration::from_secs(5));
+    for (name, attributes) in [
+        ("normals in the file", Attributes::Normals),
+        ("no normals", Attributes::None),
+    ] {
+        let folder = write_sequence(100, attributes);
+        group.bench_function(name, |bencher| {
+            // Dropping the loader waits for its workers and is no part of the time.
+            bencher.iter_batched(
+                || (),
+                |()| first_frame(folder.path()),
+                BatchSize::PerIteration,
+            );
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);

@@ -1,0 +1,183 @@
+//! Arguments that several verbs share.
+
+use crate::headless::CameraChoice;
+use crate::scene::{Background, Lighting, Primitive, Settings, Splatting, Strategy, UpAxis};
+use crate::sequence::{ColorSource, Sequence, SequenceError};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// The name of the built-in sequence where an INPUT is expected.
+pub(super) const DEMO_INPUT: &str = "demo:";
+
+/// Opens what a person named; nothing or `demo:` is the built-in sequence.
+pub(super) fn open_sequence(inputs: &[PathBuf]) -> Result<Sequence, SequenceError> {
+    match inputs {
+        [] => Ok(Sequence::demo()),
+        [only] if only == Path::new(DEMO_INPUT) => Ok(Sequence::demo()),
+        _ => Sequence::discover(inputs),
+    }
+}
+
+/// How a picture looks; what is not given is as in a new window.
+#[derive(Debug, Clone, Default, Args)]
+pub(super) struct PictureArgs {
+    /// What points become: surfel, voxel or point
+    #[arg(long, value_name = "PRIMITIVE")]
+    primitive: Option<Primitive>,
+
+    /// regular, no-depth, visibility, two-pass, enlarged or two-pass-enlarged
+    #[arg(long, value_name = "MODE")]
+    splatting: Option<Splatting>,
+
+    /// Factor on every splat radius
+    #[arg(long, value_name = "S", value_parser = positive)]
+    splat_scale: Option<f32>,
+
+    /// Further factor of the enlarged passes
+    #[arg(long, value_name = "S", value_parser = positive)]
+    enlargement: Option<f32>,
+
+    /// storage, uniform, texture, vertex or compute
+    #[arg(long, value_name = "STRATEGY")]
+    instancing: Option<Strategy>,
+
+    /// Acceptable loss of the octree's stop criterion, 0 to 0.6
+    #[arg(long, value_name = "D", value_parser = delta)]
+    delta: Option<f32>,
+
+    /// Octree cells below this many pixels are not subdivided
+    #[arg(long, value_name = "PX", value_parser = not_negative)]
+    lod: Option<f32>,
+
+    /// Edge of a point in pixels
+    #[arg(long, value_name = "PX", value_parser = positive)]
+    point_size: Option<f32>,
+
+    /// Where light is evaluated: none, surfel, vertex or fragment
+    #[arg(long, value_name = "WHERE")]
+    lighting: Option<Lighting>,
+
+    /// Where colours come from: auto, file, normal, scalar or uniform
+    #[arg(long, value_name = "SOURCE", value_parser = color_source)]
+    colors: Option<ColorSource>,
+
+    /// dusk, black, gray, white, sky, #rrggbb or #rrggbb-#rrggbb (top to bottom)
+    #[arg(long, value_name = "COLOR")]
+    background: Option<Background>,
+
+    /// Draw surfels from behind too
+    #[arg(long)]
+    two_sided: bool,
+}
+
+impl PictureArgs {
+    pub(super) fn settings(&self) -> Settings {
+        let default = Settings::default();
+        Settings {
+            primitive: self.primitive.unwrap_or(default.primitive),
+            splatting: self.splatting.unwrap_or(default.splatting),
+            strategy: self.instancing.unwrap_or(default.strategy),
+            splat_scale: self.splat_scale.unwrap_or(default.splat_scale),
+            enlargement: self.enlargement.unwrap_or(default.enlargement),
+            cull_back_faces: !self.two_sided,
+            lighting: self.lighting.unwrap_or(default.lighting),
+            background: self.background.unwrap_or(default.background),
+            colors: self.colors.unwrap_or(default.colors),
+            point_size_px: self.point_size.unwrap_or(default.point_size_px),
+            delta: self.delta.unwrap_or(default.delta),
+            lod_px: self.lod.unwrap_or(default.lod_px),
+        }
+    }
+}
+
+/// Where the camera stands; what is not given frames the cloud.
+#[derive(Debug, Clone, Default, Args)]
+pub(super) struct CameraArgs {
+    /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    up: Option<UpAxis>,
+
+    /// Turn about the up axis in degrees; 0 is the front
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
+    azimuth: Option<f64>,
+
+    /// Height above the horizon in degrees, -90 to 90
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = elevation)]
+    elevation: Option<f64>,
+
+    /// From the middle of the cloud to the eye in scene units
+    #[arg(long, value_name = "D", value_parser = positive_f64)]
+    distance: Option<f64>,
+
+    /// Vertical field of view in degrees, 1 to 170
+    #[arg(long, value_name = "DEG", value_parser = field_of_view)]
+    fov: Option<f64>,
+}
+
+impl CameraArgs {
+    pub(super) fn choice(&self) -> CameraChoice {
+        CameraChoice {
+            up: self.up,
+            azimuth_deg: self.azimuth,
+            elevation_deg: self.elevation,
+            distance: self.distance,
+            fov_deg: self.fov,
+        }
+    }
+}
+
+/// `WxH` in pixels.
+pub(super) fn size_px(text: &str) -> Result<[u32; 2], String> {
+    let parse = || {
+        let (width, height) = text.split_once(['x', 'X'])?;
+        let size = [width.parse().ok()?, height.parse().ok()?];
+        size.iter().all(|&edge: &u32| edge > 0).then_some(size)
+    };
+    parse().ok_or_else(|| "expected WIDTHxHEIGHT in pixels, such as 1280x720".to_owned())
+}
+
+fn number_in<T>(text: &str, is_valid: impl Fn(&T) -> bool, expected: &str) -> Result<T, String>
+where
+    T: std::str::FromStr,
+{
+    text.parse().ok().filter(is_valid).ok_or_else(|| format!("expected {expected}"))
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    number_in(text, |value: &f32| value.is_finite() && *value > 0.0, "a number above 0")
+}
+
+fn positive_f64(text: &str) -> Result<f64, String> {
+    number_in(text, |value: &f64| value.is_finite() && *value > 0.0, "a number above 0")
+}
+
+fn not_negative(text: &str) -> Result<f32, String> {
+    number_in(text, |value: &f32| value.is_finite() && *value >= 0.0, "a number from 0 up")
+}
+
+fn delta(text: &str) -> Result<f32, String> {
+    number_in(text, |value| (0.0..=Settings::MAX_DELTA).contains(value), "a number from 0 to 0.6, such as 0.05")
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    number_in(text, |value: &f64| value.is_finite(), "degrees")
+}
+
+fn elevation(text: &str) -> Result<f64, String> {
+    number_in(text, |value| (-90.0..=90.0).contains(value), "degrees from -90 to 90")
+}
+
+fn field_of_view(text: &str) -> Result<f64, String> {
+    number_in(text, |value| (1.0..=170.0).contains(value), "degrees from 1 to 170")
+}
+
+fn color_source(text: &str) -> Result<ColorSource, String> {
+    match text {
+        "auto" => Ok(ColorSource::Auto),
+        "file" => Ok(ColorSource::File),
+        "normal" => Ok(ColorSource::Normal),
+        "scalar" => Ok(ColorSource::Scalar),
+        "uniform" => Ok(ColorSource::Uniform),
+        _ => Err("expected auto, file, normal, scalar or uniform".to_owned()),
+    }
+}

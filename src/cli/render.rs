@@ -1,0 +1,173 @@
+//! `pointreel render`: frames to PNG files, with the code that draws the window.
+
+use super::arguments::{CameraArgs, PictureArgs, open_sequence, size_px};
+use super::say;
+use crate::headless::{Headless, PictureStats};
+use crate::scene::{Camera, Settings};
+use crate::sequence::{Loader, LoaderOptions, Sequence};
+use anyhow::{Context as _, bail};
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+
+/// Where the number of the frame goes in the name of the output.
+const FRAME_PLACEHOLDER: &str = "{frame}";
+
+/// Arguments of `pointreel render`.
+#[derive(Debug, Args)]
+pub(super) struct RenderArgs {
+    /// A folder, a pattern, or files; `demo:` is the built-in sequence
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+
+    /// PNG file to write; with a range of frames its name must contain {frame}
+    #[arg(short, long, value_name = "OUT.png")]
+    output: PathBuf,
+
+    /// A frame, or a range A..B with both ends included; counted from 0
+    #[arg(long, value_name = "N|A..B", default_value = "0")]
+    frame: FrameRange,
+
+    /// Picture size in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size_px)]
+    size: [u32; 2],
+
+    #[command(flatten)]
+    picture: PictureArgs,
+
+    #[command(flatten)]
+    camera: CameraArgs,
+
+    /// JSON file to write counters and times to
+    #[arg(long, value_name = "STATS.json")]
+    stats: Option<PathBuf>,
+}
+
+/// Frames `first` to `last`, both included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct FrameRange {
+    first: usize,
+    last: usize,
+}
+
+impl FromStr for FrameRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parse = |number: &str| number.parse::<usize>().ok();
+        let range = match text.split_once("..") {
+            Some((first, last)) => parse(first).zip(parse(last)),
+            None => parse(text).map(|frame| (frame, frame)),
+        };
+        match range {
+            Some((first, last)) if first <= last => Ok(Self { first, last }),
+            _ => Err("expected a frame such as 0, or a range such as 0..23 with both ends included".to_owned()),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Stats {
+    adapter: String,
+    size: [u32; 2],
+    primitive: String,
+    splatting: String,
+    instancing: String,
+    frames: Vec<PictureStats>,
+}
+
+pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
+    let FrameRange { first, last } = arguments.frame;
+    let names_frames = arguments.output.to_string_lossy().contains(FRAME_PLACEHOLDER);
+    if first != last && !names_frames {
+        bail!("frames {first}..{last} would all be written to {}: put {FRAME_PLACEHOLDER} into its name", arguments.output.display());
+    }
+    let sequence = Arc::new(open_sequence(&arguments.inputs)?);
+    if last >= sequence.len() {
+        bail!("there is no frame {last}: the sequence has {} frames, counted from 0", sequence.len());
+    }
+    let settings = arguments.picture.settings();
+    let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
+    let mut headless = Headless::new(Arc::clone(&sequence), loader, Headless::open_adapter()?)?;
+    let mut stats = Stats {
+        adapter: headless.context().adapter_summary(),
+        size: arguments.size,
+        primitive: settings.primitive.to_string(),
+        splatting: settings.splatting.to_string(),
+        instancing: settings.strategy.to_string(),
+        frames: Vec::new(),
+    };
+    let failed = render_frames(arguments, &sequence, &settings, &mut headless, &mut stats)?;
+    if let Some(path) = &arguments.stats {
+        let json = serde_json::to_string_pretty(&stats).context("the statistics cannot be written as JSON")?;
+        std::fs::write(path, json).with_context(|| format!("{} cannot be written", path.display()))?;
+    }
+    match failed.as_slice() {
+        [] => Ok(()),
+        [(_, error)] if first == last => bail!("{error}"),
+        failed => bail!("{} of {} frames could not be rendered", failed.len(), last - first + 1),
+    }
+}
+
+/// Renders every frame that can be; returns those that cannot, with the reason.
+fn render_frames(
+    arguments: &RenderArgs,
+    sequence: &Sequence,
+    settings: &Settings,
+    headless: &mut Headless,
+    stats: &mut Stats,
+) -> anyhow::Result<Vec<(usize, String)>> {
+    let FrameRange { first, last } = arguments.frame;
+    let mut failed = Vec::new();
+    // One camera for the whole range: poses stay comparable.
+    let mut camera: Option<Camera> = None;
+    for index in first..=last {
+        let frame = match headless.frame(index, settings) {
+            Ok(frame) => frame,
+            Err(error) => {
+                if first != last {
+                    say(&format!("warning: frame {index} is skipped: {error}"));
+                }
+                failed.push((index, error.to_string()));
+                continue;
+            }
+        };
+        let camera = camera.get_or_insert_with(|| arguments.camera.choice().camera(&frame, sequence));
+        let image = headless.draw(&frame, camera, settings, arguments.size)?;
+        let path = output_path(&arguments.output, index, sequence.len());
+        image
+            .save_with_format(&path, image::ImageFormat::Png)
+            .with_context(|| format!("{} cannot be written", path.display()))?;
+        stats.frames.push(headless.stats(&frame));
+    }
+    Ok(failed)
+}
+
+/// The output's name with `{frame}` replaced by the number, padded so that names sort.
+fn output_path(output: &Path, index: usize, frame_count: usize) -> PathBuf {
+    let digits = frame_count.saturating_sub(1).to_string().len().max(4);
+    PathBuf::from(output.to_string_lossy().replace(FRAME_PLACEHOLDER, &format!("{index:0digits$}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_include_both_ends() {
+        assert_eq!("7".parse(), Ok(FrameRange { first: 7, last: 7 }));
+        assert_eq!("2..5".parse(), Ok(FrameRange { first: 2, last: 5 }));
+        for wrong in ["", "a", "5..2", "1..", "..3", "-1", "1...3"] {
+            assert!(wrong.parse::<FrameRange>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn numbers_of_outputs_sort() {
+        assert_eq!(output_path(Path::new("o/{frame}.png"), 7, 24), Path::new("o/0007.png"));
+        assert_eq!(output_path(Path::new("{frame}.png"), 7, 100_000), Path::new("00007.png"));
+        assert_eq!(output_path(Path::new("one.png"), 7, 24), Path::new("one.png"));
+    }
+}

@@ -1,0 +1,169 @@
+//! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
+
+use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
+use crate::render::{RenderError, RenderStats, Renderer};
+use crate::scene::{Camera, Scene, SceneStats, Settings, UpAxis};
+use crate::sequence::{Direction, FrameError, Loader, PreparedFrame, Sequence};
+use image::RgbaImage;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Why a picture could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum HeadlessError {
+    /// The frame cannot be shown.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// The renderer failed.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// The camera as a person asks for it: what is not given frames the cloud.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CameraChoice {
+    /// Up axis; guessed from the cloud when not given.
+    pub up: Option<UpAxis>,
+    /// Turn about the up axis, degrees.
+    pub azimuth_deg: Option<f64>,
+    /// Height above the horizon, degrees.
+    pub elevation_deg: Option<f64>,
+    /// From the middle of the cloud to the eye, scene units.
+    pub distance: Option<f64>,
+    /// Vertical field of view, degrees.
+    pub fov_deg: Option<f64>,
+}
+
+impl CameraChoice {
+    /// A camera that shows all of `frame` unless a distance is given.
+    pub fn camera(&self, frame: &PreparedFrame, sequence: &Sequence) -> Camera {
+        let origin = sequence.origin();
+        let bounds = frame.frame.bounds();
+        let up = self.up.unwrap_or_else(|| UpAxis::guess(&frame.frame));
+        let mut camera = Camera::framing(&bounds, origin, up);
+        camera.azimuth_deg = self.azimuth_deg.unwrap_or(camera.azimuth_deg);
+        camera.elevation_deg = self.elevation_deg.unwrap_or(camera.elevation_deg);
+        if let Some(fov_deg) = self.fov_deg {
+            camera.fov_deg = fov_deg;
+            camera.frame_bounds(&bounds, origin);
+        }
+        camera.distance = self.distance.unwrap_or(camera.distance);
+        camera
+    }
+}
+
+/// What one picture took, for `--stats`.
+#[derive(Debug, Clone, Serialize)]
+pub struct PictureStats {
+    /// Index of the frame in the sequence.
+    pub index: usize,
+    /// Its file.
+    pub file: String,
+    /// Points drawn from.
+    pub points: usize,
+    /// Points of the file without finite coordinates.
+    pub dropped_points: usize,
+    /// Milliseconds of decoding.
+    pub decode_ms: f32,
+    /// Milliseconds of normals and radii.
+    pub analysis_ms: f32,
+    /// Milliseconds of packing records.
+    pub records_ms: f32,
+    /// The octree, if the primitive needs one.
+    pub octree: Option<OctreeStats>,
+    /// Counters and times of the renderer.
+    pub render: RenderStats,
+}
+
+/// An octree in numbers (paper 000, Table III).
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct OctreeStats {
+    /// Deepest level.
+    pub depth: u32,
+    /// All nodes.
+    pub nodes: usize,
+    /// Cells of the deepest level.
+    pub leaves: usize,
+    /// `1 - leaves / points`.
+    pub loss: f32,
+    /// Milliseconds of building.
+    pub build_ms: f32,
+    /// Milliseconds of the last traversal.
+    pub traverse_ms: f64,
+    /// Nodes visited and cells emitted by it.
+    #[serde(flatten)]
+    pub traversal: SceneStats,
+}
+
+/// Renders frames of one sequence.
+#[derive(Debug)]
+pub struct Headless {
+    sequence: Arc<Sequence>,
+    loader: Loader,
+    renderer: GpuRenderer,
+    scene: Scene,
+}
+
+impl Headless {
+    /// A renderer for the frames that `loader` loads.
+    pub fn new(sequence: Arc<Sequence>, loader: Loader, context: Arc<Context>) -> Result<Self, RenderError> {
+        Ok(Self { sequence, loader, renderer: GpuRenderer::new(context)?, scene: Scene::default() })
+    }
+
+    /// Opens the adapter that a window would take.
+    pub fn open_adapter() -> Result<Arc<Context>, RenderError> {
+        Context::headless(&ContextOptions::default())
+    }
+
+    /// The adapter that draws.
+    pub fn context(&self) -> &Arc<Context> {
+        self.renderer.context()
+    }
+
+    /// Waits for frame `index` with all that `settings` need; later frames are prepared meanwhile.
+    pub fn frame(&self, index: usize, settings: &Settings) -> Result<Arc<PreparedFrame>, FrameError> {
+        let needs = Scene::needs(settings);
+        self.loader.request(index, Direction::Forward, &needs);
+        self.loader.wait(index, &needs)
+    }
+
+    /// Draws a frame.
+    pub fn draw(
+        &mut self,
+        frame: &PreparedFrame,
+        camera: &Camera,
+        settings: &Settings,
+        size_px: [u32; 2],
+    ) -> Result<RgbaImage, RenderError> {
+        let packet = self.scene.packet(frame, self.sequence.origin(), camera, settings, size_px);
+        self.renderer.prepare(&packet)?;
+        self.renderer.render()?;
+        self.renderer.wait_gpu_ms();
+        self.renderer.read_image()
+    }
+
+    /// What the last [`Headless::draw`] of `frame` took.
+    pub fn stats(&self, frame: &PreparedFrame) -> PictureStats {
+        let traversal = self.scene.stats();
+        PictureStats {
+            index: frame.index,
+            file: self.sequence.source(frame.index).path.display().to_string(),
+            points: frame.frame.len(),
+            dropped_points: frame.frame.dropped_points(),
+            decode_ms: frame.timings.decode_ms,
+            analysis_ms: frame.timings.analysis_ms,
+            records_ms: frame.timings.records_ms,
+            octree: frame.octree.as_ref().map(|octree| OctreeStats {
+                depth: octree.depth(),
+                nodes: octree.node_count(),
+                leaves: octree.leaf_count(),
+                loss: octree.loss(),
+                build_ms: frame.timings.octree_ms,
+                traverse_ms: traversal.traverse_time.as_secs_f64() * 1e3,
+                traversal,
+            }),
+            render: self.renderer.stats(),
+        }
+    }
+}

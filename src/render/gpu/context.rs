@@ -1,0 +1,191 @@
+//! The adapter and device: opened once, shared by every renderer.
+
+use crate::render::RenderError;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// How to choose and limit the adapter.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ContextOptions {
+    /// Take a software adapter even where there is a GPU. Tests do: their pictures then come from one rasteriser.
+    pub prefer_software: bool,
+    /// Draw at most this many records from one buffer, below the adapter's own limit. Tests force many chunks with it.
+    pub max_chunk_records: Option<usize>,
+}
+
+/// An open device with what was found out about it.
+#[derive(Debug)]
+pub struct Context {
+    /// The graphics library.
+    pub instance: wgpu::Instance,
+    /// The adapter.
+    pub adapter: wgpu::Adapter,
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Name, type and driver.
+    pub info: wgpu::AdapterInfo,
+    /// The adapter's limits: all of them were asked for.
+    pub limits: wgpu::Limits,
+    /// Whether GPU time can be measured.
+    pub has_timestamps: bool,
+    pub(super) max_chunk_records: Option<usize>,
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+impl Context {
+    /// Opens an adapter that needs no window.
+    pub fn headless(options: &ContextOptions) -> Result<Arc<Self>, RenderError> {
+        let instance = Self::instance();
+        let adapter = choose_adapter(&instance, None, options)?;
+        Self::open(instance, adapter, options)
+    }
+
+    /// Opens an adapter that can show on `surface`, which `instance` made.
+    pub fn for_window(
+        instance: wgpu::Instance,
+        surface: &wgpu::Surface<'_>,
+        options: &ContextOptions,
+    ) -> Result<Arc<Self>, RenderError> {
+        let adapter = choose_adapter(&instance, Some(surface), options)?;
+        Self::open(instance, adapter, options)
+    }
+
+    /// The graphics library with the backends of this platform; `WGPU_BACKEND` narrows them.
+    pub fn instance() -> wgpu::Instance {
+        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+    }
+
+    fn open(
+        instance: wgpu::Instance,
+        adapter: wgpu::Adapter,
+        options: &ContextOptions,
+    ) -> Result<Arc<Self>, RenderError> {
+        let info = adapter.get_info();
+        let timestamps =
+            wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let has_timestamps = adapter.features().contains(timestamps);
+        // wgpu's own defaults (256 MiB a buffer) are below what adapters give.
+        let limits = adapter.limits();
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("pointreel"),
+            required_features: if has_timestamps { timestamps } else { wgpu::Features::empty() },
+            required_limits: limits.clone(),
+            memory_hints: wgpu::MemoryHints::Performance,
+            ..Default::default()
+        }))
+        .map_err(|error| RenderError::NoDevice { adapter: info.name.clone(), reason: error.to_string() })?;
+        let lost = Arc::new(Mutex::new(None));
+        let lost_flag = Arc::clone(&lost);
+        device.set_device_lost_callback(move |reason, message| {
+            // Dropping the device calls this too; that is no loss.
+            if reason != wgpu::DeviceLostReason::Destroyed || !message.is_empty() {
+                *lost_flag.lock().unwrap_or_else(PoisonError::into_inner) = Some(message);
+            }
+        });
+        device.on_uncaptured_error(Arc::new(|error| log::error!("graphics: {error}")));
+        log::info!("adapter {} ({:?}, {})", info.name, info.device_type, info.driver_info);
+        Ok(Arc::new(Self {
+            instance,
+            adapter,
+            device,
+            queue,
+            info,
+            limits,
+            has_timestamps,
+            max_chunk_records: options.max_chunk_records,
+            lost,
+        }))
+    }
+
+    /// Fails when the device was lost since it was opened.
+    pub fn check_alive(&self) -> Result<(), RenderError> {
+        match &*self.lost.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(reason) => Err(RenderError::DeviceLost { reason: reason.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Ends the device as a crashed driver would: every later picture fails with [`RenderError::DeviceLost`].
+    pub fn simulate_loss(&self) {
+        self.device.destroy();
+        *self.lost.lock().unwrap_or_else(PoisonError::into_inner) = Some("simulated".to_owned());
+    }
+
+    /// One line for reports: name, type and driver.
+    pub fn adapter_summary(&self) -> String {
+        let wgpu::AdapterInfo { name, driver, driver_info, backend, device_type, .. } = &self.info;
+        format!("{name} ({device_type:?}, {backend:?}, {driver} {driver_info})")
+    }
+
+    /// Largest edge of a picture.
+    pub fn max_edge_px(&self) -> u32 {
+        self.limits.max_texture_dimension_2d
+    }
+
+    /// Waits until everything submitted is done.
+    pub fn wait(&self) -> Result<(), RenderError> {
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map(|_| ())
+            .map_err(|error| RenderError::Poll { reason: error.to_string() })
+    }
+
+    /// A buffer of `size` bytes that begins with `bytes`, written with one copy into its mapped memory.
+    pub(super) fn filled_buffer(
+        &self,
+        label: &str,
+        usage: wgpu::BufferUsages,
+        bytes: &[u8],
+        size: usize,
+    ) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: size as u64,
+            usage,
+            mapped_at_creation: true,
+        });
+        match buffer.slice(..bytes.len() as u64).get_mapped_range_mut() {
+            Ok(mut mapped) => mapped.copy_from_slice(bytes),
+            // An allocation that failed is reported by the error scope around.
+            Err(error) => log::error!("the buffer of {label} cannot be written: {error}"),
+        }
+        buffer.unmap();
+        buffer
+    }
+
+    /// Runs `allocate` and reports an allocation that did not fit as an error instead of an uncaptured one.
+    pub(super) fn catching_out_of_memory<T>(
+        &self,
+        what: &'static str,
+        allocate: impl FnOnce() -> T,
+    ) -> Result<T, RenderError> {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let result = allocate();
+        match pollster::block_on(scope.pop()) {
+            Some(_) => Err(RenderError::OutOfMemory { what }),
+            None => Ok(result),
+        }
+    }
+}
+
+fn choose_adapter(
+    instance: &wgpu::Instance,
+    surface: Option<&wgpu::Surface<'_>>,
+    options: &ContextOptions,
+) -> Result<wgpu::Adapter, RenderError> {
+    let request = |force_fallback_adapter| {
+        pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            force_fallback_adapter,
+            compatible_surface: surface,
+            ..Default::default()
+        }))
+    };
+    let adapter = if options.prefer_software {
+        request(true).or_else(|_| request(false))
+    } else {
+        request(false).or_else(|_| request(true))
+    };
+    adapter.map_err(|error| RenderError::NoAdapter { reason: error.to_string() })
+}

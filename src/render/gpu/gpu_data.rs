@@ -1,0 +1,93 @@
+//! Every structure that Rust and WGSL share. `tests/shaders.rs` holds these layouts against the shaders by reflection.
+
+pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
+
+use crate::scene::{Lighting, ScenePacket, Settings, Splatting};
+use bytemuck::{Pod, Zeroable};
+
+/// Twin of `View` in `common/view.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
+pub struct ViewUniform {
+    pub rotation_x: [f32; 4],
+    pub rotation_y: [f32; 4],
+    pub rotation_z: [f32; 4],
+    pub eye_high: [f32; 3],
+    pub splat_scale: f32,
+    pub eye_low: [f32; 3],
+    pub near: f32,
+    pub focal: [f32; 2],
+    pub viewport_px: [f32; 2],
+    pub background_top: [f32; 4],
+    pub background_bottom: [f32; 4],
+    pub depth_range: [f32; 2],
+    pub point_size_px: f32,
+    pub cube_half_edge: f32,
+    pub depth_slack: f32,
+    pub lighting: u32,
+    pub cull_back_faces: u32,
+    pub unused: u32,
+}
+
+/// Twin of `SplatVertex` in `common/splat.wgsl`: one corner written by the compute strategy.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
+pub struct SplatVertex {
+    pub clip: [f32; 4],
+    pub color: u32,
+    pub normal: u32,
+    pub light: [f32; 2],
+}
+
+/// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
+/// still overlap can lie apart in depth at 45 degrees.
+const DEPTH_SLACK_RADII: f32 = 1.0;
+
+impl ViewUniform {
+    /// The uniforms of one pass over `packet`; `enlargement` multiplies the packet's splat scale.
+    pub fn new(packet: &ScenePacket, enlargement: f32) -> Self {
+        let Settings { lighting, background, splatting, .. } = packet.settings;
+        let rotation = packet.view.view_from_frame_rotation;
+        let center_distance = -packet.view.to_view(packet.bounds.center()).z;
+        let radius = packet.bounds.radius().max(f32::MIN_POSITIVE);
+        let one_pass = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
+        Self {
+            rotation_x: rotation.x_axis.extend(0.0).to_array(),
+            rotation_y: rotation.y_axis.extend(0.0).to_array(),
+            rotation_z: rotation.z_axis.extend(0.0).to_array(),
+            eye_high: packet.view.eye_high.to_array(),
+            splat_scale: packet.settings.splat_scale * enlargement,
+            eye_low: packet.view.eye_low.to_array(),
+            near: packet.view.near,
+            focal: packet.view.focal,
+            viewport_px: packet.viewport_px.map(|edge| edge as f32),
+            background_top: normalized(background.top),
+            background_bottom: normalized(background.bottom),
+            depth_range: [center_distance - radius, center_distance + radius],
+            point_size_px: packet.settings.point_size_px,
+            cube_half_edge: packet.voxels.as_ref().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
+            depth_slack: if one_pass { 0.0 } else { DEPTH_SLACK_RADII },
+            lighting: match lighting {
+                Lighting::Unlit => 0,
+                Lighting::PerSurfel => 1,
+                Lighting::PerVertex => 2,
+                Lighting::PerFragment => 3,
+            },
+            cull_back_faces: u32::from(packet.settings.cull_back_faces),
+            unused: 0,
+        }
+    }
+
+    /// The same for the attribute pass, whose splats are not pushed back.
+    #[must_use]
+    pub fn without_slack(self) -> Self {
+        Self { depth_slack: 0.0, ..self }
+    }
+}
+
+fn normalized(color: [u8; 3]) -> [f32; 4] {
+    let [red, green, blue] = color.map(|channel| f32::from(channel) / 255.0);
+    [red, green, blue, 1.0]
+}

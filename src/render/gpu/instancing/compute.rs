@@ -1,0 +1,228 @@
+//! Strategy `compute`: compute passes write the quads and the draw call, as the paper's geometry shader did.
+//!
+//! Records that lie outside the view or face away are dropped before they cost a vertex; what is kept stays in the order
+//! of the cloud (a prefix sum, no atomics), so blending gives the same picture as every other strategy. The corners are
+//! computed by the very WGSL functions that the other strategies run in the vertex stage. It wins when much of the cloud
+//! is not seen and costs 32 bytes a corner (128 a surfel, 384 a voxel) of memory when all of it is.
+
+use super::storage::Storage;
+use super::{Chunk, Context, Draw, Instancing, STREAM_GROUP, ViewBinding, max_indexed_records};
+use crate::render::gpu::gpu_data::SplatVertex;
+use crate::render::gpu::shaders::{Amplification, Permutation, compute_amplifies};
+use crate::scene::Strategy;
+use std::collections::HashMap;
+
+/// Records a workgroup; the constant of the same name in `passes/amplify.wgsl`.
+const GROUP_RECORDS: u32 = 256;
+
+/// Bytes of `DrawIndexedIndirect`.
+const INDIRECT_BYTES: u64 = 20;
+
+/// Bind group of the compute stage's outputs.
+const OUTPUT_GROUP: u32 = 3;
+
+#[derive(Debug)]
+pub(super) struct Compute {
+    storage: Storage,
+    output_layout: wgpu::BindGroupLayout,
+    view_layout: wgpu::BindGroupLayout,
+    pipelines: HashMap<Amplification, Pipelines>,
+    /// Outputs for each chunk of what was amplified last.
+    outputs: Vec<Output>,
+}
+
+#[derive(Debug)]
+struct Pipelines {
+    count: wgpu::ComputePipeline,
+    scan: wgpu::ComputePipeline,
+    emit: wgpu::ComputePipeline,
+}
+
+/// Where the corners of one chunk go.
+#[derive(Debug)]
+struct Output {
+    record_capacity: u32,
+    vertices_per_record: u32,
+    indirect: wgpu::Buffer,
+    compute_group: wgpu::BindGroup,
+    draw_group: wgpu::BindGroup,
+}
+
+impl Compute {
+    pub(super) fn new(context: &Context, view_layout: &wgpu::BindGroupLayout) -> Self {
+        let storage_entry = |binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: false },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        };
+        Self {
+            storage: Storage::new(context),
+            output_layout: context.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("amplified"),
+                entries: &[storage_entry(0), storage_entry(1), storage_entry(2)],
+            }),
+            view_layout: view_layout.clone(),
+            pipelines: HashMap::new(),
+            outputs: Vec::new(),
+        }
+    }
+
+    fn build_pipelines(&self, context: &Context, amplification: Amplification) -> Pipelines {
+        let permutation = Permutation::Amplify(amplification);
+        let label = permutation.label();
+        let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(&label),
+            source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
+        });
+        let stream = Some(self.storage.layout());
+        let shapes = stream.filter(|_| amplification.needs_shapes());
+        let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts: &[Some(&self.view_layout), stream, shapes, Some(&self.output_layout)],
+            immediate_size: 0,
+        });
+        let pipeline = |entry_point| {
+            context.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(&label),
+                layout: Some(&layout),
+                module: &module,
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        };
+        Pipelines { count: pipeline("count"), scan: pipeline("scan"), emit: pipeline("emit") }
+    }
+
+    fn build_output(&self, context: &Context, record_count: u32, vertices_per_record: u32) -> Output {
+        let buffer = |label, size, usage| {
+            context.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage: wgpu::BufferUsages::STORAGE | usage,
+                mapped_at_creation: false,
+            })
+        };
+        let corners = u64::from(record_count) * u64::from(vertices_per_record);
+        let none = wgpu::BufferUsages::empty();
+        let vertices = buffer("amplified corners", corners * size_of::<SplatVertex>() as u64, none);
+        let groups = u64::from(record_count.div_ceil(GROUP_RECORDS));
+        let group_offsets = buffer("amplified offsets", groups * size_of::<u32>() as u64, none);
+        let indirect = buffer("amplified draw", INDIRECT_BYTES, wgpu::BufferUsages::INDIRECT);
+        let entries = [&vertices, &group_offsets, &indirect];
+        let entries = [0, 1, 2].map(|binding| wgpu::BindGroupEntry {
+            binding: binding as u32,
+            resource: entries[binding].as_entire_binding(),
+        });
+        Output {
+            record_capacity: record_count,
+            vertices_per_record,
+            compute_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("amplified"),
+                layout: &self.output_layout,
+                entries: &entries,
+            }),
+            draw_group: super::single_binding(context, self.storage.layout(), vertices.as_entire_binding()),
+            indirect,
+        }
+    }
+}
+
+impl Instancing for Compute {
+    fn strategy(&self) -> Strategy {
+        Strategy::Compute
+    }
+
+    fn group_layouts(&self, amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
+        if compute_amplifies(amplification) {
+            // The corners.
+            vec![self.storage.layout()]
+        } else {
+            self.storage.group_layouts(amplification)
+        }
+    }
+
+    fn max_chunk_records(&self, context: &Context, amplification: Amplification) -> usize {
+        let limits = &context.limits;
+        let corner_bytes = amplification.vertices_per_record() as usize * size_of::<SplatVertex>();
+        let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let groups = limits.max_compute_workgroups_per_dimension as usize;
+        (usize::try_from(bytes).unwrap_or(usize::MAX) / corner_bytes)
+            .min(groups * GROUP_RECORDS as usize)
+            .min(max_indexed_records(context, amplification))
+    }
+
+    fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
+        self.storage.upload(context, records)
+    }
+
+    fn amplify(
+        &mut self,
+        context: &Context,
+        encoder: &mut wgpu::CommandEncoder,
+        view: ViewBinding<'_>,
+        draw: &Draw<'_>,
+    ) -> u64 {
+        let amplification = draw.amplification;
+        // What an earlier cloud left over must not be drawn.
+        self.outputs.truncate(draw.chunk_count());
+        if !compute_amplifies(amplification) || draw.chunk_count() == 0 {
+            return 0;
+        }
+        if !self.pipelines.contains_key(&amplification) {
+            self.pipelines.insert(amplification, self.build_pipelines(context, amplification));
+        }
+        let vertices_per_record = amplification.vertices_per_record();
+        for chunk in 0..draw.chunk_count() {
+            let records = draw.chunk_records(chunk);
+            let fits = self.outputs.get(chunk).is_some_and(|output| {
+                // `scan` reads as many offsets as the buffer has, so the capacity must be exact.
+                output.record_capacity == records && output.vertices_per_record == vertices_per_record
+            });
+            if !fits {
+                let output = self.build_output(context, records, vertices_per_record);
+                if chunk < self.outputs.len() {
+                    self.outputs[chunk] = output;
+                } else {
+                    self.outputs.push(output);
+                }
+            }
+        }
+        let pipelines = &self.pipelines[&amplification];
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("amplify"),
+            timestamp_writes: None,
+        });
+        pass.set_bind_group(0, view.bind_group, &[view.offset]);
+        for (chunk, output) in self.outputs.iter().enumerate() {
+            for (group, stream) in (STREAM_GROUP..).zip(draw.streams) {
+                pass.set_bind_group(group, stream.chunks[chunk].bind_group.as_ref(), &[]);
+            }
+            pass.set_bind_group(OUTPUT_GROUP, &output.compute_group, &[]);
+            let groups = draw.chunk_records(chunk).div_ceil(GROUP_RECORDS);
+            pass.set_pipeline(&pipelines.count);
+            pass.dispatch_workgroups(groups, 1, 1);
+            pass.set_pipeline(&pipelines.scan);
+            pass.dispatch_workgroups(1, 1, 1);
+            pass.set_pipeline(&pipelines.emit);
+            pass.dispatch_workgroups(groups, 1, 1);
+        }
+        1
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
+        if !compute_amplifies(draw.amplification) {
+            return self.storage.draw(pass, draw);
+        }
+        for output in &self.outputs {
+            pass.set_bind_group(STREAM_GROUP, &output.draw_group, &[]);
+            pass.draw_indexed_indirect(&output.indirect, 0);
+        }
+        self.outputs.len() as u32
+    }
+}

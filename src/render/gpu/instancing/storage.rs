@@ -1,0 +1,66 @@
+//! Strategy `storage`: records lie in storage buffers, the vertex stage pulls them by index.
+//!
+//! One draw call indexes the quads of all records, 4 vertices each, instead of drawing one small instance a record: GPUs
+//! fill whole waves that way, and a software rasteriser sets up one draw instead of thousands of instances. It wins nearly
+//! everywhere and has no limits that matter, so it is the default.
+
+use super::{
+    Chunk, Context, Draw, Instancing, RECORD_BYTES, buffer_with, max_indexed_records, single_binding,
+    single_binding_layout, stream_layouts,
+};
+use crate::render::gpu::shaders::Amplification;
+use crate::scene::Strategy;
+
+#[derive(Debug)]
+pub(super) struct Storage {
+    layout: wgpu::BindGroupLayout,
+}
+
+impl Storage {
+    pub(super) fn new(context: &Context) -> Self {
+        let ty = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        Self { layout: single_binding_layout(context, "storage stream", ty) }
+    }
+
+    /// The layout of one stream; the compute strategy reads the same.
+    pub(super) fn layout(&self) -> &wgpu::BindGroupLayout {
+        &self.layout
+    }
+}
+
+impl Instancing for Storage {
+    fn strategy(&self) -> Strategy {
+        Strategy::Storage
+    }
+
+    fn group_layouts(&self, amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
+        stream_layouts(&self.layout, amplification)
+    }
+
+    fn max_chunk_records(&self, context: &Context, amplification: Amplification) -> usize {
+        let bytes = context.limits.max_storage_buffer_binding_size.min(context.limits.max_buffer_size);
+        (usize::try_from(bytes).unwrap_or(usize::MAX) / RECORD_BYTES)
+            .min(max_indexed_records(context, amplification))
+    }
+
+    fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
+        let buffer = buffer_with(context, wgpu::BufferUsages::STORAGE, records, RECORD_BYTES);
+        Chunk {
+            record_count: (records.len() / RECORD_BYTES) as u32,
+            bind_group: Some(single_binding(context, &self.layout, buffer.as_entire_binding())),
+            buffer: None,
+        }
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
+        for chunk in 0..draw.chunk_count() {
+            draw.bind(pass, chunk, &[]);
+            draw.pulled(pass, draw.chunk_records(chunk));
+        }
+        draw.chunk_count() as u32
+    }
+}

@@ -1,0 +1,101 @@
+//! Strategy `texture`: a record is one texel of a 2-D `rgba32uint` texture, fetched without filtering.
+//!
+//! Texel fetches go through the texture cache, which hardware without storage buffers in the vertex stage (WebGL 2,
+//! older phones) has too. The price is a copy into the texture's own memory layout.
+
+use super::{Chunk, Context, Draw, Instancing, RECORD_BYTES, max_indexed_records, single_binding, single_binding_layout, stream_layouts};
+use crate::render::gpu::shaders::Amplification;
+use crate::scene::Strategy;
+
+/// Texels a row: a power of two that every adapter allows and that wastes little of the last row.
+const ROW_RECORDS: usize = 2048;
+
+#[derive(Debug)]
+pub(super) struct Texture {
+    layout: wgpu::BindGroupLayout,
+}
+
+impl Texture {
+    pub(super) fn new(context: &Context) -> Self {
+        let ty = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Uint,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        Self { layout: single_binding_layout(context, "texture stream", ty) }
+    }
+}
+
+impl Instancing for Texture {
+    fn strategy(&self) -> Strategy {
+        Strategy::Texture
+    }
+
+    fn group_layouts(&self, amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
+        stream_layouts(&self.layout, amplification)
+    }
+
+    fn max_chunk_records(&self, context: &Context, amplification: Amplification) -> usize {
+        (ROW_RECORDS * context.limits.max_texture_dimension_2d as usize)
+            .min(max_indexed_records(context, amplification))
+    }
+
+    fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
+        let row_bytes = ROW_RECORDS * RECORD_BYTES;
+        let size = wgpu::Extent3d {
+            width: ROW_RECORDS as u32,
+            height: records.len().div_ceil(row_bytes) as u32,
+            depth_or_array_layers: 1,
+        };
+        let texture = context.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("records"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        // Whole rows with one copy, then what is left of the last row.
+        let whole_rows = (records.len() / row_bytes) as u32;
+        let (whole, rest) = records.split_at(whole_rows as usize * row_bytes);
+        let rest_records = (rest.len() / RECORD_BYTES) as u32;
+        for (bytes, first_row, width, height) in [
+            (whole, 0, ROW_RECORDS as u32, whole_rows),
+            (rest, whole_rows, rest_records, u32::from(rest_records > 0)),
+        ] {
+            if height > 0 {
+                context.queue.write_texture(
+                    wgpu::TexelCopyTextureInfo {
+                        texture: &texture,
+                        mip_level: 0,
+                        origin: wgpu::Origin3d { x: 0, y: first_row, z: 0 },
+                        aspect: wgpu::TextureAspect::All,
+                    },
+                    bytes,
+                    wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(width * RECORD_BYTES as u32),
+                        rows_per_image: None,
+                    },
+                    wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                );
+            }
+        }
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        Chunk {
+            record_count: (records.len() / RECORD_BYTES) as u32,
+            bind_group: Some(single_binding(context, &self.layout, wgpu::BindingResource::TextureView(&view))),
+            buffer: None,
+        }
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
+        for chunk in 0..draw.chunk_count() {
+            draw.bind(pass, chunk, &[]);
+            draw.pulled(pass, draw.chunk_records(chunk));
+        }
+        draw.chunk_count() as u32
+    }
+}

@@ -1,0 +1,82 @@
+//! Strategy `uniform`: records lie in uniform buffers, which every adapter binds up to 64 KiB only.
+//!
+//! A chunk is one buffer; a draw call binds 4096 records of it by a dynamic offset, so a cloud takes several draws from
+//! one upload. The paper found it the fastest of the instancing pipeline in 2013, when uniform memory had its own cache.
+
+use super::{
+    Chunk, Context, Draw, Instancing, RECORD_BYTES, buffer_with, single_binding, single_binding_layout,
+    stream_layouts,
+};
+use crate::render::gpu::shaders::Amplification;
+use crate::scene::Strategy;
+
+/// Records a draw; the constant of the same name in `fetch/uniform.wgsl`.
+const BATCH_RECORDS: u32 = 4096;
+
+/// Bytes a draw: the largest uniform binding that every adapter has.
+const BATCH_BYTES: usize = BATCH_RECORDS as usize * RECORD_BYTES;
+
+#[derive(Debug)]
+pub(super) struct Uniform {
+    layout: wgpu::BindGroupLayout,
+}
+
+impl Uniform {
+    pub(super) fn new(context: &Context) -> Self {
+        let ty = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: true,
+            min_binding_size: wgpu::BufferSize::new(BATCH_BYTES as u64),
+        };
+        Self { layout: single_binding_layout(context, "uniform stream", ty) }
+    }
+}
+
+impl Instancing for Uniform {
+    fn strategy(&self) -> Strategy {
+        Strategy::Uniform
+    }
+
+    fn group_layouts(&self, amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
+        stream_layouts(&self.layout, amplification)
+    }
+
+    fn max_chunk_records(&self, context: &Context, _amplification: Amplification) -> usize {
+        // Dynamic offsets are u32.
+        let bytes = context.limits.max_buffer_size.min(u64::from(u32::MAX));
+        let batches = usize::try_from(bytes).unwrap_or(usize::MAX) / BATCH_BYTES;
+        batches * BATCH_RECORDS as usize
+    }
+
+    fn quads_per_draw(&self, records: u32, amplification: Amplification) -> u32 {
+        records.min(BATCH_RECORDS) * amplification.vertices_per_record() / 4
+    }
+
+    fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
+        // The last batch is bound whole, so the buffer must reach to its end.
+        let buffer = buffer_with(context, wgpu::BufferUsages::UNIFORM, records, BATCH_BYTES);
+        let batch = wgpu::BufferBinding {
+            buffer: &buffer,
+            offset: 0,
+            size: wgpu::BufferSize::new(BATCH_BYTES as u64),
+        };
+        Chunk {
+            record_count: (records.len() / RECORD_BYTES) as u32,
+            bind_group: Some(single_binding(context, &self.layout, wgpu::BindingResource::Buffer(batch))),
+            buffer: None,
+        }
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
+        let mut draw_calls = 0;
+        for chunk in 0..draw.chunk_count() {
+            let records = draw.chunk_records(chunk);
+            for first in (0..records).step_by(BATCH_RECORDS as usize) {
+                draw.bind(pass, chunk, &[first * RECORD_BYTES as u32]);
+                draw.pulled(pass, BATCH_RECORDS.min(records - first));
+                draw_calls += 1;
+            }
+        }
+        draw_calls
+    }
+}

@@ -1,0 +1,71 @@
+//! Strategy `vertex`: records are per-instance vertex attributes, stepped by the hardware.
+//!
+//! The most natural of the paper's ways and there the slowest: every record is an instance of its own with 4 (surfel) or
+//! 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
+
+use super::{Chunk, Context, Draw, INDICES_PER_QUAD, Instancing, RECORD_BYTES, buffer_with};
+use crate::render::gpu::shaders::Amplification;
+use crate::scene::Strategy;
+
+const POINT_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
+
+const SHAPE_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![2 => Uint32, 3 => Float32, 4 => Uint32, 5 => Float32];
+
+#[derive(Debug)]
+pub(super) struct Vertex;
+
+impl Instancing for Vertex {
+    fn strategy(&self) -> Strategy {
+        Strategy::Vertex
+    }
+
+    fn group_layouts(&self, _amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
+        Vec::new()
+    }
+
+    fn vertex_buffers(&self, amplification: Amplification) -> Vec<wgpu::VertexBufferLayout<'static>> {
+        let step_mode = match amplification {
+            Amplification::Pixel => wgpu::VertexStepMode::Vertex,
+            _ => wgpu::VertexStepMode::Instance,
+        };
+        let stream = |attributes| wgpu::VertexBufferLayout { array_stride: RECORD_BYTES as u64, step_mode, attributes };
+        let mut layouts = vec![stream(POINT_ATTRIBUTES.as_slice())];
+        if amplification.needs_shapes() {
+            layouts.push(stream(SHAPE_ATTRIBUTES.as_slice()));
+        }
+        layouts
+    }
+
+    fn max_chunk_records(&self, context: &Context, _amplification: Amplification) -> usize {
+        usize::try_from(context.limits.max_buffer_size).unwrap_or(usize::MAX) / RECORD_BYTES
+    }
+
+    fn quads_per_draw(&self, _records: u32, amplification: Amplification) -> u32 {
+        amplification.vertices_per_record() / 4
+    }
+
+    fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
+        Chunk {
+            record_count: (records.len() / RECORD_BYTES) as u32,
+            bind_group: None,
+            buffer: Some(buffer_with(context, wgpu::BufferUsages::VERTEX, records, RECORD_BYTES)),
+        }
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
+        for chunk in 0..draw.chunk_count() {
+            for (slot, stream) in (0..).zip(draw.streams) {
+                if let Some(buffer) = &stream.chunks[chunk].buffer {
+                    pass.set_vertex_buffer(slot, buffer.slice(..));
+                }
+            }
+            let records = draw.chunk_records(chunk);
+            match draw.quads_per_record() {
+                0 => pass.draw(0..records, 0..1),
+                quads => pass.draw_indexed(0..quads * INDICES_PER_QUAD, 0, 0..records),
+            }
+        }
+        draw.chunk_count() as u32
+    }
+}

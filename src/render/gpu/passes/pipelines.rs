@@ -1,0 +1,172 @@
+//! Pipelines, made when they are first needed and kept: nobody pays for modes that are not used.
+
+use super::super::context::Context;
+use super::super::instancing::Instancing;
+use super::super::shaders::{Amplification, GeometryPass, Permutation, ScreenPass};
+use super::{PassState, geometry_state, screen_state};
+use crate::scene::Strategy;
+use std::collections::HashMap;
+
+/// What a geometry pipeline depends on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct GeometryKey {
+    pub(crate) strategy: Strategy,
+    pub(crate) amplification: Amplification,
+    pub(crate) pass: GeometryPass,
+    pub(crate) cull_back_faces: bool,
+}
+
+/// All pipelines made so far, and the layouts they share.
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    geometry: HashMap<GeometryKey, wgpu::RenderPipeline>,
+    screen: HashMap<ScreenPass, wgpu::RenderPipeline>,
+    pub(crate) view_layout: wgpu::BindGroupLayout,
+    color_source_layout: wgpu::BindGroupLayout,
+    depth_source_layout: wgpu::BindGroupLayout,
+}
+
+impl Pipelines {
+    pub(crate) fn new(context: &Context, view_uniform_bytes: u64) -> Self {
+        let layout = |label, visibility, ty| {
+            context.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(label),
+                entries: &[wgpu::BindGroupLayoutEntry { binding: 0, visibility, ty, count: None }],
+            })
+        };
+        let texture = |sample_type| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        Self {
+            geometry: HashMap::new(),
+            screen: HashMap::new(),
+            view_layout: layout(
+                "view",
+                wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
+                wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: true,
+                    min_binding_size: wgpu::BufferSize::new(view_uniform_bytes),
+                },
+            ),
+            color_source_layout: layout(
+                "color source",
+                wgpu::ShaderStages::FRAGMENT,
+                texture(wgpu::TextureSampleType::Float { filterable: false }),
+            ),
+            depth_source_layout: layout(
+                "depth source",
+                wgpu::ShaderStages::FRAGMENT,
+                texture(wgpu::TextureSampleType::Depth),
+            ),
+        }
+    }
+
+    /// Layout of the texture that a screen pass reads; `None` for the background.
+    pub(crate) fn source_layout(&self, pass: ScreenPass) -> Option<&wgpu::BindGroupLayout> {
+        match pass {
+            ScreenPass::Background => None,
+            ScreenPass::Resolve => Some(&self.color_source_layout),
+            ScreenPass::DepthView => Some(&self.depth_source_layout),
+        }
+    }
+
+    /// The pipeline of a geometry pass. Precondition: [`Pipelines::ensure_geometry`].
+    pub(crate) fn geometry(&self, key: GeometryKey) -> Option<&wgpu::RenderPipeline> {
+        self.geometry.get(&key)
+    }
+
+    /// The pipeline of a screen pass. Precondition: [`Pipelines::ensure_screen`].
+    pub(crate) fn screen(&self, pass: ScreenPass) -> Option<&wgpu::RenderPipeline> {
+        self.screen.get(&pass)
+    }
+
+    /// Makes the pipeline unless it is there.
+    pub(crate) fn ensure_geometry(&mut self, context: &Context, key: GeometryKey, instancing: &dyn Instancing) {
+        if self.geometry.contains_key(&key) {
+            return;
+        }
+        let mut layouts = vec![Some(&self.view_layout)];
+        layouts.extend(instancing.group_layouts(key.amplification).into_iter().map(Some));
+        let topology = match key.amplification {
+            Amplification::Pixel => wgpu::PrimitiveTopology::PointList,
+            _ => wgpu::PrimitiveTopology::TriangleList,
+        };
+        let pipeline = build(
+            context,
+            Permutation::Geometry(key.strategy, key.amplification, key.pass),
+            &geometry_state(key.pass),
+            &layouts,
+            &instancing.vertex_buffers(key.amplification),
+            wgpu::PrimitiveState {
+                topology,
+                front_face: wgpu::FrontFace::Ccw,
+                cull_mode: key.cull_back_faces.then_some(wgpu::Face::Back),
+                ..Default::default()
+            },
+        );
+        self.geometry.insert(key, pipeline);
+    }
+
+    /// Makes the pipeline unless it is there.
+    pub(crate) fn ensure_screen(&mut self, context: &Context, pass: ScreenPass) {
+        if self.screen.contains_key(&pass) {
+            return;
+        }
+        let mut layouts = vec![Some(&self.view_layout)];
+        layouts.extend(self.source_layout(pass).map(Some));
+        let pipeline = build(
+            context,
+            Permutation::Screen(pass),
+            &screen_state(pass),
+            &layouts,
+            &[],
+            wgpu::PrimitiveState::default(),
+        );
+        self.screen.insert(pass, pipeline);
+    }
+}
+
+fn build(
+    context: &Context,
+    permutation: Permutation,
+    state: &PassState,
+    bind_group_layouts: &[Option<&wgpu::BindGroupLayout>],
+    vertex_buffers: &[wgpu::VertexBufferLayout<'static>],
+    primitive: wgpu::PrimitiveState,
+) -> wgpu::RenderPipeline {
+    let label = permutation.label();
+    let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(&label),
+        source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
+    });
+    let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(&label),
+        bind_group_layouts,
+        immediate_size: 0,
+    });
+    let buffers: Vec<_> = vertex_buffers.iter().cloned().map(Some).collect();
+    context.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(&label),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &buffers,
+        },
+        primitive,
+        depth_stencil: state.depth_stencil(),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: if state.color.is_some() { std::slice::from_ref(&state.color) } else { &[] },
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

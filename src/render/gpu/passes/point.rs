@@ -1,0 +1,7 @@
+//! Plain points: the cheapest picture of a cloud.
+
+use super::{PassState, solid};
+
+pub(super) fn state() -> PassState {
+    solid::state()
+}

@@ -1,0 +1,7 @@
+//! Resolve, and the grey picture of the visibility pass: both lay one texture over the background.
+
+use super::{COLOR_FORMAT, PassState, over, target};
+
+pub(super) fn state() -> PassState {
+    PassState { color: target(COLOR_FORMAT, Some(over())), depth: None }
+}

@@ -1,0 +1,214 @@
+//! The order of passes of one picture.
+//!
+//! | primitive | passes |
+//! |---|---|
+//! | point | background, point |
+//! | voxel | background, solid |
+//! | surfel `regular`, `no-depth` | background, splat |
+//! | surfel `visibility` | background, visibility, depth view |
+//! | surfel, other modes | background, visibility, attribute, resolve |
+
+use super::gpu_data::ViewUniform;
+use super::instancing::{Draw, Stream, ViewBinding};
+use super::passes::GeometryKey;
+use super::renderer::{GpuRenderer, stream_keys};
+use super::residency::StreamKey;
+use super::shaders::{Amplification, GeometryPass, ScreenPass};
+use super::targets::Targets;
+use crate::render::RenderError;
+use crate::scene::{Primitive, ScenePacket, Splatting};
+
+/// What a packet asks for.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub(super) amplification: Amplification,
+    /// Streams to draw; none when the frame lacks what the primitive needs.
+    pub(super) streams: Vec<StreamKey>,
+    geometry: &'static [GeometryPass],
+    /// What follows the geometry.
+    finish: Option<ScreenPass>,
+}
+
+impl Plan {
+    pub(super) fn new(packet: &ScenePacket) -> Self {
+        let settings = &packet.settings;
+        let amplification = match settings.primitive {
+            Primitive::Surfel => Amplification::Surfel,
+            Primitive::Voxel => Amplification::Voxel,
+            Primitive::Point if settings.point_size_px <= 1.0 => Amplification::Pixel,
+            Primitive::Point => Amplification::Square,
+        };
+        let (geometry, finish): (&'static [GeometryPass], _) = match (settings.primitive, settings.splatting) {
+            (Primitive::Point, _) => (&[GeometryPass::Point], None),
+            (Primitive::Voxel, _) => (&[GeometryPass::Solid], None),
+            (Primitive::Surfel, Splatting::Regular) => (&[GeometryPass::Regular], None),
+            (Primitive::Surfel, Splatting::NoDepth) => (&[GeometryPass::NoDepth], None),
+            (Primitive::Surfel, Splatting::Visibility) => (&[GeometryPass::Visibility], Some(ScreenPass::DepthView)),
+            (Primitive::Surfel, Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged) => {
+                (&[GeometryPass::Visibility, GeometryPass::Attribute], Some(ScreenPass::Resolve))
+            }
+        };
+        Self { amplification, streams: stream_keys(packet, amplification), geometry, finish }
+    }
+
+    /// The uniforms of each geometry pass.
+    pub(super) fn views(&self, packet: &ScenePacket) -> [ViewUniform; 2] {
+        let [visibility, attribute] = packet.settings.splatting.scales(packet.settings.enlargement);
+        [
+            ViewUniform::new(packet, visibility),
+            ViewUniform::new(packet, attribute).without_slack(),
+        ]
+    }
+
+    pub(super) fn geometry_keys(&self, packet: &ScenePacket) -> impl Iterator<Item = GeometryKey> {
+        let strategy = packet.settings.strategy;
+        let amplification = self.amplification;
+        // The faces of a cube that do not face the eye are never right to draw.
+        let cull_back_faces = amplification == Amplification::Voxel || packet.settings.cull_back_faces;
+        self.geometry
+            .iter()
+            .map(move |&pass| GeometryKey { strategy, amplification, pass, cull_back_faces })
+    }
+
+    pub(super) fn screen_passes(&self, packet: &ScenePacket) -> impl Iterator<Item = ScreenPass> {
+        let background = packet.settings.background;
+        let gradient = (background.top != background.bottom).then_some(ScreenPass::Background);
+        gradient.into_iter().chain(self.finish)
+    }
+}
+
+/// Cleared depth: nothing, at infinity.
+const FAR: f32 = 0.0;
+
+impl GpuRenderer {
+    pub(super) fn encode_and_submit(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+        let plan = Plan::new(packet);
+        let Self { context, pipelines, instancing, residency, targets, timer, stats, .. } = self;
+        let targets = targets.as_ref().ok_or(RenderError::NothingPrepared)?;
+        let streams: Vec<&Stream> = plan.streams.iter().filter_map(|&key| residency.get(key)).collect();
+        let draw = Draw { streams: &streams, amplification: plan.amplification, quad_indices: &self.quad_indices };
+        let mut encoder = context
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
+        if let Some(timer) = timer {
+            timer.begin(context, &mut encoder);
+        }
+        stats.draw_calls = 0;
+        stats.drawn_instances = 0;
+
+        let background = packet.settings.background;
+        {
+            let [red, green, blue] = background.top.map(|channel| f64::from(channel) / 255.0);
+            let clear = wgpu::LoadOp::Clear(wgpu::Color { r: red, g: green, b: blue, a: 1.0 });
+            let mut pass = begin(&mut encoder, "background", Some((&targets.color_view, clear)), None);
+            stats.passes += 1;
+            if background.top != background.bottom
+                && let Some(pipeline) = pipelines.screen(ScreenPass::Background)
+            {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, &self.view_group, &[0]);
+                pass.draw(0..3, 0..1);
+                stats.draw_calls += 1;
+            }
+        }
+
+        for (index, key) in (0..).zip(plan.geometry_keys(packet)) {
+            let view = ViewBinding { bind_group: &self.view_group, offset: index * self.view_stride };
+            stats.passes += instancing.amplify(context, &mut encoder, view, &draw);
+            let mut pass = begin_geometry(&mut encoder, key.pass, targets);
+            stats.passes += 1;
+            if !streams.is_empty()
+                && let Some(pipeline) = pipelines.geometry(key)
+            {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, view.bind_group, &[view.offset]);
+                pass.set_index_buffer(draw.quad_indices.slice(..), wgpu::IndexFormat::Uint32);
+                stats.draw_calls += instancing.draw(&mut pass, &draw);
+                stats.drawn_instances +=
+                    streams[0].chunks.iter().map(|chunk| u64::from(chunk.record_count)).sum::<u64>();
+            }
+        }
+
+        if let Some(finish) = plan.finish
+            && let (Some(pipeline), Some(layout)) = (pipelines.screen(finish), pipelines.source_layout(finish))
+        {
+            let source = match finish {
+                ScreenPass::DepthView => &targets.depth_view,
+                _ => &targets.accumulation_view,
+            };
+            let group = context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("screen source"),
+                layout,
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(source),
+                }],
+            });
+            let mut pass =
+                begin(&mut encoder, "finish", Some((&targets.color_view, wgpu::LoadOp::Load)), None);
+            stats.passes += 1;
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &self.view_group, &[0]);
+            pass.set_bind_group(1, &group, &[]);
+            pass.draw(0..3, 0..1);
+            stats.draw_calls += 1;
+        }
+
+        if let Some(timer) = timer {
+            timer.end(&mut encoder);
+        }
+        context.queue.submit([encoder.finish()]);
+        if let Some(timer) = timer {
+            timer.submitted();
+        }
+        Ok(())
+    }
+}
+
+fn begin_geometry<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    pass: GeometryPass,
+    targets: &Targets,
+) -> wgpu::RenderPass<'e> {
+    let clear_depth = Some((&targets.depth_view, Some(wgpu::LoadOp::Clear(FAR))));
+    let keep_color = Some((&targets.color_view, wgpu::LoadOp::Load));
+    match pass {
+        GeometryPass::Visibility => begin(encoder, "visibility", None, clear_depth),
+        GeometryPass::Attribute => {
+            let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+            let read_depth = Some((&targets.depth_view, None));
+            begin(encoder, "attribute", Some((&targets.accumulation_view, clear)), read_depth)
+        }
+        GeometryPass::Regular => begin(encoder, "splat", keep_color, clear_depth),
+        GeometryPass::NoDepth => begin(encoder, "splat without depth", keep_color, None),
+        GeometryPass::Solid => begin(encoder, "solid", keep_color, clear_depth),
+        GeometryPass::Point => begin(encoder, "point", keep_color, clear_depth),
+    }
+}
+
+/// Begins a render pass. A depth buffer without load operation is only read.
+fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    label: &str,
+    color: Option<(&wgpu::TextureView, wgpu::LoadOp<wgpu::Color>)>,
+    depth: Option<(&wgpu::TextureView, Option<wgpu::LoadOp<f32>>)>,
+) -> wgpu::RenderPass<'e> {
+    let color = color.map(|(view, load)| wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+    });
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: if color.is_some() { std::slice::from_ref(&color) } else { &[] },
+        depth_stencil_attachment: depth.map(|(view, load)| wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: load.map(|load| wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    })
+}

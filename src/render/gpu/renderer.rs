@@ -1,0 +1,267 @@
+//! [`GpuRenderer`]: keeps what pictures share, and makes the next one from a packet.
+
+use super::context::Context;
+use super::gpu_data::ViewUniform;
+use super::instancing::{self, Instancing};
+use super::passes::Pipelines;
+use super::picture::Plan;
+use super::readback::read_color;
+use super::residency::{Residency, StreamKey};
+use super::shaders::Amplification;
+use super::targets::Targets;
+use super::timer::Timer;
+use crate::render::{RenderError, RenderStats, Renderer};
+use crate::scene::ScenePacket;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// How many bytes of record streams stay on the GPU for pictures to come.
+const DEFAULT_RESIDENT_BUDGET_BYTES: u64 = 1 << 30;
+
+/// Views a picture can need: one for each pass over geometry.
+pub(super) const VIEWS: u32 = 2;
+
+/// Draws packets with wgpu into a texture of its own.
+#[derive(Debug)]
+pub struct GpuRenderer {
+    pub(super) context: Arc<Context>,
+    pub(super) pipelines: Pipelines,
+    pub(super) instancing: Box<dyn Instancing>,
+    pub(super) residency: Residency,
+    pub(super) targets: Option<Targets>,
+    pub(super) quad_indices: wgpu::Buffer,
+    pub(super) view_group: wgpu::BindGroup,
+    pub(super) view_stride: u32,
+    pub(super) timer: Option<Timer>,
+    pub(super) stats: RenderStats,
+    view_buffer: wgpu::Buffer,
+    quad_capacity: u32,
+    prepared: Option<ScenePacket>,
+    drawn: Option<ScenePacket>,
+    color_generation: u64,
+}
+
+impl GpuRenderer {
+    /// A renderer with nothing resident.
+    pub fn new(context: Arc<Context>) -> Result<Self, RenderError> {
+        context.check_alive()?;
+        let uniform_bytes = size_of::<ViewUniform>() as u64;
+        let pipelines = Pipelines::new(&context, uniform_bytes);
+        let view_stride =
+            (uniform_bytes as u32).next_multiple_of(context.limits.min_uniform_buffer_offset_alignment);
+        let view_buffer = context.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("views"),
+            size: u64::from(view_stride * VIEWS),
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let view_group = context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("view"),
+            layout: &pipelines.view_layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer: &view_buffer,
+                    offset: 0,
+                    size: wgpu::BufferSize::new(uniform_bytes),
+                }),
+            }],
+        });
+        let strategy = crate::scene::Settings::default().strategy;
+        Ok(Self {
+            instancing: instancing::new(strategy, &context, &pipelines.view_layout),
+            residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
+            targets: None,
+            quad_indices: quad_index_buffer(&context, 1),
+            quad_capacity: 1,
+            timer: Timer::new(&context),
+            stats: RenderStats::default(),
+            prepared: None,
+            drawn: None,
+            color_generation: 0,
+            context,
+            pipelines,
+            view_buffer,
+            view_group,
+            view_stride,
+        })
+    }
+
+    /// The device that draws.
+    pub fn context(&self) -> &Arc<Context> {
+        &self.context
+    }
+
+    /// The picture as a texture of the last packet's size; `None` before the first packet.
+    pub fn color_view(&self) -> Option<&wgpu::TextureView> {
+        self.targets.as_ref().map(|targets| &targets.color_view)
+    }
+
+    /// Changes whenever [`GpuRenderer::color_view`] is another texture than before.
+    pub fn color_generation(&self) -> u64 {
+        self.color_generation
+    }
+
+    /// Waits for the last picture and returns its GPU time; `None` where the adapter cannot measure it.
+    pub fn wait_gpu_ms(&mut self) -> Option<f64> {
+        let context = Arc::clone(&self.context);
+        let gpu_ms = self.timer.as_mut()?.wait_ms(&context);
+        self.stats.gpu_ms = gpu_ms;
+        gpu_ms
+    }
+
+    /// Forgets what was drawn, so that the same packet is drawn again: benchmarks measure that.
+    pub fn invalidate(&mut self) {
+        self.drawn = None;
+    }
+
+    fn ensure_targets(&mut self, size_px: [u32; 2]) -> Result<(), RenderError> {
+        if self.targets.as_ref().is_some_and(|targets| targets.size_px == size_px) {
+            return Ok(());
+        }
+        let [width, height] = size_px;
+        let max = self.context.max_edge_px();
+        if width > max || height > max {
+            return Err(RenderError::TooLarge { width, height, max });
+        }
+        // The old ones go first: both at once may not fit.
+        self.targets = None;
+        self.drawn = None;
+        let targets = self.context.catching_out_of_memory("the picture", || Targets::new(&self.context, size_px))?;
+        self.targets = Some(targets);
+        self.color_generation += 1;
+        Ok(())
+    }
+
+    /// Uploads what `plan` draws and is not resident; keeps the residency within its budget.
+    fn ensure_streams(&mut self, packet: &ScenePacket, plan: &Plan) -> Result<(), RenderError> {
+        let Self { context, instancing, residency, stats, .. } = self;
+        let mut ensure = |bytes: u64| {
+            if bytes > 0 {
+                stats.uploads += 1;
+                stats.uploaded_bytes += bytes;
+            }
+        };
+        context.catching_out_of_memory("the cloud", || {
+            if let Some(voxels) = packet.voxels.as_ref().filter(|_| plan.amplification == Amplification::Voxel) {
+                ensure(residency.ensure(&voxels.records, |records| {
+                    let bytes = bytemuck::cast_slice(records);
+                    instancing::upload(instancing.as_ref(), context, Amplification::Voxel, bytes)
+                }));
+                return;
+            }
+            // Surfels have the smallest chunks of what is drawn from a cloud. All its streams are cut for them, so that
+            // switching the primitive uploads nothing again.
+            ensure(residency.ensure(&packet.points, |records| {
+                let bytes = bytemuck::cast_slice(records);
+                instancing::upload(instancing.as_ref(), context, Amplification::Surfel, bytes)
+            }));
+            if let Some(shapes) = &packet.shapes {
+                ensure(residency.ensure(shapes, |records| {
+                    let bytes = bytemuck::cast_slice(records);
+                    instancing::upload(instancing.as_ref(), context, Amplification::Surfel, bytes)
+                }));
+            }
+        })?;
+        residency.trim(&plan.streams);
+        stats.resident_bytes = residency.resident_bytes();
+        Ok(())
+    }
+
+    fn ensure_quad_indices(&mut self, plan: &Plan) -> Result<(), RenderError> {
+        let quads = plan
+            .streams
+            .iter()
+            .filter_map(|&key| self.residency.get(key))
+            .flat_map(|stream| &stream.chunks)
+            .map(|chunk| self.instancing.quads_per_draw(chunk.record_count, plan.amplification))
+            .max()
+            .unwrap_or(0);
+        if quads > self.quad_capacity {
+            let context = &self.context;
+            self.quad_indices =
+                context.catching_out_of_memory("the quads' indices", || quad_index_buffer(context, quads))?;
+            self.quad_capacity = quads;
+        }
+        Ok(())
+    }
+}
+
+impl Renderer for GpuRenderer {
+    fn prepare(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+        self.context.check_alive()?;
+        if self.prepared.as_ref() == Some(packet) {
+            return Ok(());
+        }
+        let start = Instant::now();
+        self.prepared = None;
+        self.ensure_targets(packet.viewport_px)?;
+        if self.instancing.strategy() != packet.settings.strategy {
+            self.residency.clear();
+            self.instancing =
+                instancing::new(packet.settings.strategy, &self.context, &self.pipelines.view_layout);
+        }
+        let plan = Plan::new(packet);
+        self.ensure_streams(packet, &plan)?;
+        self.ensure_quad_indices(&plan)?;
+        for key in plan.geometry_keys(packet) {
+            self.pipelines.ensure_geometry(&self.context, key, self.instancing.as_ref());
+        }
+        for pass in plan.screen_passes(packet) {
+            self.pipelines.ensure_screen(&self.context, pass);
+        }
+        for (index, view) in (0..).zip(plan.views(packet)) {
+            let offset = u64::from(self.view_stride) * index;
+            self.context.queue.write_buffer(&self.view_buffer, offset, bytemuck::bytes_of(&view));
+        }
+        self.prepared = Some(packet.clone());
+        self.stats.prepare_ms = start.elapsed().as_secs_f64() * 1e3;
+        Ok(())
+    }
+
+    fn render(&mut self) -> Result<(), RenderError> {
+        self.context.check_alive()?;
+        let packet = self.prepared.clone().ok_or(RenderError::NothingPrepared)?;
+        if self.drawn.as_ref() == Some(&packet) {
+            return Ok(());
+        }
+        let start = Instant::now();
+        self.encode_and_submit(&packet)?;
+        self.stats.frames += 1;
+        self.stats.encode_ms = start.elapsed().as_secs_f64() * 1e3;
+        self.drawn = Some(packet);
+        Ok(())
+    }
+
+    fn read_image(&mut self) -> Result<image::RgbaImage, RenderError> {
+        self.context.check_alive()?;
+        let targets = self.targets.as_ref().ok_or(RenderError::NothingPrepared)?;
+        read_color(&self.context, &targets.color)
+    }
+
+    fn stats(&self) -> RenderStats {
+        RenderStats {
+            gpu_ms: self.timer.as_ref().and_then(Timer::last_ms).or(self.stats.gpu_ms),
+            ..self.stats
+        }
+    }
+}
+
+/// Indices 0 1 2 2 1 3, 4 5 6 6 5 7, … of `quads` quads.
+fn quad_index_buffer(context: &Context, quads: u32) -> wgpu::Buffer {
+    let indices: Vec<u32> =
+        (0..quads).flat_map(|quad| [0, 1, 2, 2, 1, 3].map(|corner| 4 * quad + corner)).collect();
+    let bytes: &[u8] = bytemuck::cast_slice(&indices);
+    context.filled_buffer("quad indices", wgpu::BufferUsages::INDEX, bytes, bytes.len())
+}
+
+/// The streams that a packet draws, in the order of their bind groups.
+pub(super) fn stream_keys(packet: &ScenePacket, amplification: Amplification) -> Vec<StreamKey> {
+    match (amplification, &packet.voxels, &packet.shapes) {
+        (Amplification::Voxel, Some(voxels), _) => vec![StreamKey::of(&voxels.records)],
+        (Amplification::Surfel, _, Some(shapes)) => vec![StreamKey::of(&packet.points), StreamKey::of(shapes)],
+        (Amplification::Pixel | Amplification::Square, _, _) => vec![StreamKey::of(&packet.points)],
+        // The frame lacks what the primitive needs: only the background is drawn.
+        _ => Vec::new(),
+    }
+}

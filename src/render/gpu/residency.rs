@@ -1,0 +1,146 @@
+//! Which record streams are on the GPU: looping over a sequence, moving the camera and switching modes upload nothing
+//! that is there already.
+//!
+//! Streams are known by the allocation of their records. A weak reference is kept with each, so that the address of a
+//! cloud that is gone cannot be taken for that of a new one; streams whose cloud is gone are dropped first, then those
+//! not drawn for longest, down to the budget.
+
+use super::instancing::Stream;
+use std::any::Any;
+use std::collections::HashMap;
+use std::sync::{Arc, Weak};
+
+/// A least-recently-drawn cache of streams.
+#[derive(Debug)]
+pub(super) struct Residency {
+    streams: HashMap<usize, Resident>,
+    budget_bytes: u64,
+    resident_bytes: u64,
+    clock: u64,
+}
+
+#[derive(Debug)]
+struct Resident {
+    records: Weak<dyn Any + Send + Sync>,
+    stream: Stream,
+    last_drawn: u64,
+}
+
+/// Names a resident stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct StreamKey(usize);
+
+impl StreamKey {
+    pub(super) fn of<T>(records: &Arc<Vec<T>>) -> Self {
+        Self(Arc::as_ptr(records) as usize)
+    }
+}
+
+impl Residency {
+    pub(super) fn new(budget_bytes: u64) -> Self {
+        Self { streams: HashMap::new(), budget_bytes, resident_bytes: 0, clock: 0 }
+    }
+
+    /// Makes sure that `records` are resident. Returns the bytes uploaded, 0 when they were.
+    pub(super) fn ensure<T: Send + Sync + 'static>(
+        &mut self,
+        records: &Arc<Vec<T>>,
+        upload: impl FnOnce(&[T]) -> Stream,
+    ) -> u64 {
+        self.clock += 1;
+        let key = StreamKey::of(records).0;
+        if let Some(resident) = self.streams.get_mut(&key) {
+            // The weak reference keeps the address from being used again, so it is the same cloud.
+            resident.last_drawn = self.clock;
+            return 0;
+        }
+        let stream = upload(records);
+        let bytes = stream.byte_size;
+        let shared: Arc<dyn Any + Send + Sync> = Arc::clone(records) as _;
+        self.resident_bytes += bytes;
+        self.streams
+            .insert(key, Resident { records: Arc::downgrade(&shared), stream, last_drawn: self.clock });
+        bytes
+    }
+
+    /// The stream, if it is resident.
+    pub(super) fn get(&self, key: StreamKey) -> Option<&Stream> {
+        self.streams.get(&key.0).map(|resident| &resident.stream)
+    }
+
+    /// Drops what is gone, then what was not drawn for longest, but never `keep`.
+    pub(super) fn trim(&mut self, keep: &[StreamKey]) {
+        let is_kept = |key: &usize| keep.contains(&StreamKey(*key));
+        self.streams.retain(|key, resident| is_kept(key) || resident.records.strong_count() > 0);
+        self.resident_bytes = self.streams.values().map(|resident| resident.stream.byte_size).sum();
+        while self.resident_bytes > self.budget_bytes {
+            let oldest = self
+                .streams
+                .iter()
+                .filter(|(key, _)| !is_kept(key))
+                .min_by_key(|(_, resident)| resident.last_drawn)
+                .map(|(&key, _)| key);
+            let Some(resident) = oldest.and_then(|key| self.streams.remove(&key)) else {
+                break;
+            };
+            self.resident_bytes -= resident.stream.byte_size;
+        }
+    }
+
+    /// Drops everything: another strategy lays records out otherwise.
+    pub(super) fn clear(&mut self) {
+        self.streams.clear();
+        self.resident_bytes = 0;
+    }
+
+    pub(super) fn resident_bytes(&self) -> u64 {
+        self.resident_bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stream_of(records: &[u8]) -> Stream {
+        Stream { chunks: Vec::new(), byte_size: records.len() as u64 }
+    }
+
+    #[test]
+    fn the_same_cloud_is_uploaded_once() {
+        let mut residency = Residency::new(100);
+        let cloud = Arc::new(vec![0u8; 40]);
+        assert_eq!(residency.ensure(&cloud, stream_of), 40);
+        assert_eq!(residency.ensure(&Arc::clone(&cloud), stream_of), 0);
+        assert_eq!(residency.ensure(&Arc::new(vec![0u8; 40]), stream_of), 40, "equal content, another cloud");
+    }
+
+    #[test]
+    fn clouds_that_are_gone_go_first_then_the_oldest_but_never_the_kept() {
+        let mut residency = Residency::new(100);
+        let clouds: Vec<_> = (0..4).map(|_| Arc::new(vec![0u8; 40])).collect();
+        for cloud in &clouds[..3] {
+            residency.ensure(cloud, stream_of);
+        }
+        residency.ensure(&clouds[0], stream_of);
+        residency.trim(&[StreamKey::of(&clouds[1])]);
+        assert_eq!(residency.resident_bytes(), 80);
+        assert!(residency.get(StreamKey::of(&clouds[2])).is_none(), "drawn least recently");
+
+        residency.ensure(&clouds[3], stream_of);
+        let kept = [StreamKey::of(&clouds[1])];
+        let clouds = vec![Arc::clone(&clouds[1])];
+        residency.trim(&kept);
+        assert_eq!(residency.resident_bytes(), 40, "clouds that are gone leave at once");
+        assert!(residency.get(StreamKey::of(&clouds[0])).is_some());
+    }
+
+    #[test]
+    fn what_is_being_drawn_stays_whatever_the_budget() {
+        let mut residency = Residency::new(10);
+        let cloud = Arc::new(vec![0u8; 40]);
+        residency.ensure(&cloud, stream_of);
+        residency.trim(&[StreamKey::of(&cloud)]);
+        assert!(residency.get(StreamKey::of(&cloud)).is_some());
+    }
+}

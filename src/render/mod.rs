@@ -1,0 +1,99 @@
+//! From a [`ScenePacket`] to pixels. Consumers (window, headless, benchmarks) see only the [`Renderer`] trait.
+
+pub mod gpu;
+
+use crate::scene::ScenePacket;
+
+/// Draws packets. Preparing and drawing are apart so that each can be measured.
+pub trait Renderer {
+    /// Uploads what the packet needs and is not resident yet.
+    fn prepare(&mut self, packet: &ScenePacket) -> Result<(), RenderError>;
+
+    /// Draws the prepared packet. Nothing is done when it equals the one drawn last.
+    fn render(&mut self) -> Result<(), RenderError>;
+
+    /// Waits for the picture and reads it back: display-referred 8-bit RGBA, opaque.
+    fn read_image(&mut self) -> Result<image::RgbaImage, RenderError>;
+
+    /// What was done so far.
+    fn stats(&self) -> RenderStats;
+}
+
+/// Counters and times of a renderer. Tests read them to prove that work was skipped.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+pub struct RenderStats {
+    /// Pictures drawn since creation.
+    pub frames: u64,
+    /// Passes (render and compute) since creation.
+    pub passes: u64,
+    /// Uploads of record streams since creation.
+    pub uploads: u64,
+    /// Bytes of those uploads.
+    pub uploaded_bytes: u64,
+    /// Bytes of record streams that are on the GPU now.
+    pub resident_bytes: u64,
+    /// Draw calls of the last picture.
+    pub draw_calls: u32,
+    /// Records handed to draw calls of the last picture, each pass counted.
+    pub drawn_instances: u64,
+    /// CPU time of the last [`Renderer::prepare`].
+    pub prepare_ms: f64,
+    /// CPU time of the last [`Renderer::render`]: encoding and submission.
+    pub encode_ms: f64,
+    /// GPU time of the last picture that was measured; `None` where timestamps are not supported.
+    pub gpu_ms: Option<f64>,
+}
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// No adapter at all.
+    #[error(
+        "no Vulkan, Metal or DirectX 12 adapter was found ({reason}); \
+         without a GPU install the software one: `apt-get install mesa-vulkan-drivers libvulkan1`"
+    )]
+    NoAdapter {
+        /// What the graphics library said.
+        reason: String,
+    },
+    /// The adapter refused to open.
+    #[error("the adapter {adapter} could not be opened: {reason}")]
+    NoDevice {
+        /// Its name.
+        adapter: String,
+        /// What it said.
+        reason: String,
+    },
+    /// The driver reset or the adapter was unplugged.
+    #[error("the graphics device was lost: {reason}")]
+    DeviceLost {
+        /// What the driver said.
+        reason: String,
+    },
+    /// The GPU has no room.
+    #[error("the GPU is out of memory for {what}; a smaller picture, another primitive or fewer points may fit")]
+    OutOfMemory {
+        /// What was to be allocated.
+        what: &'static str,
+    },
+    /// A picture larger than the adapter can make.
+    #[error("a picture of {width}x{height} pixels is larger than the {max} of this adapter")]
+    TooLarge {
+        /// Asked width.
+        width: u32,
+        /// Asked height.
+        height: u32,
+        /// Largest edge.
+        max: u32,
+    },
+    /// The order of calls was wrong.
+    #[error("nothing was prepared to be drawn")]
+    NothingPrepared,
+    /// The GPU did not answer.
+    #[error("the GPU did not finish: {reason}")]
+    Poll {
+        /// What the graphics library said.
+        reason: String,
+    },
+}

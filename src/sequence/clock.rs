@@ -1,0 +1,304 @@
+//! The playback clock: which frame is due at a given time. Pure: time is handed in, nothing here looks at a real clock.
+//!
+//! **How it works.** The clock remembers an anchor: a time, a frame, a direction and how much of that frame's duration had
+//! passed. The frame due at time t is `floor(phase + (t − anchor) · fps · |speed|)` steps away from the anchor. Since t is
+//! compared with the anchor and never added up, there is no drift however unevenly the clock is asked. Whatever changes the
+//! pace or the place (speed, rate, seek, pause) sets a new anchor at the present position, fraction included.
+//!
+//! Every frame lasts equally long, the last one too: with [`LoopMode::Off`] playing ends when the last frame's time is over.
+
+use super::travel::{Direction, LoopMode, Travel};
+use std::time::Duration;
+
+/// Frames a second where nothing else is known: the rate of film and of the demo.
+pub const DEFAULT_FPS: f64 = 24.0;
+
+/// Slowest speed, as a factor of the frame rate.
+pub const MIN_SPEED: f64 = 0.1;
+
+/// Fastest speed, as a factor of the frame rate.
+pub const MAX_SPEED: f64 = 10.0;
+
+/// Frame rates the clock takes.
+const FPS_RANGE: (f64, f64) = (0.1, 1000.0);
+
+/// A step counts as due this fraction of a frame early: more than what rounding of times to nanoseconds can be off, so that
+/// asking at [`Clock::next_deadline`] always moves on.
+const TOLERANCE_FRAMES: f64 = 1e-4;
+
+/// Place and pace of a playhead. Times are durations since any fixed moment, the same for all calls.
+#[derive(Debug, Clone)]
+pub struct Clock {
+    travel: Travel,
+    fps: f64,
+    speed: f64,
+    playing: bool,
+    anchor: Anchor,
+    /// Steps from the anchor to the present frame.
+    steps: u64,
+    frame: usize,
+    direction: Direction,
+    skipped: u64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Anchor {
+    time: Duration,
+    frame: usize,
+    direction: Direction,
+    /// Part of the frame's duration that had passed, in 0..1.
+    phase: f64,
+}
+
+impl Clock {
+    /// A paused clock at frame 0 of `frame_count`, at [`DEFAULT_FPS`], speed 1, looping.
+    pub fn new(frame_count: usize) -> Self {
+        Self {
+            travel: Travel {
+                frame_count,
+                loop_mode: LoopMode::default(),
+            },
+            fps: DEFAULT_FPS,
+            speed: 1.0,
+            playing: false,
+            anchor: Anchor {
+                time: Duration::ZERO,
+                frame: 0,
+                direction: Direction::Forward,
+                phase: 0.0,
+            },
+            steps: 0,
+            frame: 0,
+            direction: Direction::Forward,
+            skipped: 0,
+        }
+    }
+
+    /// Moves to the frame that is due at `now` and returns it. A `now` before the last one changes nothing.
+    ///
+    /// Frames whose whole time has passed since the last call are counted by [`Clock::skipped`].
+    pub fn advance(&mut self, now: Duration) -> usize {
+        if self.playing {
+            let due = self.steps_due(now).max(self.steps);
+            let arrival = self
+                .travel
+                .after(self.anchor.frame, self.anchor.direction, due);
+            let moved = arrival.steps - self.steps;
+            if self.travel.frame_count > 1 {
+                self.skipped += moved.saturating_sub(1);
+            }
+            self.steps = arrival.steps;
+            self.frame = arrival.index;
+            self.direction = arrival.direction;
+            if arrival.steps < due {
+                self.playing = false;
+                self.set_anchor(now, 0.0);
+            }
+        }
+        self.frame
+    }
+
+    /// Starts playing. At the end of a sequence that does not loop it starts over.
+    pub fn play(&mut self, now: Duration) {
+        if self.playing {
+            return;
+        }
+        self.playing = true;
+        if self.travel.loop_mode == LoopMode::Off
+            && self.travel.after(self.frame, self.direction, 1).steps == 0
+        {
+            self.frame = match self.direction {
+                Direction::Forward => 0,
+                Direction::Backward => self.last(),
+            };
+            self.anchor.phase = 0.0;
+        }
+        self.set_anchor(now, self.anchor.phase);
+    }
+
+    /// Stops at the frame due at `now`; playing goes on from the same fraction of its duration.
+    pub fn pause(&mut self, now: Duration) {
+        self.reanchor(now);
+        self.playing = false;
+    }
+
+    /// [`Clock::play`] or [`Clock::pause`].
+    pub fn toggle(&mut self, now: Duration) {
+        // What is due may end the playing, and then the button means play.
+        self.advance(now);
+        if self.playing {
+            self.pause(now);
+        } else {
+            self.play(now);
+        }
+    }
+
+    /// Goes to `frame`, or to the last one if there are fewer; playing goes on from there.
+    pub fn seek(&mut self, frame: usize, now: Duration) {
+        self.advance(now);
+        self.frame = frame.min(self.last());
+        self.set_anchor(now, 0.0);
+    }
+
+    /// Pauses and goes `count` frames on, or back if it is negative: around the ends if the mode is
+    /// [`LoopMode::Loop`], else as far as the end.
+    pub fn step(&mut self, count: i64, now: Duration) {
+        self.pause(now);
+        let direction = if count < 0 {
+            Direction::Backward
+        } else {
+            Direction::Forward
+        };
+        let ends = match self.travel.loop_mode {
+            LoopMode::Loop => LoopMode::Loop,
+            LoopMode::Off | LoopMode::PingPong => LoopMode::Off,
+        };
+        let travel = Travel {
+            loop_mode: ends,
+            ..self.travel
+        };
+        let target = travel.after(self.frame, direction, count.unsigned_abs());
+        self.seek(target.index, now);
+    }
+
+    /// Plays at `speed` times the frame rate, backward if it is negative; its size is held between [`MIN_SPEED`] and
+    /// [`MAX_SPEED`]. Zero and NaN change nothing.
+    pub fn set_speed(&mut self, speed: f64, now: Duration) {
+        if speed == 0.0 || speed.is_nan() {
+            return;
+        }
+        self.reanchor(now);
+        let turned = speed.is_sign_negative() != self.speed.is_sign_negative();
+        self.speed = speed.abs().clamp(MIN_SPEED, MAX_SPEED).copysign(speed);
+        if turned {
+            // What had passed of the frame is what is left of it the other way.
+            self.direction = self.direction.reversed();
+            let phase = 1.0 - self.anchor.phase;
+            self.set_anchor(now, if phase < 1.0 { phase } else { 0.0 });
+        }
+    }
+
+    /// Sets the frame rate, held between 0.1 and 1000; the position stays, fraction included. NaN changes nothing.
+    pub fn set_fps(&mut self, fps: f64, now: Duration) {
+        if !fps.is_nan() {
+            self.reanchor(now);
+            self.fps = fps.clamp(FPS_RANGE.0, FPS_RANGE.1);
+        }
+    }
+
+    /// Sets what happens at the ends. The direction becomes that of the speed again.
+    pub fn set_loop_mode(&mut self, loop_mode: LoopMode, now: Duration) {
+        self.reanchor(now);
+        self.travel.loop_mode = loop_mode;
+        let direction = self.speed_direction();
+        if self.direction != direction {
+            self.direction = direction;
+            self.set_anchor(now, 0.0);
+        }
+    }
+
+    /// The frame at the last [`Clock::advance`] or change.
+    pub fn frame(&self) -> usize {
+        self.frame
+    }
+
+    /// Number of frames.
+    pub fn frame_count(&self) -> usize {
+        self.travel.frame_count
+    }
+
+    /// True until paused or, without looping, until the last frame's time is over.
+    pub fn is_playing(&self) -> bool {
+        self.playing
+    }
+
+    /// Where the playhead goes next; turns by itself in [`LoopMode::PingPong`].
+    pub fn direction(&self) -> Direction {
+        self.direction
+    }
+
+    /// Factor of the frame rate; negative plays backward.
+    pub fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// Frames a second at speed 1.
+    pub fn fps(&self) -> f64 {
+        self.fps
+    }
+
+    /// What happens at the ends.
+    pub fn loop_mode(&self) -> LoopMode {
+        self.travel.loop_mode
+    }
+
+    /// How many frames passed between two calls of [`Clock::advance`] without being returned by one.
+    pub fn skipped(&self) -> u64 {
+        self.skipped
+    }
+
+    /// When [`Clock::advance`] will next change something; `None` if it never will by itself.
+    pub fn next_deadline(&self) -> Option<Duration> {
+        let changes = self.travel.frame_count > 1 || self.travel.loop_mode == LoopMode::Off;
+        if !self.playing || !changes {
+            return None;
+        }
+        let frames = (self.steps + 1) as f64 - self.anchor.phase;
+        // Duration::MAX is 10^11 years: no sum of a session's times comes near it, but a hostile `now` could.
+        Duration::try_from_secs_f64(frames / self.rate())
+            .ok()
+            .and_then(|wait| self.anchor.time.checked_add(wait))
+    }
+
+    /// Frames a second of wall time.
+    fn rate(&self) -> f64 {
+        self.fps * self.speed.abs()
+    }
+
+    fn speed_direction(&self) -> Direction {
+        if self.speed < 0.0 {
+            Direction::Backward
+        } else {
+            Direction::Forward
+        }
+    }
+
+    fn last(&self) -> usize {
+        self.travel.frame_count.saturating_sub(1)
+    }
+
+    /// Frames since the anchor's frame began, with fraction.
+    fn frames_since_anchor(&self, now: Duration) -> f64 {
+        let elapsed_secs = now.saturating_sub(self.anchor.time).as_secs_f64();
+        self.anchor.phase + elapsed_secs * self.rate()
+    }
+
+    fn steps_due(&self, now: Duration) -> u64 {
+        (self.frames_since_anchor(now) + TOLERANCE_FRAMES).floor() as u64
+    }
+
+    /// Advances, then makes the present position the anchor.
+    fn reanchor(&mut self, now: Duration) {
+        self.advance(now);
+        if self.playing {
+            let phase = self.frames_since_anchor(now) - self.steps as f64;
+            self.set_anchor(now, phase.clamp(0.0, 1.0 - TOLERANCE_FRAMES));
+        }
+    }
+
+    /// Anchors the present frame and direction at `now`.
+    fn set_anchor(&mut self, now: Duration, phase: f64) {
+        self.anchor = Anchor {
+            // A change made with an older time must not turn the clock back.
+            time: now.max(self.anchor.time),
+            frame: self.frame,
+            direction: self.direction,
+            phase,
+        };
+        self.steps = 0;
+    }
+}
+
+#[cfg(test)]
+#[path = "clock_tests.rs"]
+mod tests;

@@ -1,0 +1,287 @@
+use super::Direction::{Backward, Forward};
+use super::*;
+use proptest::prelude::*;
+
+fn at(seconds: f64) -> Duration {
+    Duration::from_secs_f64(seconds)
+}
+
+/// Ten frames a second, playing from frame 0 since time 0.
+fn playing(frame_count: usize, loop_mode: LoopMode) -> Clock {
+    let mut clock = Clock::new(frame_count);
+    clock.set_fps(10.0, Duration::ZERO);
+    clock.set_loop_mode(loop_mode, Duration::ZERO);
+    clock.play(Duration::ZERO);
+    clock
+}
+
+/// Frames in the middle of each tenth of a second.
+fn shown(clock: &mut Clock, from: usize, count: usize) -> Vec<usize> {
+    (from..from + count)
+        .map(|tenth| clock.advance(at((tenth as f64 + 0.5) / 10.0)))
+        .collect()
+}
+
+#[test]
+fn a_new_clock_is_paused_at_the_start() {
+    let mut clock = Clock::new(5);
+    assert_eq!(clock.advance(at(100.0)), 0);
+    assert!(!clock.is_playing());
+    assert_eq!(clock.next_deadline(), None);
+    assert_eq!(
+        (clock.fps(), clock.speed(), clock.loop_mode()),
+        (24.0, 1.0, LoopMode::Loop)
+    );
+}
+
+#[test]
+fn looping_starts_over() {
+    let mut clock = playing(3, LoopMode::Loop);
+    assert_eq!(shown(&mut clock, 0, 7), [0, 1, 2, 0, 1, 2, 0]);
+    assert_eq!(clock.skipped(), 0);
+}
+
+#[test]
+fn the_last_frame_lasts_as_long_as_the_others_then_playing_ends() {
+    let mut clock = playing(3, LoopMode::Off);
+    assert_eq!(shown(&mut clock, 0, 3), [0, 1, 2]);
+    assert!(clock.is_playing());
+    assert_eq!(clock.next_deadline(), Some(at(0.3)));
+    assert_eq!(clock.advance(at(0.3)), 2);
+    assert!(!clock.is_playing());
+    assert_eq!(clock.next_deadline(), None);
+    // Play at the end means again.
+    clock.play(at(1.0));
+    assert_eq!(clock.frame(), 0);
+    assert_eq!(clock.advance(at(1.15)), 1);
+}
+
+#[test]
+fn backward_ends_at_the_first_frame_and_starts_over_from_the_last() {
+    let mut clock = playing(3, LoopMode::Off);
+    clock.seek(2, at(0.0));
+    clock.set_speed(-1.0, at(0.0));
+    assert_eq!(shown(&mut clock, 0, 3), [2, 1, 0]);
+    clock.advance(at(0.31));
+    assert!(!clock.is_playing());
+    clock.toggle(at(1.0));
+    assert_eq!(
+        (clock.frame(), clock.is_playing(), clock.direction()),
+        (2, true, Direction::Backward)
+    );
+}
+
+#[test]
+fn ping_pong_shows_each_end_once() {
+    let mut clock = playing(3, LoopMode::PingPong);
+    assert_eq!(shown(&mut clock, 0, 9), [0, 1, 2, 1, 0, 1, 2, 1, 0]);
+    let mut clock = playing(2, LoopMode::PingPong);
+    assert_eq!(shown(&mut clock, 0, 5), [0, 1, 0, 1, 0]);
+}
+
+#[test]
+fn ping_pong_tells_where_it_goes_next() {
+    let mut clock = playing(3, LoopMode::PingPong);
+    let directions: Vec<Direction> = (0..6)
+        .map(|tenth| {
+            clock.advance(at((tenth as f64 + 0.5) / 10.0));
+            clock.direction()
+        })
+        .collect();
+    assert_eq!(
+        directions,
+        [Forward, Forward, Backward, Backward, Forward, Forward]
+    );
+}
+
+#[test]
+fn reverse_loops_too() {
+    let mut clock = playing(3, LoopMode::Loop);
+    clock.set_speed(-1.0, at(0.0));
+    assert_eq!(shown(&mut clock, 0, 5), [0, 2, 1, 0, 2]);
+    let mut clock = playing(3, LoopMode::PingPong);
+    clock.set_speed(-1.0, at(0.0));
+    assert_eq!(shown(&mut clock, 0, 5), [0, 1, 2, 1, 0]);
+}
+
+#[test]
+fn one_frame_never_wakes_anybody() {
+    for loop_mode in [LoopMode::Loop, LoopMode::PingPong] {
+        let mut clock = playing(1, loop_mode);
+        assert_eq!(clock.next_deadline(), None);
+        assert_eq!(clock.advance(at(50.0)), 0);
+        assert_eq!((clock.is_playing(), clock.skipped()), (true, 0));
+    }
+    let mut clock = playing(1, LoopMode::Off);
+    assert_eq!(clock.next_deadline(), Some(at(0.1)));
+    assert_eq!(clock.advance(at(0.1)), 0);
+    assert!(!clock.is_playing());
+}
+
+#[test]
+fn no_frames_are_no_trouble() {
+    let mut clock = Clock::new(0);
+    for loop_mode in LoopMode::ALL {
+        clock.set_loop_mode(loop_mode, at(0.0));
+        clock.play(at(0.0));
+        clock.step(3, at(0.5));
+        clock.seek(7, at(0.6));
+        clock.play(at(1.0));
+        assert_eq!(clock.advance(at(2.0)), 0);
+    }
+}
+
+#[test]
+fn late_calls_count_what_nobody_saw() {
+    let mut clock = playing(100, LoopMode::Loop);
+    clock.advance(at(0.05));
+    assert_eq!(clock.advance(at(0.55)), 5);
+    assert_eq!(clock.skipped(), 4);
+    // The end of a sequence that does not loop is no reason to count frames that do not exist.
+    let mut clock = playing(4, LoopMode::Off);
+    clock.advance(at(0.05));
+    assert_eq!(clock.advance(at(9.0)), 3);
+    assert_eq!(clock.skipped(), 2);
+}
+
+#[test]
+fn seeking_and_stepping_skip_nothing() {
+    let mut clock = playing(100, LoopMode::Loop);
+    clock.seek(50, at(0.05));
+    assert_eq!(clock.advance(at(0.14)), 50);
+    assert_eq!(clock.advance(at(0.16)), 51);
+    clock.step(10, at(0.17));
+    assert_eq!((clock.frame(), clock.is_playing()), (61, false));
+    assert_eq!(clock.skipped(), 0);
+}
+
+#[test]
+fn steps_go_around_only_where_playing_does() {
+    let mut clock = Clock::new(5);
+    clock.step(-2, at(0.0));
+    assert_eq!(clock.frame(), 3);
+    clock.step(12, at(0.0));
+    assert_eq!(clock.frame(), 0);
+    clock.step(i64::MIN, at(0.0));
+    assert!(clock.frame() < 5);
+    for loop_mode in [LoopMode::Off, LoopMode::PingPong] {
+        clock.set_loop_mode(loop_mode, at(0.0));
+        clock.step(10, at(0.0));
+        assert_eq!(clock.frame(), 4);
+        clock.step(-10, at(0.0));
+        assert_eq!(clock.frame(), 0);
+    }
+}
+
+#[test]
+fn a_seek_beyond_the_end_goes_to_the_last_frame() {
+    let mut clock = Clock::new(5);
+    clock.seek(usize::MAX, at(0.0));
+    assert_eq!(clock.frame(), 4);
+}
+
+#[test]
+fn a_pause_keeps_the_fraction_of_a_frame() {
+    let mut clock = playing(10, LoopMode::Loop);
+    clock.pause(at(0.27));
+    assert_eq!(clock.frame(), 2);
+    assert_eq!(clock.advance(at(100.0)), 2);
+    clock.play(at(200.0));
+    assert_eq!(clock.advance(at(200.029)), 2);
+    assert_eq!(clock.advance(at(200.031)), 3);
+}
+
+#[test]
+fn another_rate_keeps_the_position() {
+    let mut clock = playing(100, LoopMode::Loop);
+    clock.set_fps(1.0, at(0.55));
+    assert_eq!(clock.frame(), 5);
+    assert_eq!(clock.advance(at(1.04)), 5);
+    assert_eq!(clock.advance(at(1.06)), 6);
+    clock.set_speed(10.0, at(1.06));
+    assert_eq!(clock.advance(at(1.14)), 6);
+    assert_eq!(clock.advance(at(1.16)), 7);
+}
+
+#[test]
+fn turning_round_runs_the_frame_back() {
+    let mut clock = playing(10, LoopMode::Loop);
+    clock.set_speed(-1.0, at(0.53));
+    assert_eq!(clock.frame(), 5);
+    assert_eq!(clock.advance(at(0.559)), 5);
+    assert_eq!(clock.advance(at(0.561)), 4);
+    assert_eq!(clock.direction(), Direction::Backward);
+}
+
+#[test]
+fn values_out_of_range_are_held_or_ignored() {
+    let mut clock = Clock::new(3);
+    clock.set_speed(1e9, at(0.0));
+    assert_eq!(clock.speed(), MAX_SPEED);
+    clock.set_speed(-1e-9, at(0.0));
+    assert_eq!(clock.speed(), -MIN_SPEED);
+    clock.set_speed(0.0, at(0.0));
+    clock.set_speed(f64::NAN, at(0.0));
+    assert_eq!(clock.speed(), -MIN_SPEED);
+    clock.set_fps(f64::NAN, at(0.0));
+    assert_eq!(clock.fps(), DEFAULT_FPS);
+    clock.set_fps(f64::INFINITY, at(0.0));
+    assert_eq!(clock.fps(), FPS_RANGE.1);
+}
+
+#[test]
+fn time_that_runs_backward_changes_nothing() {
+    let mut clock = playing(10, LoopMode::Loop);
+    assert_eq!(clock.advance(at(0.55)), 5);
+    assert_eq!(clock.advance(at(0.15)), 5);
+    clock.pause(at(0.1));
+    assert_eq!(clock.frame(), 5);
+}
+
+#[test]
+fn there_is_no_drift_in_a_day() {
+    let mut clock = Clock::new(1_000_000_000);
+    clock.set_fps(30.0, at(0.0));
+    clock.play(at(0.0));
+    // Asked every 16.7 ms or so for a while, then a day later.
+    for call in 0..1000 {
+        clock.advance(Duration::from_micros(call * 16_683));
+    }
+    assert_eq!(clock.advance(at(86_400.0)), 30 * 86_400);
+}
+
+proptest! {
+    /// A window that sleeps until each deadline sees every frame, once, in order, and never spins.
+    #[test]
+    fn every_deadline_moves_on(
+        fps in 0.1f64..1000.0, speed in 0.1f64..10.0, mode in 0usize..3, start in 0.0f64..1e6, count in 2usize..9,
+    ) {
+        let mut clock = Clock::new(count);
+        clock.set_fps(fps, at(start));
+        clock.set_speed(speed, at(start));
+        clock.set_loop_mode(LoopMode::ALL[mode], at(start));
+        clock.play(at(start));
+        let mut before = clock.frame();
+        for _ in 0..20 {
+            let Some(deadline) = clock.next_deadline() else { break };
+            let frame = clock.advance(deadline);
+            prop_assert!(frame != before || !clock.is_playing(), "spins at {frame}");
+            before = frame;
+        }
+        prop_assert_eq!(clock.skipped(), 0);
+        prop_assert_eq!(clock.is_playing(), LoopMode::ALL[mode] != LoopMode::Off);
+    }
+
+    /// The frame depends on the time alone, not on how often the clock was asked.
+    #[test]
+    fn asking_more_often_changes_nothing(mut times in prop::collection::vec(0.0f64..20.0, 1..30), mode in 0usize..3) {
+        times.sort_by(f64::total_cmp);
+        let mut often = playing(7, LoopMode::ALL[mode]);
+        let mut last = 0;
+        for &time in &times {
+            last = often.advance(at(time));
+        }
+        let mut once = playing(7, LoopMode::ALL[mode]);
+        prop_assert_eq!(once.advance(at(times[times.len() - 1])), last);
+    }
+}

@@ -1,0 +1,31 @@
+//! The demo sequence, embedded so that the program has something to show without an input. Licence, credit and how it
+//! was made: `assets/demo/README.md`.
+
+use super::Source;
+
+/// One embedded frame a number.
+macro_rules! frames {
+    ($($number:literal)*) => {
+        &[$((
+            concat!("frame_", $number, ".ply"),
+            include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo/frame_", $number, ".ply")),
+        )),*]
+    };
+}
+
+const FRAMES: &[(&str, &[u8])] = frames!(
+    "0000" "0001" "0002" "0003" "0004" "0005" "0006" "0007" "0008" "0009" "0010" "0011"
+    "0012" "0013" "0014" "0015" "0016" "0017" "0018" "0019" "0020" "0021" "0022" "0023"
+);
+
+/// All frames in order.
+pub(super) fn sources() -> Vec<Source> {
+    FRAMES
+        .iter()
+        .zip(0..)
+        .map(|(&(name, bytes), number)| Source {
+            number: Some(number),
+            ..Source::embedded(format!("demo/{name}"), bytes)
+        })
+        .collect()
+}

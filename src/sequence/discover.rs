@@ -1,0 +1,240 @@
+//! Folders, patterns and files → ordered sources, by names alone.
+//!
+//! **How it works.** Inputs keep the order in which they were given, with one exception: files named one after the other are
+//! sorted naturally, because that is what a shell makes of `scan_*.ply` (it sorts `scan_10` before `scan_2`). A folder or
+//! a pattern is sorted naturally in itself. A file that was already taken is not taken again. Cost: the names are
+//! sorted, O(n log n); no file is opened.
+//!
+//! **What counts.** From a folder come files with an extension that a decoder knows, in any case, hidden ones left out, no
+//! sub-folders. A pattern is read the same way, unless nothing it matches has a known extension: then the
+//! person meant those files. A file named outright is always taken; its first bytes decide.
+
+use super::natural::{Run, Runs, natural_order, split_name};
+use super::{SequenceError, Source};
+use crate::io;
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// How many sub-folders the message of an empty folder names.
+const NAMED_SUBFOLDERS: usize = 3;
+
+/// The ordered frames of `inputs`; see the module's text for the rules.
+pub(super) fn discover(inputs: &[PathBuf]) -> Result<Vec<Source>, SequenceError> {
+    if inputs.is_empty() {
+        return Err(SequenceError::NoInput);
+    }
+    let mut paths = Vec::new();
+    let mut listed = Vec::new();
+    for input in inputs {
+        if input.is_dir() {
+            append_sorted(&mut paths, &mut listed);
+            append_sorted(&mut paths, &mut scan_folder(input)?);
+        } else if input.exists() {
+            listed.push(input.clone());
+        } else {
+            append_sorted(&mut paths, &mut listed);
+            append_sorted(&mut paths, &mut expand_pattern(input)?);
+        }
+    }
+    append_sorted(&mut paths, &mut listed);
+
+    let mut taken = HashSet::with_capacity(paths.len());
+    paths.retain(|path| taken.insert(path.clone()));
+    let mut sources: Vec<Source> = paths.into_iter().map(Source::file).collect();
+    number(&mut sources);
+    Ok(sources)
+}
+
+/// Moves `group` to the end of `paths`, in natural order.
+fn append_sorted(paths: &mut Vec<PathBuf>, group: &mut Vec<PathBuf>) {
+    group.sort_by(|left, right| natural_order(left, right));
+    paths.append(group);
+}
+
+/// The point clouds directly in `folder`, in no order.
+fn scan_folder(folder: &Path) -> Result<Vec<PathBuf>, SequenceError> {
+    let unreadable = |reason| SequenceError::Unreadable {
+        path: folder.to_path_buf(),
+        reason,
+    };
+    let mut files = Vec::new();
+    let mut subfolders = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let entry = entry.map_err(unreadable)?;
+        let path = entry.path();
+        if is_hidden(&path) {
+            continue;
+        }
+        let kind = entry.file_type().map_err(unreadable)?;
+        // Only links cost a second look at the file system.
+        let is_folder = kind.is_dir() || (kind.is_symlink() && path.is_dir());
+        if is_folder {
+            subfolders.push(path);
+        } else if has_known_extension(&path) {
+            files.push(path);
+        }
+    }
+    if files.is_empty() {
+        return Err(SequenceError::EmptyFolder {
+            path: folder.to_path_buf(),
+            extensions: known_patterns(),
+            hint: empty_folder_hint(subfolders),
+        });
+    }
+    Ok(files)
+}
+
+fn empty_folder_hint(mut subfolders: Vec<PathBuf>) -> String {
+    if subfolders.is_empty() {
+        return "name another folder, or the files themselves if they have another extension"
+            .into();
+    }
+    subfolders.sort_by(|left, right| natural_order(left, right));
+    let named: Vec<String> = subfolders
+        .iter()
+        .take(NAMED_SUBFOLDERS)
+        .filter_map(|path| path.file_name())
+        .map(|name| name.to_string_lossy().into_owned())
+        .collect();
+    let more = if subfolders.len() > NAMED_SUBFOLDERS {
+        ", …"
+    } else {
+        ""
+    };
+    format!("name one of its sub-folders ({}{more})", named.join(", "))
+}
+
+/// The files that match `input` as a pattern, in no order.
+fn expand_pattern(input: &Path) -> Result<Vec<PathBuf>, SequenceError> {
+    let missing = || SequenceError::Missing {
+        path: input.to_path_buf(),
+    };
+    let pattern = input.to_str().ok_or_else(missing)?;
+    if !pattern.contains(['*', '?', '[']) {
+        return Err(missing());
+    }
+    let options = glob::MatchOptions {
+        require_literal_leading_dot: true,
+        ..glob::MatchOptions::default()
+    };
+    let matches = glob::glob_with(pattern, options).map_err(|error| SequenceError::BadPattern {
+        pattern: pattern.to_owned(),
+        reason: error.msg.to_owned(),
+    })?;
+    let mut files = Vec::new();
+    for found in matches {
+        let path = found.map_err(|error| SequenceError::Unreadable {
+            path: error.path().to_path_buf(),
+            reason: error.into(),
+        })?;
+        if !path.is_dir() {
+            files.push(path);
+        }
+    }
+    if files.is_empty() {
+        return Err(SequenceError::NoMatch {
+            pattern: pattern.to_owned(),
+        });
+    }
+    if files.iter().any(|path| has_known_extension(path)) {
+        files.retain(|path| has_known_extension(path));
+    }
+    Ok(files)
+}
+
+fn is_hidden(path: &Path) -> bool {
+    path.file_name()
+        .is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
+}
+
+fn has_known_extension(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| {
+        io::supported_extensions()
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+    })
+}
+
+fn known_patterns() -> String {
+    let patterns: Vec<String> = io::supported_extensions()
+        .iter()
+        .map(|extension| format!("*.{extension}"))
+        .collect();
+    patterns.join(", ")
+}
+
+/// Gives every source the number in its name that counts the frames: the last run of digits that every name has and
+/// that grows from each name to the next. Without such a run nobody gets a number; a single file gets its last run.
+fn number(sources: &mut [Source]) {
+    let numbers_of = |source: &Source| -> Vec<Option<u64>> {
+        Runs(&split_name(&source.path).0)
+            .filter_map(|run| match run {
+                Run::Digits(digits) => Some(digits.parse().ok()),
+                Run::Text(_) => None,
+            })
+            .collect()
+    };
+    let Some(first) = sources.first() else {
+        return;
+    };
+    // Which of the first name's runs still count, and their values in the name before.
+    let mut before = numbers_of(first);
+    for source in &sources[1..] {
+        let numbers = numbers_of(source);
+        before.truncate(numbers.len());
+        for (previous, number) in before.iter_mut().zip(numbers) {
+            *previous = match (*previous, number) {
+                (Some(previous), Some(number)) if number > previous => Some(number),
+                _ => None,
+            };
+        }
+    }
+    let Some(counting) = before.iter().rposition(Option::is_some) else {
+        return;
+    };
+    for source in sources {
+        source.number = numbers_of(source).get(counting).copied().flatten();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(names: &[&str]) -> Vec<Option<u64>> {
+        let mut sources: Vec<Source> = names.iter().map(Source::file).collect();
+        number(&mut sources);
+        sources.iter().map(|source| source.number).collect()
+    }
+
+    #[test]
+    fn the_run_that_counts_is_the_number() {
+        assert_eq!(
+            numbers(&["cam0_7.ply", "cam0_9.ply", "cam0_10.ply"]),
+            [Some(7), Some(9), Some(10)]
+        );
+        assert_eq!(
+            numbers(&["scan1_v2.ply", "scan2_v2.ply", "scan5_v2.ply"]),
+            [Some(1), Some(2), Some(5)]
+        );
+        assert_eq!(
+            numbers(&["tomato_03-05.xyz", "tomato_03-08.ply"]),
+            [Some(5), Some(8)]
+        );
+    }
+
+    #[test]
+    fn names_without_a_counting_run_have_no_number() {
+        assert_eq!(numbers(&["a.ply", "b.ply"]), [None, None]);
+        assert_eq!(numbers(&["03-30.ply", "04-02.ply"]), [Some(3), Some(4)]);
+        assert_eq!(numbers(&["a_1.ply", "b_1.ply"]), [None, None]);
+        assert_eq!(numbers(&["still.ply", "a_1.ply"]), [None, None]);
+    }
+
+    #[test]
+    fn a_single_file_has_its_last_number() {
+        assert_eq!(numbers(&["longdress_vox10_1051.ply"]), [Some(1051)]);
+        assert_eq!(numbers(&["99999999999999999999999.ply"]), [None]);
+    }
+}

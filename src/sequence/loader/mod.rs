@@ -1,0 +1,297 @@
+//! Frames ahead of the playhead, made by worker threads, kept within a byte budget.
+//!
+//! [`Loader::request`] says where the playhead is and what its pictures need; it never blocks. Workers make that frame first,
+//! then those the playhead will reach ([`queue`] says in which order, [`cache`] what is evicted for them). When a frame is
+//! finished the loader calls `wake`; [`Loader::get`] then has it. A frame that cannot be read is remembered with its
+//! error and played over.
+
+mod cache;
+mod queue;
+mod stats;
+mod worker;
+
+pub use stats::{FrameState, LoaderStats};
+
+use super::travel::Travel;
+use super::{Direction, FrameError, LoopMode, Needs, PreparedFrame, Sequence, SequenceError};
+use cache::Focus;
+use queue::{Queue, Waiter};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex};
+use std::thread;
+use worker::Shared;
+
+/// Most workers by default: beyond it the disk is what one waits for.
+const MAX_DEFAULT_WORKERS: usize = 8;
+
+/// Default budget: 150 frames of 100,000 surfels.
+const DEFAULT_BUDGET_BYTES: usize = 1 << 30;
+
+/// How a [`Loader`] works.
+#[derive(Clone)]
+pub struct LoaderOptions {
+    /// Number of threads, at least 1.
+    pub workers: usize,
+    /// Bytes for prepared frames, those in flight included. The playhead's frame may exceed it.
+    pub budget_bytes: usize,
+    /// Called on a worker thread whenever a frame is finished or has failed. Must not block.
+    pub wake: Arc<dyn Fn() + Send + Sync>,
+}
+
+impl Default for LoaderOptions {
+    /// A worker a core up to 8, 1 GiB, nobody to wake.
+    fn default() -> Self {
+        Self {
+            workers: thread::available_parallelism()
+                .map_or(1, usize::from)
+                .min(MAX_DEFAULT_WORKERS),
+            budget_bytes: DEFAULT_BUDGET_BYTES,
+            wake: Arc::new(|| {}),
+        }
+    }
+}
+
+impl std::fmt::Debug for LoaderOptions {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("LoaderOptions")
+            .field("workers", &self.workers)
+            .field("budget_bytes", &self.budget_bytes)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A frame as it is now.
+#[derive(Debug, Clone)]
+pub enum Slot {
+    /// Here, with everything needed.
+    Ready(Arc<PreparedFrame>),
+    /// Here for older needs: a picture to show meanwhile.
+    Stale(Arc<PreparedFrame>),
+    /// Not here.
+    Pending,
+    /// It cannot be shown.
+    Failed(Arc<FrameError>),
+}
+
+/// Prepares the frames of one sequence on its own threads. Dropping it stops them.
+pub struct Loader {
+    shared: Arc<Shared>,
+    threads: Vec<thread::JoinHandle<()>>,
+    next_ticket: AtomicU64,
+}
+
+impl Loader {
+    /// Starts the worker threads; they sleep until the first request.
+    ///
+    /// # Errors
+    /// [`SequenceError::NoThread`] if the system does not give a single thread.
+    pub fn new(sequence: Arc<Sequence>, options: LoaderOptions) -> Result<Self, SequenceError> {
+        let focus = Focus {
+            travel: Travel {
+                frame_count: sequence.len(),
+                loop_mode: LoopMode::default(),
+            },
+            playhead: 0,
+            direction: Direction::Forward,
+        };
+        let shared = Arc::new(Shared {
+            queue: Mutex::new(Queue::new(
+                Arc::clone(&sequence),
+                focus,
+                options.budget_bytes,
+            )),
+            sequence,
+            work: Condvar::new(),
+            finished: Condvar::new(),
+            counters: super::PrepareCounters::default(),
+            wake: options.wake,
+        });
+        let mut loader = Self {
+            shared,
+            threads: Vec::with_capacity(options.workers.max(1)),
+            next_ticket: AtomicU64::new(0),
+        };
+        for number in 0..options.workers.max(1) {
+            let shared = Arc::clone(&loader.shared);
+            let started = thread::Builder::new()
+                .name(format!("frame loader {number}"))
+                .spawn(move || worker::run(&shared));
+            match started {
+                Ok(thread) => loader.threads.push(thread),
+                Err(reason) if loader.threads.is_empty() => {
+                    return Err(SequenceError::NoThread { reason });
+                }
+                Err(reason) => {
+                    log::warn!("frames load on {number} threads, no more start: {reason}");
+                    break;
+                }
+            }
+        }
+        Ok(loader)
+    }
+
+    /// The sequence.
+    pub fn sequence(&self) -> &Arc<Sequence> {
+        &self.shared.sequence
+    }
+
+    /// Says where the playhead is, where it goes and what pictures need. Never blocks; costs the same for any length of
+    /// the sequence. A playhead beyond the end is the last frame.
+    pub fn request(&self, playhead: usize, direction: Direction, needs: &Needs) {
+        let Some(last) = self.shared.sequence.len().checked_sub(1) else {
+            return;
+        };
+        let playhead = playhead.min(last);
+        let mut queue = self.shared.queue();
+        let focus = Focus {
+            playhead,
+            direction,
+            ..queue.focus
+        };
+        if queue.focus == focus && queue.needs.as_ref() == Some(needs) {
+            return;
+        }
+        if queue.needs.as_ref() != Some(needs) {
+            queue.cache.forget_sizes();
+            queue.revision += 1;
+        }
+        queue.focus = focus;
+        queue.needs = Some(*needs);
+        queue.trim();
+        drop(queue);
+        self.shared.work.notify_all();
+    }
+
+    /// Says what happens at the ends, so that the right frames are prepared there. [`LoopMode::Loop`] until then.
+    pub fn set_loop_mode(&self, loop_mode: LoopMode) {
+        self.shared.queue().focus.travel.loop_mode = loop_mode;
+        self.shared.work.notify_all();
+    }
+
+    /// Frame `index` as it is now; starts nothing. An index beyond the end has failed.
+    pub fn get(&self, index: usize, needs: &Needs) -> Slot {
+        if let Err(error) = self.check_index(index) {
+            return Slot::Failed(Arc::new(error));
+        }
+        let queue = self.shared.queue();
+        if let Some(error) = queue.cache.error(index) {
+            return Slot::Failed(Arc::clone(error));
+        }
+        match queue.cache.prepared(index) {
+            Some(frame) if frame.satisfies(needs) => Slot::Ready(Arc::clone(frame)),
+            Some(frame) => Slot::Stale(Arc::clone(frame)),
+            None => Slot::Pending,
+        }
+    }
+
+    /// Makes frame `index` before all others and blocks until it is there. What was requested goes on beside it; without
+    /// a request nothing but this frame is made.
+    pub fn wait(&self, index: usize, needs: &Needs) -> Result<Arc<PreparedFrame>, FrameError> {
+        self.check_index(index)?;
+        let mut queue = self.shared.queue();
+        if let Some(error) = queue.cache.error(index) {
+            return Err((**error).clone());
+        }
+        if let Some(frame) = queue.cache.prepared(index)
+            && frame.satisfies(needs)
+        {
+            return Ok(Arc::clone(frame));
+        }
+        if queue.needs.is_none() {
+            // Nobody plays: what lies around this frame is worth keeping.
+            queue.focus.playhead = index;
+        }
+        let ticket = self.next_ticket.fetch_add(1, Ordering::Relaxed);
+        queue.waiters.push(Waiter {
+            ticket,
+            index,
+            needs: *needs,
+            outcome: None,
+        });
+        self.shared.work.notify_all();
+        loop {
+            let place = queue
+                .waiters
+                .iter()
+                .position(|waiter| waiter.ticket == ticket && waiter.outcome.is_some());
+            if let Some(outcome) = place.and_then(|place| queue.waiters.swap_remove(place).outcome)
+            {
+                return outcome.map_err(|error| (*error).clone());
+            }
+            queue = Shared::sleep(&self.shared.finished, queue);
+        }
+    }
+
+    /// The state of every frame for the timeline. O(n): ask again when [`Loader::revision`] has changed.
+    pub fn states(&self) -> Vec<FrameState> {
+        let queue = self.shared.queue();
+        queue.cache.states(queue.needs.as_ref())
+    }
+
+    /// A number that changes whenever [`Loader::states`] may have.
+    pub fn revision(&self) -> u64 {
+        self.shared.queue().revision
+    }
+
+    /// Work done so far and memory in use.
+    pub fn stats(&self) -> LoaderStats {
+        let counters = &self.shared.counters;
+        let queue = self.shared.queue();
+        LoaderStats {
+            decoded: self.shared.sequence.decode_count(),
+            surfaces_estimated: counters.surfaces_estimated(),
+            radii_estimated: counters.radii_estimated(),
+            octrees_built: counters.octrees_built(),
+            records_written: counters.records_written(),
+            cancelled: queue.cancelled,
+            evicted: queue.cache.evicted(),
+            failed_frames: queue.cache.failed_frames(),
+            resident_frames: queue.cache.resident_frames(),
+            resident_bytes: queue.cache.resident_bytes(),
+            in_flight_bytes: queue.used_bytes() - queue.cache.resident_bytes(),
+            peak_bytes: queue.peak_bytes,
+            budget_bytes: queue.cache.budget_bytes(),
+        }
+    }
+
+    /// Sets the memory for prepared frames; what is too much goes at once.
+    pub fn set_budget_bytes(&self, budget_bytes: usize) {
+        let mut queue = self.shared.queue();
+        queue.cache.set_budget_bytes(budget_bytes);
+        queue.trim();
+        drop(queue);
+        self.shared.work.notify_all();
+    }
+
+    fn check_index(&self, index: usize) -> Result<(), FrameError> {
+        let count = self.shared.sequence.len();
+        if index < count {
+            Ok(())
+        } else {
+            Err(FrameError::NoSuchFrame { index, count })
+        }
+    }
+}
+
+impl Drop for Loader {
+    fn drop(&mut self) {
+        self.shared.queue().shutdown = true;
+        self.shared.work.notify_all();
+        for thread in self.threads.drain(..) {
+            if thread.join().is_err() {
+                log::error!("a frame loader thread ended by a panic");
+            }
+        }
+    }
+}
+
+impl std::fmt::Debug for Loader {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Loader")
+            .field("sequence", &self.shared.sequence)
+            .field("stats", &self.stats())
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,227 @@
+//! A sequence of point clouds through time: finding its files, preparing its frames ahead of the playhead, playing it.
+//!
+//! [`Sequence::discover`] orders files without reading them. [`Clock`] says which frame is due. A [`Loader`] decodes and
+//! prepares frames on worker threads in the order in which the clock will ask for them, and keeps what a byte budget
+//! allows:
+//!
+//! ```no_run
+//! use pointreel::sequence::{Direction, Loader, LoaderOptions, Needs, Sequence};
+//! use std::sync::Arc;
+//!
+//! let sequence = Arc::new(Sequence::discover(&["scans/".into()])?);
+//! let loader = Loader::new(sequence, LoaderOptions::default())?;
+//! let needs = Needs::default();
+//! loader.request(0, Direction::Forward, &needs);   // never blocks; frames 0, 1, 2 … are on their way
+//! let frame = loader.wait(0, &needs)?;             // without a window; a window polls `Loader::get`
+//! println!("{} points", frame.points.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod clock;
+mod demo;
+mod discover;
+mod error;
+mod loader;
+mod natural;
+mod needs;
+mod origin;
+mod prepare;
+mod records;
+mod source;
+mod travel;
+
+pub use clock::{Clock, DEFAULT_FPS, MAX_SPEED, MIN_SPEED};
+pub use error::{FrameError, SequenceError};
+pub use loader::{FrameState, Loader, LoaderOptions, LoaderStats, Slot};
+pub use natural::natural_order;
+pub use needs::{ColorSource, Needs};
+pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare};
+pub use records::UNIFORM_COLOR;
+pub use source::{Content, Decode, DecodeFailure, Source};
+pub use travel::{Direction, LoopMode};
+
+use crate::cloud::{Frame, RawCloud};
+use glam::DVec3;
+use origin::OriginFinder;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+/// Ordered sources of frames, their common origin and their frame rate. Shared between threads behind an [`Arc`].
+pub struct Sequence {
+    sources: Vec<Source>,
+    decode: Box<Decode>,
+    decode_count: AtomicU64,
+    origin: OriginFinder,
+    fps: f64,
+}
+
+/// A frame as [`Sequence::load`] gives it.
+pub(crate) struct LoadedFrame {
+    pub(crate) frame: Frame,
+    /// Time of the decoder and of the validation.
+    pub(crate) decode_ms: f32,
+}
+
+impl Sequence {
+    /// Finds the frames of `inputs`: folders, glob patterns and files in any mix, in natural number order.
+    ///
+    /// Nothing is read but folders. See [`SequenceError`] for what can be wrong.
+    pub fn discover(inputs: &[PathBuf]) -> Result<Self, SequenceError> {
+        discover::discover(inputs).map(|sources| Self::with_decoder(sources, source::decode))
+    }
+
+    /// The sequence embedded in the program: 24 poses of about 8,000 coloured points.
+    pub fn demo() -> Self {
+        Self::with_decoder(demo::sources(), source::decode)
+    }
+
+    /// A sequence whose frames come from `decode`: sensors, generators, slow or broken files in tests.
+    pub fn with_decoder(
+        sources: Vec<Source>,
+        decode: impl Fn(&Source) -> Result<RawCloud, DecodeFailure> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            sources,
+            decode: Box::new(decode),
+            decode_count: AtomicU64::new(0),
+            origin: OriginFinder::default(),
+            fps: DEFAULT_FPS,
+        }
+    }
+
+    /// The same sequence at another frame rate; values that are not positive and finite change nothing.
+    #[must_use]
+    pub fn with_fps(mut self, fps: f64) -> Self {
+        if fps.is_finite() && fps > 0.0 {
+            self.fps = fps;
+        }
+        self
+    }
+
+    /// Number of frames, broken ones included.
+    pub fn len(&self) -> usize {
+        self.sources.len()
+    }
+
+    /// True without frames; a discovered sequence has at least one.
+    pub fn is_empty(&self) -> bool {
+        self.sources.is_empty()
+    }
+
+    /// All sources in order.
+    pub fn sources(&self) -> &[Source] {
+        &self.sources
+    }
+
+    /// Source of frame `index`. Precondition: `index < len()`.
+    pub fn source(&self, index: usize) -> &Source {
+        &self.sources[index]
+    }
+
+    /// Frames a second at normal speed.
+    pub fn fps(&self) -> f64 {
+        self.fps
+    }
+
+    /// What is subtracted from file coordinates before they become f32.
+    ///
+    /// Zero unless the coordinates are large against the extent of the cloud; decided by the first frame that can be
+    /// read and has a finite point. The first call decodes that frame, and keeps it for whoever loads it next.
+    pub fn origin(&self) -> DVec3 {
+        self.origin.origin(self)
+    }
+
+    /// Decodes frame `index` in file coordinates. A panic of the decoder is an error like any other.
+    pub fn decode(&self, index: usize) -> Result<RawCloud, FrameError> {
+        let source = self.sources.get(index).ok_or(FrameError::NoSuchFrame {
+            index,
+            count: self.len(),
+        })?;
+        self.decode_count.fetch_add(1, Ordering::Relaxed);
+        error::catch_panic(index, &source.path, || {
+            (self.decode)(source).map_err(|reason| FrameError::Decode {
+                index,
+                path: source.path.clone(),
+                reason: reason.into(),
+            })
+        })
+    }
+
+    /// Frame `index`: decoded, validated and moved to [`Sequence::origin`].
+    pub fn frame(&self, index: usize) -> Result<Frame, FrameError> {
+        self.load(index).map(|loaded| loaded.frame)
+    }
+
+    /// How often a decoder was called so far.
+    pub fn decode_count(&self) -> u64 {
+        self.decode_count.load(Ordering::Relaxed)
+    }
+
+    /// [`Sequence::frame`] with its time; takes the frame that decided the origin if it is still kept.
+    pub(crate) fn load(&self, index: usize) -> Result<LoadedFrame, FrameError> {
+        let origin = self.origin();
+        let (raw, decode_ms) = match self.origin.take_kept(index) {
+            Some(kept) => kept?,
+            None => self.decode_timed(index)?,
+        };
+        let start = Instant::now();
+        let frame = Frame::from_raw(raw, origin).map_err(|reason| FrameError::Invalid {
+            index,
+            path: self.sources[index].path.clone(),
+            reason,
+        })?;
+        Ok(LoadedFrame {
+            frame,
+            decode_ms: decode_ms + milliseconds_since(start),
+        })
+    }
+
+    /// Bytes of the decoded frame kept since the origin was decided.
+    pub(crate) fn kept_bytes(&self) -> usize {
+        self.origin.kept_bytes()
+    }
+
+    /// Gives the memory of [`Sequence::kept_bytes`] back; the frame is decoded again when it is wanted.
+    pub(crate) fn drop_kept(&self) {
+        self.origin.drop_kept();
+    }
+
+    fn decode_timed(&self, index: usize) -> Result<(RawCloud, f32), FrameError> {
+        let start = Instant::now();
+        let raw = self.decode(index)?;
+        Ok((raw, milliseconds_since(start)))
+    }
+}
+
+impl std::fmt::Debug for Sequence {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Sequence")
+            .field("sources", &self.sources)
+            .field("fps", &self.fps)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Wall time since `start` in milliseconds.
+pub(crate) fn milliseconds_since(start: Instant) -> f32 {
+    start.elapsed().as_secs_f32() * 1e3
+}
+
+/// Locks `mutex`; a panic elsewhere does not make the data unusable, since no invariant is broken between statements
+/// that can panic.
+pub(crate) fn lock<T>(mutex: &std::sync::Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+// The loader hands sequences and frames to worker threads.
+const _: fn() = || {
+    fn shared<T: Send + Sync>() {}
+    shared::<Arc<Sequence>>();
+    shared::<PreparedFrame>();
+    shared::<FrameError>();
+};

@@ -1,0 +1,62 @@
+//! What a picture needs of a frame: what is not needed is not computed.
+
+use crate::cloud::Frame;
+use crate::octree::StopCriterion;
+
+/// Where the colours of points come from. What a frame does not have is replaced as [`ColorSource::Auto`] would.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum ColorSource {
+    /// The file's colours, else its scalar through a colour map, else the direction of the normal.
+    #[default]
+    Auto,
+    /// The colours of the file.
+    File,
+    /// The paper's fake colour: the direction of the normal.
+    Normal,
+    /// The file's scalar (intensity and the like) through a colour map.
+    Scalar,
+    /// One colour for all points, [`super::UNIFORM_COLOR`].
+    Uniform,
+}
+
+impl ColorSource {
+    /// All sources, in the order in which a list shows them.
+    pub const ALL: [Self; 5] = [
+        Self::Auto,
+        Self::File,
+        Self::Normal,
+        Self::Scalar,
+        Self::Uniform,
+    ];
+
+    /// The source that `frame` really has; never [`ColorSource::Auto`].
+    #[must_use]
+    pub fn resolve(self, frame: &Frame) -> Self {
+        let automatic = || {
+            if frame.colors().is_some() {
+                Self::File
+            } else if frame.scalars().is_some() {
+                Self::Scalar
+            } else {
+                Self::Normal
+            }
+        };
+        match self {
+            Self::Normal | Self::Uniform => self,
+            Self::File if frame.colors().is_some() => self,
+            Self::Scalar if frame.scalars().is_some() => self,
+            Self::Auto | Self::File | Self::Scalar => automatic(),
+        }
+    }
+}
+
+/// What a picture needs of a frame beyond its points.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Needs {
+    /// Normals and radii: for surfels.
+    pub shapes: bool,
+    /// An octree of this depth: for voxels, levels of detail and picking.
+    pub octree: Option<StopCriterion>,
+    /// The colours of points and voxels.
+    pub colors: ColorSource,
+}

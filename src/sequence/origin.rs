@@ -1,0 +1,166 @@
+//! The origin of a sequence: what is subtracted from f64 file coordinates so that f32 keeps the detail.
+//!
+//! **How it works.** An f32 has 24 significant bits. A cloud of extent e around a centre c spends log2(|c| / e) of them on
+//! saying where it is. Up to two bits are given away for the sake of coordinates that read like those of the file; beyond
+//! that the origin becomes the centre, rounded to a grid whose step is a power of two near the extent. Rounding keeps
+//! the origin short in binary, so that subtracting it from f32 coordinates is exact.
+//!
+//! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. What it decoded is
+//! kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice.
+
+use super::{FrameError, Sequence, lock};
+use crate::cloud::RawCloud;
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock};
+
+/// The centre may be this many extents away from zero before the origin moves.
+const FAR_IN_EXTENTS: f64 = 4.0;
+
+/// A decoded frame with its time in milliseconds, or why there is none.
+type Kept = Result<(RawCloud, f32), FrameError>;
+
+/// Decides the origin once, on demand.
+#[derive(Default)]
+pub(super) struct OriginFinder {
+    origin: OnceLock<DVec3>,
+    kept: Mutex<BTreeMap<usize, Kept>>,
+}
+
+impl OriginFinder {
+    pub(super) fn origin(&self, sequence: &Sequence) -> DVec3 {
+        *self.origin.get_or_init(|| self.decide(sequence))
+    }
+
+    fn decide(&self, sequence: &Sequence) -> DVec3 {
+        for index in 0..sequence.len() {
+            let decoded = sequence.decode_timed(index);
+            let bounds = decoded
+                .as_ref()
+                .map(|(raw, _)| raw.positions.finite_bounds().1);
+            match bounds {
+                Ok(Some((min, max))) => {
+                    lock(&self.kept).insert(index, decoded);
+                    return origin_of_bounds(min, max);
+                }
+                // A frame without a finite point decides nothing; keeping many of them could fill the memory.
+                Ok(None) => {}
+                Err(_) => {
+                    lock(&self.kept).insert(index, decoded);
+                }
+            }
+        }
+        DVec3::ZERO
+    }
+
+    /// What is known of frame `index` since the origin was decided; a decoded frame is handed out once, errors stay.
+    pub(super) fn take_kept(&self, index: usize) -> Option<Kept> {
+        let mut kept = lock(&self.kept);
+        match kept.get(&index)? {
+            Ok(_) => kept.remove(&index),
+            Err(error) => Some(Err(error.clone())),
+        }
+    }
+
+    pub(super) fn kept_bytes(&self) -> usize {
+        lock(&self.kept)
+            .values()
+            .filter_map(|kept| kept.as_ref().ok())
+            .map(|(raw, _)| raw_byte_size(raw))
+            .sum()
+    }
+
+    pub(super) fn drop_kept(&self) {
+        lock(&self.kept).retain(|_, kept| kept.is_err());
+    }
+}
+
+/// Bytes of all arrays.
+fn raw_byte_size(raw: &RawCloud) -> usize {
+    let position_bytes = match &raw.positions {
+        crate::cloud::Positions::F32(_) => 12,
+        crate::cloud::Positions::F64(_) => 24,
+    };
+    let per_point = position_bytes
+        + raw.colors.as_ref().map_or(0, |_| 4)
+        + raw.normals.as_ref().map_or(0, |_| 12)
+        + raw.radii.as_ref().map_or(0, |_| 4)
+        + raw.scalars.as_ref().map_or(0, |_| 4);
+    raw.positions.len() * per_point
+}
+
+/// The origin for finite coordinates between `min` and `max`.
+fn origin_of_bounds(min: DVec3, max: DVec3) -> DVec3 {
+    let center = min * 0.5 + max * 0.5;
+    let extent = (max * 0.5 - min * 0.5).length() * 2.0;
+    if !extent.is_finite() || center.length() <= FAR_IN_EXTENTS * extent {
+        return DVec3::ZERO;
+    }
+    if extent == 0.0 {
+        // All points are one: it needs no origin if f32 can say where it is.
+        return if center.as_vec3().as_dvec3() == center {
+            DVec3::ZERO
+        } else {
+            center
+        };
+    }
+    let step = extent.log2().ceil().exp2();
+    let rounded = (center / step).round() * step;
+    if rounded.is_finite() { rounded } else { center }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn coordinates_around_zero_stay_as_they_are() {
+        assert_eq!(
+            origin_of_bounds(DVec3::new(-1.0, 0.0, 2.0), DVec3::new(1.0, 2.0, 3.0)),
+            DVec3::ZERO
+        );
+    }
+
+    #[test]
+    fn far_coordinates_move_to_a_short_origin() {
+        // Extent √(50² + 27² + 30²) ≈ 64.2, so the step is 128.
+        let origin = origin_of_bounds(
+            DVec3::new(-75.0, -766.0, 0.0),
+            DVec3::new(-25.0, -739.0, 30.0),
+        );
+        assert_eq!(origin, DVec3::new(0.0, -768.0, 0.0));
+    }
+
+    #[test]
+    fn a_single_far_point_moves_only_if_f32_loses_it() {
+        let short = DVec3::splat(4_194_304.5);
+        assert_eq!(origin_of_bounds(short, short), DVec3::ZERO);
+        let long = DVec3::splat(4_194_304.001);
+        assert_eq!(origin_of_bounds(long, long), long);
+    }
+
+    #[test]
+    fn the_largest_numbers_do_not_overflow() {
+        assert_eq!(
+            origin_of_bounds(DVec3::splat(f64::MIN), DVec3::splat(f64::MAX)),
+            DVec3::ZERO
+        );
+        assert!(origin_of_bounds(DVec3::splat(1.7e308), DVec3::splat(1.71e308)).is_finite());
+    }
+
+    proptest! {
+        /// After the shift no corner is farther than the rule allows, so f32 keeps at least 20 bits of the extent.
+        #[test]
+        fn shifted_clouds_are_near_zero(
+            x in -1e9f64..1e9, y in -1e9f64..1e9, z in -1e9f64..1e9, edge in 1e-3f64..1e6,
+        ) {
+            let min = DVec3::new(x, y, z);
+            let max = min + DVec3::splat(edge);
+            let origin = origin_of_bounds(min, max);
+            let extent = (max - min).length();
+            let farthest = (min - origin).abs().max((max - origin).abs()).length();
+            prop_assert!(farthest <= (FAR_IN_EXTENTS + 1.0) * extent, "{farthest} for {extent}");
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! A frame made ready for a picture: completed, coloured, packed into records, indexed; each only if it is needed.
+//!
+//! **How it works.** [`complete`] takes what is there and adds what [`Needs`] ask for beyond it. Every part is shared by an
+//! [`Arc`], and stays the same one as long as it is right:
+//!
+//! | changed | decoded | estimated | rewritten |
+//! |---|---|---|---|
+//! | nothing | – | – | – |
+//! | stop criterion δ | – | – | octree |
+//! | colours | – | – | points; octree if one is needed |
+//! | shapes wanted now | – | normals and radii the file has not | shapes |
+//!
+//! **Who changed.** [`PreparedFrame::id`] names the content of `points`: equal ids mean equal points, so a renderer that holds
+//! the points of an id need not upload them again. For shapes and octree the `Arc` itself tells: `Arc::ptr_eq`.
+//!
+//! Fake colours are always taken from the packed normals, so that they do not depend on the order in which shapes and
+//! colours were asked for.
+
+use super::records::{self, SurfaceWork};
+use super::{ColorSource, Needs, milliseconds_since};
+use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::octree::{Octree, StopCriterion};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+/// Wall time of the stages that made a frame, in milliseconds; 0 for what was not done or was reused.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Timings {
+    /// Reading, decoding and validating the file.
+    pub decode_ms: f32,
+    /// Normals and radii.
+    pub analysis_ms: f32,
+    /// Packing points and shapes.
+    pub records_ms: f32,
+    /// Building the octree.
+    pub octree_ms: f32,
+}
+
+impl Timings {
+    /// All stages together.
+    pub fn total_ms(&self) -> f32 {
+        self.decode_ms + self.analysis_ms + self.records_ms + self.octree_ms
+    }
+}
+
+/// How much work was done; the proof that nothing is done twice. Shared between threads.
+#[derive(Debug, Default)]
+pub struct PrepareCounters {
+    pub(super) surfaces_estimated: AtomicU64,
+    pub(super) radii_estimated: AtomicU64,
+    pub(super) octrees_built: AtomicU64,
+    pub(super) records_written: AtomicU64,
+}
+
+impl PrepareCounters {
+    /// Frames whose normals (and radii) were estimated.
+    pub fn surfaces_estimated(&self) -> u64 {
+        self.surfaces_estimated.load(Ordering::Relaxed)
+    }
+
+    /// Frames with normals whose radii were estimated.
+    pub fn radii_estimated(&self) -> u64 {
+        self.radii_estimated.load(Ordering::Relaxed)
+    }
+
+    /// Octrees built.
+    pub fn octrees_built(&self) -> u64 {
+        self.octrees_built.load(Ordering::Relaxed)
+    }
+
+    /// Point and shape records written.
+    pub fn records_written(&self) -> u64 {
+        self.records_written.load(Ordering::Relaxed)
+    }
+}
+
+/// A frame with everything some [`Needs`] asked for. Immutable; parts are shared with the frames it was completed from.
+#[derive(Debug, Clone)]
+pub struct PreparedFrame {
+    /// Index in the sequence.
+    pub index: usize,
+    /// Names the content of `points` within this run of the program.
+    pub id: u64,
+    /// The validated frame.
+    pub frame: Arc<Frame>,
+    /// One record a point.
+    pub points: Arc<Vec<PointRecord>>,
+    /// One record a point, if asked for, or if estimating normals for colours brought them anyway.
+    pub shapes: Option<Arc<Vec<ShapeRecord>>>,
+    /// The index of the points in the colours of `points`, if it was asked for.
+    pub octree: Option<Arc<Octree>>,
+    /// What the last completion took; decoding included if it happened then.
+    pub timings: Timings,
+    colors: ColorSource,
+    octree_stop: Option<StopCriterion>,
+}
+
+impl PreparedFrame {
+    /// True when completing it for `needs` would change nothing.
+    pub fn satisfies(&self, needs: &Needs) -> bool {
+        self.colors == needs.colors.resolve(&self.frame)
+            && (!needs.shapes || self.shapes.is_some())
+            && (needs.octree.is_none() || needs.octree == self.octree_stop)
+    }
+
+    /// Where the colours of the points come from; never [`ColorSource::Auto`].
+    pub fn colors(&self) -> ColorSource {
+        self.colors
+    }
+
+    /// What the octree was built for.
+    pub fn octree_stop(&self) -> Option<StopCriterion> {
+        self.octree_stop
+    }
+
+    /// Bytes of all parts.
+    pub fn byte_size(&self) -> usize {
+        self.frame.byte_size()
+            + size_of_val(self.points.as_slice())
+            + self
+                .shapes
+                .as_ref()
+                .map_or(0, |shapes| size_of_val(shapes.as_slice()))
+            + self.octree.as_ref().map_or(0, |octree| octree.byte_size())
+    }
+}
+
+/// Prepares `frame` for `needs`. `decode_ms` is carried into the timings.
+pub fn prepare(
+    index: usize,
+    frame: Arc<Frame>,
+    decode_ms: f32,
+    needs: &Needs,
+    counters: &PrepareCounters,
+) -> PreparedFrame {
+    let timings = Timings {
+        decode_ms,
+        ..Timings::default()
+    };
+    build(index, frame, None, needs, timings, counters)
+}
+
+/// Adds to `existing` what `needs` ask for beyond it; parts that are still right are the same `Arc`s.
+pub fn complete(
+    existing: &PreparedFrame,
+    needs: &Needs,
+    counters: &PrepareCounters,
+) -> PreparedFrame {
+    if existing.satisfies(needs) {
+        return existing.clone();
+    }
+    build(
+        existing.index,
+        Arc::clone(&existing.frame),
+        Some(existing),
+        needs,
+        Timings::default(),
+        counters,
+    )
+}
+
+fn build(
+    index: usize,
+    frame: Arc<Frame>,
+    existing: Option<&PreparedFrame>,
+    needs: &Needs,
+    mut timings: Timings,
+    counters: &PrepareCounters,
+) -> PreparedFrame {
+    let colors = needs.colors.resolve(&frame);
+    let same_colors = existing.filter(|existing| existing.colors == colors);
+
+    let mut shapes = existing.and_then(|existing| existing.shapes.clone());
+    let colors_need_shapes = colors == ColorSource::Normal
+        && same_colors.is_none()
+        && records::file_normals(&frame).is_none();
+    if shapes.is_none() && (needs.shapes || colors_need_shapes) {
+        shapes = Some(Arc::new(estimated_shapes(&frame, &mut timings, counters)));
+    }
+
+    let (id, points) = if let Some(existing) = same_colors {
+        (existing.id, Arc::clone(&existing.points))
+    } else {
+        let start = Instant::now();
+        let points = colored_points(&frame, colors, shapes.as_deref().map(Vec::as_slice));
+        timings.records_ms += milliseconds_since(start);
+        counters
+            .records_written
+            .fetch_add(points.len() as u64, Ordering::Relaxed);
+        (next_id(), Arc::new(points))
+    };
+
+    let reusable = same_colors
+        .and_then(|existing| existing.octree_stop.zip(existing.octree.clone()))
+        .filter(|&(stop, _)| needs.octree.is_none_or(|needed| needed == stop));
+    let octree = reusable.or_else(|| {
+        let stop = needs.octree?;
+        let start = Instant::now();
+        let octree = build_octree(&frame, colors, &points, stop);
+        timings.octree_ms = milliseconds_since(start);
+        counters.octrees_built.fetch_add(1, Ordering::Relaxed);
+        Some((stop, Arc::new(octree)))
+    });
+    let (octree_stop, octree) = octree.unzip();
+    PreparedFrame {
+        index,
+        id,
+        frame,
+        points,
+        shapes,
+        octree,
+        timings,
+        colors,
+        octree_stop,
+    }
+}
+
+fn estimated_shapes(
+    frame: &Frame,
+    timings: &mut Timings,
+    counters: &PrepareCounters,
+) -> Vec<ShapeRecord> {
+    let start = Instant::now();
+    let (surface, work) = records::complete_surface(frame);
+    match work {
+        SurfaceWork::None => {}
+        SurfaceWork::Radii => {
+            counters.radii_estimated.fetch_add(1, Ordering::Relaxed);
+        }
+        SurfaceWork::Surface => {
+            counters.surfaces_estimated.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+    timings.analysis_ms = milliseconds_since(start);
+    let start = Instant::now();
+    let shapes = records::shape_records(frame, &surface);
+    timings.records_ms += milliseconds_since(start);
+    counters
+        .records_written
+        .fetch_add(shapes.len() as u64, Ordering::Relaxed);
+    shapes
+}
+
+/// Records in `colors`, which are resolved. Precondition: `shapes` for fake colours of a frame that lacks normals.
+fn colored_points(
+    frame: &Frame,
+    colors: ColorSource,
+    shapes: Option<&[ShapeRecord]>,
+) -> Vec<PointRecord> {
+    match (colors, shapes) {
+        (ColorSource::Auto | ColorSource::File, _) => records::points_in_file_colors(frame),
+        (ColorSource::Scalar, _) => records::points_in_scalar_colors(frame),
+        (ColorSource::Uniform, _) => records::points_in_one_color(frame),
+        (ColorSource::Normal, Some(shapes)) => records::points_in_shape_colors(frame, shapes),
+        (ColorSource::Normal, None) => {
+            records::points_in_normal_colors(frame, frame.normals().unwrap_or_default())
+        }
+    }
+}
+
+fn build_octree(
+    frame: &Frame,
+    colors: ColorSource,
+    points: &[PointRecord],
+    stop: StopCriterion,
+) -> Octree {
+    match frame.colors() {
+        Some(file_colors) if colors == ColorSource::File => {
+            Octree::build(frame.positions(), file_colors, stop)
+        }
+        _ => {
+            let colors: Vec<[u8; 4]> = points.iter().map(|point| point.color).collect();
+            Octree::build(frame.positions(), &colors, stop)
+        }
+    }
+}
+
+fn next_id() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}

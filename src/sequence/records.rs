@@ -1,0 +1,155 @@
+//! Frames → the records that are drawn, each array written in one pass into memory of the right size.
+
+use crate::analysis::{estimate_surface, fake_color, scalar_colors, splat_radii};
+use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
+use glam::Vec3;
+use std::borrow::Cow;
+
+/// The colour of every point under [`super::ColorSource::Uniform`]: a light grey that shows shading both ways.
+pub const UNIFORM_COLOR: [u8; 4] = [200, 200, 200, 255];
+
+/// Normals and radii of every point of a frame, borrowed where the file has them.
+pub(super) struct CompleteSurface<'a> {
+    normals: Cow<'a, [Vec3]>,
+    radii: Cow<'a, [f32]>,
+}
+
+/// What it took to complete a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SurfaceWork {
+    /// The file has everything.
+    None,
+    /// The file has normals.
+    Radii,
+    /// Normals were missing, some or all.
+    Surface,
+}
+
+/// The file's normals if every point has one.
+pub(super) fn file_normals(frame: &Frame) -> Option<&[Vec3]> {
+    frame
+        .normals()
+        .filter(|normals| normals.iter().all(|&normal| normal != Vec3::ZERO))
+}
+
+/// Takes what the file has and estimates the rest: a zero normal and a zero radius count as missing.
+pub(super) fn complete_surface(frame: &Frame) -> (CompleteSurface<'_>, SurfaceWork) {
+    let positions = frame.positions();
+    let radii = frame
+        .radii()
+        .filter(|radii| radii.iter().all(|&radius| radius > 0.0));
+    match (file_normals(frame), radii) {
+        (Some(normals), Some(radii)) => (
+            CompleteSurface {
+                normals: normals.into(),
+                radii: radii.into(),
+            },
+            SurfaceWork::None,
+        ),
+        (Some(normals), None) => {
+            let mut estimated = splat_radii(positions, normals);
+            keep_given(&mut estimated, frame.radii(), |&radius| radius > 0.0);
+            (
+                CompleteSurface {
+                    normals: normals.into(),
+                    radii: estimated.into(),
+                },
+                SurfaceWork::Radii,
+            )
+        }
+        (None, _) => {
+            let mut surface = estimate_surface(positions, frame.sensor());
+            keep_given(&mut surface.normals, frame.normals(), |&normal| {
+                normal != Vec3::ZERO
+            });
+            keep_given(&mut surface.radii, frame.radii(), |&radius| radius > 0.0);
+            (
+                CompleteSurface {
+                    normals: surface.normals.into(),
+                    radii: surface.radii.into(),
+                },
+                SurfaceWork::Surface,
+            )
+        }
+    }
+}
+
+/// Overwrites `estimated` with what the file gave, where it is usable.
+fn keep_given<T: Copy>(estimated: &mut [T], given: Option<&[T]>, usable: impl Fn(&T) -> bool) {
+    for (estimated, given) in estimated.iter_mut().zip(given.unwrap_or_default()) {
+        if usable(given) {
+            *estimated = *given;
+        }
+    }
+}
+
+/// One record a point; a scalar that the file does not have is 0.
+pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec<ShapeRecord> {
+    let record = |(&normal, &radius): (&Vec3, &f32), scalar| ShapeRecord {
+        normal: oct_encode(normal),
+        radius,
+        ellipse: 0,
+        scalar,
+    };
+    let shapes = surface.normals.iter().zip(surface.radii.iter());
+    match frame.scalars() {
+        Some(scalars) => shapes
+            .zip(scalars)
+            .map(|(shape, &scalar)| record(shape, scalar))
+            .collect(),
+        None => shapes.map(|shape| record(shape, 0.0)).collect(),
+    }
+}
+
+/// Records in the file's colours. Precondition: the frame has colours; without, the points are uniform.
+pub(super) fn points_in_file_colors(frame: &Frame) -> Vec<PointRecord> {
+    match frame.colors() {
+        Some(colors) => points(frame, colors.iter().copied()),
+        None => points_in_one_color(frame),
+    }
+}
+
+/// Records in the colours of the frame's scalars. Precondition: the frame has scalars; without, the points are uniform.
+pub(super) fn points_in_scalar_colors(frame: &Frame) -> Vec<PointRecord> {
+    match frame.scalars() {
+        Some(scalars) => points(frame, scalar_colors(scalars).into_iter()),
+        None => points_in_one_color(frame),
+    }
+}
+
+/// Records in [`UNIFORM_COLOR`].
+pub(super) fn points_in_one_color(frame: &Frame) -> Vec<PointRecord> {
+    points(frame, std::iter::repeat_n(UNIFORM_COLOR, frame.len()))
+}
+
+/// Records in the fake colours of `shapes`.
+pub(super) fn points_in_shape_colors(frame: &Frame, shapes: &[ShapeRecord]) -> Vec<PointRecord> {
+    points(
+        frame,
+        shapes
+            .iter()
+            .map(|shape| fake_color(oct_decode(shape.normal))),
+    )
+}
+
+/// Records in the fake colours of `normals`: the same bits as [`points_in_shape_colors`] for shapes with these normals.
+pub(super) fn points_in_normal_colors(frame: &Frame, normals: &[Vec3]) -> Vec<PointRecord> {
+    points(
+        frame,
+        normals
+            .iter()
+            .map(|&normal| fake_color(oct_decode(oct_encode(normal)))),
+    )
+}
+
+fn points(frame: &Frame, colors: impl Iterator<Item = [u8; 4]>) -> Vec<PointRecord> {
+    frame
+        .positions()
+        .iter()
+        .zip(colors)
+        .map(|(position, color)| PointRecord {
+            position: position.to_array(),
+            color,
+        })
+        .collect()
+}

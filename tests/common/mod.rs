@@ -1,0 +1,164 @@
+//! What image tests share: one software device, and packets made from a few records.
+#![allow(dead_code, reason = "every test binary uses another part")]
+
+use glam::{DVec3, Vec3};
+use image::{Rgba, RgbaImage};
+use pointreel::cloud::{PointRecord, ShapeRecord, VoxelRecord, oct_encode};
+use pointreel::math::Aabb;
+use pointreel::render::Renderer;
+use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
+use pointreel::scene::{Background, Camera, Lighting, ScenePacket, Settings, UpAxis, Voxels};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
+
+static CONTEXT: LazyLock<Arc<Context>> = LazyLock::new(|| open(&software()));
+
+/// Options of every test: the software rasteriser, so that pictures come from one place.
+pub fn software() -> ContextOptions {
+    ContextOptions { prefer_software: true, ..ContextOptions::default() }
+}
+
+/// Opens a device or says what to install.
+pub fn open(options: &ContextOptions) -> Arc<Context> {
+    Context::headless(options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The device that the tests of one binary share.
+pub fn context() -> Arc<Context> {
+    Arc::clone(&CONTEXT)
+}
+
+static RENDERER: LazyLock<Mutex<GpuRenderer>> =
+    LazyLock::new(|| Mutex::new(GpuRenderer::new(context()).unwrap()));
+
+/// The renderer that the tests of one binary share; tests that read counters make their own.
+pub fn renderer() -> MutexGuard<'static, GpuRenderer> {
+    RENDERER.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// Draws a packet with the shared renderer.
+pub fn draw(packet: &ScenePacket) -> RgbaImage {
+    draw_with(&mut renderer(), packet)
+}
+
+/// Draws a packet.
+pub fn draw_with(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RgbaImage {
+    renderer.prepare(packet).unwrap();
+    renderer.render().unwrap();
+    renderer.read_image().unwrap()
+}
+
+/// Settings whose colours can be predicted: no light, black background.
+pub fn plain() -> Settings {
+    Settings {
+        lighting: Lighting::Unlit,
+        background: Background::solid([0, 0, 0]),
+        ..Settings::default()
+    }
+}
+
+/// A camera on +Z at `distance`, looking at the origin, 90 degrees high and wide on a square viewport.
+pub fn camera_at(distance: f64) -> Camera {
+    Camera {
+        target_in_world: DVec3::ZERO,
+        distance,
+        azimuth_deg: 0.0,
+        elevation_deg: 0.0,
+        fov_deg: 90.0,
+        up: UpAxis::Y,
+    }
+}
+
+/// A surfel of the tests.
+#[derive(Debug, Clone, Copy)]
+pub struct Surfel {
+    pub position: Vec3,
+    pub normal: Vec3,
+    pub radius: f32,
+    pub color: [u8; 3],
+}
+
+/// A packet of surfels (or of points, by the settings).
+pub fn surfels(surfels: &[Surfel], camera: &Camera, settings: Settings, viewport_px: [u32; 2]) -> ScenePacket {
+    let positions: Vec<Vec3> = surfels.iter().map(|surfel| surfel.position).collect();
+    ScenePacket {
+        viewport_px,
+        view: camera.transform(DVec3::ZERO, viewport_px),
+        settings,
+        points: Arc::new(
+            surfels
+                .iter()
+                .map(|surfel| PointRecord {
+                    position: surfel.position.to_array(),
+                    color: [surfel.color[0], surfel.color[1], surfel.color[2], 255],
+                })
+                .collect(),
+        ),
+        shapes: Some(Arc::new(
+            surfels
+                .iter()
+                .map(|surfel| ShapeRecord {
+                    normal: oct_encode(surfel.normal),
+                    radius: surfel.radius,
+                    ellipse: 0,
+                    scalar: 0.0,
+                })
+                .collect(),
+        )),
+        voxels: None,
+        bounds: Aabb::from_points(&positions),
+    }
+}
+
+/// A packet of voxels.
+pub fn voxels(records: Vec<VoxelRecord>, cube_edge: f32, camera: &Camera, settings: Settings, viewport_px: [u32; 2]) -> ScenePacket {
+    let centers: Vec<Vec3> = records.iter().map(|record| Vec3::from_array(record.center)).collect();
+    ScenePacket {
+        viewport_px,
+        view: camera.transform(DVec3::ZERO, viewport_px),
+        settings,
+        points: Arc::new(Vec::new()),
+        shapes: None,
+        voxels: Some(Voxels { records: Arc::new(records), cube_edge }),
+        bounds: Aabb::from_points(&centers),
+    }
+}
+
+/// `count` surfels on a sphere around the origin (golden spiral), coloured by where they are.
+pub fn sphere(count: u32, sphere_radius: f32) -> Vec<Surfel> {
+    let golden_angle = std::f32::consts::PI * (3.0 - 5f32.sqrt());
+    (0..count)
+        .map(|i| {
+            let y = 1.0 - 2.0 * (i as f32 + 0.5) / count as f32;
+            let (sin, cos) = (golden_angle * i as f32).sin_cos();
+            let ring = (1.0 - y * y).sqrt();
+            let normal = Vec3::new(ring * cos, y, ring * sin);
+            let color = (normal * 127.5 + 127.5).to_array().map(|channel| channel as u8);
+            Surfel {
+                position: normal * sphere_radius,
+                normal,
+                // The spiral gives each surfel an area of 4π/count.
+                radius: sphere_radius * 1.3 * (4.0 / count as f32).sqrt(),
+                color,
+            }
+        })
+        .collect()
+}
+
+/// Number of pixels that are not `background`.
+pub fn covered(image: &RgbaImage, background: [u8; 3]) -> usize {
+    image.pixels().filter(|pixel| pixel.0[..3] != background).count()
+}
+
+/// Number of pixels of exactly this colour.
+pub fn count_color(image: &RgbaImage, color: [u8; 3]) -> usize {
+    image.pixels().filter(|pixel| pixel.0[..3] == color).count()
+}
+
+/// Says where two pictures differ: number of pixels and the largest difference of a channel.
+pub fn difference(a: &RgbaImage, b: &RgbaImage) -> (usize, u8) {
+    assert_eq!(a.dimensions(), b.dimensions());
+    a.pixels().zip(b.pixels()).fold((0, 0), |(count, max), (Rgba(a), Rgba(b))| {
+        let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
+        (count + usize::from(most > 0), max.max(most))
+    })
+}

@@ -1,0 +1,193 @@
+//! Names → ordered sources.
+
+use super::*;
+use std::fs;
+
+/// A folder with empty files of these names.
+fn folder(names: &[&str]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for name in names {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, "").unwrap();
+    }
+    folder
+}
+
+fn names(sequence: &Sequence) -> Vec<&str> {
+    sequence
+        .sources()
+        .iter()
+        .map(|source| source.name.as_str())
+        .collect()
+}
+
+fn found_in(files: &[&str]) -> Vec<String> {
+    let folder = folder(files);
+    let sequence = Sequence::discover(&[folder.path().to_path_buf()]).unwrap();
+    names(&sequence).iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn unpadded_numbers_with_gaps_and_any_start() {
+    assert_eq!(
+        found_in(&["f12.ply", "f7.ply", "f100.ply", "f9.ply"]),
+        ["f7.ply", "f9.ply", "f12.ply", "f100.ply"]
+    );
+}
+
+#[test]
+fn digits_elsewhere_and_dates() {
+    assert_eq!(
+        found_in(&["vox10_9_s3d.ply", "vox10_10_s3d.ply", "vox10_1051_s3d.ply"]),
+        ["vox10_9_s3d.ply", "vox10_10_s3d.ply", "vox10_1051_s3d.ply"]
+    );
+    assert_eq!(
+        found_in(&["t_03-10.ply", "t_03-05.xyz", "t_03-08.ply", "t_03-06.xyz"]),
+        ["t_03-05.xyz", "t_03-06.xyz", "t_03-08.ply", "t_03-10.ply"]
+    );
+    let stamps = [
+        "frame_20121214T142255.814212.pcd",
+        "frame_20121214T142256.068683.pcd",
+        "frame_20121214T142256.332395.pcd",
+    ];
+    assert_eq!(found_in(&[stamps[2], stamps[0], stamps[1]]), stamps);
+}
+
+#[test]
+fn only_visible_point_clouds_are_taken_from_a_folder() {
+    assert_eq!(
+        found_in(&[
+            "b.PLY",
+            "a.Pcd",
+            ".hidden.ply",
+            "LICENSE",
+            "notes.md",
+            "deeper/c.ply",
+            "folder.ply/x.txt.gz"
+        ]),
+        ["a.Pcd", "b.PLY"]
+    );
+}
+
+#[test]
+fn one_file_is_one_frame_whatever_its_name() {
+    let folder = folder(&["f1.ply", "f2.ply", "data.bin", ".hidden"]);
+    for name in ["f1.ply", "data.bin", ".hidden"] {
+        let sequence = Sequence::discover(&[folder.path().join(name)]).unwrap();
+        assert_eq!(names(&sequence), [name]);
+    }
+}
+
+#[test]
+fn a_list_as_a_shell_expands_it_is_put_in_order() {
+    let folder = folder(&["f1.ply", "f2.ply", "f10.ply"]);
+    let list = ["f1.ply", "f10.ply", "f2.ply"].map(|name| folder.path().join(name));
+    let sequence = Sequence::discover(&list).unwrap();
+    assert_eq!(names(&sequence), ["f1.ply", "f2.ply", "f10.ply"]);
+    let numbers: Vec<_> = sequence.sources().iter().map(|s| s.number).collect();
+    assert_eq!(numbers, [Some(1), Some(2), Some(10)]);
+}
+
+#[test]
+fn patterns_find_what_they_mean() {
+    let folder = folder(&["a1.ply", "a10.ply", "a2.pcd", "a3.md", "b1.bin", ".a4.ply"]);
+    let discover = |pattern: &str| {
+        Sequence::discover(&[folder.path().join(pattern)]).map(|sequence| {
+            names(&sequence)
+                .iter()
+                .map(ToString::to_string)
+                .collect::<Vec<_>>()
+        })
+    };
+    assert_eq!(discover("a*").unwrap(), ["a1.ply", "a2.pcd", "a10.ply"]);
+    assert_eq!(discover("a?.p*").unwrap(), ["a1.ply", "a2.pcd"]);
+    assert_eq!(discover("*.bin").unwrap(), ["b1.bin"]);
+    assert!(matches!(
+        discover("c*.ply"),
+        Err(SequenceError::NoMatch { .. })
+    ));
+    assert!(matches!(
+        discover("a[.ply"),
+        Err(SequenceError::BadPattern { .. })
+    ));
+}
+
+#[test]
+fn a_file_whose_name_looks_like_a_pattern_is_a_file() {
+    let folder = folder(&["a[1].ply", "a1.ply"]);
+    let sequence = Sequence::discover(&[folder.path().join("a[1].ply")]).unwrap();
+    assert_eq!(names(&sequence), ["a[1].ply"]);
+}
+
+#[test]
+fn mixed_inputs_keep_their_order_and_no_file_comes_twice() {
+    let folder = folder(&["one/f2.ply", "one/f1.ply", "two/g1.ply", "still.xyz"]);
+    let inputs =
+        ["two", "still.xyz", "one", "one/f1.ply", "two/*.ply"].map(|name| folder.path().join(name));
+    let sequence = Sequence::discover(&inputs).unwrap();
+    assert_eq!(
+        names(&sequence),
+        ["g1.ply", "still.xyz", "f1.ply", "f2.ply"]
+    );
+}
+
+#[test]
+fn what_is_wrong_is_said_in_one_sentence() {
+    let folder = folder(&["takes/one/readme.md", "takes/two/x.ply", "empty/readme.md"]);
+    let error = |path: &Path| {
+        Sequence::discover(&[path.to_path_buf()])
+            .expect_err("nothing to open")
+            .to_string()
+    };
+    let missing = error(&folder.path().join("gone.ply"));
+    assert!(missing.contains("gone.ply does not exist"), "{missing}");
+    let parent = error(&folder.path().join("takes"));
+    assert!(parent.contains("sub-folders (one, two)"), "{parent}");
+    let empty = error(&folder.path().join("empty"));
+    assert!(
+        empty.contains("*.ply") && empty.contains("*.pcd"),
+        "{empty}"
+    );
+    assert!(matches!(
+        Sequence::discover(&[]),
+        Err(SequenceError::NoInput)
+    ));
+    for message in [missing, parent, empty] {
+        assert!(!message.contains('\n'));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_followed() {
+    let folder = folder(&["real/f1.ply", "linked/f2.ply"]);
+    let link = folder.path().join("linked/f3.ply");
+    std::os::unix::fs::symlink(folder.path().join("real/f1.ply"), link).unwrap();
+    std::os::unix::fs::symlink(
+        folder.path().join("real"),
+        folder.path().join("linked/d.ply"),
+    )
+    .unwrap();
+    let sequence = Sequence::discover(&[folder.path().join("linked")]).unwrap();
+    assert_eq!(names(&sequence), ["f2.ply", "f3.ply"]);
+}
+
+#[test]
+fn a_hundred_thousand_names_are_sorted_without_opening_them() {
+    // Files that do not exist: whoever opened one would fail.
+    let paths: Vec<PathBuf> = (0..100_000u64)
+        .map(|i| format!("scan_{}.ply", i.wrapping_mul(7_919) % 100_003).into())
+        .collect();
+    let mut sorted = paths;
+    let start = Instant::now();
+    sorted.sort_by(|left, right| pointreel::sequence::natural_order(left, right));
+    assert!(sorted.is_sorted_by_key(|path| {
+        let name = path.to_string_lossy();
+        name["scan_".len()..name.len() - ".ply".len()]
+            .parse::<u64>()
+            .unwrap()
+    }));
+    // O(n²) comparisons would take minutes.
+    assert!(start.elapsed() < PATIENCE);
+}

@@ -1,0 +1,311 @@
+//! Frames completed for pictures: what is there, what is shared, what is not done twice.
+
+use super::*;
+use pointreel::analysis::fake_color;
+use pointreel::cloud::{Frame, oct_decode};
+use pointreel::sequence::{PrepareCounters, UNIFORM_COLOR, complete, prepare};
+
+/// Octrees, surfaces, radii and records made so far.
+fn work(counters: &PrepareCounters) -> [u64; 4] {
+    [
+        counters.octrees_built(),
+        counters.surfaces_estimated(),
+        counters.radii_estimated(),
+        counters.records_written(),
+    ]
+}
+
+fn frame_of(raw: RawCloud) -> Arc<Frame> {
+    Arc::new(Frame::from_raw(raw, DVec3::ZERO).unwrap())
+}
+
+const N: u64 = 100;
+
+#[test]
+fn what_the_file_has_is_not_estimated() {
+    let counters = PrepareCounters::default();
+    let frame = frame_of(complete_sheet(10, 3));
+    let prepared = prepare(0, Arc::clone(&frame), 0.0, &SURFELS, &counters);
+    assert_eq!(work(&counters), [0, 0, 0, 2 * N]);
+    let shapes = prepared.shapes.unwrap();
+    assert!(shapes.iter().all(|shape| shape.radius == 0.5));
+    assert!(
+        shapes
+            .iter()
+            .all(|shape| oct_decode(shape.normal) == Vec3::Y)
+    );
+    for (i, point) in prepared.points.iter().enumerate() {
+        assert_eq!(Vec3::from_array(point.position), frame.positions()[i]);
+        assert_eq!(point.color, [i as u8, 3, 7, 255]);
+    }
+}
+
+#[test]
+fn only_what_is_missing_is_estimated() {
+    let counters = PrepareCounters::default();
+    let mut raw = complete_sheet(10, 0);
+    raw.radii = None;
+    prepare(0, frame_of(raw), 0.0, &SURFELS, &counters);
+    assert_eq!(work(&counters)[1..3], [0, 1]);
+    let prepared = prepare(0, frame_of(sheet(10, 0)), 0.0, &SURFELS, &counters);
+    assert_eq!(work(&counters)[1..3], [1, 1]);
+    assert!(
+        prepared
+            .shapes
+            .unwrap()
+            .iter()
+            .all(|shape| shape.radius > 0.0)
+    );
+}
+
+#[test]
+fn points_alone_need_nothing_else() {
+    let counters = PrepareCounters::default();
+    let prepared = prepare(
+        0,
+        frame_of(complete_sheet(10, 0)),
+        0.0,
+        &Needs::default(),
+        &counters,
+    );
+    assert_eq!(work(&counters), [0, 0, 0, N]);
+    assert!(prepared.shapes.is_none() && prepared.octree.is_none());
+}
+
+#[test]
+fn zero_normals_and_radii_are_replaced_and_the_others_kept() {
+    let mut raw = complete_sheet(10, 0);
+    let tilted = Vec3::new(0.6, 0.8, 0.0);
+    raw.normals = Some(vec![tilted.to_array(); 100]);
+    raw.normals.as_mut().unwrap()[42] = [0.0; 3];
+    raw.radii.as_mut().unwrap()[17] = 0.0;
+    let prepared = prepare(0, frame_of(raw), 0.0, &SURFELS, &PrepareCounters::default());
+    let shapes = prepared.shapes.unwrap();
+    let normal_of = |i: usize| oct_decode(shapes[i].normal);
+    assert!((normal_of(41) - tilted).length() < 1e-3);
+    assert!((normal_of(42) - tilted).length() > 1e-2 && normal_of(42).is_normalized());
+    assert_eq!(shapes[16].radius, 0.5);
+    assert!(shapes[17].radius > 0.0 && shapes[17].radius.is_finite());
+}
+
+#[test]
+fn colors_come_from_the_best_there_is() {
+    let auto = |raw: RawCloud| {
+        let prepared = prepare(
+            0,
+            frame_of(raw),
+            0.0,
+            &Needs::default(),
+            &PrepareCounters::default(),
+        );
+        (prepared.colors(), prepared.points[0].color)
+    };
+    assert_eq!(
+        auto(complete_sheet(10, 9)),
+        (ColorSource::File, [0, 9, 7, 255])
+    );
+    let mut raw = complete_sheet(10, 0);
+    raw.colors = None;
+    assert_eq!(
+        auto(raw.clone()),
+        (ColorSource::Normal, fake_color(Vec3::Y))
+    );
+    raw.scalars = Some((0..100).map(|i| i as f32).collect());
+    assert_eq!(auto(raw).0, ColorSource::Scalar);
+
+    let uniform = Needs {
+        colors: ColorSource::Uniform,
+        ..Needs::default()
+    };
+    let prepared = prepare(
+        0,
+        frame_of(sheet(10, 0)),
+        0.0,
+        &uniform,
+        &PrepareCounters::default(),
+    );
+    assert!(
+        prepared
+            .points
+            .iter()
+            .all(|point| point.color == UNIFORM_COLOR)
+    );
+    // Asked for what the file has not: as if automatic.
+    let file = Needs {
+        colors: ColorSource::File,
+        ..Needs::default()
+    };
+    let prepared = prepare(
+        0,
+        frame_of(sheet(10, 0)),
+        0.0,
+        &file,
+        &PrepareCounters::default(),
+    );
+    assert_eq!(prepared.colors(), ColorSource::Normal);
+}
+
+#[test]
+fn another_delta_builds_an_octree_and_nothing_else() {
+    let counters = PrepareCounters::default();
+    let first = prepare(
+        0,
+        frame_of(sheet(10, 0)),
+        0.0,
+        &Needs {
+            shapes: true,
+            ..voxels(0.0)
+        },
+        &counters,
+    );
+    assert_eq!(work(&counters), [1, 1, 0, 2 * N]);
+    let second = complete(
+        &first,
+        &Needs {
+            shapes: true,
+            ..voxels(0.6)
+        },
+        &counters,
+    );
+    assert_eq!(work(&counters), [2, 1, 0, 2 * N]);
+    assert_eq!(first.id, second.id);
+    assert!(Arc::ptr_eq(&first.points, &second.points));
+    assert!(Arc::ptr_eq(&first.frame, &second.frame));
+    assert!(Arc::ptr_eq(
+        first.shapes.as_ref().unwrap(),
+        second.shapes.as_ref().unwrap()
+    ));
+    assert!(second.octree.unwrap().leaf_count() < first.octree.unwrap().leaf_count());
+}
+
+#[test]
+fn the_same_needs_again_do_nothing() {
+    let counters = PrepareCounters::default();
+    let needs = Needs {
+        shapes: true,
+        ..voxels(0.1)
+    };
+    let first = prepare(0, frame_of(sheet(10, 0)), 0.0, &needs, &counters);
+    let before = work(&counters);
+    let second = complete(&first, &needs, &counters);
+    // Needing less is satisfied too: nothing is thrown away.
+    let third = complete(&second, &Needs::default(), &counters);
+    assert_eq!(work(&counters), before);
+    assert!(Arc::ptr_eq(
+        first.octree.as_ref().unwrap(),
+        third.octree.as_ref().unwrap()
+    ));
+    assert!(first.satisfies(&needs) && third.satisfies(&needs));
+}
+
+#[test]
+fn other_colors_rewrite_points_and_the_octree_only_if_it_is_needed() {
+    let counters = PrepareCounters::default();
+    let first = prepare(
+        0,
+        frame_of(complete_sheet(10, 0)),
+        0.0,
+        &Needs {
+            shapes: true,
+            ..voxels(0.1)
+        },
+        &counters,
+    );
+    assert_eq!(work(&counters), [1, 0, 0, 2 * N]);
+    let recolored = Needs {
+        shapes: true,
+        colors: ColorSource::Normal,
+        ..voxels(0.1)
+    };
+    let second = complete(&first, &recolored, &counters);
+    assert_eq!(work(&counters), [2, 0, 0, 3 * N]);
+    assert_ne!(first.id, second.id);
+    assert!(Arc::ptr_eq(
+        first.shapes.as_ref().unwrap(),
+        second.shapes.as_ref().unwrap()
+    ));
+    let root_color =
+        |prepared: &PreparedFrame| prepared.octree.as_ref().unwrap().level_voxels(0)[0].color;
+    assert_eq!(root_color(&second), fake_color(Vec3::Y)[..3]);
+    assert_ne!(root_color(&first), root_color(&second));
+    let without_octree = Needs {
+        octree: None,
+        colors: ColorSource::Uniform,
+        ..recolored
+    };
+    let third = complete(&second, &without_octree, &counters);
+    assert_eq!(work(&counters), [2, 0, 0, 4 * N]);
+    assert!(third.octree.is_none(), "an octree in colours of the past");
+}
+
+#[test]
+fn the_order_of_wishes_does_not_change_the_picture() {
+    let fake = Needs {
+        colors: ColorSource::Normal,
+        ..Needs::default()
+    };
+    let both = Needs {
+        shapes: true,
+        ..fake
+    };
+    for raw in [sheet(10, 0), complete_sheet(10, 0)] {
+        let counters = PrepareCounters::default();
+        let at_once = prepare(0, frame_of(raw.clone()), 0.0, &both, &counters);
+        let colors_first = complete(
+            &prepare(0, frame_of(raw.clone()), 0.0, &fake, &counters),
+            &both,
+            &counters,
+        );
+        let shapes_first = complete(
+            &prepare(0, frame_of(raw), 0.0, &SURFELS, &counters),
+            &both,
+            &counters,
+        );
+        for other in [&colors_first, &shapes_first] {
+            assert_eq!(at_once.points, other.points);
+            assert_eq!(at_once.shapes, other.shapes);
+        }
+    }
+}
+
+#[test]
+fn frames_without_points_and_with_one_are_prepared() {
+    for count in [0, 1] {
+        let raw = RawCloud::from_positions(Positions::F32(vec![[1.0, 2.0, 3.0]; count]));
+        for colors in ColorSource::ALL {
+            let needs = Needs {
+                shapes: true,
+                octree: Some(StopCriterion::Loss(0.05)),
+                colors,
+            };
+            let prepared = prepare(
+                0,
+                frame_of(raw.clone()),
+                0.0,
+                &needs,
+                &PrepareCounters::default(),
+            );
+            assert_eq!(prepared.points.len(), count);
+            assert_eq!(prepared.shapes.as_ref().unwrap().len(), count);
+            assert!(prepared.satisfies(&needs));
+        }
+    }
+}
+
+#[test]
+fn every_byte_is_counted() {
+    let needs = Needs {
+        shapes: true,
+        ..voxels(0.05)
+    };
+    let prepared = prepare(
+        0,
+        frame_of(complete_sheet(10, 0)),
+        0.0,
+        &needs,
+        &PrepareCounters::default(),
+    );
+    // Position 12, colour 4, normal 12, radius 4; a point record and a shape record of 16.
+    let expected = 100 * (32 + 16 + 16) + prepared.octree.as_ref().unwrap().byte_size();
+    assert_eq!(prepared.byte_size(), expected);
+}

@@ -1,0 +1,106 @@
+//! Real sequences. The demo is part of the program; the others are looked for beside the project and passed over with a
+//! word where they are not there.
+
+use super::*;
+
+#[test]
+fn the_demo_plays() {
+    let sequence = Arc::new(Sequence::demo());
+    assert_eq!(sequence.len(), 24);
+    assert_eq!(sequence.origin(), DVec3::ZERO);
+    let loader = loader(&sequence, 2, usize::MAX);
+    loader.request(0, Direction::Forward, &Needs::default());
+    let first = loader.wait(0, &Needs::default()).unwrap();
+    for index in 0..24 {
+        let frame = loader.wait(index, &Needs::default()).unwrap();
+        assert_eq!(frame.points.len(), 8334);
+        assert_eq!(frame.colors(), ColorSource::File);
+        assert_eq!(sequence.source(index).number, Some(index as u64));
+        // Points correspond: between any two poses of a walk nothing of the body moves a metre.
+        let farthest = frame
+            .frame
+            .positions()
+            .iter()
+            .zip(first.frame.positions())
+            .map(|(now, then)| now.distance(*then))
+            .fold(0.0, f32::max);
+        assert!(farthest < 1.0, "frame {index} moved {farthest} m");
+        assert_eq!(index == 0, farthest == 0.0);
+    }
+    assert_eq!(loader.stats().decoded, 24);
+}
+
+/// A folder of the shared test data, if it is there.
+fn shared(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../shared/data/sequences")
+        .join(name);
+    let found = path.is_dir();
+    if !found {
+        #[expect(
+            clippy::print_stderr,
+            reason = "a test that checks nothing has to say so"
+        )]
+        {
+            eprintln!("passed over: {} is not there", path.display());
+        }
+    }
+    found.then_some(path)
+}
+
+fn check(folder: &Path, frames: &[usize]) -> Arc<Sequence> {
+    let sequence = Arc::new(Sequence::discover(&[folder.to_path_buf()]).unwrap());
+    assert_eq!(sequence.len(), frames.len());
+    let loader = loader(&sequence, 2, usize::MAX);
+    for (index, &points) in frames.iter().enumerate() {
+        let frame = loader.wait(index, &Needs::default()).unwrap();
+        assert_eq!(
+            frame.points.len(),
+            points,
+            "{}",
+            sequence.source(index).name
+        );
+    }
+    sequence
+}
+
+#[test]
+fn plant_of_mixed_formats_with_gaps() {
+    let Some(folder) = shared("plant4d_tomato") else {
+        return;
+    };
+    let sequence = check(&folder, &[24_795, 50_000, 179_757, 261_379]);
+    let numbers: Vec<_> = sequence.sources().iter().map(|s| s.number).collect();
+    assert_eq!(numbers, [Some(5), Some(6), Some(8), Some(10)]);
+    // It lies 740 units from zero and is 50 wide: the origin moves to it, on a grid of 64.
+    assert_eq!(sequence.origin() % 64.0, DVec3::ZERO);
+    assert_ne!(sequence.origin(), DVec3::ZERO);
+}
+
+#[test]
+fn camera_frames_named_by_time() {
+    let Some(folder) = shared("pcl_openni_3frames") else {
+        return;
+    };
+    let sequence = check(&folder.join("pcd"), &[271_575, 271_395, 271_328]);
+    assert!(sequence.source(0).name.contains("142255.814212"));
+    let error = Sequence::discover(&[folder]).unwrap_err().to_string();
+    assert!(error.contains("sub-folders (pcd, tiff)"), "{error}");
+}
+
+#[test]
+fn the_man_the_demo_was_made_from() {
+    let Some(folder) = shared("cesiumman_24fps") else {
+        return;
+    };
+    let sequence = check(&folder, &[50_000; 24]);
+    let demo = Sequence::demo();
+    for index in [0, 13, 23] {
+        let full = sequence.frame(index).unwrap();
+        let sample = demo.frame(index).unwrap();
+        for (i, position) in sample.positions().iter().enumerate() {
+            assert_eq!(*position, full.positions()[6 * i]);
+            assert_eq!(sample.colors().unwrap()[i], full.colors().unwrap()[6 * i]);
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Every shader permutation, validated without a GPU; and every layout that Rust and WGSL share, by reflection.
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use pointreel::render::gpu::gpu_data::{PointRecord, ShapeRecord, SplatVertex, ViewUniform};
+use pointreel::render::gpu::shaders::{Amplification, Permutation};
+use pointreel::scene::Strategy;
+use std::mem::offset_of;
+
+fn parse(permutation: Permutation) -> Result<naga::Module, String> {
+    let source = permutation.source();
+    let module = naga::front::wgsl::parse_str(&source)
+        .map_err(|error| format!("{}: {}", permutation.label(), error.emit_to_string(&source)))?;
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|error| format!("{}: {}", permutation.label(), error.emit_to_string(&source)))?;
+    Ok(module)
+}
+
+#[test]
+fn every_permutation_validates() {
+    let all = Permutation::all();
+    assert!(all.len() > 30, "{} permutations", all.len());
+    let failures: Vec<String> = all.into_iter().filter_map(|permutation| parse(permutation).err()).collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn vertices_per_record_is_the_same_in_wgsl() {
+    for permutation in Permutation::all() {
+        let amplification = match permutation {
+            Permutation::Geometry(strategy, amplification, _) if strategy != Strategy::Compute => amplification,
+            Permutation::Amplify(amplification) => amplification,
+            _ => continue,
+        };
+        let line = format!("const VERTICES_PER_RECORD: u32 = {}u;", amplification.vertices_per_record());
+        assert!(permutation.source().contains(&line), "{}", permutation.label());
+    }
+}
+
+/// Offsets of the members of a WGSL struct by name, and its size.
+fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
+    let module = parse(Permutation::Amplify(Amplification::Surfel)).unwrap();
+    module
+        .types
+        .iter()
+        .find_map(|(_, ty)| match &ty.inner {
+            naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => Some((
+                members.iter().map(|member| (member.name.clone().unwrap(), member.offset)).collect(),
+                *span,
+            )),
+            _ => None,
+        })
+        .unwrap_or_else(|| panic!("no WGSL struct {name}"))
+}
+
+macro_rules! assert_layout {
+    ($rust:ty, $wgsl:literal, $($field:ident),+) => {
+        let expected = vec![$((stringify!($field).to_owned(), offset_of!($rust, $field) as u32)),+];
+        assert_eq!(wgsl_layout($wgsl), (expected, size_of::<$rust>() as u32), "{}", $wgsl);
+    };
+}
+
+#[test]
+fn rust_and_wgsl_agree_on_every_layout() {
+    assert_layout!(PointRecord, "PointRecord", position, color);
+    assert_layout!(ShapeRecord, "ShapeRecord", normal, radius, ellipse, scalar);
+    assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light);
+    assert_layout!(
+        ViewUniform, "View", rotation_x, rotation_y, rotation_z, eye_high, splat_scale, eye_low, near, focal,
+        viewport_px, background_top, background_bottom, depth_range, point_size_px, cube_half_edge, depth_slack,
+        lighting, cull_back_faces, unused
+    );
+}

@@ -1,0 +1,139 @@
+//! The counters prove that work is skipped: what is resident is not uploaded, what is unchanged is not drawn.
+
+mod common;
+
+use common::{camera_at, plain, sphere, surfels, voxels};
+use pointreel::cloud::VoxelRecord;
+use pointreel::render::gpu::GpuRenderer;
+use pointreel::render::{RenderError, RenderStats, Renderer};
+use pointreel::scene::{Primitive, ScenePacket, Settings, Splatting, Strategy};
+use std::sync::Arc;
+
+/// Draws and returns what was done for it.
+fn cost(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RenderStats {
+    let before = renderer.stats();
+    renderer.prepare(packet).unwrap();
+    renderer.render().unwrap();
+    let after = renderer.stats();
+    RenderStats {
+        frames: after.frames - before.frames,
+        passes: after.passes - before.passes,
+        uploads: after.uploads - before.uploads,
+        uploaded_bytes: after.uploaded_bytes - before.uploaded_bytes,
+        ..after
+    }
+}
+
+#[test]
+fn an_untouched_picture_costs_nothing() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    for &strategy in Strategy::ALL {
+        let settings = Settings { strategy, ..plain() };
+        let packet = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
+        assert_eq!(cost(&mut renderer, &packet).frames, 1);
+        let again = cost(&mut renderer, &packet.clone());
+        assert_eq!((again.frames, again.passes, again.uploads), (0, 0, 0), "{strategy}");
+    }
+}
+
+#[test]
+fn a_moved_camera_uploads_nothing() {
+    for &strategy in Strategy::ALL {
+        let mut renderer = GpuRenderer::new(common::context()).unwrap();
+        let settings = Settings { strategy, ..plain() };
+        let mut packet = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
+        let first = cost(&mut renderer, &packet);
+        assert_eq!((first.uploads, first.uploaded_bytes), (2, 2 * 500 * 16), "{strategy}: points and shapes");
+        packet.view = camera_at(2.5).transform(glam::DVec3::ZERO, packet.viewport_px);
+        let moved = cost(&mut renderer, &packet);
+        assert_eq!((moved.frames, moved.uploads), (1, 0), "{strategy}");
+    }
+}
+
+#[test]
+fn a_new_visible_set_is_all_that_moving_among_voxels_uploads() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let settings = Settings { primitive: Primitive::Voxel, ..plain() };
+    let record = VoxelRecord { center: [0.0; 3], color: [9; 3], level: 2 };
+    let first = voxels(vec![record; 10], 1.0, &camera_at(3.0), settings, [64, 64]);
+    cost(&mut renderer, &first);
+    let second = voxels(vec![record; 7], 1.0, &camera_at(3.0), settings, [64, 64]);
+    drop(first);
+    let moved = cost(&mut renderer, &second);
+    assert_eq!((moved.uploads, moved.uploaded_bytes), (1, 7 * 16));
+}
+
+#[test]
+fn points_do_not_upload_shapes_and_surfels_then_upload_shapes_alone() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let settings = Settings { primitive: Primitive::Point, ..plain() };
+    let all = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
+    let points = ScenePacket { shapes: None, ..all.clone() };
+    assert_eq!(cost(&mut renderer, &points).uploaded_bytes, 500 * 16);
+    let mut as_surfels = all;
+    as_surfels.settings.primitive = Primitive::Surfel;
+    assert_eq!(cost(&mut renderer, &as_surfels).uploaded_bytes, 500 * 16);
+    assert_eq!(cost(&mut renderer, &points).uploads, 0, "back to points");
+}
+
+#[test]
+fn looping_over_a_sequence_uploads_each_pose_once() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let poses: Vec<ScenePacket> = (1..=5)
+        .map(|pose| surfels(&sphere(100 * pose, 1.0), &camera_at(3.0), plain(), [64, 64]))
+        .collect();
+    let uploads: u64 = poses.iter().map(|pose| cost(&mut renderer, pose).uploads).sum();
+    assert_eq!(uploads, 10);
+    let uploads: u64 = poses.iter().map(|pose| cost(&mut renderer, pose).uploads).sum();
+    assert_eq!(uploads, 0, "second round");
+}
+
+#[test]
+fn what_is_gone_leaves_the_gpu() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    for _ in 0..20 {
+        let packet = surfels(&sphere(1000, 1.0), &camera_at(3.0), plain(), [64, 64]);
+        renderer.prepare(&packet).unwrap();
+        renderer.render().unwrap();
+        // The renderer itself holds the packets of two pictures: the drawn and the prepared.
+        assert!(renderer.stats().resident_bytes <= 2 * 2 * 1000 * 16, "{}", renderer.stats().resident_bytes);
+    }
+}
+
+#[test]
+fn each_mode_runs_only_its_passes() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let expected = [
+        (Splatting::Regular, 2),
+        (Splatting::NoDepth, 2),
+        (Splatting::Visibility, 3),
+        (Splatting::TwoPass, 4),
+        (Splatting::Enlarged, 4),
+        (Splatting::TwoPassEnlarged, 4),
+    ];
+    for (splatting, passes) in expected {
+        let settings = Settings { splatting, ..plain() };
+        let packet = surfels(&sphere(100, 1.0), &camera_at(3.0), settings, [64, 64]);
+        assert_eq!(cost(&mut renderer, &packet).passes, passes, "{splatting}");
+    }
+}
+
+#[test]
+fn a_lost_device_is_an_error_not_a_crash() {
+    let context = common::open(&common::software());
+    let mut renderer = GpuRenderer::new(Arc::clone(&context)).unwrap();
+    let packet = surfels(&sphere(100, 1.0), &camera_at(3.0), plain(), [64, 64]);
+    cost(&mut renderer, &packet);
+    context.simulate_loss();
+    assert!(matches!(renderer.prepare(&packet), Err(RenderError::DeviceLost { .. })));
+    assert!(matches!(renderer.render(), Err(RenderError::DeviceLost { .. })));
+    assert!(matches!(renderer.read_image(), Err(RenderError::DeviceLost { .. })));
+}
+
+#[test]
+fn a_picture_beyond_the_adapter_is_refused() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let packet = surfels(&[], &camera_at(3.0), plain(), [1, 1_000_000]);
+    assert!(matches!(renderer.prepare(&packet), Err(RenderError::TooLarge { height: 1_000_000, .. })));
+    assert!(matches!(renderer.render(), Err(RenderError::NothingPrepared)));
+}
