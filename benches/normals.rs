@@ -16,7 +16,7 @@ mod shapes;
 const POINTS: usize = 100_000;
 
 fn normals(criterion: &mut Criterion) {
-    let positions = shapes::bumpy_torus(POINTS);
+    let (positions, _) = shapes::bumpy_torus(POINTS);
     let known = estimate_surface(&positions, None).normals;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let mut group = criterion.benchmark_group("analysis/100000");

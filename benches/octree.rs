@@ -17,8 +17,7 @@ mod shapes;
 
 fn build(criterion: &mut Criterion) {
     for count in [88_000, 1_000_000] {
-        let positions = shapes::bumpy_torus(count);
-        let colors = shapes::colors(count);
+        let (positions, colors) = shapes::bumpy_torus(count);
         let mut group = criterion.benchmark_group(format!("octree/{count}"));
         group.throughput(Throughput::Elements(count as u64));
         group.sample_size(if count > 500_000 { 10 } else { 50 });

@@ -17,12 +17,8 @@ mod shapes;
 
 fn select(criterion: &mut Criterion) {
     for count in [88_000, 1_000_000] {
-        let positions = shapes::bumpy_torus(count);
-        let tree = Octree::build(
-            &positions,
-            &shapes::colors(count),
-            StopCriterion::Loss(0.02),
-        );
+        let (positions, colors) = shapes::bumpy_torus(count);
+        let tree = Octree::build(&positions, &colors, StopCriterion::Loss(0.02));
         let mut group = criterion.benchmark_group(format!("select/{count}"));
         for (place, distance) in [("whole", 4.0), ("filling", 2.0), ("within", 0.6)] {
             for lod_px in [0.0, 1.0, 4.0] {

@@ -2,25 +2,19 @@
 
 use glam::Vec3;
 
-/// A torus with bumps, sampled at random and in random order: a closed surface whose density and curvature vary, and the
-/// worst order for memory.
-pub fn bumpy_torus(count: usize) -> Vec<Vec3> {
+/// A torus with bumps, sampled at random and in random order, with colours that differ from point to point: a closed
+/// surface whose density and curvature vary, and the worst order for memory.
+pub(crate) fn bumpy_torus(count: usize) -> (Vec<Vec3>, Vec<[u8; 4]>) {
     let mut state = 1;
-    (0..count)
-        .map(|_| {
+    (0..count as u32)
+        .map(|index| {
             let (ring, turn) = (angle(&mut state), angle(&mut state));
             let tube = 0.4 + 0.03 * (9.0 * ring).sin() * (7.0 * turn).cos();
             let outwards = Vec3::new(ring.cos(), ring.sin(), 0.0);
-            outwards + (outwards * turn.cos() + Vec3::Z * turn.sin()) * tube
+            let position = outwards + (outwards * turn.cos() + Vec3::Z * turn.sin()) * tube;
+            (position, index.wrapping_mul(0x9e37_79b9).to_le_bytes())
         })
-        .collect()
-}
-
-/// Colours that differ from point to point.
-pub fn colors(count: usize) -> Vec<[u8; 4]> {
-    (0..count as u32)
-        .map(|index| index.wrapping_mul(0x9e37_79b9).to_le_bytes())
-        .collect()
+        .unzip()
 }
 
 /// splitmix64, as an angle.
