@@ -4,7 +4,6 @@ mod arguments;
 mod info;
 mod render;
 
-
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -14,7 +13,6 @@ use std::process::ExitCode;
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
-
 }
 
 #[derive(Debug, Subcommand)]
@@ -27,9 +25,11 @@ enum Verb {
 
 /// Parses the command line, runs the verb and says what went wrong.
 pub fn main() -> ExitCode {
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error"))
-        .format_target(false)
-        .init();
+    env_logger::Builder::from_env(
+        env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error"),
+    )
+    .format_target(false)
+    .init();
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
     let result = match arguments.verb {
@@ -46,7 +46,10 @@ pub fn main() -> ExitCode {
 }
 
 /// One line on stderr.
-#[expect(clippy::print_stderr, reason = "the command line speaks to a person here")]
+#[expect(
+    clippy::print_stderr,
+    reason = "the command line speaks to a person here"
+)]
 fn say(line: &str) {
     eprintln!("{line}");
 }

@@ -21,12 +21,17 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let mut cursor = Cursor::new(header_bytes(bytes)?);
     let header = PcdMeta::from_reader(&mut cursor)
         .map_err(|error| Fault::header(format!("the header is not understood ({error})")))?;
-    let payload_start = usize::try_from(cursor.position()).unwrap_or(usize::MAX).min(bytes.len());
+    let payload_start = usize::try_from(cursor.position())
+        .unwrap_or(usize::MAX)
+        .min(bytes.len());
     let table = Table::new(&header)?;
     let payload = &bytes[payload_start..];
     match header.data {
         DataKind::Ascii => {
-            let header_lines = bytes[..payload_start].iter().filter(|&&byte| byte == b'\n').count();
+            let header_lines = bytes[..payload_start]
+                .iter()
+                .filter(|&&byte| byte == b'\n')
+                .count();
             table.cloud(&table.ascii(payload, header_lines + 1)?, &header)
         }
         DataKind::Binary => {
@@ -50,7 +55,9 @@ fn header_bytes(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
             return Ok(bytes[..end].iter().map(|&byte| is_text(byte)).collect());
         }
     }
-    Err(Fault::header("there is no line `DATA`: the header is incomplete, or this is no PCD file"))
+    Err(Fault::header(
+        "there is no line `DATA`: the header is incomplete, or this is no PCD file",
+    ))
 }
 
 struct Field {
@@ -68,7 +75,12 @@ struct Table {
 
 impl Table {
     fn new(header: &PcdMeta) -> Result<Self, Fault> {
-        let claim = || Fault::header(format!("{} points of this size are more than can be", header.num_points));
+        let claim = || {
+            Fault::header(format!(
+                "{} points of this size are more than can be",
+                header.num_points
+            ))
+        };
         let mut fields = Vec::new();
         let mut row_bytes = 0usize;
         for field in &header.field_defs.fields {
@@ -87,9 +99,17 @@ impl Table {
             let count = usize::try_from(field.count).map_err(|_| claim())?;
             let bytes = count.checked_mul(scalar.byte_size()).ok_or_else(claim)?;
             row_bytes = row_bytes.checked_add(bytes).ok_or_else(claim)?;
-            fields.push(Field { name: field.name.clone(), scalar, count });
+            fields.push(Field {
+                name: field.name.clone(),
+                scalar,
+                count,
+            });
         }
-        Ok(Self { fields, row_bytes, rows: usize::try_from(header.num_points).map_err(|_| claim())? })
+        Ok(Self {
+            fields,
+            row_bytes,
+            rows: usize::try_from(header.num_points).map_err(|_| claim())?,
+        })
     }
 
     /// Fails when `available` bytes cannot hold the points that the header claims.
@@ -113,7 +133,11 @@ impl Table {
         let mut offset = 0;
         for field in &self.fields {
             if field.count == 1 && field.name != "_" {
-                columns.push(Column { name: field.name.clone(), scalar: field.scalar, values: values(offset, field) });
+                columns.push(Column {
+                    name: field.name.clone(),
+                    scalar: field.scalar,
+                    values: values(offset, field),
+                });
             }
             offset += field.count * field.scalar.byte_size();
         }
@@ -122,7 +146,12 @@ impl Table {
 
     /// Point after point.
     fn rows<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
-        self.columns(|start, _| Values::Packed { bytes, start, step: self.row_bytes, big_endian: false })
+        self.columns(|start, _| Values::Packed {
+            bytes,
+            start,
+            step: self.row_bytes,
+            big_endian: false,
+        })
     }
 
     /// Field after field, as the compressed encoding stores them.
@@ -143,9 +172,14 @@ impl Table {
             return Ok(Vec::new());
         }
         let Some((sizes, rest)) = payload.split_at_checked(SIZES_BYTES) else {
-            return Err(fault("the file ends before the sizes of the compressed block: it is truncated".to_owned()));
+            return Err(fault(
+                "the file ends before the sizes of the compressed block: it is truncated"
+                    .to_owned(),
+            ));
         };
-        let size = |at: usize| u32::from_le_bytes([sizes[at], sizes[at + 1], sizes[at + 2], sizes[at + 3]]) as usize;
+        let size = |at: usize| {
+            u32::from_le_bytes([sizes[at], sizes[at + 1], sizes[at + 2], sizes[at + 3]]) as usize
+        };
         let (packed, unpacked) = (size(0), size(4));
         let Some(packed_bytes) = rest.get(..packed) else {
             return Err(fault(format!(
@@ -155,7 +189,9 @@ impl Table {
         };
         let needed = self.check_claim(self.row_bytes, unpacked)?;
         if unpacked > packed.saturating_mul(MAX_LZF_RATIO) {
-            return Err(fault(format!("{packed} bytes cannot unpack to the claimed {unpacked}")));
+            return Err(fault(format!(
+                "{packed} bytes cannot unpack to the claimed {unpacked}"
+            )));
         }
         // A block that was not worth compressing is stored as it is.
         if packed == unpacked {
@@ -164,7 +200,10 @@ impl Table {
         let block = lzf::decompress(packed_bytes, unpacked)
             .map_err(|error| fault(format!("the compressed block is damaged ({error})")))?;
         if block.len() < needed {
-            return Err(fault(format!("the block unpacks to {} bytes, expected {needed}", block.len())));
+            return Err(fault(format!(
+                "the block unpacks to {} bytes, expected {needed}",
+                block.len()
+            )));
         }
         Ok(block)
     }
@@ -172,10 +211,15 @@ impl Table {
     fn ascii(&self, payload: &[u8], first_line: usize) -> Result<Vec<Column<'static>>, Fault> {
         /// A digit and a separator.
         const LEAST_NUMBER_BYTES: usize = 2;
-        let row_numbers = self.fields.iter().fold(0usize, |sum, field| sum.saturating_add(field.count));
-        self.check_claim(row_numbers.saturating_mul(LEAST_NUMBER_BYTES), payload.len() + 1)?;
-        let mut columns =
-            self.columns(|_, _| Values::Parsed(Vec::with_capacity(self.rows)));
+        let row_numbers = self
+            .fields
+            .iter()
+            .fold(0usize, |sum, field| sum.saturating_add(field.count));
+        self.check_claim(
+            row_numbers.saturating_mul(LEAST_NUMBER_BYTES),
+            payload.len() + 1,
+        )?;
+        let mut columns = self.columns(|_, _| Values::Parsed(Vec::with_capacity(self.rows)));
         let mut tokens = Tokens::new(payload, first_line);
         for row in 0..self.rows {
             let mut column = columns.iter_mut();
@@ -183,18 +227,32 @@ impl Table {
                 let mut value = f64::NAN;
                 for _ in 0..field.count {
                     let token = tokens.next().ok_or_else(|| {
-                        Fault::entry("point", row, format!("the file ends before field `{}`: it is truncated", field.name))
+                        Fault::entry(
+                            "point",
+                            row,
+                            format!(
+                                "the file ends before field `{}`: it is truncated",
+                                field.name
+                            ),
+                        )
                     })?;
                     value = parse_number(token).ok_or_else(|| {
                         Fault::new(
                             Place::Line(tokens.line()),
-                            format!("field `{}` is {}, expected a number", field.name, quoted(token)),
+                            format!(
+                                "field `{}` is {}, expected a number",
+                                field.name,
+                                quoted(token)
+                            ),
                         )
                     })?;
                 }
                 if field.count == 1
                     && field.name != "_"
-                    && let Some(Column { values: Values::Parsed(values), .. }) = column.next()
+                    && let Some(Column {
+                        values: Values::Parsed(values),
+                        ..
+                    }) = column.next()
                 {
                     values.push(value);
                 }
@@ -210,7 +268,8 @@ impl Table {
         // Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid
         // of the camera that took them.
         let is_organised = header.height > 1;
-        cloud.sensor = (position.is_finite() && (position != DVec3::ZERO || is_organised)).then_some(position);
+        cloud.sensor =
+            (position.is_finite() && (position != DVec3::ZERO || is_organised)).then_some(position);
         Ok(cloud)
     }
 }

@@ -14,7 +14,10 @@ static CONTEXT: LazyLock<Arc<Context>> = LazyLock::new(|| open(&software()));
 
 /// Options of every test: the software rasteriser, so that pictures come from one place.
 pub fn software() -> ContextOptions {
-    ContextOptions { prefer_software: true, ..ContextOptions::default() }
+    ContextOptions {
+        prefer_software: true,
+        ..ContextOptions::default()
+    }
 }
 
 /// Opens a device or says what to install.
@@ -32,7 +35,9 @@ static RENDERER: LazyLock<Mutex<GpuRenderer>> =
 
 /// The renderer that the tests of one binary share; tests that read counters make their own.
 pub fn renderer() -> MutexGuard<'static, GpuRenderer> {
-    RENDERER.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    RENDERER
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 /// Draws a packet with the shared renderer.
@@ -78,7 +83,12 @@ pub struct Surfel {
 }
 
 /// A packet of surfels (or of points, by the settings).
-pub fn surfels(surfels: &[Surfel], camera: &Camera, settings: Settings, viewport_px: [u32; 2]) -> ScenePacket {
+pub fn surfels(
+    surfels: &[Surfel],
+    camera: &Camera,
+    settings: Settings,
+    viewport_px: [u32; 2],
+) -> ScenePacket {
     let positions: Vec<Vec3> = surfels.iter().map(|surfel| surfel.position).collect();
     ScenePacket {
         viewport_px,
@@ -110,15 +120,27 @@ pub fn surfels(surfels: &[Surfel], camera: &Camera, settings: Settings, viewport
 }
 
 /// A packet of voxels.
-pub fn voxels(records: Vec<VoxelRecord>, cube_edge: f32, camera: &Camera, settings: Settings, viewport_px: [u32; 2]) -> ScenePacket {
-    let centers: Vec<Vec3> = records.iter().map(|record| Vec3::from_array(record.center)).collect();
+pub fn voxels(
+    records: Vec<VoxelRecord>,
+    cube_edge: f32,
+    camera: &Camera,
+    settings: Settings,
+    viewport_px: [u32; 2],
+) -> ScenePacket {
+    let centers: Vec<Vec3> = records
+        .iter()
+        .map(|record| Vec3::from_array(record.center))
+        .collect();
     ScenePacket {
         viewport_px,
         view: camera.transform(DVec3::ZERO, viewport_px),
         settings,
         points: Arc::new(Vec::new()),
         shapes: None,
-        voxels: Some(Voxels { records: Arc::new(records), cube_edge }),
+        voxels: Some(Voxels {
+            records: Arc::new(records),
+            cube_edge,
+        }),
         bounds: Aabb::from_points(&centers),
     }
 }
@@ -132,7 +154,9 @@ pub fn sphere(count: u32, sphere_radius: f32) -> Vec<Surfel> {
             let (sin, cos) = (golden_angle * i as f32).sin_cos();
             let ring = (1.0 - y * y).sqrt();
             let normal = Vec3::new(ring * cos, y, ring * sin);
-            let color = (normal * 127.5 + 127.5).to_array().map(|channel| channel as u8);
+            let color = (normal * 127.5 + 127.5)
+                .to_array()
+                .map(|channel| channel as u8);
             Surfel {
                 position: normal * sphere_radius,
                 normal,
@@ -146,7 +170,10 @@ pub fn sphere(count: u32, sphere_radius: f32) -> Vec<Surfel> {
 
 /// Number of pixels that are not `background`.
 pub fn covered(image: &RgbaImage, background: [u8; 3]) -> usize {
-    image.pixels().filter(|pixel| pixel.0[..3] != background).count()
+    image
+        .pixels()
+        .filter(|pixel| pixel.0[..3] != background)
+        .count()
 }
 
 /// Number of pixels of exactly this colour.
@@ -157,8 +184,15 @@ pub fn count_color(image: &RgbaImage, color: [u8; 3]) -> usize {
 /// Says where two pictures differ: number of pixels and the largest difference of a channel.
 pub fn difference(a: &RgbaImage, b: &RgbaImage) -> (usize, u8) {
     assert_eq!(a.dimensions(), b.dimensions());
-    a.pixels().zip(b.pixels()).fold((0, 0), |(count, max), (Rgba(a), Rgba(b))| {
-        let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
-        (count + usize::from(most > 0), max.max(most))
-    })
+    a.pixels()
+        .zip(b.pixels())
+        .fold((0, 0), |(count, max), (Rgba(a), Rgba(b))| {
+            let most = a
+                .iter()
+                .zip(b)
+                .map(|(a, b)| a.abs_diff(*b))
+                .max()
+                .unwrap_or(0);
+            (count + usize::from(most > 0), max.max(most))
+        })
 }
