@@ -6,12 +6,22 @@
 //! |---|---|
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
+//! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
 //! | [`sequence`] | files in order, the clock, frames prepared ahead of the playhead within a byte budget |
+//! | [`scene`] | camera, settings, and the [`scene::ScenePacket`] that holds all that one picture needs |
+//! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
+//! | [`headless`] | pictures without a window |
+//! | [`cli`] | the command line |
 
 pub mod analysis;
+pub mod cli;
 pub mod cloud;
+pub mod headless;
+pub mod io;
 pub mod math;
 pub mod octree;
+pub mod render;
+pub mod scene;
 pub mod sequence;

@@ -3,27 +3,22 @@
 mod arguments;
 mod info;
 mod render;
-mod view;
+
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 /// A viewer for time-varying point clouds: surfels, voxels, level of detail.
 #[derive(Debug, Parser)]
-#[command(name = "pointreel", version, args_conflicts_with_subcommands = true)]
+#[command(name = "pointreel", version)]
 struct Arguments {
     #[command(subcommand)]
-    verb: Option<Verb>,
+    verb: Verb,
 
-    /// Without a verb: what `pointreel view` takes
-    #[command(flatten)]
-    view: view::ViewArgs,
 }
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// Plays a sequence in a window; without INPUT the built-in demo
-    View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, without a window
     Render(Box<render::RenderArgs>),
     /// Says what is in a sequence
@@ -38,10 +33,8 @@ pub fn main() -> ExitCode {
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
     let result = match arguments.verb {
-        Some(Verb::View(view)) => view::run(*view),
-        Some(Verb::Render(render)) => render::run(&render),
-        Some(Verb::Info(info)) => info::run(&info),
-        None => view::run(arguments.view),
+        Verb::Render(render) => render::run(&render),
+        Verb::Info(info) => info::run(&info),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

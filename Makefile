@@ -1,0 +1,92 @@
+# The two commands are `make demo` and `make test`; both work on a fresh Debian or Ubuntu machine with cargo.
+#
+# Compiling the dependencies is most of the time, so the steps of `make test` share them: clippy and rustdoc use one set
+# of checked crates, tests and benches one set of compiled ones (the dev profile: optimised, with debug assertions).
+
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+
+CARGO ?= cargo
+
+.PHONY: help
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+.PHONY: demo
+demo: system-packages ## play the demo in a window, or without a display render it to demo.png
+	@if [ -n "$$DISPLAY$$WAYLAND_DISPLAY" ]; then \
+		$(CARGO) run --locked --release -- view; \
+	else \
+		$(CARGO) run --locked --release -- render demo: -o demo.png \
+		&& echo "There is no display to open a window on: the demo is in $(CURDIR)/demo.png"; \
+	fi
+
+.PHONY: test
+test: test-packages tools fmt-check lint docs deny tests doctests benches-build ## everything that CI runs
+
+.PHONY: fmt
+fmt: ## format the code
+	$(CARGO) fmt
+
+.PHONY: lint
+lint: ## clippy on all targets, warnings are errors
+	$(CARGO) clippy --locked --all-targets -- -D warnings
+
+# `--examples` documents nothing (there are none): it makes cargo choose dependency features as for tests, so that the
+# crates clippy has just checked are used instead of being checked a second time with fewer features.
+.PHONY: docs
+docs: ## rustdoc, warnings are errors
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --no-deps --lib --examples
+
+# An installed cargo-deny is used; otherwise one is built here, unoptimised (a minute on two cores; the check itself
+# takes a second). Advisories are apart: their database is a download, and a new entry must not fail an old commit.
+TOOLS := $(CURDIR)/target/tools
+DENY = PATH="$$PATH:$(TOOLS)/bin" $(CARGO) deny --locked
+.PHONY: deny
+deny: cargo-deny ## licences, sources and bans of the dependencies
+	$(DENY) check licenses bans sources
+
+.PHONY: advisories
+advisories: cargo-deny ## known vulnerabilities of the dependencies (downloads the advisory database)
+	$(DENY) check advisories
+
+.PHONY: cargo-deny
+cargo-deny:
+	@PATH="$$PATH:$(TOOLS)/bin" $(CARGO) deny --version >/dev/null 2>&1 \
+		|| $(CARGO) install --locked --debug --quiet --root $(TOOLS) cargo-deny
+
+.PHONY: bench
+bench: ## run the criterion benches (benches/README.md)
+	$(CARGO) bench --locked --benches
+
+.PHONY: fmt-check
+fmt-check:
+	$(CARGO) fmt --check
+
+.PHONY: tests
+tests:
+	$(CARGO) test --locked --lib --bins --tests
+
+.PHONY: doctests
+doctests:
+	$(CARGO) test --locked --doc
+
+# In the dev profile: it only has to link here, and the bench profile would compile every dependency again.
+.PHONY: benches-build
+benches-build:
+	$(CARGO) bench --locked --benches --no-run --profile dev
+
+.PHONY: system-packages
+system-packages:
+	@scripts/install-system-packages.sh
+
+.PHONY: test-packages
+test-packages:
+	@scripts/install-system-packages.sh --with-tests
+
+# rustup's minimal profile has neither.
+.PHONY: tools
+tools:
+	@$(CARGO) --version >/dev/null || { echo "cargo is missing: install Rust from https://rustup.rs"; exit 1; }
+	@$(CARGO) fmt --version >/dev/null 2>&1 || rustup component add rustfmt
+	@$(CARGO) clippy --version >/dev/null 2>&1 || rustup component add clippy

@@ -1,0 +1,100 @@
+//! From named columns to a cloud: which name means what.
+
+use super::column::{Column, Scalar, vectors_f32};
+use super::error::Fault;
+use crate::cloud::{Positions, RawCloud};
+
+/// Names of normals, in the order PLY, PCD.
+const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
+
+/// Names of colour channels.
+const COLORS: [[&str; 3]; 3] = [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
+
+/// Names of colours packed into one number.
+const PACKED_COLORS: [&str; 2] = ["rgb", "rgba"];
+
+const ALPHA: [&str; 3] = ["alpha", "diffuse_alpha", "a"];
+
+const RADII: [&str; 2] = ["radius", "splat_radius"];
+
+/// Names of the free scalar, the best first.
+const SCALARS: [&str; 8] = [
+    "intensity",
+    "scalar_intensity",
+    "reflectance",
+    "reflectivity",
+    "scalar",
+    "quality",
+    "confidence",
+    "curvature",
+];
+
+/// True when [`cloud`] looks at a column of this name.
+pub(super) fn is_used(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let name = name.as_str();
+    ["x", "y", "z"].contains(&name)
+        || NORMALS.iter().flatten().any(|known| *known == name)
+        || COLORS.iter().flatten().any(|known| *known == name)
+        || PACKED_COLORS.contains(&name)
+        || ALPHA.contains(&name)
+        || RADII.contains(&name)
+        || SCALARS.contains(&name)
+}
+
+/// The cloud of `count` points in `columns`; what their names do not say is left out.
+pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fault> {
+    let find = |name: &str| columns.iter().find(|column| column.name.eq_ignore_ascii_case(name));
+    let find_any = |names: &[&str]| names.iter().find_map(|name| find(name));
+    let find_all = |names: &[&str; 3]| Some([find(names[0])?, find(names[1])?, find(names[2])?]);
+
+    let coordinates = find_all(&["x", "y", "z"]).ok_or_else(|| {
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        Fault::header(format!(
+            "the points have no coordinates: expected x, y and z, found {}",
+            if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
+        ))
+    })?;
+    // Narrower integers fit an f32 exactly.
+    let is_wide = |column: &&Column<'_>| {
+        matches!(column.scalar, Scalar::F64 | Scalar::I32 | Scalar::U32 | Scalar::I64 | Scalar::U64)
+    };
+    let positions = if coordinates.iter().any(is_wide) {
+        let [x, y, z] = coordinates;
+        Positions::F64((0..count).map(|index| [x.get(index), y.get(index), z.get(index)]).collect())
+    } else {
+        Positions::F32(vectors_f32(coordinates, count))
+    };
+
+    let mut cloud = RawCloud::from_positions(positions);
+    cloud.normals = NORMALS.iter().find_map(find_all).map(|columns| vectors_f32(columns, count));
+    cloud.colors = COLORS
+        .iter()
+        .find_map(find_all)
+        .map(|channels| channel_colors(channels, find_any(&ALPHA), count))
+        .or_else(|| find_any(&PACKED_COLORS).and_then(|column| packed_colors(column, count)));
+    cloud.radii = find_any(&RADII).map(|column| column.to_f32(count));
+    cloud.scalars = find_any(&SCALARS).map(|column| column.to_f32(count));
+    Ok(cloud)
+}
+
+fn channel_colors(channels: [&Column<'_>; 3], alpha: Option<&Column<'_>>, count: usize) -> Vec<[u8; 4]> {
+    let [red, green, blue] = channels.map(|column| column.to_channel(count));
+    let alpha = alpha.map_or_else(|| vec![255; count], |column| column.to_channel(count));
+    (0..count).map(|i| [red[i], green[i], blue[i], alpha[i]]).collect()
+}
+
+/// PCL packs colours as 0xAARRGGBB, into an unsigned integer or into the bits of a float. `rgb` leaves alpha at 0.
+fn packed_colors(column: &Column<'_>, count: usize) -> Option<Vec<[u8; 4]>> {
+    let has_alpha = column.name.eq_ignore_ascii_case("rgba");
+    let mut colors = Vec::with_capacity(count);
+    for index in 0..count {
+        let [blue, green, red, alpha] = column.bits(index)?.to_le_bytes();
+        colors.push([red, green, blue, if has_alpha { alpha } else { 255 }]);
+    }
+    // Writers that know no transparency leave zeros.
+    if has_alpha && colors.iter().all(|color| color[3] == 0) {
+        colors.iter_mut().for_each(|color| color[3] = 255);
+    }
+    Some(colors)
+}

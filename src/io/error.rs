@@ -1,0 +1,103 @@
+//! Why a file cannot be read: which one, where in it, what was expected and what to do.
+
+use super::Format;
+use std::fmt;
+use std::path::PathBuf;
+
+/// Why there is no cloud.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum IoError {
+    /// The system could not read the file.
+    #[error("{} cannot be read ({source}): check that it exists and its permissions", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A folder, pipe or device.
+    #[error("{} is not a regular file: name a file, or a folder of frames as the input", path.display())]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A file without a byte.
+    #[error("{} is empty (0 bytes): a point cloud was expected, the file may not have been written to its end", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Neither the first bytes nor the extension are of a format that is read.
+    #[error(
+        "{} is not in a format that pointreel reads (PLY, PCD or text with x y z in columns): convert it to one of them",
+        path.display()
+    )]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file breaks the rules of its format.
+    #[error("{}, {place}: {problem} ({format} file)", path.display())]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// Its format.
+        format: Format,
+        /// Where in it.
+        place: Place,
+        /// What was found and what was expected.
+        problem: String,
+    },
+}
+
+/// Where in a file something is wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Place {
+    /// Somewhere in the header.
+    Header,
+    /// A line, counted from 1.
+    Line(usize),
+    /// A byte, counted from 0.
+    Byte(usize),
+    /// An entry of a list of points or elements, counted from 0.
+    Entry {
+        /// What the list is of, such as `vertex`.
+        list: String,
+        /// Which entry.
+        index: usize,
+    },
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Header => write!(f, "header"),
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+            Self::Entry { list, index } => write!(f, "{list} {index}"),
+        }
+    }
+}
+
+/// What a decoder reports; [`super::read_bytes`] adds the file.
+#[derive(Debug)]
+pub(super) struct Fault {
+    pub(super) place: Place,
+    pub(super) problem: String,
+}
+
+impl Fault {
+    pub(super) fn new(place: Place, problem: impl Into<String>) -> Self {
+        Self { place, problem: problem.into() }
+    }
+
+    pub(super) fn header(problem: impl Into<String>) -> Self {
+        Self::new(Place::Header, problem)
+    }
+
+    pub(super) fn entry(list: &str, index: usize, problem: impl Into<String>) -> Self {
+        Self::new(Place::Entry { list: list.to_owned(), index }, problem)
+    }
+}

@@ -1,0 +1,86 @@
+//! Numbers written as text, token by token, without allocation.
+
+/// The tokens of a text, with the line each is on.
+#[derive(Debug, Clone)]
+pub(super) struct Tokens<'a> {
+    bytes: &'a [u8],
+    position: usize,
+    /// Counted from 1.
+    line: usize,
+}
+
+impl<'a> Tokens<'a> {
+    /// Tokens of `bytes`, whose first line is number `line`.
+    pub(super) fn new(bytes: &'a [u8], line: usize) -> Self {
+        Self { bytes, position: 0, line }
+    }
+
+    /// The line that the last token was on.
+    pub(super) fn line(&self) -> usize {
+        self.line
+    }
+}
+
+impl<'a> Iterator for Tokens<'a> {
+    type Item = &'a [u8];
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let skipped = self.bytes[self.position..].iter().position(|byte| !byte.is_ascii_whitespace());
+        let start = self.position + skipped?;
+        self.line += self.bytes[self.position..start].iter().filter(|&&byte| byte == b'\n').count();
+        let length = self.bytes[start..]
+            .iter()
+            .position(u8::is_ascii_whitespace)
+            .unwrap_or(self.bytes.len() - start);
+        self.position = start + length;
+        Some(&self.bytes[start..start + length])
+    }
+}
+
+/// A number as C and its descendants print it, `nan` and `1.#QNAN` included.
+pub(super) fn parse_number(token: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(token).ok()?;
+    if let Ok(value) = text.parse() {
+        return Some(value);
+    }
+    let lower = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
+    // How Microsoft's and others' runtimes print what is not a number.
+    if lower.starts_with("nan") || lower.starts_with("1.#") {
+        return Some(f64::NAN);
+    }
+    None
+}
+
+/// The start of a token for an error message.
+pub(super) fn quoted(token: &[u8]) -> String {
+    const SHOWN_BYTES: usize = 24;
+    let shown = String::from_utf8_lossy(&token[..token.len().min(SHOWN_BYTES)]);
+    format!("`{}{}`", shown.escape_default(), if token.len() > SHOWN_BYTES { "…" } else { "" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tokens_know_their_line() {
+        let mut tokens = Tokens::new(b"a b\r\n\n  c\n", 7);
+        let mut seen = Vec::new();
+        while let Some(token) = tokens.next() {
+            seen.push((token, tokens.line()));
+        }
+        assert_eq!(seen, [(b"a".as_slice(), 7), (b"b", 7), (b"c", 9)]);
+    }
+
+    #[test]
+    fn numbers_of_all_runtimes_are_read() {
+        assert_eq!(parse_number(b"-1.5e3"), Some(-1500.0));
+        for not_a_number in [b"nan".as_slice(), b"NaN", b"-nan", b"-nan(ind)", b"1.#QNAN", b"-1.#IND"] {
+            assert!(parse_number(not_a_number).unwrap().is_nan(), "{}", quoted(not_a_number));
+        }
+        assert_eq!(parse_number(b"-inf"), Some(f64::NEG_INFINITY));
+        for wrong in [b"".as_slice(), b"x", b"1,5", b"\xff", b"0x10"] {
+            assert_eq!(parse_number(wrong), None, "{}", quoted(wrong));
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! PCD of the Point Cloud Library, versions 0.5 to 0.7: ascii, binary, and binary compressed with LZF, column by column.
+//!
+//! The header is read by `pcd-rs`, blocks are decompressed by `lzf`.
+
+use super::attributes;
+use super::column::{Column, Scalar, Values};
+use super::error::{Fault, Place};
+use super::numbers::{Tokens, parse_number, quoted};
+use crate::cloud::RawCloud;
+use glam::DVec3;
+use pcd_rs::{DataKind, PcdMeta, ValueKind};
+use std::io::Cursor;
+
+/// Longer headers are not believed to be headers.
+const MAX_HEADER_BYTES: usize = 1 << 20;
+
+/// LZF stores at most 264 bytes in three.
+const MAX_LZF_RATIO: usize = 264;
+
+pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+    let mut cursor = Cursor::new(header_bytes(bytes)?);
+    let header = PcdMeta::from_reader(&mut cursor)
+        .map_err(|error| Fault::header(format!("the header is not understood ({error})")))?;
+    let payload_start = usize::try_from(cursor.position()).unwrap_or(usize::MAX).min(bytes.len());
+    let table = Table::new(&header)?;
+    let payload = &bytes[payload_start..];
+    match header.data {
+        DataKind::Ascii => {
+            let header_lines = bytes[..payload_start].iter().filter(|&&byte| byte == b'\n').count();
+            table.cloud(&table.ascii(payload, header_lines + 1)?, &header)
+        }
+        DataKind::Binary => {
+            table.check_claim(table.row_bytes, payload.len())?;
+            table.cloud(&table.rows(payload), &header)
+        }
+        DataKind::BinaryCompressed => {
+            let block = table.decompress(payload, payload_start)?;
+            table.cloud(&table.blocks(&block), &header)
+        }
+    }
+}
+
+/// The bytes up to and with the line `DATA`. The crate's reader wants text, comments may hold anything.
+fn header_bytes(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
+    let mut end = 0;
+    for line in bytes[..bytes.len().min(MAX_HEADER_BYTES)].split_inclusive(|&byte| byte == b'\n') {
+        end += line.len();
+        if line.trim_ascii_start().starts_with(b"DATA") {
+            let is_text = |byte: u8| if byte.is_ascii() { byte } else { b'?' };
+            return Ok(bytes[..end].iter().map(|&byte| is_text(byte)).collect());
+        }
+    }
+    Err(Fault::header("there is no line `DATA`: the header is incomplete, or this is no PCD file"))
+}
+
+struct Field {
+    name: String,
+    scalar: Scalar,
+    count: usize,
+}
+
+/// The points as the header describes them.
+struct Table {
+    fields: Vec<Field>,
+    row_bytes: usize,
+    rows: usize,
+}
+
+impl Table {
+    fn new(header: &PcdMeta) -> Result<Self, Fault> {
+        let claim = || Fault::header(format!("{} points of this size are more than can be", header.num_points));
+        let mut fields = Vec::new();
+        let mut row_bytes = 0usize;
+        for field in &header.field_defs.fields {
+            let scalar = match field.kind {
+                ValueKind::U8 => Scalar::U8,
+                ValueKind::U16 => Scalar::U16,
+                ValueKind::U32 => Scalar::U32,
+                ValueKind::U64 => Scalar::U64,
+                ValueKind::I8 => Scalar::I8,
+                ValueKind::I16 => Scalar::I16,
+                ValueKind::I32 => Scalar::I32,
+                ValueKind::I64 => Scalar::I64,
+                ValueKind::F32 => Scalar::F32,
+                ValueKind::F64 => Scalar::F64,
+            };
+            let count = usize::try_from(field.count).map_err(|_| claim())?;
+            let bytes = count.checked_mul(scalar.byte_size()).ok_or_else(claim)?;
+            row_bytes = row_bytes.checked_add(bytes).ok_or_else(claim)?;
+            fields.push(Field { name: field.name.clone(), scalar, count });
+        }
+        Ok(Self { fields, row_bytes, rows: usize::try_from(header.num_points).map_err(|_| claim())? })
+    }
+
+    /// Fails when `available` bytes cannot hold the points that the header claims.
+    fn check_claim(&self, row_bytes: usize, available: usize) -> Result<usize, Fault> {
+        self.rows.checked_mul(row_bytes).filter(|&needed| needed <= available).ok_or_else(|| {
+            Fault::entry(
+                "point",
+                available.checked_div(row_bytes).unwrap_or(0),
+                format!(
+                    "the file ends here, but its header claims {} points of at least {row_bytes} bytes: it is \
+                     truncated, or its header is wrong",
+                    self.rows
+                ),
+            )
+        })
+    }
+
+    /// A column for each field that stands alone; fields of several numbers (descriptors) and padding are left out.
+    fn columns<'a>(&self, values: impl Fn(usize, &Field) -> Values<'a>) -> Vec<Column<'a>> {
+        let mut columns = Vec::new();
+        let mut offset = 0;
+        for field in &self.fields {
+            if field.count == 1 && field.name != "_" {
+                columns.push(Column { name: field.name.clone(), scalar: field.scalar, values: values(offset, field) });
+            }
+            offset += field.count * field.scalar.byte_size();
+        }
+        columns
+    }
+
+    /// Point after point.
+    fn rows<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
+        self.columns(|start, _| Values::Packed { bytes, start, step: self.row_bytes, big_endian: false })
+    }
+
+    /// Field after field, as the compressed encoding stores them.
+    fn blocks<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
+        self.columns(|offset, field| Values::Packed {
+            bytes,
+            start: offset * self.rows,
+            step: field.scalar.byte_size(),
+            big_endian: false,
+        })
+    }
+
+    fn decompress(&self, payload: &[u8], payload_start: usize) -> Result<Vec<u8>, Fault> {
+        /// Two u32: the sizes of the block before and after it is unpacked.
+        const SIZES_BYTES: usize = 8;
+        let fault = |problem: String| Fault::new(Place::Byte(payload_start), problem);
+        if self.rows == 0 {
+            return Ok(Vec::new());
+        }
+        let Some((sizes, rest)) = payload.split_at_checked(SIZES_BYTES) else {
+            return Err(fault("the file ends before the sizes of the compressed block: it is truncated".to_owned()));
+        };
+        let size = |at: usize| u32::from_le_bytes([sizes[at], sizes[at + 1], sizes[at + 2], sizes[at + 3]]) as usize;
+        let (packed, unpacked) = (size(0), size(4));
+        let Some(packed_bytes) = rest.get(..packed) else {
+            return Err(fault(format!(
+                "the compressed block should have {packed} bytes but {} are left: the file is truncated",
+                rest.len()
+            )));
+        };
+        let needed = self.check_claim(self.row_bytes, unpacked)?;
+        if unpacked > packed.saturating_mul(MAX_LZF_RATIO) {
+            return Err(fault(format!("{packed} bytes cannot unpack to the claimed {unpacked}")));
+        }
+        // A block that was not worth compressing is stored as it is.
+        if packed == unpacked {
+            return Ok(packed_bytes.to_vec());
+        }
+        let block = lzf::decompress(packed_bytes, unpacked)
+            .map_err(|error| fault(format!("the compressed block is damaged ({error})")))?;
+        if block.len() < needed {
+            return Err(fault(format!("the block unpacks to {} bytes, expected {needed}", block.len())));
+        }
+        Ok(block)
+    }
+
+    fn ascii(&self, payload: &[u8], first_line: usize) -> Result<Vec<Column<'static>>, Fault> {
+        /// A digit and a separator.
+        const LEAST_NUMBER_BYTES: usize = 2;
+        let row_numbers = self.fields.iter().fold(0usize, |sum, field| sum.saturating_add(field.count));
+        self.check_claim(row_numbers.saturating_mul(LEAST_NUMBER_BYTES), payload.len() + 1)?;
+        let mut columns =
+            self.columns(|_, _| Values::Parsed(Vec::with_capacity(self.rows)));
+        let mut tokens = Tokens::new(payload, first_line);
+        for row in 0..self.rows {
+            let mut column = columns.iter_mut();
+            for field in &self.fields {
+                let mut value = f64::NAN;
+                for _ in 0..field.count {
+                    let token = tokens.next().ok_or_else(|| {
+                        Fault::entry("point", row, format!("the file ends before field `{}`: it is truncated", field.name))
+                    })?;
+                    value = parse_number(token).ok_or_else(|| {
+                        Fault::new(
+                            Place::Line(tokens.line()),
+                            format!("field `{}` is {}, expected a number", field.name, quoted(token)),
+                        )
+                    })?;
+                }
+                if field.count == 1
+                    && field.name != "_"
+                    && let Some(Column { values: Values::Parsed(values), .. }) = column.next()
+                {
+                    values.push(value);
+                }
+            }
+        }
+        Ok(columns)
+    }
+
+    fn cloud(&self, columns: &[Column<'_>], header: &PcdMeta) -> Result<RawCloud, Fault> {
+        let mut cloud = attributes::cloud(columns, self.rows)?;
+        let viewpoint = &header.viewpoint;
+        let position = DVec3::new(viewpoint.tx, viewpoint.ty, viewpoint.tz);
+        // Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid
+        // of the camera that took them.
+        let is_organised = header.height > 1;
+        cloud.sensor = (position.is_finite() && (position != DVec3::ZERO || is_organised)).then_some(position);
+        Ok(cloud)
+    }
+}
