@@ -1,6 +1,9 @@
 //! A benchmark on a thread of its own, with its progress and its result as plain data for the panel.
 
 use super::tasks::{Outcome, Tasks, Wake};
+use crate::bench;
+use crate::render::gpu::{Context, ContextOptions};
+use crate::sequence::Sequence;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -122,4 +125,30 @@ impl Drop for RunningBenchmark {
     fn drop(&mut self) {
         self.cancel();
     }
+}
+
+/// The job that runs `suite` on `sequence` with a GPU context of its own.
+pub(super) fn benchmark_job(suite: bench::Suite, name: String, sequence: Arc<Sequence>) -> BenchmarkJob {
+    Box::new(move |report, cancel| {
+        let context = Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
+        let progress = |now: bench::Progress| {
+            report(Progress {
+                done: now.done,
+                total: now.total,
+                label: now.label,
+            });
+        };
+        let options = bench::BenchOptions::new(suite);
+        let measured = bench::run(&[(name, sequence)], &options, &context, &progress, cancel)
+            .map_err(|error| error.to_string())?;
+        Ok(BenchmarkTable {
+            suite: suite.name().to_owned(),
+            adapter: context.adapter_summary(),
+            columns: measured.columns(),
+            rows: measured.rows.iter().map(|row| measured.cells(row)).collect(),
+            bars: measured.bars(),
+            json: measured.to_json(),
+            csv: measured.to_csv(),
+        })
+    })
 }

@@ -200,7 +200,7 @@ pub const GESTURES: &[(&str, &str)] = &[
 ];
 
 /// The keys of `command` as a person reads them, for menus and tooltips; empty without any.
-pub fn keys_of(command: Command) -> &'static str {
+pub(super) fn keys_of(command: Command) -> &'static str {
     BINDINGS
         .iter()
         .find(|binding| binding.command == command)

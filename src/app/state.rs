@@ -1,12 +1,13 @@
 //! Everything the window shows and what a person can change, without a window: tests drive it with a clock of their own.
 
-use super::benchmark::Benchmark;
+use super::benchmark::{Benchmark, benchmark_job};
 use super::command::{self, Command};
 use super::fly::Fly;
 use super::notices::Notices;
 use super::player::{Player, can_draw};
 use super::recent::Recent;
 use super::tasks::{DialogKind, Outcome, PicturePlace, Tasks, Wake};
+use crate::bench::Suite;
 use crate::render::RenderStats;
 use crate::scene::{Camera, Primitive, Scene, ScenePacket, SceneStats, Settings, UpAxis};
 use crate::sequence::{LoaderOptions, LoopMode, MAX_SPEED, MIN_SPEED, Sequence};
@@ -29,8 +30,8 @@ pub(super) const POINT_SIZE_RANGE_PX: std::ops::RangeInclusive<f32> = 1.0..=32.0
 pub struct StateOptions {
     /// How pictures are asked for.
     pub settings: Settings,
-    /// Which axis is up.
-    pub up: UpAxis,
+    /// Which axis is up; guessed for each sequence if `None`.
+    pub up: Option<UpAxis>,
     /// Frames a second, where the sequence's own rate is not wanted.
     pub fps: Option<f64>,
     /// Do not play what is opened.
@@ -47,7 +48,7 @@ impl Default for StateOptions {
     fn default() -> Self {
         Self {
             settings: Settings::default(),
-            up: UpAxis::default(),
+            up: None,
             fps: None,
             paused: false,
             budget_bytes: None,
@@ -102,14 +103,27 @@ pub struct Counters {
 }
 
 /// The picture on the screen.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Viewport {
+    /// Its place in the window, points.
+    pub rect: egui::Rect,
     /// Its size in physical pixels.
     pub size_px: [u32; 2],
     /// The texture that holds it; `None` without a GPU.
     pub texture: Option<egui::TextureId>,
     /// Largest edge that the adapter can draw.
     pub max_edge_px: Option<u32>,
+}
+
+impl Default for Viewport {
+    fn default() -> Self {
+        Self {
+            rect: egui::Rect::ZERO,
+            size_px: [0; 2],
+            texture: None,
+            max_edge_px: None,
+        }
+    }
 }
 
 /// What the statistics panel says of the graphics card.
@@ -189,7 +203,7 @@ impl State {
         let nothing = crate::math::Aabb::EMPTY;
         Self {
             player: None,
-            camera: Camera::framing(&nothing, glam::DVec3::ZERO, options.up),
+            camera: Camera::framing(&nothing, glam::DVec3::ZERO, options.up.unwrap_or_default()),
             settings: options.settings,
             notices: Notices::default(),
             panels: OpenPanels::default(),
@@ -346,7 +360,8 @@ impl State {
         if self.framed {
             self.camera.frame_bounds(&bounds, origin);
         } else {
-            self.camera = Camera::framing(&bounds, origin, self.camera.up);
+            let up = self.options.up.unwrap_or_else(|| UpAxis::guess(&frame.frame));
+            self.camera = Camera::framing(&bounds, origin, up);
         }
     }
 
@@ -364,11 +379,7 @@ impl State {
             Command::Slower => self.change_speed(|speed| SPEEDS.iter().rev().copied().find(|&s| s < speed - 1e-9)),
             Command::Faster => self.change_speed(|speed| SPEEDS.iter().copied().find(|&s| s > speed + 1e-9)),
             Command::Reverse => self.play_with(|player, now| player.set_speed(-player.clock().speed(), now)),
-            Command::ResetView => {
-                self.framed = false;
-                self.frame_cloud();
-                self.framed = self.player.as_ref().is_some_and(|player| player.shown().is_some());
-            }
+            Command::ResetView => self.reset_view(),
             Command::Look(preset) => self.camera.look_from(preset),
             Command::Smaller => self.scale_size(1.0 / SIZE_STEP),
             Command::Larger => self.scale_size(SIZE_STEP),
@@ -389,6 +400,15 @@ impl State {
         }
     }
 
+    /// The camera as for a sequence that was just opened; the up axis stays as it was chosen.
+    fn reset_view(&mut self) {
+        let up = self.camera.up;
+        self.framed = false;
+        self.frame_cloud();
+        self.framed = self.player.as_ref().is_some_and(|player| player.shown().is_some());
+        self.camera.up = up;
+    }
+
     fn escape(&mut self) {
         let running = matches!(self.benchmark, Benchmark::Running(_));
         if self.panels.help {
@@ -405,6 +425,46 @@ impl State {
         if let Some(player) = &mut self.player {
             change(player, self.now);
         }
+    }
+
+    /// Takes the playhead in the hand, or lets it go: meanwhile playing rests.
+    pub(super) fn play_with_scrubbing(&mut self, begin: bool) {
+        let Some(player) = &mut self.player else { return };
+        if begin {
+            self.scrubbing.resume = player.is_playing();
+            if self.scrubbing.resume {
+                player.toggle(self.now);
+            }
+        } else if std::mem::take(&mut self.scrubbing.resume) && !player.is_playing() {
+            player.toggle(self.now);
+        }
+    }
+
+    /// Measures the open sequence on a thread; playing rests, it would disturb the measurement.
+    pub fn start_benchmark(&mut self, suite: Suite) {
+        let Some(player) = &mut self.player else { return };
+        if player.is_playing() {
+            player.toggle(self.now);
+        }
+        let sequence = Arc::clone(player.sequence());
+        let name = self.sequence_name().unwrap_or_default();
+        self.panels.benchmark = true;
+        let job = benchmark_job(suite, name, sequence);
+        let wake = self.wake();
+        self.benchmark.start(suite.name(), job, &self.tasks, wake);
+    }
+
+    /// Asks where to write the benchmark's result.
+    pub(super) fn ask_for_export(&mut self, dialog: DialogKind) {
+        let Benchmark::Done(table) = &self.benchmark else { return };
+        let extension = if dialog == DialogKind::SaveJson { "json" } else { "csv" };
+        let name = format!("pointreel-{}.{extension}", table.suite);
+        self.tasks.ask(dialog, Some(name));
+    }
+
+    /// True if something that is not the picture may have changed: marks on the timeline, progress.
+    pub(super) fn has_news(&self) -> bool {
+        matches!(self.benchmark, Benchmark::Running(_)) || self.player.as_ref().is_some_and(Player::runs_are_old)
     }
 
     fn change_speed(&mut self, next: impl Fn(f64) -> Option<f64>) {

@@ -3,7 +3,7 @@
 mod arguments;
 mod info;
 mod render;
-
+mod view;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -13,16 +13,23 @@ use std::process::ExitCode;
 #[command(name = "pointreel", version)]
 struct Arguments {
     #[command(subcommand)]
-    verb: Verb,
-
+    verb: Option<Verb>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    /// Plays a sequence in a window (the default)
+    View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, without a window
     Render(Box<render::RenderArgs>),
     /// Says what is in a sequence
     Info(info::InfoArgs),
+}
+
+impl Default for Verb {
+    fn default() -> Self {
+        Self::View(Box::default())
+    }
 }
 
 /// Parses the command line, runs the verb and says what went wrong.
@@ -32,7 +39,8 @@ pub fn main() -> ExitCode {
         .init();
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
-    let result = match arguments.verb {
+    let result = match arguments.verb.unwrap_or_default() {
+        Verb::View(view) => view::run(&view),
         Verb::Render(render) => render::run(&render),
         Verb::Info(info) => info::run(&info),
     };

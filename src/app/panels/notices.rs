@@ -18,7 +18,7 @@ pub fn notices_ui(ui: &mut Ui, state: &mut State) {
     let mut dismissed = None;
     // What is left of the window after the panels is the picture.
     let corner = state.viewport.rect.left_bottom() + vec2(12.0, -12.0);
-    Area::new(Id::new("notices"))
+    Area::new(Id::unique("notices"))
         .pivot(Align2::LEFT_BOTTOM)
         .fixed_pos(corner)
         .show(ui.ctx(), |ui| {

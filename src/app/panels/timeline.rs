@@ -8,7 +8,7 @@ use crate::app::{Run, State};
 use crate::scene::Scene;
 use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, Slot};
 use egui::{
-    Align, Color32, ComboBox, DragValue, Layout, Painter, Rect, Response, RichText, Sense, Stroke, Ui, WidgetInfo, WidgetType, pos2, vec2,
+    Align, Color32, ComboBox, DragValue, Layout, Painter, Rect, Response, RichText, Sense, Stroke, Ui, WidgetInfo, Role, pos2, vec2,
 };
 
 /// Height of the bar, points.
@@ -159,7 +159,7 @@ fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: b
     let wide = if command == Command::TogglePlay { 40.0 } else { 30.0 };
     let sense = if enabled { Sense::click() } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(vec2(wide, 26.0), sense);
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, enabled, text));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
     let visuals = ui.style().interact(&response);
     let fill = if command == Command::TogglePlay && enabled {
         ui.visuals().selection.bg_fill

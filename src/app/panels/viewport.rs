@@ -3,7 +3,7 @@
 use crate::app::State;
 use crate::app::theme::{ACCENT, ODD};
 use crate::app::command::Command;
-use egui::{Align2, Color32, FontId, Modifiers, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2};
+use egui::{Align2, Color32, FontId, Modifiers, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, Role, pos2, vec2};
 use glam::Vec3;
 
 /// Degrees of orbit for a drag over the height of the picture.
@@ -23,7 +23,7 @@ pub fn viewport_ui(ui: &mut Ui, state: &mut State) {
     let scale = ui.ctx().pixels_per_point();
     let rect = on_pixels(ui.available_rect_before_wrap(), scale);
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "3-D picture"));
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "3-D picture"));
     state.viewport.rect = rect;
     let max_edge_px = state.viewport.max_edge_px.unwrap_or(u32::MAX);
     state.viewport.size_px =
