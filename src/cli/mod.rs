@@ -17,10 +17,18 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    /// Plays a sequence in a window (the default)
+    View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, without a window
     Render(Box<render::RenderArgs>),
     /// Says what is in a sequence
     Info(info::InfoArgs),
+}
+
+impl Default for Verb {
+    fn default() -> Self {
+        Self::View(Box::default())
+    }
 }
 
 /// Parses the command line, runs the verb and says what went wrong.
@@ -32,7 +40,8 @@ pub fn main() -> ExitCode {
     .init();
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
-    let result = match arguments.verb {
+    let result = match arguments.verb.unwrap_or_default() {
+        Verb::View(view) => view::run(&view),
         Verb::Render(render) => render::run(&render),
         Verb::Info(info) => info::run(&info),
     };
