@@ -31,9 +31,10 @@ enum Attributes {
 
 /// Writes a breathing, dented sphere: binary little-endian PLY, points on a spiral.
 fn write_frame(path: &Path, time: f32, attributes: Attributes) {
-    let mut header = String::from("ply\nformat binary_little_endian 1.0\n");
-    header += &format!("element vertex {POINTS}\n");
-    header += "property float x\nproperty float y\nproperty float z\n";
+    let mut header = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {POINTS}\n\
+         property float x\nproperty float y\nproperty float z\n"
+    );
     let (with_normals, with_radii) = match attributes {
         Attributes::None => (false, false),
         Attributes::Normals => (true, false),
@@ -114,7 +115,11 @@ fn bench(criterion: &mut Criterion) {
         .warm_up_time(Duration::from_secs(1))
         .measurement_time(Duration::from_secs(5));
     let cases = [
-        ("normals and radii in the file", 40, Attributes::NormalsAndRadii),
+        (
+            "normals and radii in the file",
+            40,
+            Attributes::NormalsAndRadii,
+        ),
         ("normals in the file", 40, Attributes::Normals),
         ("no normals", 16, Attributes::None),
     ];
@@ -137,7 +142,11 @@ fn bench(criterion: &mut Criterion) {
         let folder = write_sequence(100, attributes);
         group.bench_function(name, |bencher| {
             // Dropping the loader waits for its workers and is no part of the time.
-            bencher.iter_batched(|| (), |()| first_frame(folder.path()), BatchSize::PerIteration);
+            bencher.iter_batched(
+                || (),
+                |()| first_frame(folder.path()),
+                BatchSize::PerIteration,
+            );
         });
     }
     group.finish();

@@ -1,6 +1,11 @@
 //! Sequences through their public interface: discovery of files, preparation, loading, with injected decoders that are slow
 //! or broken, and on files.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "a failed expectation of a test helper is a failed test"
+)]
+
 use glam::{DVec3, Vec3};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::octree::StopCriterion;

@@ -143,10 +143,16 @@ fn broken_frames_are_said_and_played_over() {
         until("a good frame", || ready(&loader, index, &SURFELS));
     }
     until_idle(&loader);
-    use FrameState::{Failed, Ready};
     assert_eq!(
         loader.states(),
-        [Ready, Failed, Failed, Failed, Ready, Ready]
+        [
+            FrameState::Ready,
+            FrameState::Failed,
+            FrameState::Failed,
+            FrameState::Failed,
+            FrameState::Ready,
+            FrameState::Ready
+        ]
     );
     assert_eq!(loader.stats().failed_frames, 3);
     let error = |index| match loader.get(index, &SURFELS) {
