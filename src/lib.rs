@@ -13,9 +13,11 @@
 //! | [`scene`] | camera, settings, and the [`scene::ScenePacket`] that holds all that one picture needs |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
+//! | [`mod@bench`] | the program measures itself by the protocol of paper 000 §VII |
 //! | [`cli`] | the command line |
 
 pub mod analysis;
+pub mod bench;
 pub mod cli;
 pub mod cloud;
 pub mod headless;
