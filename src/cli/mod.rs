@@ -1,6 +1,7 @@
 //! The command line: one file a verb. Exit code 0, 2 for wrong usage, 1 for any failure with one sentence on stderr.
 
 mod arguments;
+mod bench;
 mod info;
 mod render;
 
@@ -21,6 +22,8 @@ enum Verb {
     View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, without a window
     Render(Box<render::RenderArgs>),
+    /// Measures drawing and octrees by the protocol of the paper
+    Bench(bench::BenchArgs),
     /// Says what is in a sequence
     Info(info::InfoArgs),
 }
@@ -43,6 +46,7 @@ pub fn main() -> ExitCode {
     let result = match arguments.verb.unwrap_or_default() {
         Verb::View(view) => view::run(&view),
         Verb::Render(render) => render::run(&render),
+        Verb::Bench(bench) => bench::run(&bench),
         Verb::Info(info) => info::run(&info),
     };
     match result {
