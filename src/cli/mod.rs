@@ -4,21 +4,26 @@ mod arguments;
 mod bench;
 mod info;
 mod render;
+mod view;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 /// A viewer for time-varying point clouds: surfels, voxels, level of detail.
 #[derive(Debug, Parser)]
-#[command(name = "pointreel", version)]
+#[command(name = "pointreel", version, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
-    verb: Verb,
+    verb: Option<Verb>,
+
+    /// Without a verb: what `pointreel view` takes.
+    #[command(flatten)]
+    view: view::ViewArgs,
 }
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// Plays a sequence in a window (the default)
+    /// Plays a sequence in a window (the default); without INPUT the built-in demo
     View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, without a window
     Render(Box<render::RenderArgs>),
@@ -26,12 +31,6 @@ enum Verb {
     Bench(bench::BenchArgs),
     /// Says what is in a sequence
     Info(info::InfoArgs),
-}
-
-impl Default for Verb {
-    fn default() -> Self {
-        Self::View(Box::default())
-    }
 }
 
 /// Parses the command line, runs the verb and says what went wrong.
@@ -43,11 +42,12 @@ pub fn main() -> ExitCode {
     .init();
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
-    let result = match arguments.verb.unwrap_or_default() {
-        Verb::View(view) => view::run(&view),
-        Verb::Render(render) => render::run(&render),
-        Verb::Bench(bench) => bench::run(&bench),
-        Verb::Info(info) => info::run(&info),
+    let result = match arguments.verb {
+        None => view::run(&arguments.view),
+        Some(Verb::View(view)) => view::run(&view),
+        Some(Verb::Render(render)) => render::run(&render),
+        Some(Verb::Bench(bench)) => bench::run(&bench),
+        Some(Verb::Info(info)) => info::run(&info),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
