@@ -34,7 +34,7 @@ impl Default for Verb {
 
 /// Parses the command line, runs the verb and says what went wrong.
 pub fn main() -> ExitCode {
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error"))
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error,rfd=off"))
         .format_target(false)
         .init();
     // A wrong usage exits with 2 here.
