@@ -2,7 +2,7 @@
 
 use egui::{Key, Modifiers, PointerButton, accesskit::Role, pos2, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::panels::window_ui;
 use pointreel::app::{
     BINDINGS, BenchmarkJob, Benchmark, BenchmarkTable, Command, GESTURES, Mark, Progress, Recent, Severity, State, StateOptions,
@@ -174,7 +174,9 @@ fn a_broken_frame_is_marked_told_once_and_played_over() {
     let mut shown = Vec::new();
     for step in 0..4 {
         state.update(Duration::from_millis(step * 42));
-        shown.push(state.player.as_ref().unwrap().shown().unwrap().index);
+        let player = state.player.as_ref().unwrap();
+        eprintln!("{step} {:?} {:?} {:?}", player.clock(), player.waiting_for(), player.failure());
+        shown.push(player.shown().unwrap().index);
     }
     assert_eq!(shown, [4, 4, 6, 7]);
 }
@@ -487,7 +489,7 @@ fn statistics_tell_points_octree_and_budget() {
     load_all(harness.state_mut());
     harness.run();
     for label in ["Points", "Depth", "Nodes", "Leaves", "Loss", "Visited", "Uploads", "Passes", "Draw calls"] {
-        assert!(harness.query_by_label(label).is_some(), "{label}");
+        assert!(harness.query_all_by_label(label).next().is_some(), "{label}");
     }
     harness.get_by_role_and_label(Role::SpinButton, "Budget").set_value_accesskit(64.0);
     harness.run();
@@ -513,18 +515,25 @@ fn menus_open_close_and_list_what_was_opened() {
     assert_eq!(harness.state().player.as_ref().unwrap().sequence().len(), FRAMES, "what was open stays");
 
     click(&mut harness, "File");
-    harness.get_by_label_contains("Demo").click();
-    harness.run_steps(3);
+    choose_item(&mut harness, "Demo");
     assert_eq!(harness.state().sequence_name().as_deref(), Some("demo"));
 
     click(&mut harness, "View");
-    harness.get_by_label_contains("Top").click();
-    harness.run_steps(3);
+    choose_item(&mut harness, "Top");
     assert_eq!(harness.state().camera.elevation_deg, 90.0);
     click(&mut harness, "File");
-    harness.get_by_label_contains("Quit").click();
-    harness.run_steps(3);
+    choose_item(&mut harness, "Quit");
     assert_eq!(harness.state_mut().take_requests(), [WindowRequest::Quit]);
+}
+
+/// Clicks an item of the open menu; its label has the key after the text.
+fn choose_item(harness: &mut Harness<'_, State>, text: &str) {
+    harness
+        .get_all_by_role(Role::Button)
+        .find(|node| node.accesskit_node().label().is_some_and(|label| label.starts_with(text)))
+        .expect("the menu has the item")
+        .click();
+    harness.run_steps(3);
 }
 
 /// Starts `job` in the benchmark window.
@@ -567,7 +576,7 @@ fn a_benchmark_shows_progress_then_its_table() {
     half_way.recv().unwrap();
     harness.run();
     assert!(harness.query_by_label("storage").is_some());
-    assert_eq!(harness.get_by_role(Role::ProgressIndicator).value().as_deref(), Some("3 of 6"));
+    assert!(harness.query_by_label_contains("3 of 6").is_some());
     go_on.send(()).unwrap();
     finish(&mut harness);
     for label in ["Suite surfels", "Test adapter", "strategy", "median", "texture", "2.50", "Export JSON…", "Export CSV…"] {
@@ -598,7 +607,7 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
 #[test]
 fn controls_tell_their_term_and_unit() {
     let mut harness = window();
-    let label = harness.get_by_label("Splat scale").rect().center();
+    let label = harness.get_by_role_and_label(Role::Label, "Splat scale").rect().center();
     harness.hover_at(label);
     harness.run_steps(60);
     assert!(harness.query_by_label_contains("Factor on every splat's radius").is_some());

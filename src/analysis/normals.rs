@@ -1,9 +1,9 @@
 //! Normals by principal component analysis of the neighbours.
 //!
 //! How it works: the normal is the direction in which a point and its neighbours spread least, the eigenvector of the
-//! smallest eigenvalue of their covariance (Hoppe et al. 1992). Offsets are taken from the point itself first, which is exact
-//! in f32 for near neighbours wherever the cloud lies, then centred on their mean and added up in f64: nothing cancels,
-//! however far from the origin.
+//! smallest eigenvalue of their covariance (Hoppe et al. 1992). Offsets are taken from the point itself, which is exact in
+//! f32 for near neighbours wherever the cloud lies, and added up in f64. Their mean is no larger than they are, so
+//! subtracting its square loses nothing that f32 coordinates had.
 //!
 //! The sign is arbitrary here; [`super::orientation`] decides it.
 
@@ -33,25 +33,29 @@ pub(super) fn fill_missing(tree: &PointTree, neighbours: &Neighbours, normals: &
 /// The direction of least spread; +Z when there is no spread at all.
 fn plane_normal(positions: &[Vec3], slot: usize, neighbours: &[u32]) -> Vec3 {
     let point = positions[slot];
-    let offsets = || {
-        neighbours
-            .iter()
-            .map(|&neighbour| (positions[neighbour as usize] - point).as_dvec3())
-    };
-    // The point itself has offset zero.
-    let mean = offsets().sum::<DVec3>() / (neighbours.len() + 1) as f64;
-    let mut covariance = SymmetricMat3::default();
-    for offset in std::iter::once(DVec3::ZERO).chain(offsets()) {
-        let d = offset - mean;
-        covariance.xx += d.x * d.x;
-        covariance.xy += d.x * d.y;
-        covariance.xz += d.x * d.z;
-        covariance.yy += d.y * d.y;
-        covariance.yz += d.y * d.z;
-        covariance.zz += d.z * d.z;
+    // The point itself has offset zero and adds nothing.
+    let mut sum = DVec3::ZERO;
+    let mut squares = DVec3::ZERO;
+    let mut products = DVec3::ZERO;
+    for &neighbour in neighbours {
+        let d = (positions[neighbour as usize] - point).as_dvec3();
+        sum += d;
+        squares += d * d;
+        products += d * DVec3::new(d.y, d.z, d.x);
     }
-    if covariance.xx + covariance.yy + covariance.zz > 0.0 {
-        covariance.eigen().vectors[0].as_vec3()
+    let share = 1.0 / (neighbours.len() + 1) as f64;
+    let squares = squares - sum * sum * share;
+    let products = products - sum * DVec3::new(sum.y, sum.z, sum.x) * share;
+    let covariance = SymmetricMat3 {
+        xx: squares.x,
+        xy: products.x,
+        xz: products.z,
+        yy: squares.y,
+        yz: products.y,
+        zz: squares.z,
+    };
+    if squares.element_sum() > 0.0 {
+        covariance.smallest_eigenvector().as_vec3()
     } else {
         Vec3::Z
     }

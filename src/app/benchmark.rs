@@ -148,7 +148,11 @@ pub(super) fn benchmark_job(suite: bench::Suite, name: String, sequence: Arc<Seq
         Ok(BenchmarkTable {
             suite: suite.name().to_owned(),
             adapter: context.adapter_summary(),
-            columns: measured.columns().iter().map(|column| column.title.to_owned()).collect(),
+            columns: measured
+                .columns()
+                .iter()
+                .map(|column| column.title.to_owned())
+                .collect(),
             rows: measured.rows.iter().map(|row| measured.cells(row)).collect(),
             notes: measured.notes.clone(),
             bars_title: measured.bars_title().to_owned(),

@@ -9,7 +9,6 @@ use super::numbers::{Tokens, parse_number, quoted};
 use crate::cloud::RawCloud;
 use glam::DVec3;
 use pcd_rs::{DataKind, PcdMeta, ValueKind};
-use std::io::Cursor;
 
 /// Longer headers are not believed to be headers.
 const MAX_HEADER_BYTES: usize = 1 << 20;
@@ -18,15 +17,17 @@ const MAX_HEADER_BYTES: usize = 1 << 20;
 const MAX_LZF_RATIO: usize = 264;
 
 pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
-    let mut cursor = Cursor::new(header_bytes(bytes)?);
-    let header = PcdMeta::from_reader(&mut cursor)
+    let (header, payload_start) = header_text(bytes)?;
+    let header = PcdMeta::from_reader(header.as_slice())
         .map_err(|error| Fault::header(format!("the header is not understood ({error})")))?;
-    let payload_start = usize::try_from(cursor.position()).unwrap_or(usize::MAX).min(bytes.len());
     let table = Table::new(&header)?;
     let payload = &bytes[payload_start..];
     match header.data {
         DataKind::Ascii => {
-            let header_lines = bytes[..payload_start].iter().filter(|&&byte| byte == b'\n').count();
+            let header_lines = bytes[..payload_start]
+                .iter()
+                .filter(|&&byte| byte == b'\n')
+                .count();
             table.cloud(&table.ascii(payload, header_lines + 1)?, &header)
         }
         DataKind::Binary => {
@@ -40,17 +41,31 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     }
 }
 
-/// The bytes up to and with the line `DATA`. The crate's reader wants text, comments may hold anything.
-fn header_bytes(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
+/// The lines up to `DATA` as the crate's reader wants them, and the number of bytes that they take in the file.
+///
+/// Comments may hold what is no text, and every version that was ever written is read like the last: what changed
+/// between them is what may be left out.
+fn header_text(bytes: &[u8]) -> Result<(Vec<u8>, usize), Fault> {
+    let mut text = b"VERSION 0.7\n".to_vec();
     let mut end = 0;
     for line in bytes[..bytes.len().min(MAX_HEADER_BYTES)].split_inclusive(|&byte| byte == b'\n') {
         end += line.len();
-        if line.trim_ascii_start().starts_with(b"DATA") {
-            let is_text = |byte: u8| if byte.is_ascii() { byte } else { b'?' };
-            return Ok(bytes[..end].iter().map(|&byte| is_text(byte)).collect());
+        let content = line.trim_ascii();
+        if !content.starts_with(b"VERSION") && !content.starts_with(b"#") {
+            text.extend(
+                content
+                    .iter()
+                    .map(|&byte| if byte.is_ascii() { byte } else { b'?' }),
+            );
+            text.push(b'\n');
+        }
+        if content.starts_with(b"DATA") {
+            return Ok((text, end));
         }
     }
-    Err(Fault::header("there is no line `DATA`: the header is incomplete, or this is no PCD file"))
+    Err(Fault::header(
+        "there is no line `DATA`: the header is incomplete, or this is no PCD file",
+    ))
 }
 
 struct Field {
@@ -68,7 +83,12 @@ struct Table {
 
 impl Table {
     fn new(header: &PcdMeta) -> Result<Self, Fault> {
-        let claim = || Fault::header(format!("{} points of this size are more than can be", header.num_points));
+        let claim = || {
+            Fault::header(format!(
+                "{} points of this size are more than can be",
+                header.num_points
+            ))
+        };
         let mut fields = Vec::new();
         let mut row_bytes = 0usize;
         for field in &header.field_defs.fields {
@@ -87,9 +107,17 @@ impl Table {
             let count = usize::try_from(field.count).map_err(|_| claim())?;
             let bytes = count.checked_mul(scalar.byte_size()).ok_or_else(claim)?;
             row_bytes = row_bytes.checked_add(bytes).ok_or_else(claim)?;
-            fields.push(Field { name: field.name.clone(), scalar, count });
+            fields.push(Field {
+                name: field.name.clone(),
+                scalar,
+                count,
+            });
         }
-        Ok(Self { fields, row_bytes, rows: usize::try_from(header.num_points).map_err(|_| claim())? })
+        Ok(Self {
+            fields,
+            row_bytes,
+            rows: usize::try_from(header.num_points).map_err(|_| claim())?,
+        })
     }
 
     /// Fails when `available` bytes cannot hold the points that the header claims.
@@ -107,13 +135,17 @@ impl Table {
         })
     }
 
-    /// A column for each field that stands alone; fields of several numbers (descriptors) and padding are left out.
+    /// A column for each field but padding. Of fields with several numbers (descriptors) it is the first.
     fn columns<'a>(&self, values: impl Fn(usize, &Field) -> Values<'a>) -> Vec<Column<'a>> {
         let mut columns = Vec::new();
         let mut offset = 0;
         for field in &self.fields {
-            if field.count == 1 && field.name != "_" {
-                columns.push(Column { name: field.name.clone(), scalar: field.scalar, values: values(offset, field) });
+            if field.name != "_" {
+                columns.push(Column {
+                    name: field.name.clone(),
+                    scalar: field.scalar,
+                    values: values(offset, field),
+                });
             }
             offset += field.count * field.scalar.byte_size();
         }
@@ -122,7 +154,12 @@ impl Table {
 
     /// Point after point.
     fn rows<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
-        self.columns(|start, _| Values::Packed { bytes, start, step: self.row_bytes, big_endian: false })
+        self.columns(|start, _| Values::Packed {
+            bytes,
+            start,
+            step: self.row_bytes,
+            big_endian: false,
+        })
     }
 
     /// Field after field, as the compressed encoding stores them.
@@ -130,7 +167,7 @@ impl Table {
         self.columns(|offset, field| Values::Packed {
             bytes,
             start: offset * self.rows,
-            step: field.scalar.byte_size(),
+            step: field.count * field.scalar.byte_size(),
             big_endian: false,
         })
     }
@@ -143,9 +180,14 @@ impl Table {
             return Ok(Vec::new());
         }
         let Some((sizes, rest)) = payload.split_at_checked(SIZES_BYTES) else {
-            return Err(fault("the file ends before the sizes of the compressed block: it is truncated".to_owned()));
+            return Err(fault(
+                "the file ends before the sizes of the compressed block: it is truncated"
+                    .to_owned(),
+            ));
         };
-        let size = |at: usize| u32::from_le_bytes([sizes[at], sizes[at + 1], sizes[at + 2], sizes[at + 3]]) as usize;
+        let size = |at: usize| {
+            u32::from_le_bytes([sizes[at], sizes[at + 1], sizes[at + 2], sizes[at + 3]]) as usize
+        };
         let (packed, unpacked) = (size(0), size(4));
         let Some(packed_bytes) = rest.get(..packed) else {
             return Err(fault(format!(
@@ -155,16 +197,21 @@ impl Table {
         };
         let needed = self.check_claim(self.row_bytes, unpacked)?;
         if unpacked > packed.saturating_mul(MAX_LZF_RATIO) {
-            return Err(fault(format!("{packed} bytes cannot unpack to the claimed {unpacked}")));
+            return Err(fault(format!(
+                "{packed} bytes cannot unpack to the claimed {unpacked}"
+            )));
         }
-        // A block that was not worth compressing is stored as it is.
-        if packed == unpacked {
-            return Ok(packed_bytes.to_vec());
-        }
-        let block = lzf::decompress(packed_bytes, unpacked)
-            .map_err(|error| fault(format!("the compressed block is damaged ({error})")))?;
+        let block = match lzf::decompress(packed_bytes, unpacked) {
+            Ok(block) => block,
+            // A block that was not worth compressing may be stored as it is.
+            Err(_) if packed == unpacked => packed_bytes.to_vec(),
+            Err(error) => return Err(fault(format!("the compressed block is damaged ({error})"))),
+        };
         if block.len() < needed {
-            return Err(fault(format!("the block unpacks to {} bytes, expected {needed}", block.len())));
+            return Err(fault(format!(
+                "the block unpacks to {} bytes, expected {needed}",
+                block.len()
+            )));
         }
         Ok(block)
     }
@@ -172,31 +219,52 @@ impl Table {
     fn ascii(&self, payload: &[u8], first_line: usize) -> Result<Vec<Column<'static>>, Fault> {
         /// A digit and a separator.
         const LEAST_NUMBER_BYTES: usize = 2;
-        let row_numbers = self.fields.iter().fold(0usize, |sum, field| sum.saturating_add(field.count));
-        self.check_claim(row_numbers.saturating_mul(LEAST_NUMBER_BYTES), payload.len() + 1)?;
-        let mut columns =
-            self.columns(|_, _| Values::Parsed(Vec::with_capacity(self.rows)));
+        let row_numbers = self
+            .fields
+            .iter()
+            .fold(0usize, |sum, field| sum.saturating_add(field.count));
+        self.check_claim(
+            row_numbers.saturating_mul(LEAST_NUMBER_BYTES),
+            payload.len() + 1,
+        )?;
+        let mut columns = self.columns(|_, _| Values::Parsed(Vec::with_capacity(self.rows)));
         let mut tokens = Tokens::new(payload, first_line);
         for row in 0..self.rows {
             let mut column = columns.iter_mut();
             for field in &self.fields {
-                let mut value = f64::NAN;
-                for _ in 0..field.count {
+                let mut first = f64::NAN;
+                for number in 0..field.count {
                     let token = tokens.next().ok_or_else(|| {
-                        Fault::entry("point", row, format!("the file ends before field `{}`: it is truncated", field.name))
-                    })?;
-                    value = parse_number(token).ok_or_else(|| {
-                        Fault::new(
-                            Place::Line(tokens.line()),
-                            format!("field `{}` is {}, expected a number", field.name, quoted(token)),
+                        Fault::entry(
+                            "point",
+                            row,
+                            format!(
+                                "the file ends before field `{}`: it is truncated",
+                                field.name
+                            ),
                         )
                     })?;
+                    let value = parse_number(token).ok_or_else(|| {
+                        Fault::new(
+                            Place::Line(tokens.line()),
+                            format!(
+                                "field `{}` is {}, expected a number",
+                                field.name,
+                                quoted(token)
+                            ),
+                        )
+                    })?;
+                    if number == 0 {
+                        first = value;
+                    }
                 }
-                if field.count == 1
-                    && field.name != "_"
-                    && let Some(Column { values: Values::Parsed(values), .. }) = column.next()
+                if field.name != "_"
+                    && let Some(Column {
+                        values: Values::Parsed(values),
+                        ..
+                    }) = column.next()
                 {
-                    values.push(value);
+                    values.push(first);
                 }
             }
         }
@@ -210,7 +278,8 @@ impl Table {
         // Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid
         // of the camera that took them.
         let is_organised = header.height > 1;
-        cloud.sensor = (position.is_finite() && (position != DVec3::ZERO || is_organised)).then_some(position);
+        cloud.sensor =
+            (position.is_finite() && (position != DVec3::ZERO || is_organised)).then_some(position);
         Ok(cloud)
     }
 }

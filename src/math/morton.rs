@@ -17,7 +17,7 @@ pub const NEVER_PART: u8 = LEVELS as u8 + 1;
 
 /// The code of a cell. Precondition: every coordinate is below [`FINEST_CELLS`] (higher bits are dropped).
 pub const fn encode(cell: [u32; 3]) -> u64 {
-    spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2
+    spread(cell[0] as u64) | spread(cell[1] as u64) << 1 | spread(cell[2] as u64) << 2
 }
 
 /// The cell of a code: the inverse of [`encode`].
@@ -39,8 +39,8 @@ pub const fn parting_level(a: u64, b: u64) -> u8 {
 /// 16 | 5 bits      --------- 20..16 ----------------------------- 15..0 ------
 /// blocks of 8, then 4, then 2, then 1: every bit with two empty places above it
 /// ```
-const fn spread(coordinate: u32) -> u64 {
-    let mut bits = coordinate as u64 & 0x001f_ffff;
+pub(crate) const fn spread(coordinate: u64) -> u64 {
+    let mut bits = coordinate & 0x001f_ffff;
     bits = (bits | bits << 32) & 0x001f_0000_0000_ffff;
     bits = (bits | bits << 16) & 0x001f_0000_ff00_00ff;
     bits = (bits | bits << 8) & 0x100f_00f0_0f00_f00f;

@@ -1,18 +1,18 @@
-//! Building an octree from sorted Morton codes (paper 000 §VI-A; the bottom-up construction in 000's future work).
+//! Building an octree from sorted Morton codes (paper 000 §VI-A).
 //!
 //! How it works:
 //! 1. Points become 63-bit Morton codes, which are sorted. The points of any cell of any level now stand together.
 //! 2. For each code the level at which it *parts* from the one before it is noted: it is the first point of its cell there
 //!    and on every deeper level. A histogram of these levels, summed up, counts the occupied cells of every level,
-//!    so one scan answers the stop criterion for all depths.
-//! 3. The leaves are the points whose parting level is not below the leaf level. Each coarser level follows from the finer
-//!    one in the same way, nodes instead of points: every level is one pass over contiguous arrays that shrink as it
-//!    goes, compacted in place. A pass also adds up the colours, so every node knows the mean of its points.
+//!    so one scan answers the stop criterion for all depths, and says where each level begins in the breadth-first array.
+//! 3. The leaves are the points that part at the leaf level or above. Each coarser level follows from the finer one in the
+//!    same way: the nodes that part at this level or above begin a new parent. Colours are added up as it goes.
+//! 4. Steps like 3 stream through memory once for each level. So they are taken for a *block* of a thousand points at a
+//!    time, made of whole cells of some middle level: all levels of a block stay in the nearest cache. What is above the
+//!    middle level is little, and done at the end.
 //!
-//! When it wins: no node is ever searched for, allocated or visited twice; the passes cost a few cycles a node, less than
-//! the sort does a point.
-//!
-//! Loops select instead of branching: whether a node is the first child of its parent is a coin toss that a branch
+//! When it wins: no node is searched for, allocated or visited twice, and each level is written in ascending order. Inner
+//! loops select instead of branching: whether a node is the first child of its parent is a coin toss that a branch
 //! predictor loses.
 
 use super::{Cube, Octree, StopCriterion, stop::OccupiedCells};
@@ -23,7 +23,8 @@ use crate::{
         sort_codes,
     },
 };
-use glam::{DVec4, Vec3, Vec4};
+use glam::{BVec4A, Vec3, Vec4};
+use std::ops::Range;
 
 impl Octree {
     /// Builds the octree of `positions` down to the level that `stop` asks for.
@@ -49,41 +50,29 @@ impl Octree {
         let partings = parting_levels(&sorted.codes);
         let occupied = occupied_cells(&partings);
         let depth = stop.depth(&occupied, positions.len());
+        let colors: Vec<[u8; 4]> = sorted
+            .order
+            .iter()
+            .map(|&index| colors[index as usize])
+            .collect();
 
-        let mut nodes = LevelNodes::leaves(
-            depth,
-            occupied[depth as usize],
-            &sorted.codes,
-            &partings,
-            sorted.order.iter().map(|&index| colors[index as usize]),
-        );
-        let level_counts = occupied[..=depth as usize].to_vec();
-        let node_count: usize = level_counts.iter().sum();
-        let internal_count = node_count - occupied[depth as usize];
-        let mut tree = Self {
-            cube,
-            point_count: positions.len(),
-            level_counts,
-            masks: vec![0; internal_count],
-            first_child: vec![0; internal_count + 1],
-            voxels: vec![bytemuck::Zeroable::zeroed(); node_count],
-        };
-        tree.first_child[internal_count] = node_count as u32;
-        let mut first = internal_count;
-        nodes.write_voxels(&cube, depth, &mut tree.voxels[first..]);
-        for level in (0..depth).rev() {
-            let first_of_children = first;
-            first -= occupied[level as usize];
-            let here = first..first_of_children;
-            nodes.merge_into_parents(
-                level,
-                first_of_children as u32,
-                &mut tree.masks[here.clone()],
-                &mut tree.first_child[here.clone()],
+        let mut writer = LevelWriter::new(cube, depth, positions.len(), &occupied);
+        let middle = middle_level(&occupied, depth, positions.len());
+        let mut roots = LevelNodes::default();
+        let mut nodes = LevelNodes::default();
+        for block in blocks(&partings, middle) {
+            nodes.set_leaves(
+                depth,
+                &sorted.codes[block.clone()],
+                &partings[block.clone()],
+                &colors[block],
             );
-            nodes.write_voxels(&cube, level, &mut tree.voxels[here]);
+            writer.write_voxels(depth, &nodes);
+            writer.write_levels(middle..depth, &mut nodes);
+            roots.append(&nodes);
         }
-        tree
+        writer.write_levels(0..middle, &mut roots);
+        writer.tree
     }
 }
 
@@ -113,102 +102,192 @@ fn occupied_cells(partings: &[u8]) -> OccupiedCells {
     })
 }
 
-/// The nodes of one level while the tree is built, in Morton order.
+/// Points that a block should have: all its levels together take 100 KiB at most.
+const BLOCK_POINTS: usize = 1024;
+
+/// The deepest level whose cells still hold half a block on average.
+fn middle_level(occupied: &OccupiedCells, depth: u32, point_count: usize) -> u32 {
+    (0..=depth)
+        .rev()
+        .find(|&level| occupied[level as usize] * BLOCK_POINTS / 2 <= point_count)
+        .unwrap_or(0)
+}
+
+/// Ranges of points that are whole cells of `level`, each as short as it can be with at least [`BLOCK_POINTS`].
+fn blocks(partings: &[u8], level: u32) -> impl Iterator<Item = Range<usize>> {
+    let mut start = 0;
+    std::iter::from_fn(move || {
+        if start == partings.len() {
+            return None;
+        }
+        let least = (start + BLOCK_POINTS).min(partings.len());
+        let end = partings[least..]
+            .iter()
+            .position(|&parting| u32::from(parting) <= level)
+            .map_or(partings.len(), |beyond| least + beyond);
+        Some(std::mem::replace(&mut start, end)..end)
+    })
+}
+
+/// Some nodes of one level, in Morton order.
+#[derive(Debug, Default)]
 struct LevelNodes {
-    /// Integer coordinates of the cell on its level; the last lane is unused and makes the record one SIMD register.
+    /// Integer coordinates of the cell on its level. The last lane is zero and makes this one SIMD register.
     cells: Vec<[u32; 4]>,
     /// Level at which the node parts from the one before it.
     partings: Vec<u8>,
-    /// Red, green, blue and the number of points, summed over the points inside. Exact up to 2¹⁶ points a cell, then
+    /// Red, green, blue and the number of points, summed over the points inside: exact up to 2¹⁶ points a cell, then
     /// rounded to 24 bits.
     sums: Vec<Vec4>,
 }
 
 impl LevelNodes {
-    /// The `count` occupied cells of `level`.
-    fn leaves(
-        level: u32,
-        count: usize,
-        codes: &[u64],
-        partings: &[u8],
-        colors: impl Iterator<Item = [u8; 4]>,
-    ) -> Self {
-        let mut nodes = Self {
-            cells: vec![[0; 4]; count],
-            partings: vec![0; count],
-            sums: vec![Vec4::ZERO; count],
-        };
-        let shift = 3 * (LEVELS - level);
-        let mut place = usize::MAX;
-        // In f64: a cell may hold more points than f32 can add one by one.
-        let mut sum = DVec4::ZERO;
-        for ((&code, &parting), [red, green, blue, _]) in codes.iter().zip(partings).zip(colors) {
-            let color = DVec4::new(f64::from(red), f64::from(green), f64::from(blue), 1.0);
-            if u32::from(parting) <= level {
-                place = place.wrapping_add(1);
-                let [x, y, z] = morton::decode(code >> shift);
-                nodes.cells[place] = [x, y, z, 0];
-                nodes.partings[place] = parting;
-                sum = DVec4::ZERO;
-            }
-            sum += color;
-            nodes.sums[place] = sum.as_vec4();
-        }
-        nodes
+    fn resize(&mut self, count: usize) {
+        self.cells.resize(count, [0; 4]);
+        self.partings.resize(count, 0);
+        self.sums.resize(count, Vec4::ZERO);
     }
 
-    /// Replaces the nodes by their parents on `level`, writing the masks and first children of these.
+    fn append(&mut self, other: &Self) {
+        self.cells.extend_from_slice(&other.cells);
+        self.partings.extend_from_slice(&other.partings);
+        self.sums.extend_from_slice(&other.sums);
+    }
+
+    /// Becomes the occupied cells of `level`, from sorted points.
+    fn set_leaves(&mut self, level: u32, codes: &[u64], partings: &[u8], colors: &[[u8; 4]]) {
+        self.resize(codes.len());
+        let shift = 3 * (LEVELS - level);
+        let mut count = 0;
+        // f32 cannot add more than 2¹⁶ points one by one without rounding each, so they are counted in integers.
+        let mut sum = [0u64; 4];
+        for ((&code, &parting), &[red, green, blue, _]) in codes.iter().zip(partings).zip(colors) {
+            if u32::from(parting) <= level {
+                let [x, y, z] = morton::decode(code >> shift);
+                self.cells[count] = [x, y, z, 0];
+                self.partings[count] = parting;
+                count += 1;
+                sum = [0; 4];
+            }
+            for (sum, add) in sum.iter_mut().zip([red, green, blue, 1]) {
+                *sum += u64::from(add);
+            }
+            self.sums[count - 1] = Vec4::from_array(sum.map(|sum| sum as f32));
+        }
+        self.resize(count);
+    }
+
+    /// Replaces the nodes by their parents on `level`, and writes the masks of these and the numbers of their first
+    /// children, counted from `next_child`.
     fn merge_into_parents(
         &mut self,
         level: u32,
-        first_of_children: u32,
+        next_child: u32,
         masks: &mut [u8],
         first_child: &mut [u32],
     ) {
-        let mut parent = usize::MAX;
+        // The first node begins a parent, so none of what these start with is used.
+        let mut parents = 0;
         let mut mask = 0;
         let mut first = 0;
         let mut parting = 0;
         let mut sum = Vec4::ZERO;
         for child in 0..self.partings.len() {
             let child_parting = self.partings[child];
-            let [x, y, z, _] = self.cells[child];
+            let cell = self.cells[child];
             let is_first = u32::from(child_parting) <= level;
-            let octant = x & 1 | (y & 1) << 1 | (z & 1) << 2;
-            parent = parent.wrapping_add(usize::from(is_first));
-            mask = if is_first { 0 } else { mask } | 1 << octant;
-            first = if is_first {
-                first_of_children + child as u32
-            } else {
-                first
-            };
+            parents += usize::from(is_first);
+            mask = if is_first { 0 } else { mask } | 1 << octant(cell);
+            first = if is_first { child as u32 } else { first };
             parting = if is_first { child_parting } else { parting };
-            sum = if is_first { Vec4::ZERO } else { sum } + self.sums[child];
+            sum = Vec4::select(BVec4A::splat(is_first), Vec4::ZERO, sum) + self.sums[child];
 
+            // Written for every child: the last one leaves what is right.
+            let parent = parents - 1;
             masks[parent] = mask;
-            first_child[parent] = first;
-            self.cells[parent] = [x >> 1, y >> 1, z >> 1, 0];
+            first_child[parent] = next_child + first;
+            self.cells[parent] = cell.map(|coordinate| coordinate >> 1);
             self.partings[parent] = parting;
             self.sums[parent] = sum;
         }
-        let count = masks.len();
-        self.cells.truncate(count);
-        self.partings.truncate(count);
-        self.sums.truncate(count);
+        self.resize(parents);
+    }
+}
+
+/// The octant of a cell in its parent: the lowest bits of its coordinates, moved to where signs are to be picked up.
+fn octant(cell: [u32; 4]) -> u32 {
+    Vec4::from_array(cell.map(|coordinate| f32::from_bits(coordinate << 31))).is_negative_bitmask()
+}
+
+/// A tree whose levels are being filled, each from its beginning.
+struct LevelWriter {
+    tree: Octree,
+    /// Number of the next node of each level.
+    next: [usize; LEVELS as usize + 1],
+}
+
+impl LevelWriter {
+    fn new(cube: Cube, depth: u32, point_count: usize, occupied: &OccupiedCells) -> Self {
+        let level_counts = occupied[..=depth as usize].to_vec();
+        let node_count: usize = level_counts.iter().sum();
+        let internal_count = node_count - occupied[depth as usize];
+        let mut first_child = vec![0; internal_count + 1];
+        first_child[internal_count] = node_count as u32;
+        let mut end = 0;
+        Self {
+            tree: Octree {
+                cube,
+                point_count,
+                level_counts,
+                masks: vec![0; internal_count],
+                first_child,
+                voxels: vec![bytemuck::Zeroable::zeroed(); node_count],
+            },
+            next: occupied.map(|count| {
+                end += count;
+                end - count
+            }),
+        }
     }
 
-    /// Writes what is drawn for each node.
-    fn write_voxels(&self, cube: &Cube, level: u32, voxels: &mut [VoxelRecord]) {
-        let edge = cube.cell_edge(level);
-        for ((voxel, &[x, y, z, _]), &sum) in voxels.iter_mut().zip(&self.cells).zip(&self.sums) {
+    /// Merges nodes of the level `levels.end`, written already, up to the level `levels.start`, writing each.
+    fn write_levels(&mut self, levels: Range<u32>, nodes: &mut LevelNodes) {
+        for level in levels.rev() {
+            let below = self.next[level as usize + 1] - nodes.partings.len();
+            let first = self.next[level as usize];
+            nodes.merge_into_parents(
+                level,
+                below as u32,
+                &mut self.tree.masks[first..],
+                &mut self.tree.first_child[first..],
+            );
+            self.write_voxels(level, nodes);
+        }
+    }
+
+    /// Writes what is drawn for each node, and moves on.
+    fn write_voxels(&mut self, level: u32, nodes: &LevelNodes) {
+        let next = &mut self.next[level as usize];
+        let voxels = &mut self.tree.voxels[*next..*next + nodes.cells.len()];
+        *next += voxels.len();
+        let edge = self.tree.cube.cell_edge(level);
+        let min = self.tree.cube.min.extend(0.0);
+        for ((voxel, &cell), &sum) in voxels.iter_mut().zip(&nodes.cells).zip(&nodes.sums) {
             // Below 2²¹, so that a signed conversion, which is one instruction, is exact.
-            let cell = Vec3::new(x as i32 as f32, y as i32 as f32, z as i32 as f32);
-            let [red, green, blue, _] = (sum / sum.w + 0.5).to_array().map(|mean| mean as u8);
+            let cell = Vec4::from_array(cell.map(|coordinate| coordinate as i32 as f32));
+            let [x, y, z, _] = (min + (cell + 0.5) * edge).to_array();
             *voxel = VoxelRecord {
-                center: (cube.min + (cell + 0.5) * edge).to_array(),
-                color: [red, green, blue],
+                center: [x, y, z],
+                color: rounded_bytes(sum / sum.w),
                 level: level as u8,
             };
         }
     }
+}
+
+/// The first three of four numbers in 0..=255, rounded.
+fn rounded_bytes(values: Vec4) -> [u8; 3] {
+    // At 2²³ the last bit of an f32 is worth 1: the sum is rounded there, and its low byte is the number.
+    let [red, green, blue, _] = (values + 8_388_608.0).to_array();
+    [red, green, blue].map(|value| value.to_bits() as u8)
 }

@@ -73,23 +73,41 @@ impl Cube {
     /// which belong to the last cells.
     pub(super) fn codes(&self, points: &[Vec3]) -> Vec<u64> {
         let quantizer = Quantizer::new(self);
-        points
-            .iter()
-            .map(|&point| morton::encode(quantizer.cell(point)))
-            .collect()
+        let mut codes = vec![0; points.len()];
+        // Coordinates are taken apart a block at a time: the same operation on neighbouring numbers is one SIMD instruction.
+        for (codes, points) in codes.chunks_mut(BLOCK).zip(points.chunks(BLOCK)) {
+            for axis in 0..3 {
+                let mut offsets = [0.0; BLOCK];
+                for (offset, point) in offsets.iter_mut().zip(points) {
+                    *offset = f64::from(point[axis]);
+                }
+                for (code, offset) in codes.iter_mut().zip(offsets) {
+                    let index = quantizer.index(offset - quantizer.min[axis]);
+                    *code |= morton::spread(index) << axis;
+                }
+            }
+        }
+        codes
     }
 }
+
+/// Points that are quantised together.
+const BLOCK: usize = 64;
 
 /// Maps points to finest cells, exactly.
 ///
 /// `floor(offset / cell)` needs a correctly rounded division to put a point that lies on a border into the right cell. A
-/// multiplication with the reciprocal is faster and at most one cell off, which a second look sets right: `index · cell` is
-/// exact in f64 (21 bits times the 24 of an f32), so comparing it with the offset is, too.
+/// multiplication with the reciprocal is faster but not exact, so it is only rounded to the *nearest* border, and a second
+/// look says on which side of it the point is: `border · cell` is exact in f64 (22 bits times the 24 of an f32), so comparing
+/// it with the offset is, too.
 struct Quantizer {
     min: DVec3,
     cell: f64,
     cells_per_unit: f64,
 }
+
+/// The last bit of an f64 this large is worth 1: adding it rounds to an integer, which then stands in the low bits.
+const ROUNDING: f64 = (1u64 << 52) as f64;
 
 impl Quantizer {
     fn new(cube: &Cube) -> Self {
@@ -101,17 +119,12 @@ impl Quantizer {
         }
     }
 
-    fn cell(&self, point: Vec3) -> [u32; 3] {
-        let offset = point.as_dvec3() - self.min;
-        offset.to_array().map(|offset| self.index(offset))
-    }
-
-    fn index(&self, offset: f64) -> u32 {
-        // Truncation is floor: the cube starts at the smallest coordinate. `as` saturates what is out of range.
-        let guess = (offset * self.cells_per_unit) as i32;
-        let rest = offset - f64::from(guess) * self.cell;
-        let index = guess + i32::from(rest >= self.cell) - i32::from(rest < 0.0);
-        index.clamp(0, FINEST_CELLS as i32 - 1) as u32
+    /// The index of the cell at a distance of `offset` from the lower face, which must not be negative.
+    fn index(&self, offset: f64) -> u64 {
+        let rounded = (offset * self.cells_per_unit).min(f64::from(FINEST_CELLS)) + ROUNDING;
+        let border = rounded - ROUNDING;
+        let is_below = border * self.cell > offset || border == f64::from(FINEST_CELLS);
+        (rounded.to_bits() & u64::from(2 * FINEST_CELLS - 1)) - u64::from(is_below)
     }
 }
 
