@@ -18,7 +18,11 @@ pub struct BenchmarkTable {
     pub columns: Vec<String>,
     /// Cells, one for each heading.
     pub rows: Vec<Vec<String>>,
-    /// Label and median in milliseconds of each bar of the chart.
+    /// What a reader must know, such as frames that were skipped.
+    pub notes: Vec<String>,
+    /// What the bars are.
+    pub bars_title: String,
+    /// Label and length of each bar of the chart.
     pub bars: Vec<(String, f64)>,
     /// The report for programs.
     pub json: String,
@@ -150,6 +154,8 @@ pub(super) fn benchmark_job(suite: bench::Suite, name: String, sequence: Arc<Seq
                 .map(|column| column.title.to_owned())
                 .collect(),
             rows: measured.rows.iter().map(|row| measured.cells(row)).collect(),
+            notes: measured.notes.clone(),
+            bars_title: measured.bars_title().to_owned(),
             bars: measured.bars(),
             json: measured.to_json(),
             csv: measured.to_csv(),

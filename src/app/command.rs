@@ -151,10 +151,10 @@ const FILE: &str = "File and window";
 /// Every key, grouped.
 pub const BINDINGS: &[Binding] = &[
     binding(PLAY, "Space", "Play or pause", Command::TogglePlay, &[Chord::plain(Key::Space)]),
-    repeating(binding(PLAY, "→", "Next frame", Command::Step(1), &[Chord::plain(Key::ArrowRight)])),
-    repeating(binding(PLAY, "←", "Previous frame", Command::Step(-1), &[Chord::plain(Key::ArrowLeft)])),
-    repeating(binding(PLAY, "Shift →", "Ten frames on", Command::Step(10), &[Chord::shift(Key::ArrowRight)])),
-    repeating(binding(PLAY, "Shift ←", "Ten frames back", Command::Step(-10), &[Chord::shift(Key::ArrowLeft)])),
+    repeating(binding(PLAY, "Right", "Next frame", Command::Step(1), &[Chord::plain(Key::ArrowRight)])),
+    repeating(binding(PLAY, "Left", "Previous frame", Command::Step(-1), &[Chord::plain(Key::ArrowLeft)])),
+    repeating(binding(PLAY, "Shift+Right", "Ten frames on", Command::Step(10), &[Chord::shift(Key::ArrowRight)])),
+    repeating(binding(PLAY, "Shift+Left", "Ten frames back", Command::Step(-10), &[Chord::shift(Key::ArrowLeft)])),
     binding(PLAY, "Home", "First frame", Command::First, &[Chord::plain(Key::Home)]),
     binding(PLAY, "End", "Last frame", Command::Last, &[Chord::plain(Key::End)]),
     binding(PLAY, "L", "Loop mode: off, loop, ping-pong", Command::NextLoopMode, &[Chord::plain(Key::L)]),
@@ -175,7 +175,7 @@ pub const BINDINGS: &[Binding] = &[
         Command::Larger,
         &[Chord::any_shift(Key::Plus), Chord::any_shift(Key::Equals)],
     )),
-    repeating(binding(VIEW, "−", "Smaller splats or points", Command::Smaller, &[Chord::any_shift(Key::Minus)])),
+    repeating(binding(VIEW, "-", "Smaller splats or points", Command::Smaller, &[Chord::any_shift(Key::Minus)])),
     binding(VIEW, "F2", "Settings", Command::ToggleSettings, &[Chord::plain(Key::F2)]),
     binding(VIEW, "F3", "Statistics", Command::ToggleStatistics, &[Chord::plain(Key::F3)]),
     binding(VIEW, "F11", "Full screen", Command::FullScreen, &[Chord::plain(Key::F11)]),
@@ -196,7 +196,7 @@ pub const GESTURES: &[(&str, &str)] = &[
     ("W A S D", "Fly forward, left, back, right"),
     ("E Q", "Fly up, down"),
     ("Shift, Ctrl while flying", "Faster, slower"),
-    ("Ctrl and +, −, 0", "Size of text and buttons"),
+    ("Ctrl and +, -, 0", "Size of text and buttons"),
 ];
 
 /// The keys of `command` as a person reads them, for menus and tooltips; empty without any.

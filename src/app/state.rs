@@ -1,6 +1,6 @@
 //! Everything the window shows and what a person can change, without a window: tests drive it with a clock of their own.
 
-use super::benchmark::{Benchmark, benchmark_job};
+use super::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
 use super::command::{self, Command};
 use super::fly::Fly;
 use super::notices::Notices;
@@ -289,6 +289,7 @@ impl State {
         for outcome in outcomes {
             self.take_in(outcome);
         }
+        visible |= self.notices.expire(now);
         let Some(player) = &mut self.player else {
             return visible;
         };
@@ -448,10 +449,14 @@ impl State {
         }
         let sequence = Arc::clone(player.sequence());
         let name = self.sequence_name().unwrap_or_default();
+        self.start_benchmark_job(suite.name(), benchmark_job(suite, name, sequence));
+    }
+
+    /// Shows the benchmark window and runs `job` in it.
+    pub fn start_benchmark_job(&mut self, suite: &str, job: BenchmarkJob) {
         self.panels.benchmark = true;
-        let job = benchmark_job(suite, name, sequence);
         let wake = self.wake();
-        self.benchmark.start(suite.name(), job, &self.tasks, wake);
+        self.benchmark.start(suite, job, &self.tasks, wake);
     }
 
     /// Asks where to write the benchmark's result.
@@ -541,7 +546,8 @@ impl State {
 
     /// When [`State::update`] has something to do by itself.
     pub fn next_deadline(&self) -> Option<Duration> {
-        self.player.as_ref().and_then(Player::next_deadline)
+        let player = self.player.as_ref().and_then(Player::next_deadline);
+        [player, self.notices.next_deadline()].into_iter().flatten().min()
     }
 
     /// What is open, for the title and for names of files.

@@ -1,6 +1,6 @@
 //! The benchmark window: progress and cancel while it runs, then the table and a bar chart.
 
-use crate::app::theme::{ACCENT, BAD};
+use crate::app::theme::{ACCENT, BAD, ODD};
 use crate::app::{Benchmark, BenchmarkTable, DialogKind, State};
 use egui::{Align2, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
 use egui_plot::{Bar, BarChart, Plot};
@@ -56,9 +56,12 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
     ui.weak(&table.adapter);
     ui.separator();
     ScrollArea::both().id_salt("table").max_height(260.0).show(ui, |ui| cells(ui, table));
+    for note in &table.notes {
+        ui.label(RichText::new(note).color(ODD));
+    }
     if !table.bars.is_empty() {
         ui.add_space(8.0);
-        ui.label("Median, milliseconds (shorter is better)");
+        ui.label(&table.bars_title);
         chart(ui, table);
     }
     ui.separator();
@@ -119,6 +122,6 @@ fn chart(ui: &mut Ui, table: &BenchmarkTable) {
             label.cloned().unwrap_or_default()
         })
         .show(ui, |plot| {
-            plot.bar_chart(BarChart::new("median", bars).horizontal().color(ACCENT));
+            plot.bar_chart(BarChart::new(&table.bars_title, bars).horizontal().color(ACCENT));
         });
 }

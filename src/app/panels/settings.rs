@@ -136,7 +136,7 @@ fn surfels(ui: &mut Ui, settings: &mut Settings) {
     heading(ui, "Surfels");
     rows(ui, "surfels", |ui| {
         let scale = Slider::new(&mut settings.splat_scale, SPLAT_SCALE_RANGE).logarithmic(true).max_decimals(2).suffix(" ×");
-        row(ui, "Splat scale", "Factor on every splat's radius (+ and −)", scale);
+        row(ui, "Splat scale", "Factor on every splat's radius (+ and -)", scale);
         let uses_enlargement = matches!(settings.splatting, Splatting::Enlarged | Splatting::TwoPassEnlarged);
         if uses_enlargement {
             let enlargement = Slider::new(&mut settings.enlargement, 1.0..=4.0).max_decimals(2).suffix(" ×");
@@ -180,7 +180,7 @@ fn points(ui: &mut Ui, settings: &mut Settings) {
     heading(ui, "Points");
     rows(ui, "points", |ui| {
         let size = Slider::new(&mut settings.point_size_px, POINT_SIZE_RANGE_PX).max_decimals(1).suffix(" px");
-        row(ui, "Point size", "Edge of the square drawn for a point, pixels (+ and −)", size);
+        row(ui, "Point size", "Edge of the square drawn for a point, pixels (+ and -)", size);
     });
 }
 
@@ -233,9 +233,9 @@ fn camera(ui: &mut Ui, state: &mut State) {
             "y" => "+Y",
             "z" => "+Z",
             "x" => "+X",
-            "-y" => "−Y",
-            "-z" => "−Z",
-            _ => "−X",
+            "-y" => "-Y",
+            "-z" => "-Z",
+            _ => "-X",
         };
         (text, axis, "The axis of the file that points up in the picture")
     });

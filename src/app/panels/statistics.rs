@@ -3,7 +3,10 @@
 use super::{bytes, grouped};
 use crate::app::State;
 use crate::sequence::PreparedFrame;
-use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
+use egui::{DragValue, Grid, Label, RichText, ScrollArea, Ui};
+
+/// Width of the names, so that the figures of all sections stand in one column, points.
+const NAME_WIDTH: f32 = 92.0;
 
 /// The panel at the left.
 pub fn statistics_ui(ui: &mut Ui, state: &mut State) {
@@ -14,18 +17,22 @@ pub fn statistics_ui(ui: &mut Ui, state: &mut State) {
             shown_frame(ui, state, &frame);
         }
         memory(ui, state);
-        section(ui, "Adapter", |ui| {
-            ui.label(&state.graphics.adapter);
-            ui.end_row();
-        });
+        heading(ui, "Adapter");
+        ui.add(Label::new(&state.graphics.adapter).wrap());
     });
 }
 
-fn section(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
+fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(6.0);
-    ui.label(RichText::new(name).strong().size(14.5));
-    Grid::new(name).num_columns(2).striped(false).spacing([14.0, 3.0]).show(ui, add);
-    ui.add_space(4.0);
+    ui.label(RichText::new(text).strong().size(14.5));
+}
+
+fn section(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
+    heading(ui, name);
+    Grid::new(name).num_columns(2).min_col_width(NAME_WIDTH).spacing([10.0, 4.0]).show(ui, |ui| {
+        ui.spacing_mut().interact_size.y = 16.0;
+        add(ui);
+    });
 }
 
 fn row(ui: &mut Ui, name: &str, value: impl Into<String>, tooltip: &str) {
