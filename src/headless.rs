@@ -107,8 +107,17 @@ pub struct Headless {
 
 impl Headless {
     /// A renderer for the frames that `loader` loads.
-    pub fn new(sequence: Arc<Sequence>, loader: Loader, context: Arc<Context>) -> Result<Self, RenderError> {
-        Ok(Self { sequence, loader, renderer: GpuRenderer::new(context)?, scene: Scene::default() })
+    pub fn new(
+        sequence: Arc<Sequence>,
+        loader: Loader,
+        context: Arc<Context>,
+    ) -> Result<Self, RenderError> {
+        Ok(Self {
+            sequence,
+            loader,
+            renderer: GpuRenderer::new(context)?,
+            scene: Scene::default(),
+        })
     }
 
     /// Opens the adapter that a window would take.
@@ -122,7 +131,11 @@ impl Headless {
     }
 
     /// Waits for frame `index` with all that `settings` need; later frames are prepared meanwhile.
-    pub fn frame(&self, index: usize, settings: &Settings) -> Result<Arc<PreparedFrame>, FrameError> {
+    pub fn frame(
+        &self,
+        index: usize,
+        settings: &Settings,
+    ) -> Result<Arc<PreparedFrame>, FrameError> {
         let needs = Scene::needs(settings);
         self.loader.request(index, Direction::Forward, &needs);
         self.loader.wait(index, &needs)
@@ -136,7 +149,9 @@ impl Headless {
         settings: &Settings,
         size_px: [u32; 2],
     ) -> Result<RgbaImage, RenderError> {
-        let packet = self.scene.packet(frame, self.sequence.origin(), camera, settings, size_px);
+        let packet = self
+            .scene
+            .packet(frame, self.sequence.origin(), camera, settings, size_px);
         self.renderer.prepare(&packet)?;
         self.renderer.render()?;
         self.renderer.wait_gpu_ms();

@@ -13,10 +13,12 @@
 //! | [`scene`] | camera, settings, and the [`scene::ScenePacket`] that holds all that one picture needs |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
-//! | [`mod@bench`] | the program measures itself by the protocol of paper 000 §VII |
+//! | [`bench`] | the paper's tables, measured here |
+//! | [`app`] | the window |
 //! | [`cli`] | the command line |
 
 pub mod analysis;
+pub mod app;
 pub mod bench;
 pub mod cli;
 pub mod cloud;

@@ -38,11 +38,19 @@ fn named_modules(source: &str) -> Vec<String> {
     for rest in source.split("crate::").skip(1) {
         let names: Vec<&str> = match rest.strip_prefix('{') {
             // use crate::{a::…, b};
-            Some(group) => group.split(['{', '}']).next().unwrap_or("").split(',').collect(),
+            Some(group) => group
+                .split(['{', '}'])
+                .next()
+                .unwrap_or("")
+                .split(',')
+                .collect(),
             None => vec![rest],
         };
         modules.extend(names.into_iter().map(|name| {
-            name.trim_start().chars().take_while(|c| c.is_ascii_lowercase() || *c == '_').collect::<String>()
+            name.trim_start()
+                .chars()
+                .take_while(|c| c.is_ascii_lowercase() || *c == '_')
+                .collect::<String>()
         }));
     }
     modules
@@ -57,21 +65,32 @@ fn imports_go_one_way() {
     let mut imports = 0;
     for file in &files {
         let relative = file.strip_prefix(&src).unwrap();
-        let first = relative.components().next().unwrap().as_os_str().to_string_lossy();
+        let first = relative
+            .components()
+            .next()
+            .unwrap()
+            .as_os_str()
+            .to_string_lossy();
         let own = first.trim_end_matches(".rs");
         if own == "lib" || own == "main" {
             continue;
         }
-        let own_rank = rank(own).unwrap_or_else(|| panic!("module {own} has no place in the order"));
+        let own_rank =
+            rank(own).unwrap_or_else(|| panic!("module {own} has no place in the order"));
         for module in named_modules(&fs::read_to_string(file).unwrap()) {
-            let Some(imported_rank) = rank(&module) else { continue };
+            let Some(imported_rank) = rank(&module) else {
+                continue;
+            };
             imports += 1;
             if imported_rank > own_rank || (imported_rank == own_rank && module != own) {
                 violations.push(format!("{} names crate::{module}", relative.display()));
             }
         }
     }
-    assert!(imports > 50, "only {imports} imports were found: the test reads the sources wrongly");
+    assert!(
+        imports > 50,
+        "only {imports} imports were found: the test reads the sources wrongly"
+    );
     assert!(violations.is_empty(), "{}", violations.join("\n"));
 }
 
@@ -92,5 +111,9 @@ fn files_stay_readable() {
         .filter(|(_, lines)| *lines > 600)
         .map(|(file, lines)| format!("{} has {lines} lines", file.display()))
         .collect();
-    assert!(long.is_empty(), "split before 600 lines: {}", long.join(", "));
+    assert!(
+        long.is_empty(),
+        "split before 600 lines: {}",
+        long.join(", ")
+    );
 }

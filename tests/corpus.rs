@@ -25,7 +25,11 @@ fn json(path: &Path) -> Value {
 
 fn vector(value: &Value) -> Option<[f64; 3]> {
     let numbers = value.as_array()?;
-    Some([numbers.first()?.as_f64()?, numbers.get(1)?.as_f64()?, numbers.get(2)?.as_f64()?])
+    Some([
+        numbers.first()?.as_f64()?,
+        numbers.get(1)?.as_f64()?,
+        numbers.get(2)?.as_f64()?,
+    ])
 }
 
 /// What differs between a cloud and what is expected of it.
@@ -33,24 +37,37 @@ fn differences(cloud: &RawCloud, expected: &Value, points: &str, finite: &str) -
     let (finite_points, bounds) = cloud.positions.finite_bounds();
     let mut differences = Vec::new();
     let mut check_count = |what: &str, found: usize, expected: &Value| {
-        if let Some(expected) = expected.as_u64().filter(|&expected| expected != found as u64) {
+        if let Some(expected) = expected
+            .as_u64()
+            .filter(|&expected| expected != found as u64)
+        {
             differences.push(format!("{found} {what}, expected {expected}"));
         }
     };
     check_count("points", cloud.positions.len(), &expected[points]);
     check_count("finite points", finite_points, &expected[finite]);
-    for (name, found) in [("min", bounds.map(|(min, _)| min)), ("max", bounds.map(|(_, max)| max))] {
-        let Some(expected) = vector(&expected[name]) else { continue };
+    for (name, found) in [
+        ("min", bounds.map(|(min, _)| min)),
+        ("max", bounds.map(|(_, max)| max)),
+    ] {
+        let Some(expected) = vector(&expected[name]) else {
+            continue;
+        };
         let Some(found) = found else {
             differences.push(format!("no {name}, expected {expected:?}"));
             continue;
         };
-        let is_near = |(found, expected): (f64, f64)| (found - expected).abs() <= 1e-6 * (1.0 + expected.abs());
+        let is_near = |(found, expected): (f64, f64)| {
+            (found - expected).abs() <= 1e-6 * (1.0 + expected.abs())
+        };
         if !found.to_array().into_iter().zip(expected).all(is_near) {
             differences.push(format!("{name} {found}, expected {expected:?}"));
         }
     }
-    for (name, found) in [("has_color", cloud.colors.is_some()), ("has_normals", cloud.normals.is_some())] {
+    for (name, found) in [
+        ("has_color", cloud.colors.is_some()),
+        ("has_normals", cloud.normals.is_some()),
+    ] {
         // What the other readers know no name for (upper-case fields, columns of text) is no mistake of ours.
         if expected[name] == true && !found {
             differences.push(format!("{name} is false, expected true"));
@@ -83,16 +100,29 @@ fn the_corpus_reads_as_other_readers_read_it() {
             wrong.push(format!("{file} ({format}): {}", differences.join("; ")));
         }
     }
-    println!("corpus: {} of {tried} files as expected", tried - wrong.len());
+    println!(
+        "corpus: {} of {tried} files as expected",
+        tried - wrong.len()
+    );
     assert!(tried > 100, "only {tried} files were tried");
-    assert!(wrong.is_empty(), "{} of {tried} files differ:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(
+        wrong.is_empty(),
+        "{} of {tried} files differ:\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
 }
 
 #[test]
 fn other_formats_are_refused_with_a_reason() {
     let Some(data) = shared_data() else { return };
     let error = io::read(&data.join("models/CesiumMan.glb")).unwrap_err();
-    assert!(error.to_string().contains("not in a format that pointreel reads"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("not in a format that pointreel reads"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -105,7 +135,12 @@ fn the_sequences_read_as_other_readers_read_them() {
             let path = folder.join(name).join(frame["file"].as_str().unwrap());
             let cloud = io::read(&path).unwrap();
             let differences = differences(&cloud, frame, "points", "finite");
-            assert!(differences.is_empty(), "{}: {}", path.display(), differences.join("; "));
+            assert!(
+                differences.is_empty(),
+                "{}: {}",
+                path.display(),
+                differences.join("; ")
+            );
             tried += 1;
         }
     }

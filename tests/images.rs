@@ -22,7 +22,10 @@ fn ray_hits_disk(surfel: &Surfel, radius: f64, distance: f64, x: u32, y: u32) ->
         -(f64::from(y) + 0.5 - height / 2.0) / (height / 2.0),
         -1.0,
     );
-    let (center, normal) = (surfel.position.as_dvec3() - DVec3::Z * distance, surfel.normal.as_dvec3());
+    let (center, normal) = (
+        surfel.position.as_dvec3() - DVec3::Z * distance,
+        surfel.normal.as_dvec3(),
+    );
     let t = center.dot(normal) / ray.dot(normal);
     // The renderer's near plane is at 0.005 of the distance to the target.
     t > 0.005 * distance && (ray * t - center).length() <= radius
@@ -45,7 +48,12 @@ fn covered_pixels(image: &RgbaImage, background: [u8; 3]) -> Vec<(u32, u32)> {
 
 fn tilted(angle_deg: f32) -> Surfel {
     let (sin, cos) = angle_deg.to_radians().sin_cos();
-    Surfel { position: Vec3::new(0.11, -0.07, 0.0), normal: Vec3::new(sin, 0.0, cos), radius: 0.83, color: RED }
+    Surfel {
+        position: Vec3::new(0.11, -0.07, 0.0),
+        normal: Vec3::new(sin, 0.0, cos),
+        radius: 0.83,
+        color: RED,
+    }
 }
 
 #[test]
@@ -54,11 +62,18 @@ fn a_single_surfel_covers_its_disk_in_every_mode() {
         let [_, scale] = splatting.scales(2.0);
         for angle_deg in [0.0, 35.0, 60.0] {
             let surfel = tilted(angle_deg);
-            let settings = Settings { splatting, ..plain() };
+            let settings = Settings {
+                splatting,
+                ..plain()
+            };
             let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
             let expected = disk_pixels(&surfel, f64::from(surfel.radius * scale), 3.0);
             assert!(expected.len() > 300);
-            assert_eq!(covered_pixels(&image, BLACK), expected, "{splatting} at {angle_deg} degrees");
+            assert_eq!(
+                covered_pixels(&image, BLACK),
+                expected,
+                "{splatting} at {angle_deg} degrees"
+            );
         }
     }
 }
@@ -67,18 +82,34 @@ fn a_single_surfel_covers_its_disk_in_every_mode() {
 fn the_splat_scale_scales_the_disk() {
     let surfel = tilted(20.0);
     for splat_scale in [0.5, 1.0, 1.7] {
-        let settings = Settings { splat_scale, splatting: Splatting::TwoPass, ..plain() };
+        let settings = Settings {
+            splat_scale,
+            splatting: Splatting::TwoPass,
+            ..plain()
+        };
         let image = draw(&surfels(&[surfel], &camera_at(4.0), settings, SIZE));
         let expected = disk_pixels(&surfel, f64::from(surfel.radius * splat_scale), 4.0);
-        assert_eq!(covered_pixels(&image, BLACK), expected, "scale {splat_scale}");
+        assert_eq!(
+            covered_pixels(&image, BLACK),
+            expected,
+            "scale {splat_scale}"
+        );
     }
 }
 
 #[test]
 fn a_surfel_across_the_near_plane_is_cut_there() {
     // Its plane passes just below the eye, from behind it to far in front.
-    let surfel = Surfel { position: Vec3::new(0.0, -0.2, 1.0), normal: Vec3::Y, radius: 1.5, color: RED };
-    let settings = Settings { splatting: Splatting::TwoPass, ..plain() };
+    let surfel = Surfel {
+        position: Vec3::new(0.0, -0.2, 1.0),
+        normal: Vec3::Y,
+        radius: 1.5,
+        color: RED,
+    };
+    let settings = Settings {
+        splatting: Splatting::TwoPass,
+        ..plain()
+    };
     let image = draw(&surfels(&[surfel], &camera_at(1.0), settings, SIZE));
     let expected = disk_pixels(&surfel, 1.5, 1.0);
     assert!(expected.len() > 3000);
@@ -87,23 +118,46 @@ fn a_surfel_across_the_near_plane_is_cut_there() {
 
 #[test]
 fn back_faces_are_culled_unless_asked_for() {
-    let surfel = Surfel { normal: -tilted(20.0).normal, ..tilted(20.0) };
+    let surfel = Surfel {
+        normal: -tilted(20.0).normal,
+        ..tilted(20.0)
+    };
     for &splatting in Splatting::ALL {
-        let settings = Settings { splatting, ..plain() };
+        let settings = Settings {
+            splatting,
+            ..plain()
+        };
         let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
         assert_eq!(covered(&image, BLACK), 0, "{splatting}");
-        let settings = Settings { cull_back_faces: false, ..settings };
+        let settings = Settings {
+            cull_back_faces: false,
+            ..settings
+        };
         let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
         let [_, scale] = splatting.scales(2.0);
         let expected = disk_pixels(&tilted(20.0), f64::from(surfel.radius * scale), 3.0);
-        assert_eq!(covered_pixels(&image, BLACK), expected, "{splatting} from behind");
+        assert_eq!(
+            covered_pixels(&image, BLACK),
+            expected,
+            "{splatting} from behind"
+        );
     }
 }
 
 /// Red at z = 1 in front of green at z = -1; both face the eye at z = 4 and are separated by more than the slack.
 fn red_before_green() -> [Surfel; 2] {
-    let red = Surfel { position: Vec3::new(-0.3, 0.0, 1.0), normal: Vec3::Z, radius: 0.7, color: RED };
-    let green = Surfel { position: Vec3::new(0.5, 0.0, -1.0), normal: Vec3::Z, radius: 0.9, color: GREEN };
+    let red = Surfel {
+        position: Vec3::new(-0.3, 0.0, 1.0),
+        normal: Vec3::Z,
+        radius: 0.7,
+        color: RED,
+    };
+    let green = Surfel {
+        position: Vec3::new(0.5, 0.0, -1.0),
+        normal: Vec3::Z,
+        radius: 0.9,
+        color: GREEN,
+    };
     [red, green]
 }
 
@@ -112,10 +166,16 @@ fn the_nearer_of_two_surfels_hides_the_other_in_any_order() {
     let [red, green] = red_before_green();
     let red_disk = disk_pixels(&red, 0.7, 4.0);
     let green_disk = disk_pixels(&green, 0.9, 4.0);
-    let overlap = red_disk.iter().filter(|pixel| green_disk.contains(pixel)).count();
+    let overlap = red_disk
+        .iter()
+        .filter(|pixel| green_disk.contains(pixel))
+        .count();
     assert!(overlap > 100);
     for order in [[red, green], [green, red]] {
-        let settings = Settings { splatting: Splatting::TwoPass, ..plain() };
+        let settings = Settings {
+            splatting: Splatting::TwoPass,
+            ..plain()
+        };
         let image = draw(&surfels(&order, &camera_at(4.0), settings, SIZE));
         for (x, y, pixel) in image.enumerate_pixels() {
             let [r, g, b, _] = pixel.0;
@@ -129,33 +189,82 @@ fn the_nearer_of_two_surfels_hides_the_other_in_any_order() {
 #[test]
 fn without_depth_the_farther_shines_through() {
     let [red, green] = red_before_green();
-    let settings = Settings { splatting: Splatting::NoDepth, ..plain() };
+    let settings = Settings {
+        splatting: Splatting::NoDepth,
+        ..plain()
+    };
     let image = draw(&surfels(&[red, green], &camera_at(4.0), settings, SIZE));
-    let both = image.pixels().filter(|pixel| pixel.0[0] > 0 && pixel.0[1] > 0).count();
+    let both = image
+        .pixels()
+        .filter(|pixel| pixel.0[0] > 0 && pixel.0[1] > 0)
+        .count();
     let red_disk = disk_pixels(&red, 0.7, 4.0);
-    let overlap = disk_pixels(&green, 0.9, 4.0).into_iter().filter(|pixel| red_disk.contains(pixel)).count();
+    let overlap = disk_pixels(&green, 0.9, 4.0)
+        .into_iter()
+        .filter(|pixel| red_disk.contains(pixel))
+        .count();
     // At the rims a weight of 5 % of one over the other may round to nothing.
-    assert!(both > overlap * 9 / 10 && both <= overlap, "{both} of {overlap}");
+    assert!(
+        both > overlap * 9 / 10 && both <= overlap,
+        "{both} of {overlap}"
+    );
 }
 
 #[test]
 fn surfels_of_one_surface_are_averaged() {
-    let surfel = |x: f32, color| Surfel { position: Vec3::new(x, 0.0, 0.0), normal: Vec3::Z, radius: 1.0, color };
-    let settings = Settings { splatting: Splatting::TwoPass, ..plain() };
-    let image = draw(&surfels(&[surfel(-0.3, RED), surfel(0.3, GREEN)], &camera_at(3.0), settings, [201, 161]));
+    let surfel = |x: f32, color| Surfel {
+        position: Vec3::new(x, 0.0, 0.0),
+        normal: Vec3::Z,
+        radius: 1.0,
+        color,
+    };
+    let settings = Settings {
+        splatting: Splatting::TwoPass,
+        ..plain()
+    };
+    let image = draw(&surfels(
+        &[surfel(-0.3, RED), surfel(0.3, GREEN)],
+        &camera_at(3.0),
+        settings,
+        [201, 161],
+    ));
     let middle = image.get_pixel(100, 80).0;
-    assert!(middle[0].abs_diff(128) <= 1 && middle[1].abs_diff(128) <= 1, "{middle:?}");
-    assert!(image.get_pixel(80, 80).0[0] > image.get_pixel(80, 80).0[1], "left is nearer to red");
+    assert!(
+        middle[0].abs_diff(128) <= 1 && middle[1].abs_diff(128) <= 1,
+        "{middle:?}"
+    );
+    assert!(
+        image.get_pixel(80, 80).0[0] > image.get_pixel(80, 80).0[1],
+        "left is nearer to red"
+    );
 }
 
 #[test]
 fn regular_splatting_shows_the_square_corners_that_the_paper_shows() {
     // In front: a small surfel whose square corners are transparent but write depth.
-    let front = Surfel { position: Vec3::new(0.0, 0.0, 0.5), normal: Vec3::Z, radius: 0.5, color: RED };
-    let back = Surfel { position: Vec3::ZERO, normal: Vec3::Z, radius: 2.0, color: GREEN };
+    let front = Surfel {
+        position: Vec3::new(0.0, 0.0, 0.5),
+        normal: Vec3::Z,
+        radius: 0.5,
+        color: RED,
+    };
+    let back = Surfel {
+        position: Vec3::ZERO,
+        normal: Vec3::Z,
+        radius: 2.0,
+        color: GREEN,
+    };
     let at_corner = |splatting| {
-        let settings = Settings { splatting, ..plain() };
-        let image = draw(&surfels(&[front, back], &camera_at(3.0), settings, [200, 200]));
+        let settings = Settings {
+            splatting,
+            ..plain()
+        };
+        let image = draw(&surfels(
+            &[front, back],
+            &camera_at(3.0),
+            settings,
+            [200, 200],
+        ));
         // The corner (0.45, 0.45) of the square is outside the disk.
         image.get_pixel(100 + 18, 100 - 18).0
     };
@@ -165,8 +274,15 @@ fn regular_splatting_shows_the_square_corners_that_the_paper_shows() {
 
 #[test]
 fn a_voxel_seen_face_on_is_a_square() {
-    let record = VoxelRecord { center: [0.0; 3], color: [10, 200, 30], level: 1 };
-    let settings = Settings { primitive: Primitive::Voxel, ..plain() };
+    let record = VoxelRecord {
+        center: [0.0; 3],
+        color: [10, 200, 30],
+        level: 1,
+    };
+    let settings = Settings {
+        primitive: Primitive::Voxel,
+        ..plain()
+    };
     // A cell of edge 1: its front face is 4.5 from the eye, 160 / 2 / 4.5 = 17.8 pixels high and wide.
     let image = draw(&voxels(vec![record], 2.0, &camera_at(5.0), settings, SIZE));
     assert_eq!(count_color(&image, [10, 200, 30]), 18 * 18);
@@ -175,11 +291,28 @@ fn a_voxel_seen_face_on_is_a_square() {
 
 #[test]
 fn a_voxel_seen_from_a_corner_shows_three_faces_with_their_own_light() {
-    let record = VoxelRecord { center: [0.0; 3], color: [200, 200, 200], level: 0 };
-    let camera = Camera { azimuth_deg: 30.0, elevation_deg: 20.0, fov_deg: 30.0, ..camera_at(6.0) };
-    let settings = Settings { primitive: Primitive::Voxel, lighting: Lighting::PerSurfel, ..plain() };
+    let record = VoxelRecord {
+        center: [0.0; 3],
+        color: [200, 200, 200],
+        level: 0,
+    };
+    let camera = Camera {
+        azimuth_deg: 30.0,
+        elevation_deg: 20.0,
+        fov_deg: 30.0,
+        ..camera_at(6.0)
+    };
+    let settings = Settings {
+        primitive: Primitive::Voxel,
+        lighting: Lighting::PerSurfel,
+        ..plain()
+    };
     let image = draw(&voxels(vec![record], 1.0, &camera, settings, SIZE));
-    let mut colors: Vec<[u8; 4]> = image.pixels().map(|pixel| pixel.0).filter(|pixel| pixel[..3] != BLACK).collect();
+    let mut colors: Vec<[u8; 4]> = image
+        .pixels()
+        .map(|pixel| pixel.0)
+        .filter(|pixel| pixel[..3] != BLACK)
+        .collect();
     colors.sort_unstable();
     colors.dedup();
     assert_eq!(colors.len(), 3, "{colors:?}");
@@ -187,17 +320,35 @@ fn a_voxel_seen_from_a_corner_shows_three_faces_with_their_own_light() {
 
 #[test]
 fn nothing_is_seen_of_a_voxel_from_inside() {
-    let record = VoxelRecord { center: [0.0; 3], color: [200, 200, 200], level: 0 };
-    let settings = Settings { primitive: Primitive::Voxel, ..plain() };
+    let record = VoxelRecord {
+        center: [0.0; 3],
+        color: [200, 200, 200],
+        level: 0,
+    };
+    let settings = Settings {
+        primitive: Primitive::Voxel,
+        ..plain()
+    };
     let image = draw(&voxels(vec![record], 10.0, &camera_at(1.0), settings, SIZE));
     assert_eq!(covered(&image, BLACK), 0);
 }
 
 #[test]
 fn the_nearer_voxel_hides_the_other_in_any_order() {
-    let near = VoxelRecord { center: [0.0, 0.0, 1.0], color: RED, level: 1 };
-    let far = VoxelRecord { center: [0.0, 0.0, -1.0], color: GREEN, level: 1 };
-    let settings = Settings { primitive: Primitive::Voxel, ..plain() };
+    let near = VoxelRecord {
+        center: [0.0, 0.0, 1.0],
+        color: RED,
+        level: 1,
+    };
+    let far = VoxelRecord {
+        center: [0.0, 0.0, -1.0],
+        color: GREEN,
+        level: 1,
+    };
+    let settings = Settings {
+        primitive: Primitive::Voxel,
+        ..plain()
+    };
     for order in [vec![near, far], vec![far, near]] {
         let image = draw(&voxels(order, 2.0, &camera_at(4.0), settings, SIZE));
         assert_eq!(count_color(&image, GREEN), 0);
@@ -208,11 +359,20 @@ fn the_nearer_voxel_hides_the_other_in_any_order() {
 
 #[test]
 fn points_are_squares_of_their_size_whatever_the_distance() {
-    let point = |x: f32, z: f32| Surfel { position: Vec3::new(x, 0.013, z), normal: Vec3::NEG_Z, radius: 0.0, color: RED };
+    let point = |x: f32, z: f32| Surfel {
+        position: Vec3::new(x, 0.013, z),
+        normal: Vec3::NEG_Z,
+        radius: 0.0,
+        color: RED,
+    };
     // Their squares do not touch, and they face away: points have no back.
     let cloud = [point(-1.0, 0.0), point(0.013, -3.0), point(1.0, 1.0)];
     for (point_size_px, pixels) in [(1.0, 1), (3.0, 9), (6.0, 36)] {
-        let settings = Settings { primitive: Primitive::Point, point_size_px, ..plain() };
+        let settings = Settings {
+            primitive: Primitive::Point,
+            point_size_px,
+            ..plain()
+        };
         let image = draw(&surfels(&cloud, &camera_at(4.0), settings, SIZE));
         assert_eq!(count_color(&image, RED), 3 * pixels, "{point_size_px} px");
     }
@@ -220,38 +380,82 @@ fn points_are_squares_of_their_size_whatever_the_distance() {
 
 #[test]
 fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
-    let surfel = Surfel { position: Vec3::ZERO, normal: Vec3::Z, radius: 2.0, color: [100, 60, 20] };
+    let surfel = Surfel {
+        position: Vec3::ZERO,
+        normal: Vec3::Z,
+        radius: 2.0,
+        color: [100, 60, 20],
+    };
     for lighting in [Lighting::PerSurfel, Lighting::PerFragment] {
-        let settings = Settings { lighting, splatting: Splatting::TwoPass, ..plain() };
+        let settings = Settings {
+            lighting,
+            splatting: Splatting::TwoPass,
+            ..plain()
+        };
         let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, [201, 201]));
         let [r, g, b, _] = image.get_pixel(100, 100).0;
         // All of the colour, and the highlight's 15 % white.
         let highlight = 38;
         let expected = [100 + highlight, 60 + highlight, 20 + highlight];
-        assert!([r, g, b].iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1), "{lighting}: {:?}", [r, g, b]);
+        assert!(
+            [r, g, b]
+                .iter()
+                .zip(expected)
+                .all(|(a, b)| a.abs_diff(b) <= 1),
+            "{lighting}: {:?}",
+            [r, g, b]
+        );
     }
-    let tilted = Surfel { normal: Vec3::new(0.866_025_4, 0.0, 0.5), ..surfel };
-    let settings = Settings { lighting: Lighting::PerSurfel, splatting: Splatting::TwoPass, ..plain() };
+    let tilted = Surfel {
+        normal: Vec3::new(0.866_025_4, 0.0, 0.5),
+        ..surfel
+    };
+    let settings = Settings {
+        lighting: Lighting::PerSurfel,
+        splatting: Splatting::TwoPass,
+        ..plain()
+    };
     let image = draw(&surfels(&[tilted], &camera_at(3.0), settings, [201, 201]));
     // 60 degrees: 0.25 + 0.75 / 2 of the colour, no highlight to speak of.
-    assert!(image.get_pixel(100, 100).0[0].abs_diff(63) <= 1, "{:?}", image.get_pixel(100, 100));
+    assert!(
+        image.get_pixel(100, 100).0[0].abs_diff(63) <= 1,
+        "{:?}",
+        image.get_pixel(100, 100)
+    );
 }
 
 #[test]
 fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
     let background = [255, 0, 255];
-    let cloud: Vec<Surfel> = sphere(2000, 1.0).into_iter().map(|s| Surfel { color: [90, 90, 90], ..s }).collect();
+    let cloud: Vec<Surfel> = sphere(2000, 1.0)
+        .into_iter()
+        .map(|s| Surfel {
+            color: [90, 90, 90],
+            ..s
+        })
+        .collect();
     for splatting in [Splatting::TwoPassEnlarged, Splatting::Enlarged] {
         for (azimuth_deg, elevation_deg) in [(0.0, 0.0), (77.0, 31.0), (190.0, -80.0)] {
-            let camera = Camera { azimuth_deg, elevation_deg, ..camera_at(2.0) };
-            let settings = Settings { splatting, background: Background::solid(background), ..plain() };
+            let camera = Camera {
+                azimuth_deg,
+                elevation_deg,
+                ..camera_at(2.0)
+            };
+            let settings = Settings {
+                splatting,
+                background: Background::solid(background),
+                ..plain()
+            };
             let image = draw(&surfels(&cloud, &camera, settings, [200, 200]));
             // The silhouette of a unit sphere at distance 2 is tan(30°) × 100 pixels wide.
             let silhouette = 100.0 * 30f32.to_radians().tan();
             for (x, y, pixel) in image.enumerate_pixels() {
                 let from_middle = (x as f32 + 0.5 - 100.0).hypot(y as f32 + 0.5 - 100.0);
                 if from_middle < 0.97 * silhouette {
-                    assert_eq!(pixel.0[0], pixel.0[1], "{splatting}: background at {x}, {y}");
+                    assert_eq!(
+                        pixel.0[0], pixel.0[1],
+                        "{splatting}: background at {x}, {y}"
+                    );
                 } else if from_middle > 1.2 * silhouette {
                     assert_eq!(pixel.0[..3], background, "{splatting}: splat at {x}, {y}");
                 }
@@ -262,11 +466,20 @@ fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
 
 #[test]
 fn a_gradient_runs_from_top_to_bottom() {
-    let settings = Settings { background: Background { top: [0, 0, 0], bottom: [160, 80, 0] }, ..plain() };
+    let settings = Settings {
+        background: Background {
+            top: [0, 0, 0],
+            bottom: [160, 80, 0],
+        },
+        ..plain()
+    };
     let image = draw(&surfels(&[], &camera_at(1.0), settings, SIZE));
     for (_, y, pixel) in image.enumerate_pixels() {
         let expected = (y as f32 + 0.5).round() as u8;
-        assert!(pixel.0[0].abs_diff(expected) <= 1 && pixel.0[1].abs_diff(expected / 2) <= 1, "row {y}: {pixel:?}");
+        assert!(
+            pixel.0[0].abs_diff(expected) <= 1 && pixel.0[1].abs_diff(expected / 2) <= 1,
+            "row {y}: {pixel:?}"
+        );
     }
 }
 
@@ -275,17 +488,26 @@ fn a_cloud_far_from_the_world_origin_looks_the_same() {
     let cloud = sphere(800, 1.0);
     let near = surfels(&cloud, &camera_at(3.0), plain(), SIZE);
     let origin = DVec3::new(4.5e6, -1.2e7, 321.0);
-    let camera = Camera { target_in_world: origin, ..camera_at(3.0) };
+    let camera = Camera {
+        target_in_world: origin,
+        ..camera_at(3.0)
+    };
     let mut far = surfels(&cloud, &camera, plain(), SIZE);
     far.view = camera.transform(origin, SIZE);
     let (pixels, most) = common::difference(&draw(&near), &draw(&far));
-    assert!(pixels <= 20 && most <= 2, "{pixels} pixels differ by up to {most}");
+    assert!(
+        pixels <= 20 && most <= 2,
+        "{pixels} pixels differ by up to {most}"
+    );
 }
 
 #[test]
 fn pictures_of_odd_sizes_come_back_whole() {
     for size in [[1, 1], [3, 7], [65, 1], [257, 33]] {
-        let settings = Settings { background: Background::solid([1, 2, 3]), ..plain() };
+        let settings = Settings {
+            background: Background::solid([1, 2, 3]),
+            ..plain()
+        };
         let image = draw(&surfels(&[], &camera_at(1.0), settings, size));
         assert_eq!([image.width(), image.height()], size);
         assert_eq!(count_color(&image, [1, 2, 3]), (size[0] * size[1]) as usize);

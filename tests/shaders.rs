@@ -20,7 +20,10 @@ fn parse(permutation: Permutation) -> Result<naga::Module, String> {
 fn every_permutation_validates() {
     let all = Permutation::all();
     assert!(all.len() > 30, "{} permutations", all.len());
-    let failures: Vec<String> = all.into_iter().filter_map(|permutation| parse(permutation).err()).collect();
+    let failures: Vec<String> = all
+        .into_iter()
+        .filter_map(|permutation| parse(permutation).err())
+        .collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
@@ -28,12 +31,21 @@ fn every_permutation_validates() {
 fn vertices_per_record_is_the_same_in_wgsl() {
     for permutation in Permutation::all() {
         let amplification = match permutation {
-            Permutation::Geometry(strategy, amplification, _) if strategy != Strategy::Compute => amplification,
+            Permutation::Geometry(strategy, amplification, _) if strategy != Strategy::Compute => {
+                amplification
+            }
             Permutation::Amplify(amplification) => amplification,
             _ => continue,
         };
-        let line = format!("const VERTICES_PER_RECORD: u32 = {}u;", amplification.vertices_per_record());
-        assert!(permutation.source().contains(&line), "{}", permutation.label());
+        let line = format!(
+            "const VERTICES_PER_RECORD: u32 = {}u;",
+            amplification.vertices_per_record()
+        );
+        assert!(
+            permutation.source().contains(&line),
+            "{}",
+            permutation.label()
+        );
     }
 }
 
@@ -44,10 +56,15 @@ fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
         .types
         .iter()
         .find_map(|(_, ty)| match &ty.inner {
-            naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => Some((
-                members.iter().map(|member| (member.name.clone().unwrap(), member.offset)).collect(),
-                *span,
-            )),
+            naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => {
+                Some((
+                    members
+                        .iter()
+                        .map(|member| (member.name.clone().unwrap(), member.offset))
+                        .collect(),
+                    *span,
+                ))
+            }
             _ => None,
         })
         .unwrap_or_else(|| panic!("no WGSL struct {name}"))
@@ -66,8 +83,25 @@ fn rust_and_wgsl_agree_on_every_layout() {
     assert_layout!(ShapeRecord, "ShapeRecord", normal, radius, ellipse, scalar);
     assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light);
     assert_layout!(
-        ViewUniform, "View", rotation_x, rotation_y, rotation_z, eye_high, splat_scale, eye_low, near, focal,
-        viewport_px, background_top, background_bottom, depth_range, point_size_px, cube_half_edge, depth_slack,
-        lighting, cull_back_faces, unused
+        ViewUniform,
+        "View",
+        rotation_x,
+        rotation_y,
+        rotation_z,
+        eye_high,
+        splat_scale,
+        eye_low,
+        near,
+        focal,
+        viewport_px,
+        background_top,
+        background_bottom,
+        depth_range,
+        point_size_px,
+        cube_half_edge,
+        depth_slack,
+        lighting,
+        cull_back_faces,
+        unused
     );
 }

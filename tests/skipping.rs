@@ -28,11 +28,18 @@ fn cost(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RenderStats {
 fn an_untouched_picture_costs_nothing() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for &strategy in Strategy::ALL {
-        let settings = Settings { strategy, ..plain() };
+        let settings = Settings {
+            strategy,
+            ..plain()
+        };
         let packet = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
         assert_eq!(cost(&mut renderer, &packet).frames, 1);
         let again = cost(&mut renderer, &packet.clone());
-        assert_eq!((again.frames, again.passes, again.uploads), (0, 0, 0), "{strategy}");
+        assert_eq!(
+            (again.frames, again.passes, again.uploads),
+            (0, 0, 0),
+            "{strategy}"
+        );
     }
 }
 
@@ -40,10 +47,17 @@ fn an_untouched_picture_costs_nothing() {
 fn a_moved_camera_uploads_nothing() {
     for &strategy in Strategy::ALL {
         let mut renderer = GpuRenderer::new(common::context()).unwrap();
-        let settings = Settings { strategy, ..plain() };
+        let settings = Settings {
+            strategy,
+            ..plain()
+        };
         let mut packet = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
         let first = cost(&mut renderer, &packet);
-        assert_eq!((first.uploads, first.uploaded_bytes), (2, 2 * 500 * 16), "{strategy}: points and shapes");
+        assert_eq!(
+            (first.uploads, first.uploaded_bytes),
+            (2, 2 * 500 * 16),
+            "{strategy}: points and shapes"
+        );
         packet.view = camera_at(2.5).transform(glam::DVec3::ZERO, packet.viewport_px);
         let moved = cost(&mut renderer, &packet);
         assert_eq!((moved.frames, moved.uploads), (1, 0), "{strategy}");
@@ -53,8 +67,15 @@ fn a_moved_camera_uploads_nothing() {
 #[test]
 fn a_new_visible_set_is_all_that_moving_among_voxels_uploads() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
-    let settings = Settings { primitive: Primitive::Voxel, ..plain() };
-    let record = VoxelRecord { center: [0.0; 3], color: [9; 3], level: 2 };
+    let settings = Settings {
+        primitive: Primitive::Voxel,
+        ..plain()
+    };
+    let record = VoxelRecord {
+        center: [0.0; 3],
+        color: [9; 3],
+        level: 2,
+    };
     let first = voxels(vec![record; 10], 1.0, &camera_at(3.0), settings, [64, 64]);
     cost(&mut renderer, &first);
     let second = voxels(vec![record; 7], 1.0, &camera_at(3.0), settings, [64, 64]);
@@ -66,9 +87,15 @@ fn a_new_visible_set_is_all_that_moving_among_voxels_uploads() {
 #[test]
 fn points_do_not_upload_shapes_and_surfels_then_upload_shapes_alone() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
-    let settings = Settings { primitive: Primitive::Point, ..plain() };
+    let settings = Settings {
+        primitive: Primitive::Point,
+        ..plain()
+    };
     let all = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
-    let points = ScenePacket { shapes: None, ..all.clone() };
+    let points = ScenePacket {
+        shapes: None,
+        ..all.clone()
+    };
     assert_eq!(cost(&mut renderer, &points).uploaded_bytes, 500 * 16);
     let mut as_surfels = all;
     as_surfels.settings.primitive = Primitive::Surfel;
@@ -82,9 +109,15 @@ fn looping_over_a_sequence_uploads_each_pose_once() {
     let poses: Vec<ScenePacket> = (1..=5)
         .map(|pose| surfels(&sphere(100 * pose, 1.0), &camera_at(3.0), plain(), [64, 64]))
         .collect();
-    let uploads: u64 = poses.iter().map(|pose| cost(&mut renderer, pose).uploads).sum();
+    let uploads: u64 = poses
+        .iter()
+        .map(|pose| cost(&mut renderer, pose).uploads)
+        .sum();
     assert_eq!(uploads, 10);
-    let uploads: u64 = poses.iter().map(|pose| cost(&mut renderer, pose).uploads).sum();
+    let uploads: u64 = poses
+        .iter()
+        .map(|pose| cost(&mut renderer, pose).uploads)
+        .sum();
     assert_eq!(uploads, 0, "second round");
 }
 
@@ -96,7 +129,11 @@ fn what_is_gone_leaves_the_gpu() {
         renderer.prepare(&packet).unwrap();
         renderer.render().unwrap();
         // The renderer itself holds the packets of two pictures: the drawn and the prepared.
-        assert!(renderer.stats().resident_bytes <= 2 * 2 * 1000 * 16, "{}", renderer.stats().resident_bytes);
+        assert!(
+            renderer.stats().resident_bytes <= 2 * 2 * 1000 * 16,
+            "{}",
+            renderer.stats().resident_bytes
+        );
     }
 }
 
@@ -112,7 +149,10 @@ fn each_mode_runs_only_its_passes() {
         (Splatting::TwoPassEnlarged, 4),
     ];
     for (splatting, passes) in expected {
-        let settings = Settings { splatting, ..plain() };
+        let settings = Settings {
+            splatting,
+            ..plain()
+        };
         let packet = surfels(&sphere(100, 1.0), &camera_at(3.0), settings, [64, 64]);
         assert_eq!(cost(&mut renderer, &packet).passes, passes, "{splatting}");
     }
@@ -125,15 +165,33 @@ fn a_lost_device_is_an_error_not_a_crash() {
     let packet = surfels(&sphere(100, 1.0), &camera_at(3.0), plain(), [64, 64]);
     cost(&mut renderer, &packet);
     context.simulate_loss();
-    assert!(matches!(renderer.prepare(&packet), Err(RenderError::DeviceLost { .. })));
-    assert!(matches!(renderer.render(), Err(RenderError::DeviceLost { .. })));
-    assert!(matches!(renderer.read_image(), Err(RenderError::DeviceLost { .. })));
+    assert!(matches!(
+        renderer.prepare(&packet),
+        Err(RenderError::DeviceLost { .. })
+    ));
+    assert!(matches!(
+        renderer.render(),
+        Err(RenderError::DeviceLost { .. })
+    ));
+    assert!(matches!(
+        renderer.read_image(),
+        Err(RenderError::DeviceLost { .. })
+    ));
 }
 
 #[test]
 fn a_picture_beyond_the_adapter_is_refused() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let packet = surfels(&[], &camera_at(3.0), plain(), [1, 1_000_000]);
-    assert!(matches!(renderer.prepare(&packet), Err(RenderError::TooLarge { height: 1_000_000, .. })));
-    assert!(matches!(renderer.render(), Err(RenderError::NothingPrepared)));
+    assert!(matches!(
+        renderer.prepare(&packet),
+        Err(RenderError::TooLarge {
+            height: 1_000_000,
+            ..
+        })
+    ));
+    assert!(matches!(
+        renderer.render(),
+        Err(RenderError::NothingPrepared)
+    ));
 }

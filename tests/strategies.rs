@@ -7,7 +7,9 @@ use glam::Vec3;
 use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
-use pointreel::scene::{Background, Camera, Lighting, Primitive, ScenePacket, Settings, Splatting, Strategy};
+use pointreel::scene::{
+    Background, Camera, Lighting, Primitive, ScenePacket, Settings, Splatting, Strategy,
+};
 
 /// Draws `packet` with every strategy and asserts that the pictures are equal and not empty.
 fn assert_agreement(renderer: &mut GpuRenderer, packet: &ScenePacket, what: &str) {
@@ -17,7 +19,10 @@ fn assert_agreement(renderer: &mut GpuRenderer, packet: &ScenePacket, what: &str
         packet.settings.strategy = strategy;
         let image = draw_with(renderer, &packet);
         let empty = *image.get_pixel(0, 0);
-        assert!(image.pixels().any(|&pixel| pixel != empty), "{what}, {strategy}: nothing was drawn");
+        assert!(
+            image.pixels().any(|&pixel| pixel != empty),
+            "{what}, {strategy}: nothing was drawn"
+        );
         let reference = reference.get_or_insert_with(|| image.clone());
         assert_eq!(
             common::difference(reference, &image),
@@ -29,7 +34,10 @@ fn assert_agreement(renderer: &mut GpuRenderer, packet: &ScenePacket, what: &str
 }
 
 fn gradient() -> Background {
-    Background { top: [10, 20, 30], bottom: [200, 190, 180] }
+    Background {
+        top: [10, 20, 30],
+        bottom: [200, 190, 180],
+    }
 }
 
 /// Cells of levels 3 to 5 in the shell of a sphere of radius 1.
@@ -37,13 +45,21 @@ fn shell_voxels() -> Vec<VoxelRecord> {
     sphere(700, 1.0)
         .into_iter()
         .enumerate()
-        .map(|(i, surfel)| VoxelRecord { center: surfel.position.to_array(), color: surfel.color, level: 3 + (i % 3) as u8 })
+        .map(|(i, surfel)| VoxelRecord {
+            center: surfel.position.to_array(),
+            color: surfel.color,
+            level: 3 + (i % 3) as u8,
+        })
         .collect()
 }
 
 /// A camera whose near plane and sides cut the unit sphere.
 fn close_camera() -> Camera {
-    Camera { azimuth_deg: 25.0, elevation_deg: -35.0, ..camera_at(1.2) }
+    Camera {
+        azimuth_deg: 25.0,
+        elevation_deg: -35.0,
+        ..camera_at(1.2)
+    }
 }
 
 #[test]
@@ -52,9 +68,18 @@ fn surfels_in_all_modes_and_lights() {
     let cloud = sphere(1500, 1.0);
     for &splatting in Splatting::ALL {
         for &lighting in Lighting::ALL {
-            let settings = Settings { splatting, lighting, background: gradient(), ..plain() };
+            let settings = Settings {
+                splatting,
+                lighting,
+                background: gradient(),
+                ..plain()
+            };
             let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
-            assert_agreement(&mut renderer, &packet, &format!("{splatting}, light {lighting}"));
+            assert_agreement(
+                &mut renderer,
+                &packet,
+                &format!("{splatting}, light {lighting}"),
+            );
         }
     }
 }
@@ -63,7 +88,10 @@ fn surfels_in_all_modes_and_lights() {
 fn surfels_from_both_sides() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(1500, 1.0);
-    let settings = Settings { cull_back_faces: false, ..plain() };
+    let settings = Settings {
+        cull_back_faces: false,
+        ..plain()
+    };
     let packet = surfels(&cloud, &close_camera(), settings, [90, 120]);
     assert_agreement(&mut renderer, &packet, "both sides");
 }
@@ -72,7 +100,12 @@ fn surfels_from_both_sides() {
 fn voxels_in_all_lights() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for &lighting in Lighting::ALL {
-        let settings = Settings { primitive: Primitive::Voxel, lighting, background: gradient(), ..plain() };
+        let settings = Settings {
+            primitive: Primitive::Voxel,
+            lighting,
+            background: gradient(),
+            ..plain()
+        };
         let packet = voxels(shell_voxels(), 2.0, &close_camera(), settings, [120, 90]);
         assert_agreement(&mut renderer, &packet, &format!("voxels, light {lighting}"));
     }
@@ -83,39 +116,67 @@ fn points_of_one_and_of_several_pixels() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(5000, 1.0);
     for point_size_px in [1.0, 2.0, 5.0] {
-        let settings = Settings { primitive: Primitive::Point, point_size_px, ..plain() };
+        let settings = Settings {
+            primitive: Primitive::Point,
+            point_size_px,
+            ..plain()
+        };
         let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
-        assert_agreement(&mut renderer, &packet, &format!("points of {point_size_px} px"));
+        assert_agreement(
+            &mut renderer,
+            &packet,
+            &format!("points of {point_size_px} px"),
+        );
     }
 }
 
 #[test]
 fn many_batches_and_chunks_draw_what_one_draws() {
     let cloud = sphere(10_000, 1.0);
-    let settings = Settings { splatting: Splatting::Regular, ..plain() };
+    let settings = Settings {
+        splatting: Splatting::Regular,
+        ..plain()
+    };
     let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
     let mut whole = GpuRenderer::new(common::context()).unwrap();
     let reference = draw_with(&mut whole, &packet);
     // An odd number, so that neither batches nor workgroups end with a chunk.
-    let chunked = common::open(&ContextOptions { max_chunk_records: Some(777), ..software() });
+    let chunked = common::open(&ContextOptions {
+        max_chunk_records: Some(777),
+        ..software()
+    });
     let mut chunked = GpuRenderer::new(chunked).unwrap();
     for &strategy in Strategy::ALL {
         let mut packet = packet.clone();
         packet.settings.strategy = strategy;
         let image = draw_with(&mut chunked, &packet);
-        assert_eq!(common::difference(&reference, &image), (0, 0), "{strategy} in chunks");
-        assert_eq!(chunked.stats().draw_calls, 13, "{strategy}: one draw a chunk");
+        assert_eq!(
+            common::difference(&reference, &image),
+            (0, 0),
+            "{strategy} in chunks"
+        );
+        assert_eq!(
+            chunked.stats().draw_calls,
+            13,
+            "{strategy}: one draw a chunk"
+        );
     }
 }
 
 #[test]
 fn the_compute_strategy_leaves_nothing_of_an_earlier_cloud() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
-    let settings = Settings { strategy: Strategy::Compute, ..plain() };
+    let settings = Settings {
+        strategy: Strategy::Compute,
+        ..plain()
+    };
     let full = surfels(&sphere(1500, 1.0), &camera_at(3.0), settings, [64, 64]);
     let empty = surfels(&[], &camera_at(3.0), settings, [64, 64]);
     assert!(common::covered(&draw_with(&mut renderer, &full), [0, 0, 0]) > 250);
-    assert_eq!(common::covered(&draw_with(&mut renderer, &empty), [0, 0, 0]), 0);
+    assert_eq!(
+        common::covered(&draw_with(&mut renderer, &empty), [0, 0, 0]),
+        0
+    );
 }
 
 #[test]

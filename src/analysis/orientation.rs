@@ -100,56 +100,77 @@ fn weigh_edges(positions: &[Vec3], neighbours: &Neighbours, normals: &[Vec3]) ->
 }
 
 fn weigh(offset: Vec3, a: Vec3, b: Vec3) -> Edge {
-    let direction = offset.normalize_or_zero();
-    let (along_a, along_b) = (direction.dot(a), direction.dot(b));
-    // dot(a mirrored at the plane across `direction`, b)
-    let agreement = a.dot(b) - 2.0 * along_a * along_b;
-    let in_plane = 1.0 - 0.5 * (along_a * along_a + along_b * along_b);
+    let length_squared = offset.length_squared();
+    let inverse = if length_squared > 0.0 {
+        1.0 / length_squared
+    } else {
+        0.0
+    };
+    let (along_a, along_b) = (offset.dot(a), offset.dot(b));
+    // dot(a mirrored at the plane midway, b)
+    let agreement = a.dot(b) - 2.0 * along_a * along_b * inverse;
+    let in_plane = 1.0 - 0.5 * (along_a * along_a + along_b * along_b) * inverse;
     edge((1.0 - agreement.abs() * in_plane).max(0.0), agreement < 0.0)
 }
 
 /// Kruskal's algorithm over edges that are sorted by their step.
 fn join_by_weight(edges: &[Edge], neighbours: &Neighbours, signs: &mut SignForest) {
-    let per_point = neighbours.per_point().max(1);
-    let mut sorted_ends = vec![0u32; STEPS as usize];
-    let mut left = Vec::new();
-    for (index, &edge) in edges.iter().enumerate() {
-        if step_of(edge) == 0 {
-            let slot = index / per_point;
-            signs.join(
-                slot as u32,
-                neighbours.of(slot)[index % per_point],
-                disagree(edge),
-            );
+    let per_point = neighbours.per_point();
+    if per_point == 0 {
+        return;
+    }
+    // Neighbours mostly know each other, so one direction of the first step joins nearly all of a smooth surface.
+    let joins_at_once = |slot: u32, other: u32, edge: Edge| step_of(edge) == 0 && slot < other;
+    let all = || {
+        edges
+            .chunks(per_point)
+            .zip(0u32..)
+            .flat_map(|(edges, slot)| {
+                let others = neighbours.of(slot as usize);
+                edges
+                    .iter()
+                    .zip(others)
+                    .map(move |(&edge, &other)| (slot, other, edge))
+            })
+    };
+    for (slot, other, edge) in all() {
+        if joins_at_once(slot, other, edge) {
+            signs.join(slot, other, disagree(edge));
         }
     }
-    for (slot, edges) in edges.chunks(per_point).enumerate() {
-        let slot = slot as u32;
-        for (&edge, &other) in edges.iter().zip(neighbours.of(slot as usize)) {
-            if step_of(edge) > 0 && signs.find(slot).root != signs.find(other).root {
-                sorted_ends[step_of(edge)] += 1;
-                left.push((slot, other, edge));
-            }
-        }
-    }
-    let mut start = 0;
-    for end in &mut sorted_ends {
-        start += std::mem::replace(end, start);
-    }
-    let mut sorted = vec![(0, 0, 0); left.len()];
-    for edge in left {
-        let place = &mut sorted_ends[step_of(edge.2)];
-        sorted[*place as usize] = edge;
-        *place += 1;
-    }
-    for (slot, other, edge) in sorted {
+    signs.flatten();
+    let left: Vec<(u32, u32, Edge)> = all()
+        .filter(|&(slot, other, edge)| {
+            !joins_at_once(slot, other, edge) && signs.parent(slot) != signs.parent(other)
+        })
+        .collect();
+    for (slot, other, edge) in sorted_by_step(&left) {
         signs.join(slot, other, disagree(edge));
     }
 }
 
+/// A counting sort; equal steps stay in their order.
+fn sorted_by_step(edges: &[(u32, u32, Edge)]) -> Vec<(u32, u32, Edge)> {
+    let mut places = vec![0; STEPS as usize];
+    for &(_, _, edge) in edges {
+        places[step_of(edge)] += 1;
+    }
+    let mut start = 0;
+    for place in &mut places {
+        start += std::mem::replace(place, start);
+    }
+    let mut sorted = vec![(0, 0, 0); edges.len()];
+    for &edge in edges {
+        let place: &mut usize = &mut places[step_of(edge.2)];
+        sorted[*place] = edge;
+        *place += 1;
+    }
+    sorted
+}
+
 /// A union-find forest in which every point knows whether its normal has to be flipped to agree with its parent's.
 struct SignForest {
-    /// Parent above the flip bit; roots are their own parents.
+    /// Parent above the flip bit; roots are their own parents, others come after theirs.
     links: Vec<u32>,
 }
 
@@ -166,6 +187,18 @@ impl SignForest {
         Self {
             links: (0..count as u32).map(|slot| slot << 1).collect(),
         }
+    }
+
+    /// Makes every parent a root. Parents come before their children, so one pass is enough.
+    fn flatten(&mut self) {
+        for slot in 0..self.links.len() {
+            let link = self.links[slot];
+            self.links[slot] = self.links[(link >> 1) as usize] ^ (link & 1);
+        }
+    }
+
+    fn parent(&self, slot: u32) -> u32 {
+        self.links[slot as usize] >> 1
     }
 
     fn find(&mut self, slot: u32) -> Signed {

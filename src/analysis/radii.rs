@@ -134,7 +134,7 @@ impl Directions {
             let after = inverse[(place + 1) % DIRECTIONS];
             let here = inverse[place];
             let is_extreme = (here - before) * (here - after) >= 0.0;
-            let counts = is_extreme & (here >= open);
+            let counts = is_extreme && here >= open;
             smallest = smallest.min(if counts { here } else { f32::INFINITY });
         }
         1.0 / smallest.max(known)

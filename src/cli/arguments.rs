@@ -140,23 +140,42 @@ fn number_in<T>(text: &str, is_valid: impl Fn(&T) -> bool, expected: &str) -> Re
 where
     T: std::str::FromStr,
 {
-    text.parse().ok().filter(is_valid).ok_or_else(|| format!("expected {expected}"))
+    text.parse()
+        .ok()
+        .filter(is_valid)
+        .ok_or_else(|| format!("expected {expected}"))
 }
 
 fn positive(text: &str) -> Result<f32, String> {
-    number_in(text, |value: &f32| value.is_finite() && *value > 0.0, "a number above 0")
+    number_in(
+        text,
+        |value: &f32| value.is_finite() && *value > 0.0,
+        "a number above 0",
+    )
 }
 
 fn positive_f64(text: &str) -> Result<f64, String> {
-    number_in(text, |value: &f64| value.is_finite() && *value > 0.0, "a number above 0")
+    number_in(
+        text,
+        |value: &f64| value.is_finite() && *value > 0.0,
+        "a number above 0",
+    )
 }
 
 fn not_negative(text: &str) -> Result<f32, String> {
-    number_in(text, |value: &f32| value.is_finite() && *value >= 0.0, "a number from 0 up")
+    number_in(
+        text,
+        |value: &f32| value.is_finite() && *value >= 0.0,
+        "a number from 0 up",
+    )
 }
 
 fn delta(text: &str) -> Result<f32, String> {
-    number_in(text, |value| (0.0..=Settings::MAX_DELTA).contains(value), "a number from 0 to 0.6, such as 0.05")
+    number_in(
+        text,
+        |value| (0.0..=Settings::MAX_DELTA).contains(value),
+        "a number from 0 to 0.6, such as 0.05",
+    )
 }
 
 fn finite(text: &str) -> Result<f64, String> {
@@ -164,11 +183,19 @@ fn finite(text: &str) -> Result<f64, String> {
 }
 
 fn elevation(text: &str) -> Result<f64, String> {
-    number_in(text, |value| (-90.0..=90.0).contains(value), "degrees from -90 to 90")
+    number_in(
+        text,
+        |value| (-90.0..=90.0).contains(value),
+        "degrees from -90 to 90",
+    )
 }
 
 fn field_of_view(text: &str) -> Result<f64, String> {
-    number_in(text, |value| (1.0..=170.0).contains(value), "degrees from 1 to 170")
+    number_in(
+        text,
+        |value| (1.0..=170.0).contains(value),
+        "degrees from 1 to 170",
+    )
 }
 
 fn color_source(text: &str) -> Result<ColorSource, String> {

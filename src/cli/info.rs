@@ -55,8 +55,10 @@ enum Content {
 pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     let sequence = open_sequence(&arguments.inputs)?;
     // Rayon decodes as many frames at once as there are cores, and keeps none.
-    let frames: Vec<FrameInfo> =
-        (0..sequence.len()).into_par_iter().map(|index| frame_info(&sequence, index)).collect();
+    let frames: Vec<FrameInfo> = (0..sequence.len())
+        .into_par_iter()
+        .map(|index| frame_info(&sequence, index))
+        .collect();
     let failures: Vec<&String> = frames
         .iter()
         .filter_map(|frame| match &frame.content {
@@ -73,9 +75,14 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     for error in failures {
         say(&format!("warning: {error}"));
     }
-    let info = Info { frames, origin: sequence.origin().to_array() };
+    let info = Info {
+        frames,
+        origin: sequence.origin().to_array(),
+    };
     if arguments.json {
-        answer(&serde_json::to_string_pretty(&info).context("the answer cannot be written as JSON")?);
+        answer(
+            &serde_json::to_string_pretty(&info).context("the answer cannot be written as JSON")?,
+        );
     } else {
         answer(table(&info).trim_end());
     }
@@ -94,18 +101,33 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
                 attributes: raw.attributes(),
             }
         }
-        Err(error) => Content::Failed { error: error.to_string() },
+        Err(error) => Content::Failed {
+            error: error.to_string(),
+        },
     };
-    FrameInfo { index, file: sequence.source(index).path.display().to_string(), content }
+    FrameInfo {
+        index,
+        file: sequence.source(index).path.display().to_string(),
+        content,
+    }
 }
 
 /// The answer for people: a line a frame.
 fn table(info: &Info) -> String {
-    let mut text = format!("{:>6} {:>10} {:>10}  {:<52} attributes, file\n", "frame", "points", "finite", "bounds");
+    let mut text = format!(
+        "{:>6} {:>10} {:>10}  {:<52} attributes, file\n",
+        "frame", "points", "finite", "bounds"
+    );
     for frame in &info.frames {
         // Writing to a String cannot fail.
         let _ = match &frame.content {
-            Content::Read { points, finite_points, min, max, attributes } => {
+            Content::Read {
+                points,
+                finite_points,
+                min,
+                max,
+                attributes,
+            } => {
                 let bounds = match (min, max) {
                     (Some(min), Some(max)) => (0..3)
                         .map(|axis| format!("{}..{}", short(min[axis]), short(max[axis])))
@@ -121,7 +143,9 @@ fn table(info: &Info) -> String {
                     frame.file
                 )
             }
-            Content::Failed { error } => writeln!(text, "{:>6} cannot be read: {error}", frame.index),
+            Content::Failed { error } => {
+                writeln!(text, "{:>6} cannot be read: {error}", frame.index)
+            }
         };
     }
     let [x, y, z] = info.origin;

@@ -4,22 +4,27 @@ mod arguments;
 mod bench;
 mod info;
 mod render;
-
+mod view;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 /// A viewer for time-varying point clouds: surfels, voxels, level of detail.
 #[derive(Debug, Parser)]
-#[command(name = "pointreel", version)]
+#[command(name = "pointreel", version, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
-    verb: Verb,
+    verb: Option<Verb>,
 
+    /// Without a verb: what `pointreel view` takes.
+    #[command(flatten)]
+    view: view::ViewArgs,
 }
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    /// Plays a sequence in a window (the default); without INPUT the built-in demo
+    View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, without a window
     Render(Box<render::RenderArgs>),
     /// Measures drawing and octrees by the protocol of the paper
@@ -30,15 +35,19 @@ enum Verb {
 
 /// Parses the command line, runs the verb and says what went wrong.
 pub fn main() -> ExitCode {
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error"))
-        .format_target(false)
-        .init();
+    env_logger::Builder::from_env(
+        env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error"),
+    )
+    .format_target(false)
+    .init();
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
     let result = match arguments.verb {
-        Verb::Render(render) => render::run(&render),
-        Verb::Bench(bench) => bench::run(&bench),
-        Verb::Info(info) => info::run(&info),
+        None => view::run(&arguments.view),
+        Some(Verb::View(view)) => view::run(&view),
+        Some(Verb::Render(render)) => render::run(&render),
+        Some(Verb::Bench(bench)) => bench::run(&bench),
+        Some(Verb::Info(info)) => info::run(&info),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -50,7 +59,10 @@ pub fn main() -> ExitCode {
 }
 
 /// One line on stderr.
-#[expect(clippy::print_stderr, reason = "the command line speaks to a person here")]
+#[expect(
+    clippy::print_stderr,
+    reason = "the command line speaks to a person here"
+)]
 fn say(line: &str) {
     eprintln!("{line}");
 }

@@ -63,7 +63,10 @@ impl FromStr for FrameRange {
         };
         match range {
             Some((first, last)) if first <= last => Ok(Self { first, last }),
-            _ => Err("expected a frame such as 0, or a range such as 0..23 with both ends included".to_owned()),
+            _ => Err(
+                "expected a frame such as 0, or a range such as 0..23 with both ends included"
+                    .to_owned(),
+            ),
         }
     }
 }
@@ -80,13 +83,22 @@ struct Stats {
 
 pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let FrameRange { first, last } = arguments.frame;
-    let names_frames = arguments.output.to_string_lossy().contains(FRAME_PLACEHOLDER);
+    let names_frames = arguments
+        .output
+        .to_string_lossy()
+        .contains(FRAME_PLACEHOLDER);
     if first != last && !names_frames {
-        bail!("frames {first}..{last} would all be written to {}: put {FRAME_PLACEHOLDER} into its name", arguments.output.display());
+        bail!(
+            "frames {first}..{last} would all be written to {}: put {FRAME_PLACEHOLDER} into its name",
+            arguments.output.display()
+        );
     }
     let sequence = Arc::new(open_sequence(&arguments.inputs)?);
     if last >= sequence.len() {
-        bail!("there is no frame {last}: the sequence has {} frames, counted from 0", sequence.len());
+        bail!(
+            "there is no frame {last}: the sequence has {} frames, counted from 0",
+            sequence.len()
+        );
     }
     let settings = arguments.picture.settings();
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
@@ -101,13 +113,19 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     };
     let failed = render_frames(arguments, &sequence, &settings, &mut headless, &mut stats)?;
     if let Some(path) = &arguments.stats {
-        let json = serde_json::to_string_pretty(&stats).context("the statistics cannot be written as JSON")?;
-        std::fs::write(path, json).with_context(|| format!("{} cannot be written", path.display()))?;
+        let json = serde_json::to_string_pretty(&stats)
+            .context("the statistics cannot be written as JSON")?;
+        std::fs::write(path, json)
+            .with_context(|| format!("{} cannot be written", path.display()))?;
     }
     match failed.as_slice() {
         [] => Ok(()),
         [(_, error)] if first == last => bail!("{error}"),
-        failed => bail!("{} of {} frames could not be rendered", failed.len(), last - first + 1),
+        failed => bail!(
+            "{} of {} frames could not be rendered",
+            failed.len(),
+            last - first + 1
+        ),
     }
 }
 
@@ -134,7 +152,8 @@ fn render_frames(
                 continue;
             }
         };
-        let camera = camera.get_or_insert_with(|| arguments.camera.choice().camera(&frame, sequence));
+        let camera =
+            camera.get_or_insert_with(|| arguments.camera.choice().camera(&frame, sequence));
         let image = headless.draw(&frame, camera, settings, arguments.size)?;
         let path = output_path(&arguments.output, index, sequence.len());
         image
@@ -148,7 +167,11 @@ fn render_frames(
 /// The output's name with `{frame}` replaced by the number, padded so that names sort.
 fn output_path(output: &Path, index: usize, frame_count: usize) -> PathBuf {
     let digits = frame_count.saturating_sub(1).to_string().len().max(4);
-    PathBuf::from(output.to_string_lossy().replace(FRAME_PLACEHOLDER, &format!("{index:0digits$}")))
+    PathBuf::from(
+        output
+            .to_string_lossy()
+            .replace(FRAME_PLACEHOLDER, &format!("{index:0digits$}")),
+    )
 }
 
 #[cfg(test)]
@@ -166,8 +189,17 @@ mod tests {
 
     #[test]
     fn numbers_of_outputs_sort() {
-        assert_eq!(output_path(Path::new("o/{frame}.png"), 7, 24), Path::new("o/0007.png"));
-        assert_eq!(output_path(Path::new("{frame}.png"), 7, 100_000), Path::new("00007.png"));
-        assert_eq!(output_path(Path::new("one.png"), 7, 24), Path::new("one.png"));
+        assert_eq!(
+            output_path(Path::new("o/{frame}.png"), 7, 24),
+            Path::new("o/0007.png")
+        );
+        assert_eq!(
+            output_path(Path::new("{frame}.png"), 7, 100_000),
+            Path::new("00007.png")
+        );
+        assert_eq!(
+            output_path(Path::new("one.png"), 7, 24),
+            Path::new("one.png")
+        );
     }
 }

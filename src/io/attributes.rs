@@ -8,7 +8,11 @@ use crate::cloud::{Positions, RawCloud};
 const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
 
 /// Names of colour channels.
-const COLORS: [[&str; 3]; 3] = [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
+const COLORS: [[&str; 3]; 3] = [
+    ["red", "green", "blue"],
+    ["diffuse_red", "diffuse_green", "diffuse_blue"],
+    ["r", "g", "b"],
+];
 
 /// Names of colours packed into one number.
 const PACKED_COLORS: [&str; 2] = ["rgb", "rgba"];
@@ -44,7 +48,11 @@ pub(super) fn is_used(name: &str) -> bool {
 
 /// The cloud of `count` points in `columns`; what their names do not say is left out.
 pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fault> {
-    let find = |name: &str| columns.iter().find(|column| column.name.eq_ignore_ascii_case(name));
+    let find = |name: &str| {
+        columns
+            .iter()
+            .find(|column| column.name.eq_ignore_ascii_case(name))
+    };
     let find_any = |names: &[&str]| names.iter().find_map(|name| find(name));
     let find_all = |names: &[&str; 3]| Some([find(names[0])?, find(names[1])?, find(names[2])?]);
 
@@ -52,23 +60,37 @@ pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fa
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         Fault::header(format!(
             "the points have no coordinates: expected x, y and z, found {}",
-            if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
+            if names.is_empty() {
+                "nothing".to_owned()
+            } else {
+                names.join(", ")
+            }
         ))
     })?;
     // Narrower integers fit an f32 exactly. Text has the digits that were written, whatever its header calls them.
     let is_wide = |column: &&Column<'_>| {
         matches!(column.values, Values::Parsed(_))
-            || matches!(column.scalar, Scalar::F64 | Scalar::I32 | Scalar::U32 | Scalar::I64 | Scalar::U64)
+            || matches!(
+                column.scalar,
+                Scalar::F64 | Scalar::I32 | Scalar::U32 | Scalar::I64 | Scalar::U64
+            )
     };
     let positions = if coordinates.iter().any(is_wide) {
         let [x, y, z] = coordinates;
-        Positions::F64((0..count).map(|index| [x.get(index), y.get(index), z.get(index)]).collect())
+        Positions::F64(
+            (0..count)
+                .map(|index| [x.get(index), y.get(index), z.get(index)])
+                .collect(),
+        )
     } else {
         Positions::F32(vectors_f32(coordinates, count))
     };
 
     let mut cloud = RawCloud::from_positions(positions);
-    cloud.normals = NORMALS.iter().find_map(find_all).map(|columns| vectors_f32(columns, count));
+    cloud.normals = NORMALS
+        .iter()
+        .find_map(find_all)
+        .map(|columns| vectors_f32(columns, count));
     cloud.colors = COLORS
         .iter()
         .find_map(find_all)
@@ -79,10 +101,16 @@ pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fa
     Ok(cloud)
 }
 
-fn channel_colors(channels: [&Column<'_>; 3], alpha: Option<&Column<'_>>, count: usize) -> Vec<[u8; 4]> {
+fn channel_colors(
+    channels: [&Column<'_>; 3],
+    alpha: Option<&Column<'_>>,
+    count: usize,
+) -> Vec<[u8; 4]> {
     let [red, green, blue] = channels.map(|column| column.to_channel(count));
     let alpha = alpha.map_or_else(|| vec![255; count], |column| column.to_channel(count));
-    (0..count).map(|i| [red[i], green[i], blue[i], alpha[i]]).collect()
+    (0..count)
+        .map(|i| [red[i], green[i], blue[i], alpha[i]])
+        .collect()
 }
 
 /// PCL packs colours as 0xAARRGGBB, into an unsigned integer or into the bits of a float. `rgb` leaves alpha at 0.

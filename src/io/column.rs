@@ -46,7 +46,11 @@ impl Scalar {
             ($ty:ty) => {{
                 let mut raw = [0; size_of::<$ty>()];
                 raw.copy_from_slice(&bytes[..size_of::<$ty>()]);
-                if big_endian { <$ty>::from_be_bytes(raw) as f64 } else { <$ty>::from_le_bytes(raw) as f64 }
+                if big_endian {
+                    <$ty>::from_be_bytes(raw) as f64
+                } else {
+                    <$ty>::from_le_bytes(raw) as f64
+                }
             }};
         }
         match self {
@@ -68,7 +72,12 @@ impl Scalar {
 #[derive(Debug, Clone)]
 pub(super) enum Values<'a> {
     /// Number `i` is at byte `start + i * step`. Every one lies within `bytes`.
-    Packed { bytes: &'a [u8], start: usize, step: usize, big_endian: bool },
+    Packed {
+        bytes: &'a [u8],
+        start: usize,
+        step: usize,
+        big_endian: bool,
+    },
     /// Already parsed.
     Parsed(Vec<f64>),
 }
@@ -86,9 +95,14 @@ impl Column<'_> {
     /// Number `index`. Precondition: the column has it.
     pub(super) fn get(&self, index: usize) -> f64 {
         match &self.values {
-            Values::Packed { bytes, start, step, big_endian } => {
-                self.scalar.read(&bytes[start + index * step..], *big_endian)
-            }
+            Values::Packed {
+                bytes,
+                start,
+                step,
+                big_endian,
+            } => self
+                .scalar
+                .read(&bytes[start + index * step..], *big_endian),
             Values::Parsed(values) => values[index],
         }
     }
@@ -97,14 +111,28 @@ impl Column<'_> {
     /// `None` unless it has four bytes.
     pub(super) fn bits(&self, index: usize) -> Option<u32> {
         match (&self.values, self.scalar.byte_size()) {
-            (Values::Packed { bytes, start, step, big_endian }, 4) => {
+            (
+                Values::Packed {
+                    bytes,
+                    start,
+                    step,
+                    big_endian,
+                },
+                4,
+            ) => {
                 let at = start + index * step;
                 let raw = <[u8; 4]>::try_from(bytes.get(at..at + 4)?).ok()?;
-                Some(if *big_endian { u32::from_be_bytes(raw) } else { u32::from_le_bytes(raw) })
+                Some(if *big_endian {
+                    u32::from_be_bytes(raw)
+                } else {
+                    u32::from_le_bytes(raw)
+                })
             }
             // A wider number holds the value, not the bits.
             (Values::Packed { .. }, _) => Some(self.get(index) as u32),
-            (Values::Parsed(values), 4) if self.scalar == Scalar::F32 => Some((values[index] as f32).to_bits()),
+            (Values::Parsed(values), 4) if self.scalar == Scalar::F32 => {
+                Some((values[index] as f32).to_bits())
+            }
             (Values::Parsed(values), _) => Some(values[index] as u32),
         }
     }
@@ -117,12 +145,16 @@ impl Column<'_> {
     /// `count` colour channels as 8 bits.
     pub(super) fn to_channel(&self, count: usize) -> Vec<u8> {
         match &self.values {
-            Values::Packed { bytes, start, step, .. } if self.scalar == Scalar::U8 => {
-                (0..count).map(|index| bytes[start + index * step]).collect()
-            }
+            Values::Packed {
+                bytes, start, step, ..
+            } if self.scalar == Scalar::U8 => (0..count)
+                .map(|index| bytes[start + index * step])
+                .collect(),
             _ => {
                 let full_scale = self.full_scale(count);
-                (0..count).map(|index| (self.get(index) / full_scale * 255.0).round() as u8).collect()
+                (0..count)
+                    .map(|index| (self.get(index) / full_scale * 255.0).round() as u8)
+                    .collect()
             }
         }
     }
@@ -155,18 +187,29 @@ pub(super) fn vectors_f32(columns: [&Column<'_>; 3], count: usize) -> Vec<[f32; 
     }
     let [x, y, z] = columns;
     (0..count)
-        .map(|index| Vec3::new(x.get(index) as f32, y.get(index) as f32, z.get(index) as f32).to_array())
+        .map(|index| {
+            Vec3::new(
+                x.get(index) as f32,
+                y.get(index) as f32,
+                z.get(index) as f32,
+            )
+            .to_array()
+        })
         .collect()
 }
 
 fn side_by_side_f32<'a>(columns: [&Column<'a>; 3]) -> Option<(&'a [u8], usize, usize)> {
     let place = |column: &Column<'a>| match column.values {
-        Values::Packed { bytes, start, step, big_endian: false } if column.scalar == Scalar::F32 => {
-            Some((bytes, start, step))
-        }
+        Values::Packed {
+            bytes,
+            start,
+            step,
+            big_endian: false,
+        } if column.scalar == Scalar::F32 => Some((bytes, start, step)),
         _ => None,
     };
     let (bytes, start, step) = place(columns[0])?;
-    let follows = |column, offset| place(column).is_some_and(|(_, s, st)| s == start + offset && st == step);
+    let follows =
+        |column, offset| place(column).is_some_and(|(_, s, st)| s == start + offset && st == step);
     (follows(columns[1], 4) && follows(columns[2], 8)).then_some((bytes, start, step))
 }

@@ -90,7 +90,10 @@ pub(super) struct Fault {
 
 impl Fault {
     pub(super) fn new(place: Place, problem: impl Into<String>) -> Self {
-        Self { place, problem: problem.into() }
+        Self {
+            place,
+            problem: problem.into(),
+        }
     }
 
     pub(super) fn header(problem: impl Into<String>) -> Self {
@@ -98,6 +101,12 @@ impl Fault {
     }
 
     pub(super) fn entry(list: &str, index: usize, problem: impl Into<String>) -> Self {
-        Self::new(Place::Entry { list: list.to_owned(), index }, problem)
+        Self::new(
+            Place::Entry {
+                list: list.to_owned(),
+                index,
+            },
+            problem,
+        )
     }
 }

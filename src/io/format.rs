@@ -23,7 +23,8 @@ pub fn supported_extensions() -> &'static [&'static str] {
 impl Format {
     /// The format of a file with this name and these first bytes.
     pub fn detect(name: &Path, bytes: &[u8]) -> Option<Self> {
-        if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") || bytes.starts_with(b"ply ") {
+        if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") || bytes.starts_with(b"ply ")
+        {
             return Some(Self::Ply);
         }
         if looks_like_pcd(bytes) {

@@ -23,14 +23,21 @@ use std::path::Path;
 
 /// Reads the cloud in the file at `path`: by its first bytes, else by its extension.
 pub fn read(path: &Path) -> Result<RawCloud, IoError> {
-    let failed = |source| IoError::Io { path: path.to_owned(), source };
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
     // A pipe or device may never end; only regular files are read.
     let metadata = std::fs::metadata(path).map_err(failed)?;
     if !metadata.is_file() {
-        return Err(IoError::NotAFile { path: path.to_owned() });
+        return Err(IoError::NotAFile {
+            path: path.to_owned(),
+        });
     }
     let mut bytes = Vec::with_capacity(usize::try_from(metadata.len()).unwrap_or(0));
-    File::open(path).and_then(|mut file| file.read_to_end(&mut bytes)).map_err(failed)?;
+    File::open(path)
+        .and_then(|mut file| file.read_to_end(&mut bytes))
+        .map_err(failed)?;
     read_bytes(path, &bytes)
 }
 
@@ -38,9 +45,13 @@ pub fn read(path: &Path) -> Result<RawCloud, IoError> {
 /// bytes do not.
 pub fn read_bytes(name: &Path, bytes: &[u8]) -> Result<RawCloud, IoError> {
     if bytes.is_empty() {
-        return Err(IoError::Empty { path: name.to_owned() });
+        return Err(IoError::Empty {
+            path: name.to_owned(),
+        });
     }
-    let format = Format::detect(name, bytes).ok_or_else(|| IoError::UnknownFormat { path: name.to_owned() })?;
+    let format = Format::detect(name, bytes).ok_or_else(|| IoError::UnknownFormat {
+        path: name.to_owned(),
+    })?;
     let decoded = match format {
         Format::Ply => ply::decode(bytes),
         Format::Pcd => pcd::decode(bytes),

@@ -12,7 +12,11 @@ pub(super) struct Tokens<'a> {
 impl<'a> Tokens<'a> {
     /// Tokens of `bytes`, whose first line is number `line`.
     pub(super) fn new(bytes: &'a [u8], line: usize) -> Self {
-        Self { bytes, position: 0, line }
+        Self {
+            bytes,
+            position: 0,
+            line,
+        }
     }
 
     /// The line that the last token was on.
@@ -25,9 +29,14 @@ impl<'a> Iterator for Tokens<'a> {
     type Item = &'a [u8];
 
     fn next(&mut self) -> Option<&'a [u8]> {
-        let skipped = self.bytes[self.position..].iter().position(|&byte| !separates(byte));
+        let skipped = self.bytes[self.position..]
+            .iter()
+            .position(|&byte| !separates(byte));
         let start = self.position + skipped?;
-        self.line += self.bytes[self.position..start].iter().filter(|&&byte| byte == b'\n').count();
+        self.line += self.bytes[self.position..start]
+            .iter()
+            .filter(|&&byte| byte == b'\n')
+            .count();
         let length = self.bytes[start..]
             .iter()
             .position(|&byte| separates(byte))
@@ -60,7 +69,11 @@ pub(super) fn parse_number(token: &[u8]) -> Option<f64> {
 pub(super) fn quoted(token: &[u8]) -> String {
     const SHOWN_BYTES: usize = 24;
     let shown = String::from_utf8_lossy(&token[..token.len().min(SHOWN_BYTES)]);
-    format!("`{}{}`", shown.escape_default(), if token.len() > SHOWN_BYTES { "…" } else { "" })
+    format!(
+        "`{}{}`",
+        shown.escape_default(),
+        if token.len() > SHOWN_BYTES { "…" } else { "" }
+    )
 }
 
 #[cfg(test)]
@@ -80,8 +93,19 @@ mod tests {
     #[test]
     fn numbers_of_all_runtimes_are_read() {
         assert_eq!(parse_number(b"-1.5e3"), Some(-1500.0));
-        for not_a_number in [b"nan".as_slice(), b"NaN", b"-nan", b"-nan(ind)", b"1.#QNAN", b"-1.#IND"] {
-            assert!(parse_number(not_a_number).unwrap().is_nan(), "{}", quoted(not_a_number));
+        for not_a_number in [
+            b"nan".as_slice(),
+            b"NaN",
+            b"-nan",
+            b"-nan(ind)",
+            b"1.#QNAN",
+            b"-1.#IND",
+        ] {
+            assert!(
+                parse_number(not_a_number).unwrap().is_nan(),
+                "{}",
+                quoted(not_a_number)
+            );
         }
         assert_eq!(parse_number(b"-inf"), Some(f64::NEG_INFINITY));
         for wrong in [b"".as_slice(), b"x", b"1,5", b"\xff", b"0x10"] {

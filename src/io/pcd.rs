@@ -24,7 +24,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let payload = &bytes[payload_start..];
     match header.data {
         DataKind::Ascii => {
-            let header_lines = bytes[..payload_start].iter().filter(|&&byte| byte == b'\n').count();
+            let header_lines = bytes[..payload_start]
+                .iter()
+                .filter(|&&byte| byte == b'\n')
+                .count();
             table.cloud(&table.ascii(payload, header_lines + 1)?, &header)
         }
         DataKind::Binary => {
@@ -49,14 +52,20 @@ fn header_text(bytes: &[u8]) -> Result<(Vec<u8>, usize), Fault> {
         end += line.len();
         let content = line.trim_ascii();
         if !content.starts_with(b"VERSION") && !content.starts_with(b"#") {
-            text.extend(content.iter().map(|&byte| if byte.is_ascii() { byte } else { b'?' }));
+            text.extend(
+                content
+                    .iter()
+                    .map(|&byte| if byte.is_ascii() { byte } else { b'?' }),
+            );
             text.push(b'\n');
         }
         if content.starts_with(b"DATA") {
             return Ok((text, end));
         }
     }
-    Err(Fault::header("there is no line `DATA`: the header is incomplete, or this is no PCD file"))
+    Err(Fault::header(
+        "there is no line `DATA`: the header is incomplete, or this is no PCD file",
+    ))
 }
 
 struct Field {
@@ -74,7 +83,12 @@ struct Table {
 
 impl Table {
     fn new(header: &PcdMeta) -> Result<Self, Fault> {
-        let claim = || Fault::header(format!("{} points of this size are more than can be", header.num_points));
+        let claim = || {
+            Fault::header(format!(
+                "{} points of this size are more than can be",
+                header.num_points
+            ))
+        };
         let mut fields = Vec::new();
         let mut row_bytes = 0usize;
         for field in &header.field_defs.fields {
@@ -93,9 +107,17 @@ impl Table {
             let count = usize::try_from(field.count).map_err(|_| claim())?;
             let bytes = count.checked_mul(scalar.byte_size()).ok_or_else(claim)?;
             row_bytes = row_bytes.checked_add(bytes).ok_or_else(claim)?;
-            fields.push(Field { name: field.name.clone(), scalar, count });
+            fields.push(Field {
+                name: field.name.clone(),
+                scalar,
+                count,
+            });
         }
-        Ok(Self { fields, row_bytes, rows: usize::try_from(header.num_points).map_err(|_| claim())? })
+        Ok(Self {
+            fields,
+            row_bytes,
+            rows: usize::try_from(header.num_points).map_err(|_| claim())?,
+        })
     }
 
     /// Fails when `available` bytes cannot hold the points that the header claims.
@@ -119,7 +141,11 @@ impl Table {
         let mut offset = 0;
         for field in &self.fields {
             if field.name != "_" {
-                columns.push(Column { name: field.name.clone(), scalar: field.scalar, values: values(offset, field) });
+                columns.push(Column {
+                    name: field.name.clone(),
+                    scalar: field.scalar,
+                    values: values(offset, field),
+                });
             }
             offset += field.count * field.scalar.byte_size();
         }
@@ -128,7 +154,12 @@ impl Table {
 
     /// Point after point.
     fn rows<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
-        self.columns(|start, _| Values::Packed { bytes, start, step: self.row_bytes, big_endian: false })
+        self.columns(|start, _| Values::Packed {
+            bytes,
+            start,
+            step: self.row_bytes,
+            big_endian: false,
+        })
     }
 
     /// Field after field, as the compressed encoding stores them.
@@ -149,9 +180,14 @@ impl Table {
             return Ok(Vec::new());
         }
         let Some((sizes, rest)) = payload.split_at_checked(SIZES_BYTES) else {
-            return Err(fault("the file ends before the sizes of the compressed block: it is truncated".to_owned()));
+            return Err(fault(
+                "the file ends before the sizes of the compressed block: it is truncated"
+                    .to_owned(),
+            ));
         };
-        let size = |at: usize| u32::from_le_bytes([sizes[at], sizes[at + 1], sizes[at + 2], sizes[at + 3]]) as usize;
+        let size = |at: usize| {
+            u32::from_le_bytes([sizes[at], sizes[at + 1], sizes[at + 2], sizes[at + 3]]) as usize
+        };
         let (packed, unpacked) = (size(0), size(4));
         let Some(packed_bytes) = rest.get(..packed) else {
             return Err(fault(format!(
@@ -161,7 +197,9 @@ impl Table {
         };
         let needed = self.check_claim(self.row_bytes, unpacked)?;
         if unpacked > packed.saturating_mul(MAX_LZF_RATIO) {
-            return Err(fault(format!("{packed} bytes cannot unpack to the claimed {unpacked}")));
+            return Err(fault(format!(
+                "{packed} bytes cannot unpack to the claimed {unpacked}"
+            )));
         }
         let block = match lzf::decompress(packed_bytes, unpacked) {
             Ok(block) => block,
@@ -170,7 +208,10 @@ impl Table {
             Err(error) => return Err(fault(format!("the compressed block is damaged ({error})"))),
         };
         if block.len() < needed {
-            return Err(fault(format!("the block unpacks to {} bytes, expected {needed}", block.len())));
+            return Err(fault(format!(
+                "the block unpacks to {} bytes, expected {needed}",
+                block.len()
+            )));
         }
         Ok(block)
     }
@@ -178,10 +219,15 @@ impl Table {
     fn ascii(&self, payload: &[u8], first_line: usize) -> Result<Vec<Column<'static>>, Fault> {
         /// A digit and a separator.
         const LEAST_NUMBER_BYTES: usize = 2;
-        let row_numbers = self.fields.iter().fold(0usize, |sum, field| sum.saturating_add(field.count));
-        self.check_claim(row_numbers.saturating_mul(LEAST_NUMBER_BYTES), payload.len() + 1)?;
-        let mut columns =
-            self.columns(|_, _| Values::Parsed(Vec::with_capacity(self.rows)));
+        let row_numbers = self
+            .fields
+            .iter()
+            .fold(0usize, |sum, field| sum.saturating_add(field.count));
+        self.check_claim(
+            row_numbers.saturating_mul(LEAST_NUMBER_BYTES),
+            payload.len() + 1,
+        )?;
+        let mut columns = self.columns(|_, _| Values::Parsed(Vec::with_capacity(self.rows)));
         let mut tokens = Tokens::new(payload, first_line);
         for row in 0..self.rows {
             let mut column = columns.iter_mut();
@@ -189,12 +235,23 @@ impl Table {
                 let mut first = f64::NAN;
                 for number in 0..field.count {
                     let token = tokens.next().ok_or_else(|| {
-                        Fault::entry("point", row, format!("the file ends before field `{}`: it is truncated", field.name))
+                        Fault::entry(
+                            "point",
+                            row,
+                            format!(
+                                "the file ends before field `{}`: it is truncated",
+                                field.name
+                            ),
+                        )
                     })?;
                     let value = parse_number(token).ok_or_else(|| {
                         Fault::new(
                             Place::Line(tokens.line()),
-                            format!("field `{}` is {}, expected a number", field.name, quoted(token)),
+                            format!(
+                                "field `{}` is {}, expected a number",
+                                field.name,
+                                quoted(token)
+                            ),
                         )
                     })?;
                     if number == 0 {
@@ -202,7 +259,10 @@ impl Table {
                     }
                 }
                 if field.name != "_"
-                    && let Some(Column { values: Values::Parsed(values), .. }) = column.next()
+                    && let Some(Column {
+                        values: Values::Parsed(values),
+                        ..
+                    }) = column.next()
                 {
                     values.push(first);
                 }
@@ -218,7 +278,8 @@ impl Table {
         // Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid
         // of the camera that took them.
         let is_organised = header.height > 1;
-        cloud.sensor = (position.is_finite() && (position != DVec3::ZERO || is_organised)).then_some(position);
+        cloud.sensor =
+            (position.is_finite() && (position != DVec3::ZERO || is_organised)).then_some(position);
         Ok(cloud)
     }
 }

@@ -19,8 +19,14 @@ const POINTS: &str = "vertex";
 
 pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let header = Header::parse(bytes)?;
-    let Some(position) = header.elements.iter().position(|element| element.name == POINTS) else {
-        return Err(Fault::header("there is no element `vertex`: a point cloud keeps its points there"));
+    let Some(position) = header
+        .elements
+        .iter()
+        .position(|element| element.name == POINTS)
+    else {
+        return Err(Fault::header(
+            "there is no element `vertex`: a point cloud keeps its points there",
+        ));
     };
     let (before, after) = header.elements.split_at(position);
     let vertex = &after[0];
@@ -28,7 +34,11 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
         Encoding::Ascii => ascii_columns(bytes, &header, before, vertex)?,
         Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
             let big_endian = header.encoding == Encoding::BinaryBigEndian;
-            let mut rest = Cursor { bytes, at: header.byte_size, big_endian };
+            let mut rest = Cursor {
+                bytes,
+                at: header.byte_size,
+                big_endian,
+            };
             for element in before {
                 rest.skip(element)?;
             }
@@ -67,32 +77,61 @@ enum Kind {
 impl Header {
     fn parse(bytes: &[u8]) -> Result<Self, Fault> {
         if !bytes.starts_with(b"ply") {
-            return Err(Fault::new(Place::Line(1), format!("expected `ply`, found {}", quoted(first_line(bytes)))));
+            return Err(Fault::new(
+                Place::Line(1),
+                format!("expected `ply`, found {}", quoted(first_line(bytes))),
+            ));
         }
         let (text, byte_size) = header_text(bytes)?;
         let mut reader = Reader::new(text.as_bytes());
-        let header = Parser::<DefaultElement>::new().read_header(&mut reader).map_err(|error| {
-            let line = error.line().unwrap_or(1);
-            let found = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
-            Fault::new(
-                Place::Line(line),
-                format!("the header is not understood: found {}", quoted(found.as_bytes())),
-            )
-        })?;
-        let elements: Vec<Element> = header.elements.into_iter().map(|(_, element)| element.into()).collect();
+        let header = Parser::<DefaultElement>::new()
+            .read_header(&mut reader)
+            .map_err(|error| {
+                let line = error.line().unwrap_or(1);
+                let found = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
+                Fault::new(
+                    Place::Line(line),
+                    format!(
+                        "the header is not understood: found {}",
+                        quoted(found.as_bytes())
+                    ),
+                )
+            })?;
+        let elements: Vec<Element> = header
+            .elements
+            .into_iter()
+            .map(|(_, element)| element.into())
+            .collect();
         // The parser keeps elements and properties by name, so one of two with the same name would be lost and every
         // row read at a wrong stride.
-        let properties: usize = elements.iter().map(|element| element.properties.len()).sum();
-        let lines_of = |keyword: &str| text.lines().filter(|line| line.split_whitespace().next() == Some(keyword)).count();
+        let properties: usize = elements
+            .iter()
+            .map(|element| element.properties.len())
+            .sum();
+        let lines_of = |keyword: &str| {
+            text.lines()
+                .filter(|line| line.split_whitespace().next() == Some(keyword))
+                .count()
+        };
         if lines_of("property") != properties || lines_of("element") != elements.len() {
-            return Err(Fault::header("two elements or two properties of an element have the same name"));
+            return Err(Fault::header(
+                "two elements or two properties of an element have the same name",
+            ));
         }
-        Ok(Self { encoding: header.encoding, elements, byte_size, line_count: text.lines().count() })
+        Ok(Self {
+            encoding: header.encoding,
+            elements,
+            byte_size,
+            line_count: text.lines().count(),
+        })
     }
 }
 
 fn first_line(bytes: &[u8]) -> &[u8] {
-    bytes.split(|&byte| byte == b'\n' || byte == b'\r').next().unwrap_or(bytes)
+    bytes
+        .split(|&byte| byte == b'\n' || byte == b'\r')
+        .next()
+        .unwrap_or(bytes)
 }
 
 /// The lines up to `end_header`, ended by `\n` and free of what is not ASCII (comments may hold anything), and the
@@ -103,19 +142,34 @@ fn header_text(bytes: &[u8]) -> Result<(String, usize), Fault> {
     let mut at = 0;
     while at < bytes.len().min(MAX_HEADER_BYTES) {
         let rest = &bytes[at..];
-        let length = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r').unwrap_or(rest.len());
-        let ending = if rest[length..].starts_with(b"\r\n") { 2 } else { 1 };
+        let length = rest
+            .iter()
+            .position(|&byte| byte == b'\n' || byte == b'\r')
+            .unwrap_or(rest.len());
+        let ending = if rest[length..].starts_with(b"\r\n") {
+            2
+        } else {
+            1
+        };
         let line = rest[..length].trim_ascii_end();
         at += (length + ending).min(rest.len());
         if !line.is_empty() {
-            text.extend(line.iter().map(|&byte| if byte.is_ascii() { char::from(byte) } else { '?' }));
+            text.extend(line.iter().map(|&byte| {
+                if byte.is_ascii() {
+                    char::from(byte)
+                } else {
+                    '?'
+                }
+            }));
         }
         text.push('\n');
         if line == LAST_LINE {
             return Ok((text, at));
         }
     }
-    Err(Fault::header("there is no line `end_header`: the header is incomplete, the file may be truncated"))
+    Err(Fault::header(
+        "there is no line `end_header`: the header is incomplete, the file may be truncated",
+    ))
 }
 
 impl From<ElementDef> for Element {
@@ -130,9 +184,10 @@ impl From<ElementDef> for Element {
                     name: property.name,
                     kind: match property.data_type {
                         PropertyType::Scalar(scalar) => Kind::Scalar(scalar.into()),
-                        PropertyType::List(length, item) => {
-                            Kind::List { length: length.into(), item: item.into() }
-                        }
+                        PropertyType::List(length, item) => Kind::List {
+                            length: length.into(),
+                            item: item.into(),
+                        },
                     },
                 })
                 .collect(),
@@ -230,11 +285,21 @@ impl<'a> Cursor<'a> {
             Kind::List { length, item } => {
                 let length = self.number(length, list, row)?;
                 if length < 0.0 || length.fract() != 0.0 {
-                    return Err(Fault::entry(list, row, format!("a list cannot have {length} items")));
+                    return Err(Fault::entry(
+                        list,
+                        row,
+                        format!("a list cannot have {length} items"),
+                    ));
                 }
-                let bytes = (length as usize).checked_mul(item.byte_size()).filter(|&bytes| bytes <= self.rest().len());
+                let bytes = (length as usize)
+                    .checked_mul(item.byte_size())
+                    .filter(|&bytes| bytes <= self.rest().len());
                 self.at += bytes.ok_or_else(|| {
-                    Fault::entry(list, row, format!("a list of {length} items goes beyond the end of the file"))
+                    Fault::entry(
+                        list,
+                        row,
+                        format!("a list of {length} items goes beyond the end of the file"),
+                    )
                 })?;
                 Ok(None)
             }
@@ -244,7 +309,11 @@ impl<'a> Cursor<'a> {
     fn number(&mut self, scalar: Scalar, list: &str, row: usize) -> Result<f64, Fault> {
         let rest = self.rest();
         if rest.len() < scalar.byte_size() {
-            return Err(Fault::entry(list, row, "the file ends here: it is truncated, or its header is wrong"));
+            return Err(Fault::entry(
+                list,
+                row,
+                "the file ends here: it is truncated, or its header is wrong",
+            ));
         }
         self.at += scalar.byte_size();
         Ok(scalar.read(rest, self.big_endian))
@@ -299,7 +368,10 @@ struct KeptColumns {
 
 impl KeptColumns {
     fn new(vertex: &Element) -> Self {
-        let mut kept = Self { columns: Vec::new(), column_of: Vec::new() };
+        let mut kept = Self {
+            columns: Vec::new(),
+            column_of: Vec::new(),
+        };
         for property in &vertex.properties {
             let scalar = match property.kind {
                 Kind::Scalar(scalar) if attributes::is_used(&property.name) => Some(scalar),
@@ -334,7 +406,13 @@ fn ascii_columns(
     let mut tokens = Tokens::new(payload, header.line_count + 1);
     for element in before {
         check_ascii_claim(element, payload)?;
-        for row in 0..element.count {
+        // Rows of nothing take no time, however many are claimed.
+        let rows = if element.properties.is_empty() {
+            0
+        } else {
+            element.count
+        };
+        for row in 0..rows {
             for property in &element.properties {
                 ascii_step(&mut tokens, property, &element.name, row)?;
             }
@@ -342,6 +420,10 @@ fn ascii_columns(
     }
     check_ascii_claim(vertex, payload)?;
     let mut kept = KeptColumns::new(vertex);
+    if kept.columns.is_empty() {
+        // Nothing is kept of these points, so there is no cloud to be made of them.
+        return Ok(kept.columns);
+    }
     for row in 0..vertex.count {
         for (index, property) in vertex.properties.iter().enumerate() {
             if let Some(value) = ascii_step(&mut tokens, property, POINTS, row)? {
@@ -356,16 +438,27 @@ fn ascii_columns(
 fn check_ascii_claim(element: &Element, payload: &[u8]) -> Result<(), Fault> {
     const LEAST_NUMBER_BYTES: usize = 2;
     // The last number need not be followed by anything.
-    element.check_claim(element.properties.len() * LEAST_NUMBER_BYTES, payload.len() + 1)
+    element.check_claim(
+        element.properties.len() * LEAST_NUMBER_BYTES,
+        payload.len() + 1,
+    )
 }
 
-fn ascii_step(tokens: &mut Tokens<'_>, property: &Property, list: &str, row: usize) -> Result<Option<f64>, Fault> {
+fn ascii_step(
+    tokens: &mut Tokens<'_>,
+    property: &Property,
+    list: &str,
+    row: usize,
+) -> Result<Option<f64>, Fault> {
     match property.kind {
         Kind::Scalar(_) => ascii_number(tokens, property, list, row).map(Some),
         Kind::List { .. } => {
             let length = ascii_number(tokens, property, list, row)?;
             if length < 0.0 || length.fract() != 0.0 {
-                return Err(Fault::new(Place::Line(tokens.line()), format!("a list cannot have {length} items")));
+                return Err(Fault::new(
+                    Place::Line(tokens.line()),
+                    format!("a list cannot have {length} items"),
+                ));
             }
             let mut left = length;
             while left > 0.0 {
@@ -377,18 +470,30 @@ fn ascii_step(tokens: &mut Tokens<'_>, property: &Property, list: &str, row: usi
     }
 }
 
-fn ascii_number(tokens: &mut Tokens<'_>, property: &Property, list: &str, row: usize) -> Result<f64, Fault> {
+fn ascii_number(
+    tokens: &mut Tokens<'_>,
+    property: &Property,
+    list: &str,
+    row: usize,
+) -> Result<f64, Fault> {
     let Some(token) = tokens.next() else {
         return Err(Fault::entry(
             list,
             row,
-            format!("the file ends before property `{}`: it is truncated, or its header is wrong", property.name),
+            format!(
+                "the file ends before property `{}`: it is truncated, or its header is wrong",
+                property.name
+            ),
         ));
     };
     parse_number(token).ok_or_else(|| {
         Fault::new(
             Place::Line(tokens.line()),
-            format!("property `{}` of {list} {row} is {}, expected a number", property.name, quoted(token)),
+            format!(
+                "property `{}` of {list} {row} is {}, expected a number",
+                property.name,
+                quoted(token)
+            ),
         )
     })
 }

@@ -29,14 +29,26 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let Some(column_count) = rows.column_count else {
         return match rows.names {
             // A header alone is a cloud of no points.
-            Some(_) => Ok(RawCloud::from_positions(crate::cloud::Positions::F64(Vec::new()))),
-            None => Err(Fault::new(Place::Line(1), "there is no line with numbers: expected x y z in columns")),
+            Some(_) => Ok(RawCloud::from_positions(crate::cloud::Positions::F64(
+                Vec::new(),
+            ))),
+            None => Err(Fault::new(
+                Place::Line(1),
+                "there is no line with numbers: expected x y z in columns",
+            )),
         };
     };
     let count = rows.values.len() / column_count;
-    let column = |index: usize| (0..count).map(|row| rows.values[row * column_count + index]).collect::<Vec<f64>>();
+    let column = |index: usize| {
+        (0..count)
+            .map(|row| rows.values[row * column_count + index])
+            .collect::<Vec<f64>>()
+    };
     let columns: Vec<Vec<f64>> = (0..column_count).map(column).collect();
-    let names = match rows.names.filter(|names| names.len() == column_count && has_coordinates(names)) {
+    let names = match rows
+        .names
+        .filter(|names| names.len() == column_count && has_coordinates(names))
+    {
         Some(names) => names,
         None => guessed_names(&columns),
     };
@@ -45,8 +57,16 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
         .zip(columns)
         .map(|(name, values)| {
             // Whole numbers above 1 are 8-bit channels, fractions are channels from 0 to 1.
-            let scalar = if is_color(&name) && looks_like_bytes(&values) { Scalar::U8 } else { Scalar::F64 };
-            Column { name, scalar, values: Values::Parsed(values) }
+            let scalar = if is_color(&name) && looks_like_bytes(&values) {
+                Scalar::U8
+            } else {
+                Scalar::F64
+            };
+            Column {
+                name,
+                scalar,
+                values: Values::Parsed(values),
+            }
         })
         .collect();
     attributes::cloud(&columns, count)
@@ -64,7 +84,8 @@ struct Rows {
 
 impl Rows {
     fn read_line(&mut self, line: &[u8], number: usize) -> Result<(), Fault> {
-        let (line, is_comment) = match line.strip_prefix(b"//").or_else(|| line.strip_prefix(b"#")) {
+        let (line, is_comment) = match line.strip_prefix(b"//").or_else(|| line.strip_prefix(b"#"))
+        {
             Some(comment) => (comment, true),
             None => (line, false),
         };
@@ -72,7 +93,8 @@ impl Rows {
             return Ok(());
         }
         let tokens = || {
-            line.split(|byte| b" \t,;".contains(byte)).filter(|token| !token.is_empty())
+            line.split(|byte| b" \t,;".contains(byte))
+                .filter(|token| !token.is_empty())
         };
         if is_comment {
             // CloudCompare and others write the names of the columns as a comment.
@@ -113,7 +135,10 @@ impl Rows {
                 Place::Line(number),
                 format!(
                     "found {found} numbers, expected {}",
-                    expected.map_or_else(|| "x y z and what follows them".to_owned(), |n| n.to_string())
+                    expected.map_or_else(
+                        || "x y z and what follows them".to_owned(),
+                        |n| n.to_string()
+                    )
                 ),
             )),
         }
@@ -122,7 +147,11 @@ impl Rows {
     fn take_names<'a>(&mut self, tokens: impl Iterator<Item = &'a [u8]>) {
         let names: Vec<String> = tokens
             .take(MAX_COLUMNS)
-            .map(|token| String::from_utf8_lossy(token).trim_matches('"').to_ascii_lowercase())
+            .map(|token| {
+                String::from_utf8_lossy(token)
+                    .trim_matches('"')
+                    .to_ascii_lowercase()
+            })
             .collect();
         if has_coordinates(&names) {
             self.names = Some(names);
@@ -131,7 +160,9 @@ impl Rows {
 }
 
 fn has_coordinates(names: &[String]) -> bool {
-    ["x", "y", "z"].iter().all(|axis| names.iter().any(|name| name == axis))
+    ["x", "y", "z"]
+        .iter()
+        .all(|axis| names.iter().any(|name| name == axis))
 }
 
 fn is_color(name: &str) -> bool {
@@ -139,16 +170,22 @@ fn is_color(name: &str) -> bool {
 }
 
 fn looks_like_bytes(values: &[f64]) -> bool {
-    values.iter().all(|value| value.fract() == 0.0 && (0.0..=255.0).contains(value))
+    values
+        .iter()
+        .all(|value| value.fract() == 0.0 && (0.0..=255.0).contains(value))
         && values.iter().any(|&value| value > 1.0)
 }
 
 fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
     const COLOR: [&str; 3] = ["red", "green", "blue"];
     const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-    let bytes_at = |first: usize| columns[first..first + 3].iter().all(|column| {
-        column.iter().all(|value| value.fract() == 0.0 && (0.0..=255.0).contains(value))
-    });
+    let bytes_at = |first: usize| {
+        columns[first..first + 3].iter().all(|column| {
+            column
+                .iter()
+                .all(|value| value.fract() == 0.0 && (0.0..=255.0).contains(value))
+        })
+    };
     let mut names = vec!["x", "y", "z"];
     match columns.len() {
         4 => names.push("scalar"),
@@ -181,7 +218,11 @@ fn is_unit_length(columns: &[Vec<f64>]) -> bool {
     /// Normals are often written with three digits.
     const TOLERANCE: f64 = 0.02;
     (0..columns[0].len()).all(|row| {
-        let length = columns.iter().map(|column| column[row] * column[row]).sum::<f64>().sqrt();
+        let length = columns
+            .iter()
+            .map(|column| column[row] * column[row])
+            .sum::<f64>()
+            .sqrt();
         (length - 1.0).abs() < TOLERANCE
     })
 }

@@ -40,7 +40,10 @@ impl UpAxis {
 
     /// Its word.
     pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, axis)| *axis == self).map_or("y", |&(name, _)| name)
+        Self::ALL
+            .iter()
+            .find(|(_, axis)| *axis == self)
+            .map_or("y", |&(name, _)| name)
     }
 
     /// The likely up axis of a frame: depth cameras (whose position is known) look along +Z with Y down, surveys and
@@ -77,9 +80,13 @@ impl FromStr for UpAxis {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let word = text.trim_start_matches('+').to_ascii_lowercase();
-        Self::ALL.iter().find(|(name, _)| *name == word).map(|&(_, axis)| axis).ok_or_else(|| {
-            ParseChoiceError::new("up axis", text, Self::ALL.iter().map(|(name, _)| *name))
-        })
+        Self::ALL
+            .iter()
+            .find(|(name, _)| *name == word)
+            .map(|&(_, axis)| axis)
+            .ok_or_else(|| {
+                ParseChoiceError::new("up axis", text, Self::ALL.iter().map(|(name, _)| *name))
+            })
     }
 }
 
@@ -163,7 +170,10 @@ impl Camera {
 
     /// Looks along an axis; target and distance stay.
     pub fn look_from(&mut self, preset: ViewPreset) {
-        if let Some(&(_, _, azimuth, elevation)) = ViewPreset::ALL.iter().find(|(_, this, _, _)| *this == preset) {
+        if let Some(&(_, _, azimuth, elevation)) = ViewPreset::ALL
+            .iter()
+            .find(|(_, this, _, _)| *this == preset)
+        {
             self.azimuth_deg = azimuth;
             self.elevation_deg = elevation;
         }
@@ -189,7 +199,8 @@ impl Camera {
 
     /// Shifts eye and target by pixels of a picture `height_px` high, so that the target follows the pointer.
     pub fn pan_px(&mut self, dx_px: f64, dy_px: f64, height_px: f64) {
-        let units_per_px = 2.0 * self.distance * (0.5 * self.fov_deg).to_radians().tan() / height_px.max(1.0);
+        let units_per_px =
+            2.0 * self.distance * (0.5 * self.fov_deg).to_radians().tan() / height_px.max(1.0);
         let rotation = self.view_from_world_rotation();
         self.target_in_world += (rotation.row(1) * dy_px - rotation.row(0) * dx_px) * units_per_px;
     }
@@ -259,8 +270,8 @@ impl ViewTransform {
 
     /// The frustum in the space of the frame.
     pub fn frustum_in_frame(&self) -> Frustum {
-        let view_from_frame = Mat4::from_mat3(self.view_from_frame_rotation)
-            * Mat4::from_translation(-self.eye_high);
+        let view_from_frame =
+            Mat4::from_mat3(self.view_from_frame_rotation) * Mat4::from_translation(-self.eye_high);
         Frustum::from_clip_matrix(&(self.clip_from_view() * view_from_frame))
     }
 
@@ -275,7 +286,10 @@ mod tests {
     use super::*;
 
     fn unit_box() -> Aabb {
-        Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) }
+        Aabb {
+            min: Vec3::splat(-1.0),
+            max: Vec3::splat(1.0),
+        }
     }
 
     #[test]
@@ -299,12 +313,19 @@ mod tests {
     #[test]
     fn up_is_up_for_every_axis() {
         for &(name, up) in UpAxis::ALL {
-            let camera = Camera { azimuth_deg: 37.0, elevation_deg: 20.0, ..Camera::framing(&unit_box(), DVec3::ZERO, up) };
+            let camera = Camera {
+                azimuth_deg: 37.0,
+                elevation_deg: 20.0,
+                ..Camera::framing(&unit_box(), DVec3::ZERO, up)
+            };
             let transform = camera.transform(DVec3::ZERO, [100, 100]);
             let axis = up.basis().col(1).as_vec3();
             let rise = transform.to_view(axis) - transform.to_view(Vec3::ZERO);
             assert!(rise.y > 0.9 && rise.x.abs() < 1e-6, "{name}: {rise}");
-            assert!(transform.view_from_frame_rotation.determinant() > 0.99, "{name} is mirrored");
+            assert!(
+                transform.view_from_frame_rotation.determinant() > 0.99,
+                "{name} is mirrored"
+            );
         }
     }
 
@@ -313,7 +334,10 @@ mod tests {
         let camera = Camera::framing(&unit_box(), DVec3::new(1e7, -2e7, 3e6), UpAxis::Z);
         let transform = camera.transform(DVec3::new(1e7, -2e7, 3e6), [640, 480]);
         let target = transform.to_view(Vec3::ZERO);
-        assert!((target + Vec3::Z * camera.distance as f32).length() < 1e-5, "{target}");
+        assert!(
+            (target + Vec3::Z * camera.distance as f32).length() < 1e-5,
+            "{target}"
+        );
     }
 
     #[test]
@@ -323,7 +347,10 @@ mod tests {
         let transform = camera.transform(DVec3::ZERO, [480, 480]);
         let clip = transform.clip_from_view() * transform.to_view(Vec3::ZERO).extend(1.0);
         let px = clip.truncate().truncate() / clip.w * 240.0;
-        assert!((px.x - 48.0).abs() < 1e-3 && (px.y - 24.0).abs() < 1e-3, "{px}");
+        assert!(
+            (px.x - 48.0).abs() < 1e-3 && (px.y - 24.0).abs() < 1e-3,
+            "{px}"
+        );
     }
 
     #[test]

@@ -6,5 +6,7 @@ mod packet;
 mod settings;
 
 pub use camera::{Camera, UpAxis, ViewPreset, ViewTransform};
-pub use packet::{Scene, SceneStats, ScenePacket, Voxels};
-pub use settings::{Background, Lighting, ParseChoiceError, Primitive, Settings, Splatting, Strategy};
+pub use packet::{Scene, ScenePacket, SceneStats, Voxels};
+pub use settings::{
+    Background, Lighting, ParseChoiceError, Primitive, Settings, Splatting, Strategy,
+};

@@ -98,7 +98,8 @@ impl Scene {
     pub fn needs(settings: &Settings) -> Needs {
         Needs {
             shapes: settings.primitive == Primitive::Surfel,
-            octree: (settings.primitive == Primitive::Voxel).then_some(StopCriterion::Loss(settings.delta)),
+            octree: (settings.primitive == Primitive::Voxel)
+                .then_some(StopCriterion::Loss(settings.delta)),
             colors: settings.colors,
         }
     }
@@ -116,13 +117,19 @@ impl Scene {
     ) -> ScenePacket {
         let viewport_px = viewport_px.map(|edge| edge.max(1));
         let view = camera.transform(origin, viewport_px);
-        let octree = frame.octree.as_ref().filter(|_| settings.primitive == Primitive::Voxel);
+        let octree = frame
+            .octree
+            .as_ref()
+            .filter(|_| settings.primitive == Primitive::Voxel);
         ScenePacket {
             viewport_px,
             view,
             settings: *settings,
             points: Arc::clone(&frame.points),
-            shapes: frame.shapes.clone().filter(|_| settings.primitive == Primitive::Surfel),
+            shapes: frame
+                .shapes
+                .clone()
+                .filter(|_| settings.primitive == Primitive::Surfel),
             voxels: octree.map(|octree| Voxels {
                 records: self.select(octree, &view, viewport_px, settings.lod_px),
                 cube_edge: octree.cube().edge,

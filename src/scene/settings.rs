@@ -49,8 +49,16 @@ pub struct ParseChoiceError {
 }
 
 impl ParseChoiceError {
-    pub(super) fn new<'a>(what: &'static str, text: &str, expected: impl Iterator<Item = &'a str>) -> Self {
-        Self { what, text: text.to_owned(), expected: expected.collect::<Vec<_>>().join(", ") }
+    pub(super) fn new<'a>(
+        what: &'static str,
+        text: &str,
+        expected: impl Iterator<Item = &'a str>,
+    ) -> Self {
+        Self {
+            what,
+            text: text.to_owned(),
+            expected: expected.collect::<Vec<_>>().join(", "),
+        }
     }
 }
 
@@ -137,16 +145,31 @@ pub struct Background {
 impl Background {
     /// Names and values of the presets.
     pub const PRESETS: &'static [(&'static str, Self)] = &[
-        ("dusk", Self { top: [44, 52, 66], bottom: [17, 20, 26] }),
+        (
+            "dusk",
+            Self {
+                top: [44, 52, 66],
+                bottom: [17, 20, 26],
+            },
+        ),
         ("black", Self::solid([0, 0, 0])),
         ("gray", Self::solid([119, 119, 119])),
         ("white", Self::solid([255, 255, 255])),
-        ("sky", Self { top: [120, 165, 214], bottom: [235, 240, 245] }),
+        (
+            "sky",
+            Self {
+                top: [120, 165, 214],
+                bottom: [235, 240, 245],
+            },
+        ),
     ];
 
     /// One colour everywhere.
     pub const fn solid(color: [u8; 3]) -> Self {
-        Self { top: color, bottom: color }
+        Self {
+            top: color,
+            bottom: color,
+        }
     }
 }
 
@@ -161,14 +184,24 @@ impl FromStr for Background {
 
     /// Reads a preset's name, `#rrggbb`, or `#rrggbb-#rrggbb` (top to bottom).
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let preset = Self::PRESETS.iter().find(|(name, _)| *name == text).map(|&(_, preset)| preset);
+        let preset = Self::PRESETS
+            .iter()
+            .find(|(name, _)| *name == text)
+            .map(|&(_, preset)| preset);
         let parsed = preset.or_else(|| match text.split_once('-') {
-            Some((top, bottom)) => Some(Self { top: parse_hex(top)?, bottom: parse_hex(bottom)? }),
+            Some((top, bottom)) => Some(Self {
+                top: parse_hex(top)?,
+                bottom: parse_hex(bottom)?,
+            }),
             None => parse_hex(text).map(Self::solid),
         });
         parsed.ok_or_else(|| {
             let presets = Self::PRESETS.iter().map(|(name, _)| *name);
-            ParseChoiceError::new("background", text, presets.chain(["#rrggbb", "#rrggbb-#rrggbb"]))
+            ParseChoiceError::new(
+                "background",
+                text,
+                presets.chain(["#rrggbb", "#rrggbb-#rrggbb"]),
+            )
         })
     }
 }
@@ -248,7 +281,10 @@ mod tests {
             assert_eq!(strategy.name().parse(), Ok(strategy));
         }
         let error = "cone".parse::<Primitive>().unwrap_err();
-        assert_eq!(error.to_string(), "`cone` is no primitive: expected surfel, voxel, point");
+        assert_eq!(
+            error.to_string(),
+            "`cone` is no primitive: expected surfel, voxel, point"
+        );
     }
 
     #[test]
@@ -257,7 +293,10 @@ mod tests {
         assert_eq!("#0a10ff".parse(), Ok(Background::solid([10, 16, 255])));
         assert_eq!(
             "#000000-#ffffff".parse(),
-            Ok(Background { top: [0; 3], bottom: [255; 3] })
+            Ok(Background {
+                top: [0; 3],
+                bottom: [255; 3]
+            })
         );
         for wrong in ["", "#12345", "#12345g", "#é1234", "000000", "#000000-"] {
             assert!(wrong.parse::<Background>().is_err(), "{wrong}");

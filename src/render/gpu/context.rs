@@ -51,9 +51,12 @@ impl Context {
         Self::open(instance, adapter, options)
     }
 
-    /// The graphics library with the backends of this platform; `WGPU_BACKEND` narrows them.
+    /// The graphics library with Vulkan, Metal or DirectX 12, unless `WGPU_BACKEND` names another.
     pub fn instance() -> wgpu::Instance {
-        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        // Looking for OpenGL too takes a second and complains on stderr where there is none.
+        descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+        wgpu::Instance::new(descriptor)
     }
 
     fn open(
@@ -69,12 +72,19 @@ impl Context {
         let limits = adapter.limits();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pointreel"),
-            required_features: if has_timestamps { timestamps } else { wgpu::Features::empty() },
+            required_features: if has_timestamps {
+                timestamps
+            } else {
+                wgpu::Features::empty()
+            },
             required_limits: limits.clone(),
             memory_hints: wgpu::MemoryHints::Performance,
             ..Default::default()
         }))
-        .map_err(|error| RenderError::NoDevice { adapter: info.name.clone(), reason: error.to_string() })?;
+        .map_err(|error| RenderError::NoDevice {
+            adapter: info.name.clone(),
+            reason: error.to_string(),
+        })?;
         let lost = Arc::new(Mutex::new(None));
         let lost_flag = Arc::clone(&lost);
         device.set_device_lost_callback(move |reason, message| {
@@ -84,7 +94,12 @@ impl Context {
             }
         });
         device.on_uncaptured_error(Arc::new(|error| log::error!("graphics: {error}")));
-        log::info!("adapter {} ({:?}, {})", info.name, info.device_type, info.driver_info);
+        log::info!(
+            "adapter {} ({:?}, {})",
+            info.name,
+            info.device_type,
+            info.driver_info
+        );
         Ok(Arc::new(Self {
             instance,
             adapter,
@@ -101,7 +116,9 @@ impl Context {
     /// Fails when the device was lost since it was opened.
     pub fn check_alive(&self) -> Result<(), RenderError> {
         match &*self.lost.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(reason) => Err(RenderError::DeviceLost { reason: reason.clone() }),
+            Some(reason) => Err(RenderError::DeviceLost {
+                reason: reason.clone(),
+            }),
             None => Ok(()),
         }
     }
@@ -114,7 +131,14 @@ impl Context {
 
     /// One line for reports: name, type and driver.
     pub fn adapter_summary(&self) -> String {
-        let wgpu::AdapterInfo { name, driver, driver_info, backend, device_type, .. } = &self.info;
+        let wgpu::AdapterInfo {
+            name,
+            driver,
+            driver_info,
+            backend,
+            device_type,
+            ..
+        } = &self.info;
         format!("{name} ({device_type:?}, {backend:?}, {driver} {driver_info})")
     }
 
@@ -128,7 +152,9 @@ impl Context {
         self.device
             .poll(wgpu::PollType::wait_indefinitely())
             .map(|_| ())
-            .map_err(|error| RenderError::Poll { reason: error.to_string() })
+            .map_err(|error| RenderError::Poll {
+                reason: error.to_string(),
+            })
     }
 
     /// A buffer of `size` bytes that begins with `bytes`, written with one copy into its mapped memory.
@@ -187,5 +213,7 @@ fn choose_adapter(
     } else {
         request(false).or_else(|_| request(true))
     };
-    adapter.map_err(|error| RenderError::NoAdapter { reason: error.to_string() })
+    adapter.map_err(|error| RenderError::NoAdapter {
+        reason: error.to_string(),
+    })
 }

@@ -48,7 +48,12 @@ const DEPTH_SLACK_RADII: f32 = 1.0;
 impl ViewUniform {
     /// The uniforms of one pass over `packet`; `enlargement` multiplies the packet's splat scale.
     pub fn new(packet: &ScenePacket, enlargement: f32) -> Self {
-        let Settings { lighting, background, splatting, .. } = packet.settings;
+        let Settings {
+            lighting,
+            background,
+            splatting,
+            ..
+        } = packet.settings;
         let rotation = packet.view.view_from_frame_rotation;
         let center_distance = -packet.view.to_view(packet.bounds.center()).z;
         let radius = packet.bounds.radius().max(f32::MIN_POSITIVE);
@@ -67,7 +72,10 @@ impl ViewUniform {
             background_bottom: normalized(background.bottom),
             depth_range: [center_distance - radius, center_distance + radius],
             point_size_px: packet.settings.point_size_px,
-            cube_half_edge: packet.voxels.as_ref().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
+            cube_half_edge: packet
+                .voxels
+                .as_ref()
+                .map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if one_pass { 0.0 } else { DEPTH_SLACK_RADII },
             lighting: match lighting {
                 Lighting::Unlit => 0,
@@ -83,7 +91,10 @@ impl ViewUniform {
     /// The same for the attribute pass, whose splats are not pushed back.
     #[must_use]
     pub fn without_slack(self) -> Self {
-        Self { depth_slack: 0.0, ..self }
+        Self {
+            depth_slack: 0.0,
+            ..self
+        }
     }
 }
 

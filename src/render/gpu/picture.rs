@@ -38,22 +38,37 @@ impl Plan {
             Primitive::Point if settings.point_size_px <= 1.0 => Amplification::Pixel,
             Primitive::Point => Amplification::Square,
         };
-        let (geometry, finish): (&'static [GeometryPass], _) = match (settings.primitive, settings.splatting) {
-            (Primitive::Point, _) => (&[GeometryPass::Point], None),
-            (Primitive::Voxel, _) => (&[GeometryPass::Solid], None),
-            (Primitive::Surfel, Splatting::Regular) => (&[GeometryPass::Regular], None),
-            (Primitive::Surfel, Splatting::NoDepth) => (&[GeometryPass::NoDepth], None),
-            (Primitive::Surfel, Splatting::Visibility) => (&[GeometryPass::Visibility], Some(ScreenPass::DepthView)),
-            (Primitive::Surfel, Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged) => {
-                (&[GeometryPass::Visibility, GeometryPass::Attribute], Some(ScreenPass::Resolve))
-            }
-        };
-        Self { amplification, streams: stream_keys(packet, amplification), geometry, finish }
+        let (geometry, finish): (&'static [GeometryPass], _) =
+            match (settings.primitive, settings.splatting) {
+                (Primitive::Point, _) => (&[GeometryPass::Point], None),
+                (Primitive::Voxel, _) => (&[GeometryPass::Solid], None),
+                (Primitive::Surfel, Splatting::Regular) => (&[GeometryPass::Regular], None),
+                (Primitive::Surfel, Splatting::NoDepth) => (&[GeometryPass::NoDepth], None),
+                (Primitive::Surfel, Splatting::Visibility) => {
+                    (&[GeometryPass::Visibility], Some(ScreenPass::DepthView))
+                }
+                (
+                    Primitive::Surfel,
+                    Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged,
+                ) => (
+                    &[GeometryPass::Visibility, GeometryPass::Attribute],
+                    Some(ScreenPass::Resolve),
+                ),
+            };
+        Self {
+            amplification,
+            streams: stream_keys(packet, amplification),
+            geometry,
+            finish,
+        }
     }
 
     /// The uniforms of each geometry pass.
     pub(super) fn views(&self, packet: &ScenePacket) -> [ViewUniform; 2] {
-        let [visibility, attribute] = packet.settings.splatting.scales(packet.settings.enlargement);
+        let [visibility, attribute] = packet
+            .settings
+            .splatting
+            .scales(packet.settings.enlargement);
         [
             ViewUniform::new(packet, visibility),
             ViewUniform::new(packet, attribute).without_slack(),
@@ -64,10 +79,14 @@ impl Plan {
         let strategy = packet.settings.strategy;
         let amplification = self.amplification;
         // The faces of a cube that do not face the eye are never right to draw.
-        let cull_back_faces = amplification == Amplification::Voxel || packet.settings.cull_back_faces;
-        self.geometry
-            .iter()
-            .map(move |&pass| GeometryKey { strategy, amplification, pass, cull_back_faces })
+        let cull_back_faces =
+            amplification == Amplification::Voxel || packet.settings.cull_back_faces;
+        self.geometry.iter().map(move |&pass| GeometryKey {
+            strategy,
+            amplification,
+            pass,
+            cull_back_faces,
+        })
     }
 
     pub(super) fn screen_passes(&self, packet: &ScenePacket) -> impl Iterator<Item = ScreenPass> {
@@ -83,13 +102,32 @@ const FAR: f32 = 0.0;
 impl GpuRenderer {
     pub(super) fn encode_and_submit(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
         let plan = Plan::new(packet);
-        let Self { context, pipelines, instancing, residency, targets, timer, stats, .. } = self;
+        let Self {
+            context,
+            pipelines,
+            instancing,
+            residency,
+            targets,
+            timer,
+            stats,
+            ..
+        } = self;
         let targets = targets.as_ref().ok_or(RenderError::NothingPrepared)?;
-        let streams: Vec<&Stream> = plan.streams.iter().filter_map(|&key| residency.get(key)).collect();
-        let draw = Draw { streams: &streams, amplification: plan.amplification, quad_indices: &self.quad_indices };
+        let streams: Vec<&Stream> = plan
+            .streams
+            .iter()
+            .filter_map(|&key| residency.get(key))
+            .collect();
+        let draw = Draw {
+            streams: &streams,
+            amplification: plan.amplification,
+            quad_indices: &self.quad_indices,
+        };
         let mut encoder = context
             .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("picture"),
+            });
         if let Some(timer) = timer {
             timer.begin(context, &mut encoder);
         }
@@ -99,8 +137,18 @@ impl GpuRenderer {
         let background = packet.settings.background;
         {
             let [red, green, blue] = background.top.map(|channel| f64::from(channel) / 255.0);
-            let clear = wgpu::LoadOp::Clear(wgpu::Color { r: red, g: green, b: blue, a: 1.0 });
-            let mut pass = begin(&mut encoder, "background", Some((&targets.color_view, clear)), None);
+            let clear = wgpu::LoadOp::Clear(wgpu::Color {
+                r: red,
+                g: green,
+                b: blue,
+                a: 1.0,
+            });
+            let mut pass = begin(
+                &mut encoder,
+                "background",
+                Some((&targets.color_view, clear)),
+                None,
+            );
             stats.passes += 1;
             if background.top != background.bottom
                 && let Some(pipeline) = pipelines.screen(ScreenPass::Background)
@@ -113,7 +161,10 @@ impl GpuRenderer {
         }
 
         for (index, key) in (0..).zip(plan.geometry_keys(packet)) {
-            let view = ViewBinding { bind_group: &self.view_group, offset: index * self.view_stride };
+            let view = ViewBinding {
+                bind_group: &self.view_group,
+                offset: index * self.view_stride,
+            };
             stats.passes += instancing.amplify(context, &mut encoder, view, &draw);
             let mut pass = begin_geometry(&mut encoder, key.pass, targets);
             stats.passes += 1;
@@ -124,28 +175,38 @@ impl GpuRenderer {
                 pass.set_bind_group(0, view.bind_group, &[view.offset]);
                 pass.set_index_buffer(draw.quad_indices.slice(..), wgpu::IndexFormat::Uint32);
                 stats.draw_calls += instancing.draw(&mut pass, &draw);
-                stats.drawn_instances +=
-                    streams[0].chunks.iter().map(|chunk| u64::from(chunk.record_count)).sum::<u64>();
+                stats.drawn_instances += streams[0]
+                    .chunks
+                    .iter()
+                    .map(|chunk| u64::from(chunk.record_count))
+                    .sum::<u64>();
             }
         }
 
         if let Some(finish) = plan.finish
-            && let (Some(pipeline), Some(layout)) = (pipelines.screen(finish), pipelines.source_layout(finish))
+            && let (Some(pipeline), Some(layout)) =
+                (pipelines.screen(finish), pipelines.source_layout(finish))
         {
             let source = match finish {
                 ScreenPass::DepthView => &targets.depth_view,
                 _ => &targets.accumulation_view,
             };
-            let group = context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("screen source"),
-                layout,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(source),
-                }],
-            });
-            let mut pass =
-                begin(&mut encoder, "finish", Some((&targets.color_view, wgpu::LoadOp::Load)), None);
+            let group = context
+                .device
+                .create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("screen source"),
+                    layout,
+                    entries: &[wgpu::BindGroupEntry {
+                        binding: 0,
+                        resource: wgpu::BindingResource::TextureView(source),
+                    }],
+                });
+            let mut pass = begin(
+                &mut encoder,
+                "finish",
+                Some((&targets.color_view, wgpu::LoadOp::Load)),
+                None,
+            );
             stats.passes += 1;
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &self.view_group, &[0]);
@@ -177,7 +238,12 @@ fn begin_geometry<'e>(
         GeometryPass::Attribute => {
             let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
             let read_depth = Some((&targets.depth_view, None));
-            begin(encoder, "attribute", Some((&targets.accumulation_view, clear)), read_depth)
+            begin(
+                encoder,
+                "attribute",
+                Some((&targets.accumulation_view, clear)),
+                read_depth,
+            )
         }
         GeometryPass::Regular => begin(encoder, "splat", keep_color, clear_depth),
         GeometryPass::NoDepth => begin(encoder, "splat without depth", keep_color, None),
@@ -197,15 +263,27 @@ fn begin<'e>(
         view,
         depth_slice: None,
         resolve_target: None,
-        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+        ops: wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        },
     });
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
-        color_attachments: if color.is_some() { std::slice::from_ref(&color) } else { &[] },
-        depth_stencil_attachment: depth.map(|(view, load)| wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: load.map(|load| wgpu::Operations { load, store: wgpu::StoreOp::Store }),
-            stencil_ops: None,
+        color_attachments: if color.is_some() {
+            std::slice::from_ref(&color)
+        } else {
+            &[]
+        },
+        depth_stencil_attachment: depth.map(|(view, load)| {
+            wgpu::RenderPassDepthStencilAttachment {
+                view,
+                depth_ops: load.map(|load| wgpu::Operations {
+                    load,
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }
         }),
         timestamp_writes: None,
         occlusion_query_set: None,

@@ -5,7 +5,10 @@ use crate::render::RenderError;
 use image::RgbaImage;
 
 /// Copies a [`super::targets::COLOR_FORMAT`] texture into an image. Blocks until the GPU is done.
-pub(super) fn read_color(context: &Context, texture: &wgpu::Texture) -> Result<RgbaImage, RenderError> {
+pub(super) fn read_color(
+    context: &Context,
+    texture: &wgpu::Texture,
+) -> Result<RgbaImage, RenderError> {
     let (width, height) = (texture.width(), texture.height());
     let row_bytes = width * 4;
     let padded_row_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
@@ -18,7 +21,9 @@ pub(super) fn read_color(context: &Context, texture: &wgpu::Texture) -> Result<R
             mapped_at_creation: false,
         })
     })?;
-    let mut encoder = context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut encoder = context
+        .device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_texture_to_buffer(
         texture.as_image_copy(),
         wgpu::TexelCopyBufferInfo {
@@ -39,8 +44,9 @@ pub(super) fn read_color(context: &Context, texture: &wgpu::Texture) -> Result<R
             .copied()
             .collect::<Vec<u8>>()
     })?;
-    RgbaImage::from_raw(width, height, bytes)
-        .ok_or_else(|| RenderError::Poll { reason: "the picture came back incomplete".to_owned() })
+    RgbaImage::from_raw(width, height, bytes).ok_or_else(|| RenderError::Poll {
+        reason: "the picture came back incomplete".to_owned(),
+    })
 }
 
 /// Maps a whole buffer, waits for it and hands its bytes to `read`.
@@ -50,18 +56,29 @@ pub(super) fn map_and_read<T>(
     read: impl FnOnce(&[u8]) -> T,
 ) -> Result<T, RenderError> {
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
-    buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-        // The receiver outlives the wait below.
-        let _ = sender.send(result);
-    });
+    buffer
+        .slice(..)
+        .map_async(wgpu::MapMode::Read, move |result| {
+            // The receiver outlives the wait below.
+            let _ = sender.send(result);
+        });
     context.wait()?;
     match receiver.try_recv() {
         Ok(Ok(())) => {
-            let result = buffer.slice(..).get_mapped_range().map(|bytes| read(&bytes));
+            let result = buffer
+                .slice(..)
+                .get_mapped_range()
+                .map(|bytes| read(&bytes));
             buffer.unmap();
-            result.map_err(|error| RenderError::Poll { reason: error.to_string() })
+            result.map_err(|error| RenderError::Poll {
+                reason: error.to_string(),
+            })
         }
-        Ok(Err(error)) => Err(RenderError::Poll { reason: error.to_string() }),
-        Err(error) => Err(RenderError::Poll { reason: error.to_string() }),
+        Ok(Err(error)) => Err(RenderError::Poll {
+            reason: error.to_string(),
+        }),
+        Err(error) => Err(RenderError::Poll {
+            reason: error.to_string(),
+        }),
     }
 }

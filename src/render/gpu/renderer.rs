@@ -47,26 +47,28 @@ impl GpuRenderer {
         context.check_alive()?;
         let uniform_bytes = size_of::<ViewUniform>() as u64;
         let pipelines = Pipelines::new(&context, uniform_bytes);
-        let view_stride =
-            (uniform_bytes as u32).next_multiple_of(context.limits.min_uniform_buffer_offset_alignment);
+        let view_stride = (uniform_bytes as u32)
+            .next_multiple_of(context.limits.min_uniform_buffer_offset_alignment);
         let view_buffer = context.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("views"),
             size: u64::from(view_stride * VIEWS),
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let view_group = context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("view"),
-            layout: &pipelines.view_layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: &view_buffer,
-                    offset: 0,
-                    size: wgpu::BufferSize::new(uniform_bytes),
-                }),
-            }],
-        });
+        let view_group = context
+            .device
+            .create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("view"),
+                layout: &pipelines.view_layout,
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer: &view_buffer,
+                        offset: 0,
+                        size: wgpu::BufferSize::new(uniform_bytes),
+                    }),
+                }],
+            });
         let strategy = crate::scene::Settings::default().strategy;
         Ok(Self {
             instancing: instancing::new(strategy, &context, &pipelines.view_layout),
@@ -116,7 +118,11 @@ impl GpuRenderer {
     }
 
     fn ensure_targets(&mut self, size_px: [u32; 2]) -> Result<(), RenderError> {
-        if self.targets.as_ref().is_some_and(|targets| targets.size_px == size_px) {
+        if self
+            .targets
+            .as_ref()
+            .is_some_and(|targets| targets.size_px == size_px)
+        {
             return Ok(());
         }
         let [width, height] = size_px;
@@ -127,7 +133,9 @@ impl GpuRenderer {
         // The old ones go first: both at once may not fit.
         self.targets = None;
         self.drawn = None;
-        let targets = self.context.catching_out_of_memory("the picture", || Targets::new(&self.context, size_px))?;
+        let targets = self
+            .context
+            .catching_out_of_memory("the picture", || Targets::new(&self.context, size_px))?;
         self.targets = Some(targets);
         self.color_generation += 1;
         Ok(())
@@ -135,7 +143,13 @@ impl GpuRenderer {
 
     /// Uploads what `plan` draws and is not resident; keeps the residency within its budget.
     fn ensure_streams(&mut self, packet: &ScenePacket, plan: &Plan) -> Result<(), RenderError> {
-        let Self { context, instancing, residency, stats, .. } = self;
+        let Self {
+            context,
+            instancing,
+            residency,
+            stats,
+            ..
+        } = self;
         let mut ensure = |bytes: u64| {
             if bytes > 0 {
                 stats.uploads += 1;
@@ -143,7 +157,11 @@ impl GpuRenderer {
             }
         };
         context.catching_out_of_memory("the cloud", || {
-            if let Some(voxels) = packet.voxels.as_ref().filter(|_| plan.amplification == Amplification::Voxel) {
+            if let Some(voxels) = packet
+                .voxels
+                .as_ref()
+                .filter(|_| plan.amplification == Amplification::Voxel)
+            {
                 ensure(residency.ensure(&voxels.records, |records| {
                     let bytes = bytemuck::cast_slice(records);
                     instancing::upload(instancing.as_ref(), context, Amplification::Voxel, bytes)
@@ -174,13 +192,17 @@ impl GpuRenderer {
             .iter()
             .filter_map(|&key| self.residency.get(key))
             .flat_map(|stream| &stream.chunks)
-            .map(|chunk| self.instancing.quads_per_draw(chunk.record_count, plan.amplification))
+            .map(|chunk| {
+                self.instancing
+                    .quads_per_draw(chunk.record_count, plan.amplification)
+            })
             .max()
             .unwrap_or(0);
         if quads > self.quad_capacity {
             let context = &self.context;
-            self.quad_indices =
-                context.catching_out_of_memory("the quads' indices", || quad_index_buffer(context, quads))?;
+            self.quad_indices = context.catching_out_of_memory("the quads' indices", || {
+                quad_index_buffer(context, quads)
+            })?;
             self.quad_capacity = quads;
         }
         Ok(())
@@ -198,21 +220,27 @@ impl Renderer for GpuRenderer {
         self.ensure_targets(packet.viewport_px)?;
         if self.instancing.strategy() != packet.settings.strategy {
             self.residency.clear();
-            self.instancing =
-                instancing::new(packet.settings.strategy, &self.context, &self.pipelines.view_layout);
+            self.instancing = instancing::new(
+                packet.settings.strategy,
+                &self.context,
+                &self.pipelines.view_layout,
+            );
         }
         let plan = Plan::new(packet);
         self.ensure_streams(packet, &plan)?;
         self.ensure_quad_indices(&plan)?;
         for key in plan.geometry_keys(packet) {
-            self.pipelines.ensure_geometry(&self.context, key, self.instancing.as_ref());
+            self.pipelines
+                .ensure_geometry(&self.context, key, self.instancing.as_ref());
         }
         for pass in plan.screen_passes(packet) {
             self.pipelines.ensure_screen(&self.context, pass);
         }
         for (index, view) in (0..).zip(plan.views(packet)) {
             let offset = u64::from(self.view_stride) * index;
-            self.context.queue.write_buffer(&self.view_buffer, offset, bytemuck::bytes_of(&view));
+            self.context
+                .queue
+                .write_buffer(&self.view_buffer, offset, bytemuck::bytes_of(&view));
         }
         self.prepared = Some(packet.clone());
         self.stats.prepare_ms = start.elapsed().as_secs_f64() * 1e3;
@@ -241,7 +269,11 @@ impl Renderer for GpuRenderer {
 
     fn stats(&self) -> RenderStats {
         RenderStats {
-            gpu_ms: self.timer.as_ref().and_then(Timer::last_ms).or(self.stats.gpu_ms),
+            gpu_ms: self
+                .timer
+                .as_ref()
+                .and_then(Timer::last_ms)
+                .or(self.stats.gpu_ms),
             ..self.stats
         }
     }
@@ -249,17 +281,25 @@ impl Renderer for GpuRenderer {
 
 /// Indices 0 1 2 2 1 3, 4 5 6 6 5 7, … of `quads` quads.
 fn quad_index_buffer(context: &Context, quads: u32) -> wgpu::Buffer {
-    let indices: Vec<u32> =
-        (0..quads).flat_map(|quad| [0, 1, 2, 2, 1, 3].map(|corner| 4 * quad + corner)).collect();
+    let indices: Vec<u32> = (0..quads)
+        .flat_map(|quad| [0, 1, 2, 2, 1, 3].map(|corner| 4 * quad + corner))
+        .collect();
     let bytes: &[u8] = bytemuck::cast_slice(&indices);
-    context.filled_buffer("quad indices", wgpu::BufferUsages::INDEX, bytes, bytes.len())
+    context.filled_buffer(
+        "quad indices",
+        wgpu::BufferUsages::INDEX,
+        bytes,
+        bytes.len(),
+    )
 }
 
 /// The streams that a packet draws, in the order of their bind groups.
 pub(super) fn stream_keys(packet: &ScenePacket, amplification: Amplification) -> Vec<StreamKey> {
     match (amplification, &packet.voxels, &packet.shapes) {
         (Amplification::Voxel, Some(voxels), _) => vec![StreamKey::of(&voxels.records)],
-        (Amplification::Surfel, _, Some(shapes)) => vec![StreamKey::of(&packet.points), StreamKey::of(shapes)],
+        (Amplification::Surfel, _, Some(shapes)) => {
+            vec![StreamKey::of(&packet.points), StreamKey::of(shapes)]
+        }
         (Amplification::Pixel | Amplification::Square, _, _) => vec![StreamKey::of(&packet.points)],
         // The frame lacks what the primitive needs: only the background is drawn.
         _ => Vec::new(),

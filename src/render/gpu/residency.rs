@@ -38,7 +38,12 @@ impl StreamKey {
 
 impl Residency {
     pub(super) fn new(budget_bytes: u64) -> Self {
-        Self { streams: HashMap::new(), budget_bytes, resident_bytes: 0, clock: 0 }
+        Self {
+            streams: HashMap::new(),
+            budget_bytes,
+            resident_bytes: 0,
+            clock: 0,
+        }
     }
 
     /// Makes sure that `records` are resident. Returns the bytes uploaded, 0 when they were.
@@ -58,8 +63,14 @@ impl Residency {
         let bytes = stream.byte_size;
         let shared: Arc<dyn Any + Send + Sync> = Arc::clone(records) as _;
         self.resident_bytes += bytes;
-        self.streams
-            .insert(key, Resident { records: Arc::downgrade(&shared), stream, last_drawn: self.clock });
+        self.streams.insert(
+            key,
+            Resident {
+                records: Arc::downgrade(&shared),
+                stream,
+                last_drawn: self.clock,
+            },
+        );
         bytes
     }
 
@@ -71,8 +82,13 @@ impl Residency {
     /// Drops what is gone, then what was not drawn for longest, but never `keep`.
     pub(super) fn trim(&mut self, keep: &[StreamKey]) {
         let is_kept = |key: &usize| keep.contains(&StreamKey(*key));
-        self.streams.retain(|key, resident| is_kept(key) || resident.records.strong_count() > 0);
-        self.resident_bytes = self.streams.values().map(|resident| resident.stream.byte_size).sum();
+        self.streams
+            .retain(|key, resident| is_kept(key) || resident.records.strong_count() > 0);
+        self.resident_bytes = self
+            .streams
+            .values()
+            .map(|resident| resident.stream.byte_size)
+            .sum();
         while self.resident_bytes > self.budget_bytes {
             let oldest = self
                 .streams
@@ -103,7 +119,10 @@ mod tests {
     use super::*;
 
     fn stream_of(records: &[u8]) -> Stream {
-        Stream { chunks: Vec::new(), byte_size: records.len() as u64 }
+        Stream {
+            chunks: Vec::new(),
+            byte_size: records.len() as u64,
+        }
     }
 
     #[test]
@@ -112,7 +131,11 @@ mod tests {
         let cloud = Arc::new(vec![0u8; 40]);
         assert_eq!(residency.ensure(&cloud, stream_of), 40);
         assert_eq!(residency.ensure(&Arc::clone(&cloud), stream_of), 0);
-        assert_eq!(residency.ensure(&Arc::new(vec![0u8; 40]), stream_of), 40, "equal content, another cloud");
+        assert_eq!(
+            residency.ensure(&Arc::new(vec![0u8; 40]), stream_of),
+            40,
+            "equal content, another cloud"
+        );
     }
 
     #[test]
@@ -125,13 +148,20 @@ mod tests {
         residency.ensure(&clouds[0], stream_of);
         residency.trim(&[StreamKey::of(&clouds[1])]);
         assert_eq!(residency.resident_bytes(), 80);
-        assert!(residency.get(StreamKey::of(&clouds[2])).is_none(), "drawn least recently");
+        assert!(
+            residency.get(StreamKey::of(&clouds[2])).is_none(),
+            "drawn least recently"
+        );
 
         residency.ensure(&clouds[3], stream_of);
         let kept = [StreamKey::of(&clouds[1])];
         let clouds = vec![Arc::clone(&clouds[1])];
         residency.trim(&kept);
-        assert_eq!(residency.resident_bytes(), 40, "clouds that are gone leave at once");
+        assert_eq!(
+            residency.resident_bytes(),
+            40,
+            "clouds that are gone leave at once"
+        );
         assert!(residency.get(StreamKey::of(&clouds[0])).is_some());
     }
 

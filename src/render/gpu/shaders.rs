@@ -65,8 +65,14 @@ pub enum GeometryPass {
 
 impl GeometryPass {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Visibility, Self::Attribute, Self::Regular, Self::NoDepth, Self::Solid, Self::Point];
+    pub const ALL: [Self; 6] = [
+        Self::Visibility,
+        Self::Attribute,
+        Self::Regular,
+        Self::NoDepth,
+        Self::Solid,
+        Self::Point,
+    ];
 
     /// Which amplifications the pass draws.
     pub fn draws(self, amplification: Amplification) -> bool {
@@ -133,8 +139,15 @@ impl Permutation {
             if compute_amplifies(amplification) {
                 all.push(Self::Amplify(amplification));
             }
-            for pass in GeometryPass::ALL.into_iter().filter(|pass| pass.draws(amplification)) {
-                all.extend(Strategy::ALL.iter().map(|&strategy| Self::Geometry(strategy, amplification, pass)));
+            for pass in GeometryPass::ALL
+                .into_iter()
+                .filter(|pass| pass.draws(amplification))
+            {
+                all.extend(
+                    Strategy::ALL
+                        .iter()
+                        .map(|&strategy| Self::Geometry(strategy, amplification, pass)),
+                );
             }
         }
         all
@@ -143,7 +156,9 @@ impl Permutation {
     /// A name for error messages and debuggers.
     pub fn label(self) -> String {
         match self {
-            Self::Geometry(strategy, amplification, pass) => format!("{strategy}/{amplification:?}/{pass:?}"),
+            Self::Geometry(strategy, amplification, pass) => {
+                format!("{strategy}/{amplification:?}/{pass:?}")
+            }
             Self::Amplify(amplification) => format!("amplify/{amplification:?}"),
             Self::Screen(pass) => format!("screen/{pass:?}"),
         }
@@ -176,9 +191,11 @@ impl Permutation {
                 amplification.source(),
                 include_str!("../../../shaders/passes/amplify.wgsl"),
             ]),
-            Self::Screen(pass) => {
-                concatenate(&[view, include_str!("../../../shaders/common/fullscreen.wgsl"), pass.source()])
-            }
+            Self::Screen(pass) => concatenate(&[
+                view,
+                include_str!("../../../shaders/common/fullscreen.wgsl"),
+                pass.source(),
+            ]),
         }
     }
 }
@@ -196,10 +213,14 @@ pub(super) fn reads_amplified(strategy: Strategy, amplification: Amplification) 
 fn fetch(strategy: Strategy, amplification: Amplification) -> &'static str {
     match strategy {
         Strategy::Compute if reads_amplified(strategy, amplification) => "",
-        Strategy::Storage | Strategy::Compute => include_str!("../../../shaders/fetch/storage.wgsl"),
+        Strategy::Storage | Strategy::Compute => {
+            include_str!("../../../shaders/fetch/storage.wgsl")
+        }
         Strategy::Uniform => include_str!("../../../shaders/fetch/uniform.wgsl"),
         Strategy::Texture => include_str!("../../../shaders/fetch/texture.wgsl"),
-        Strategy::Vertex if amplification.needs_shapes() => include_str!("../../../shaders/fetch/vertex.wgsl"),
+        Strategy::Vertex if amplification.needs_shapes() => {
+            include_str!("../../../shaders/fetch/vertex.wgsl")
+        }
         Strategy::Vertex => include_str!("../../../shaders/fetch/vertex_points.wgsl"),
     }
 }

@@ -75,9 +75,14 @@ impl Timer {
         self.recorded = false;
         self.state.store(IN_FLIGHT, Ordering::Release);
         let state = Arc::clone(&self.state);
-        self.readable.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            state.store(if result.is_ok() { MAPPED } else { IDLE }, Ordering::Release);
-        });
+        self.readable
+            .slice(..)
+            .map_async(wgpu::MapMode::Read, move |result| {
+                state.store(
+                    if result.is_ok() { MAPPED } else { IDLE },
+                    Ordering::Release,
+                );
+            });
     }
 
     /// Takes a result that has arrived.
@@ -87,8 +92,9 @@ impl Timer {
         if self.state.load(Ordering::Acquire) == MAPPED {
             let ticks = self.readable.slice(..).get_mapped_range();
             let period_ns = context.queue.get_timestamp_period();
-            self.last_ms =
-                ticks.ok().and_then(|ticks| elapsed_ms(&bytemuck::pod_collect_to_vec::<u8, u64>(&ticks), period_ns));
+            self.last_ms = ticks.ok().and_then(|ticks| {
+                elapsed_ms(&bytemuck::pod_collect_to_vec::<u8, u64>(&ticks), period_ns)
+            });
             self.readable.unmap();
             self.state.store(IDLE, Ordering::Release);
         }
@@ -109,7 +115,9 @@ impl Timer {
 
 fn elapsed_ms(ticks: &[u64], period_ns: f32) -> Option<f64> {
     let [begin, end] = ticks else { return None };
-    let elapsed = end.checked_sub(*begin).filter(|&elapsed| elapsed > 0 && *begin > 0)?;
+    let elapsed = end
+        .checked_sub(*begin)
+        .filter(|&elapsed| elapsed > 0 && *begin > 0)?;
     Some(elapsed as f64 * f64::from(period_ns) * 1e-6)
 }
 

@@ -62,10 +62,12 @@ impl Compute {
         };
         Self {
             storage: Storage::new(context),
-            output_layout: context.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("amplified"),
-                entries: &[storage_entry(0), storage_entry(1), storage_entry(2)],
-            }),
+            output_layout: context.device.create_bind_group_layout(
+                &wgpu::BindGroupLayoutDescriptor {
+                    label: Some("amplified"),
+                    entries: &[storage_entry(0), storage_entry(1), storage_entry(2)],
+                },
+            ),
             view_layout: view_layout.clone(),
             pipelines: HashMap::new(),
             outputs: Vec::new(),
@@ -75,31 +77,51 @@ impl Compute {
     fn build_pipelines(&self, context: &Context, amplification: Amplification) -> Pipelines {
         let permutation = Permutation::Amplify(amplification);
         let label = permutation.label();
-        let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(&label),
-            source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
-        });
+        let module = context
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(&label),
+                source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
+            });
         let stream = Some(self.storage.layout());
         let shapes = stream.filter(|_| amplification.needs_shapes());
-        let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(&label),
-            bind_group_layouts: &[Some(&self.view_layout), stream, shapes, Some(&self.output_layout)],
-            immediate_size: 0,
-        });
-        let pipeline = |entry_point| {
-            context.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        let layout = context
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some(&label),
-                layout: Some(&layout),
-                module: &module,
-                entry_point: Some(entry_point),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            })
+                bind_group_layouts: &[
+                    Some(&self.view_layout),
+                    stream,
+                    shapes,
+                    Some(&self.output_layout),
+                ],
+                immediate_size: 0,
+            });
+        let pipeline = |entry_point| {
+            context
+                .device
+                .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: Some(&label),
+                    layout: Some(&layout),
+                    module: &module,
+                    entry_point: Some(entry_point),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    cache: None,
+                })
         };
-        Pipelines { count: pipeline("count"), scan: pipeline("scan"), emit: pipeline("emit") }
+        Pipelines {
+            count: pipeline("count"),
+            scan: pipeline("scan"),
+            emit: pipeline("emit"),
+        }
     }
 
-    fn build_output(&self, context: &Context, record_count: u32, vertices_per_record: u32) -> Output {
+    fn build_output(
+        &self,
+        context: &Context,
+        record_count: u32,
+        vertices_per_record: u32,
+    ) -> Output {
         let buffer = |label, size, usage| {
             context.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -110,10 +132,18 @@ impl Compute {
         };
         let corners = u64::from(record_count) * u64::from(vertices_per_record);
         let none = wgpu::BufferUsages::empty();
-        let vertices = buffer("amplified corners", corners * size_of::<SplatVertex>() as u64, none);
+        let vertices = buffer(
+            "amplified corners",
+            corners * size_of::<SplatVertex>() as u64,
+            none,
+        );
         let groups = u64::from(record_count.div_ceil(GROUP_RECORDS));
         let group_offsets = buffer("amplified offsets", groups * size_of::<u32>() as u64, none);
-        let indirect = buffer("amplified draw", INDIRECT_BYTES, wgpu::BufferUsages::INDIRECT);
+        let indirect = buffer(
+            "amplified draw",
+            INDIRECT_BYTES,
+            wgpu::BufferUsages::INDIRECT,
+        );
         let entries = [&vertices, &group_offsets, &indirect];
         let entries = [0, 1, 2].map(|binding| wgpu::BindGroupEntry {
             binding: binding as u32,
@@ -122,12 +152,18 @@ impl Compute {
         Output {
             record_capacity: record_count,
             vertices_per_record,
-            compute_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("amplified"),
-                layout: &self.output_layout,
-                entries: &entries,
-            }),
-            draw_group: super::single_binding(context, self.storage.layout(), vertices.as_entire_binding()),
+            compute_group: context
+                .device
+                .create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("amplified"),
+                    layout: &self.output_layout,
+                    entries: &entries,
+                }),
+            draw_group: super::single_binding(
+                context,
+                self.storage.layout(),
+                vertices.as_entire_binding(),
+            ),
             indirect,
         }
     }
@@ -150,7 +186,9 @@ impl Instancing for Compute {
     fn max_chunk_records(&self, context: &Context, amplification: Amplification) -> usize {
         let limits = &context.limits;
         let corner_bytes = amplification.vertices_per_record() as usize * size_of::<SplatVertex>();
-        let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let bytes = limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size);
         let groups = limits.max_compute_workgroups_per_dimension as usize;
         (usize::try_from(bytes).unwrap_or(usize::MAX) / corner_bytes)
             .min(groups * GROUP_RECORDS as usize)
@@ -175,14 +213,16 @@ impl Instancing for Compute {
             return 0;
         }
         if !self.pipelines.contains_key(&amplification) {
-            self.pipelines.insert(amplification, self.build_pipelines(context, amplification));
+            self.pipelines
+                .insert(amplification, self.build_pipelines(context, amplification));
         }
         let vertices_per_record = amplification.vertices_per_record();
         for chunk in 0..draw.chunk_count() {
             let records = draw.chunk_records(chunk);
             let fits = self.outputs.get(chunk).is_some_and(|output| {
                 // `scan` reads as many offsets as the buffer has, so the capacity must be exact.
-                output.record_capacity == records && output.vertices_per_record == vertices_per_record
+                output.record_capacity == records
+                    && output.vertices_per_record == vertices_per_record
             });
             if !fits {
                 let output = self.build_output(context, records, vertices_per_record);

@@ -55,11 +55,19 @@ impl Draw<'_> {
     }
 
     fn chunk_count(&self) -> usize {
-        self.streams.iter().map(|stream| stream.chunks.len()).min().unwrap_or(0)
+        self.streams
+            .iter()
+            .map(|stream| stream.chunks.len())
+            .min()
+            .unwrap_or(0)
     }
 
     fn chunk_records(&self, chunk: usize) -> u32 {
-        self.streams.iter().map(|stream| stream.chunks[chunk].record_count).min().unwrap_or(0)
+        self.streams
+            .iter()
+            .map(|stream| stream.chunks[chunk].record_count)
+            .min()
+            .unwrap_or(0)
     }
 
     /// Binds one chunk of every stream.
@@ -97,7 +105,10 @@ pub(super) trait Instancing: fmt::Debug + Send {
     fn group_layouts(&self, amplification: Amplification) -> Vec<&wgpu::BindGroupLayout>;
 
     /// Layouts of the vertex buffers of geometry pipelines.
-    fn vertex_buffers(&self, _amplification: Amplification) -> Vec<wgpu::VertexBufferLayout<'static>> {
+    fn vertex_buffers(
+        &self,
+        _amplification: Amplification,
+    ) -> Vec<wgpu::VertexBufferLayout<'static>> {
         Vec::new()
     }
 
@@ -128,7 +139,11 @@ pub(super) trait Instancing: fmt::Debug + Send {
 }
 
 /// The strategy's implementation; `view_layout` is the layout of bind group 0.
-pub(super) fn new(strategy: Strategy, context: &Context, view_layout: &wgpu::BindGroupLayout) -> Box<dyn Instancing> {
+pub(super) fn new(
+    strategy: Strategy,
+    context: &Context,
+    view_layout: &wgpu::BindGroupLayout,
+) -> Box<dyn Instancing> {
     match strategy {
         Strategy::Storage => Box::new(storage::Storage::new(context)),
         Strategy::Uniform => Box::new(uniform::Uniform::new(context)),
@@ -159,21 +174,48 @@ pub(super) fn upload(
 }
 
 /// A buffer that holds `records`, padded with zeros to a multiple of `alignment` bytes.
-fn buffer_with(context: &Context, usage: wgpu::BufferUsages, records: &[u8], alignment: usize) -> wgpu::Buffer {
-    context.filled_buffer("records", usage, records, records.len().next_multiple_of(alignment))
+fn buffer_with(
+    context: &Context,
+    usage: wgpu::BufferUsages,
+    records: &[u8],
+    alignment: usize,
+) -> wgpu::Buffer {
+    context.filled_buffer(
+        "records",
+        usage,
+        records,
+        records.len().next_multiple_of(alignment),
+    )
 }
 
 /// A layout with one binding for the vertex stage (and the compute stage, which amplifies).
-fn single_binding_layout(context: &Context, label: &str, ty: wgpu::BindingType) -> wgpu::BindGroupLayout {
-    let stages = if matches!(ty, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Storage { .. }, .. }) {
+fn single_binding_layout(
+    context: &Context,
+    label: &str,
+    ty: wgpu::BindingType,
+) -> wgpu::BindGroupLayout {
+    let stages = if matches!(
+        ty,
+        wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { .. },
+            ..
+        }
+    ) {
         wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE
     } else {
         wgpu::ShaderStages::VERTEX
     };
-    context.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(label),
-        entries: &[wgpu::BindGroupLayoutEntry { binding: 0, visibility: stages, ty, count: None }],
-    })
+    context
+        .device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: stages,
+                ty,
+                count: None,
+            }],
+        })
 }
 
 /// The bind group of a [`single_binding_layout`].
@@ -182,15 +224,23 @@ fn single_binding(
     layout: &wgpu::BindGroupLayout,
     resource: wgpu::BindingResource<'_>,
 ) -> wgpu::BindGroup {
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("records"),
-        layout,
-        entries: &[wgpu::BindGroupEntry { binding: 0, resource }],
-    })
+    context
+        .device
+        .create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("records"),
+            layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource,
+            }],
+        })
 }
 
 /// One copy of the stream's layout for each stream that the amplification reads.
-fn stream_layouts(layout: &wgpu::BindGroupLayout, amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
+fn stream_layouts(
+    layout: &wgpu::BindGroupLayout,
+    amplification: Amplification,
+) -> Vec<&wgpu::BindGroupLayout> {
     vec![layout; 1 + usize::from(amplification.needs_shapes())]
 }
 
@@ -201,6 +251,7 @@ const MAX_INDEXED_QUADS: usize = (u32::MAX / INDICES_PER_QUAD) as usize;
 fn max_indexed_records(context: &Context, amplification: Amplification) -> usize {
     let quads = (amplification.vertices_per_record() as usize / 4).max(1);
     let index_bytes = (INDICES_PER_QUAD as usize) * size_of::<u32>();
-    let buffer_quads = usize::try_from(context.limits.max_buffer_size).unwrap_or(usize::MAX) / index_bytes;
+    let buffer_quads =
+        usize::try_from(context.limits.max_buffer_size).unwrap_or(usize::MAX) / index_bytes;
     MAX_INDEXED_QUADS.min(buffer_quads) / quads
 }

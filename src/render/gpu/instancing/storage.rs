@@ -5,8 +5,8 @@
 //! everywhere and has no limits that matter, so it is the default.
 
 use super::{
-    Chunk, Context, Draw, Instancing, RECORD_BYTES, buffer_with, max_indexed_records, single_binding,
-    single_binding_layout, stream_layouts,
+    Chunk, Context, Draw, Instancing, RECORD_BYTES, buffer_with, max_indexed_records,
+    single_binding, single_binding_layout, stream_layouts,
 };
 use crate::render::gpu::shaders::Amplification;
 use crate::scene::Strategy;
@@ -23,7 +23,9 @@ impl Storage {
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        Self { layout: single_binding_layout(context, "storage stream", ty) }
+        Self {
+            layout: single_binding_layout(context, "storage stream", ty),
+        }
     }
 
     /// The layout of one stream; the compute strategy reads the same.
@@ -42,7 +44,10 @@ impl Instancing for Storage {
     }
 
     fn max_chunk_records(&self, context: &Context, amplification: Amplification) -> usize {
-        let bytes = context.limits.max_storage_buffer_binding_size.min(context.limits.max_buffer_size);
+        let bytes = context
+            .limits
+            .max_storage_buffer_binding_size
+            .min(context.limits.max_buffer_size);
         (usize::try_from(bytes).unwrap_or(usize::MAX) / RECORD_BYTES)
             .min(max_indexed_records(context, amplification))
     }
@@ -51,7 +56,11 @@ impl Instancing for Storage {
         let buffer = buffer_with(context, wgpu::BufferUsages::STORAGE, records, RECORD_BYTES);
         Chunk {
             record_count: (records.len() / RECORD_BYTES) as u32,
-            bind_group: Some(single_binding(context, &self.layout, buffer.as_entire_binding())),
+            bind_group: Some(single_binding(
+                context,
+                &self.layout,
+                buffer.as_entire_binding(),
+            )),
             buffer: None,
         }
     }

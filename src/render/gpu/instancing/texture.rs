@@ -3,7 +3,10 @@
 //! Texel fetches go through the texture cache, which hardware without storage buffers in the vertex stage (WebGL 2,
 //! older phones) has too. The price is a copy into the texture's own memory layout.
 
-use super::{Chunk, Context, Draw, Instancing, RECORD_BYTES, max_indexed_records, single_binding, single_binding_layout, stream_layouts};
+use super::{
+    Chunk, Context, Draw, Instancing, RECORD_BYTES, max_indexed_records, single_binding,
+    single_binding_layout, stream_layouts,
+};
 use crate::render::gpu::shaders::Amplification;
 use crate::scene::Strategy;
 
@@ -22,7 +25,9 @@ impl Texture {
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
-        Self { layout: single_binding_layout(context, "texture stream", ty) }
+        Self {
+            layout: single_binding_layout(context, "texture stream", ty),
+        }
     }
 }
 
@@ -70,7 +75,11 @@ impl Instancing for Texture {
                     wgpu::TexelCopyTextureInfo {
                         texture: &texture,
                         mip_level: 0,
-                        origin: wgpu::Origin3d { x: 0, y: first_row, z: 0 },
+                        origin: wgpu::Origin3d {
+                            x: 0,
+                            y: first_row,
+                            z: 0,
+                        },
                         aspect: wgpu::TextureAspect::All,
                     },
                     bytes,
@@ -79,14 +88,22 @@ impl Instancing for Texture {
                         bytes_per_row: Some(width * RECORD_BYTES as u32),
                         rows_per_image: None,
                     },
-                    wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                    wgpu::Extent3d {
+                        width,
+                        height,
+                        depth_or_array_layers: 1,
+                    },
                 );
             }
         }
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         Chunk {
             record_count: (records.len() / RECORD_BYTES) as u32,
-            bind_group: Some(single_binding(context, &self.layout, wgpu::BindingResource::TextureView(&view))),
+            bind_group: Some(single_binding(
+                context,
+                &self.layout,
+                wgpu::BindingResource::TextureView(&view),
+            )),
             buffer: None,
         }
     }

@@ -4,8 +4,8 @@
 //! one upload. The paper found it the fastest of the instancing pipeline in 2013, when uniform memory had its own cache.
 
 use super::{
-    Chunk, Context, Draw, Instancing, RECORD_BYTES, buffer_with, single_binding, single_binding_layout,
-    stream_layouts,
+    Chunk, Context, Draw, Instancing, RECORD_BYTES, buffer_with, single_binding,
+    single_binding_layout, stream_layouts,
 };
 use crate::render::gpu::shaders::Amplification;
 use crate::scene::Strategy;
@@ -28,7 +28,9 @@ impl Uniform {
             has_dynamic_offset: true,
             min_binding_size: wgpu::BufferSize::new(BATCH_BYTES as u64),
         };
-        Self { layout: single_binding_layout(context, "uniform stream", ty) }
+        Self {
+            layout: single_binding_layout(context, "uniform stream", ty),
+        }
     }
 }
 
@@ -62,7 +64,11 @@ impl Instancing for Uniform {
         };
         Chunk {
             record_count: (records.len() / RECORD_BYTES) as u32,
-            bind_group: Some(single_binding(context, &self.layout, wgpu::BindingResource::Buffer(batch))),
+            bind_group: Some(single_binding(
+                context,
+                &self.layout,
+                wgpu::BindingResource::Buffer(batch),
+            )),
             buffer: None,
         }
     }

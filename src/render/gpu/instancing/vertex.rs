@@ -7,7 +7,8 @@ use super::{Chunk, Context, Draw, INDICES_PER_QUAD, Instancing, RECORD_BYTES, bu
 use crate::render::gpu::shaders::Amplification;
 use crate::scene::Strategy;
 
-const POINT_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
+const POINT_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
 
 const SHAPE_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![2 => Uint32, 3 => Float32, 4 => Uint32, 5 => Float32];
@@ -24,12 +25,19 @@ impl Instancing for Vertex {
         Vec::new()
     }
 
-    fn vertex_buffers(&self, amplification: Amplification) -> Vec<wgpu::VertexBufferLayout<'static>> {
+    fn vertex_buffers(
+        &self,
+        amplification: Amplification,
+    ) -> Vec<wgpu::VertexBufferLayout<'static>> {
         let step_mode = match amplification {
             Amplification::Pixel => wgpu::VertexStepMode::Vertex,
             _ => wgpu::VertexStepMode::Instance,
         };
-        let stream = |attributes| wgpu::VertexBufferLayout { array_stride: RECORD_BYTES as u64, step_mode, attributes };
+        let stream = |attributes| wgpu::VertexBufferLayout {
+            array_stride: RECORD_BYTES as u64,
+            step_mode,
+            attributes,
+        };
         let mut layouts = vec![stream(POINT_ATTRIBUTES.as_slice())];
         if amplification.needs_shapes() {
             layouts.push(stream(SHAPE_ATTRIBUTES.as_slice()));
@@ -49,7 +57,12 @@ impl Instancing for Vertex {
         Chunk {
             record_count: (records.len() / RECORD_BYTES) as u32,
             bind_group: None,
-            buffer: Some(buffer_with(context, wgpu::BufferUsages::VERTEX, records, RECORD_BYTES)),
+            buffer: Some(buffer_with(
+                context,
+                wgpu::BufferUsages::VERTEX,
+                records,
+                RECORD_BYTES,
+            )),
         }
     }
 

@@ -40,8 +40,15 @@ impl PassState {
     }
 }
 
-fn target(format: wgpu::TextureFormat, blend: Option<wgpu::BlendState>) -> Option<wgpu::ColorTargetState> {
-    Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })
+fn target(
+    format: wgpu::TextureFormat,
+    blend: Option<wgpu::BlendState>,
+) -> Option<wgpu::ColorTargetState> {
+    Some(wgpu::ColorTargetState {
+        format,
+        blend,
+        write_mask: wgpu::ColorWrites::ALL,
+    })
 }
 
 /// Colours over what is there; the picture stays opaque.
@@ -69,7 +76,10 @@ pub(super) fn geometry_state(pass: GeometryPass) -> PassState {
 
 fn screen_state(pass: ScreenPass) -> PassState {
     match pass {
-        ScreenPass::Background => PassState { color: target(COLOR_FORMAT, None), depth: None },
+        ScreenPass::Background => PassState {
+            color: target(COLOR_FORMAT, None),
+            depth: None,
+        },
         ScreenPass::Resolve | ScreenPass::DepthView => resolve::state(),
     }
 }

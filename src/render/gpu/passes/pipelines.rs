@@ -29,10 +29,17 @@ pub(crate) struct Pipelines {
 impl Pipelines {
     pub(crate) fn new(context: &Context, view_uniform_bytes: u64) -> Self {
         let layout = |label, visibility, ty| {
-            context.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some(label),
-                entries: &[wgpu::BindGroupLayoutEntry { binding: 0, visibility, ty, count: None }],
-            })
+            context
+                .device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                    label: Some(label),
+                    entries: &[wgpu::BindGroupLayoutEntry {
+                        binding: 0,
+                        visibility,
+                        ty,
+                        count: None,
+                    }],
+                })
         };
         let texture = |sample_type| wgpu::BindingType::Texture {
             sample_type,
@@ -84,12 +91,22 @@ impl Pipelines {
     }
 
     /// Makes the pipeline unless it is there.
-    pub(crate) fn ensure_geometry(&mut self, context: &Context, key: GeometryKey, instancing: &dyn Instancing) {
+    pub(crate) fn ensure_geometry(
+        &mut self,
+        context: &Context,
+        key: GeometryKey,
+        instancing: &dyn Instancing,
+    ) {
         if self.geometry.contains_key(&key) {
             return;
         }
         let mut layouts = vec![Some(&self.view_layout)];
-        layouts.extend(instancing.group_layouts(key.amplification).into_iter().map(Some));
+        layouts.extend(
+            instancing
+                .group_layouts(key.amplification)
+                .into_iter()
+                .map(Some),
+        );
         let topology = match key.amplification {
             Amplification::Pixel => wgpu::PrimitiveTopology::PointList,
             _ => wgpu::PrimitiveTopology::TriangleList,
@@ -138,35 +155,45 @@ fn build(
     primitive: wgpu::PrimitiveState,
 ) -> wgpu::RenderPipeline {
     let label = permutation.label();
-    let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(&label),
-        source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
-    });
-    let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(&label),
-        bind_group_layouts,
-        immediate_size: 0,
-    });
+    let module = context
+        .device
+        .create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(&label),
+            source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
+        });
+    let layout = context
+        .device
+        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts,
+            immediate_size: 0,
+        });
     let buffers: Vec<_> = vertex_buffers.iter().cloned().map(Some).collect();
-    context.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(&label),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &buffers,
-        },
-        primitive,
-        depth_stencil: state.depth_stencil(),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: if state.color.is_some() { std::slice::from_ref(&state.color) } else { &[] },
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    context
+        .device
+        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(&label),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vertex"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &buffers,
+            },
+            primitive,
+            depth_stencil: state.depth_stencil(),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("fragment"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: if state.color.is_some() {
+                    std::slice::from_ref(&state.color)
+                } else {
+                    &[]
+                },
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
 }

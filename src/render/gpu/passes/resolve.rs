@@ -3,5 +3,8 @@
 use super::{COLOR_FORMAT, PassState, over, target};
 
 pub(super) fn state() -> PassState {
-    PassState { color: target(COLOR_FORMAT, Some(over())), depth: None }
+    PassState {
+        color: target(COLOR_FORMAT, Some(over())),
+        depth: None,
+    }
 }

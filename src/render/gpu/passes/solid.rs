@@ -3,5 +3,8 @@
 use super::{COLOR_FORMAT, DepthUse, PassState, target};
 
 pub(super) fn state() -> PassState {
-    PassState { color: target(COLOR_FORMAT, None), depth: Some(DepthUse::TestAndWrite) }
+    PassState {
+        color: target(COLOR_FORMAT, None),
+        depth: Some(DepthUse::TestAndWrite),
+    }
 }

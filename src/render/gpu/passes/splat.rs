@@ -3,9 +3,15 @@
 use super::{COLOR_FORMAT, DepthUse, PassState, over, target};
 
 pub(super) fn regular_state() -> PassState {
-    PassState { color: target(COLOR_FORMAT, Some(over())), depth: Some(DepthUse::TestAndWrite) }
+    PassState {
+        color: target(COLOR_FORMAT, Some(over())),
+        depth: Some(DepthUse::TestAndWrite),
+    }
 }
 
 pub(super) fn no_depth_state() -> PassState {
-    PassState { color: target(COLOR_FORMAT, Some(over())), depth: None }
+    PassState {
+        color: target(COLOR_FORMAT, Some(over())),
+        depth: None,
+    }
 }

@@ -3,5 +3,8 @@
 use super::{DepthUse, PassState};
 
 pub(super) fn state() -> PassState {
-    PassState { color: None, depth: Some(DepthUse::TestAndWrite) }
+    PassState {
+        color: None,
+        depth: Some(DepthUse::TestAndWrite),
+    }
 }
