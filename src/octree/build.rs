@@ -139,6 +139,9 @@ struct LevelNodes {
     /// Red, green, blue and the number of points, summed over the points inside: exact up to 2¹⁶ points a cell, then
     /// rounded to 24 bits.
     sums: Vec<Vec4>,
+    /// While merging: the first child of each parent, and what the sums will be.
+    starts: Vec<u32>,
+    parent_sums: Vec<Vec4>,
 }
 
 impl LevelNodes {
@@ -159,7 +162,7 @@ impl LevelNodes {
         self.resize(codes.len());
         let shift = 3 * (LEVELS - level);
         let mut count = 0;
-        // f32 cannot add more than 2¹⁶ points one by one without rounding each, so they are counted in integers.
+        // In integers: f32 cannot add more than 2¹⁶ points one by one without rounding each.
         let mut sum = [0u64; 4];
         for ((&code, &parting), &[red, green, blue, _]) in codes.iter().zip(partings).zip(colors) {
             if u32::from(parting) <= level {
@@ -172,7 +175,8 @@ impl LevelNodes {
             for (sum, add) in sum.iter_mut().zip([red, green, blue, 1]) {
                 *sum += u64::from(add);
             }
-            self.sums[count - 1] = Vec4::from_array(sum.map(|sum| sum as f32));
+            // Below 2⁶³, so that a signed conversion, which is one instruction, is exact.
+            self.sums[count - 1] = Vec4::from_array(sum.map(|sum| sum as i64 as f32));
         }
         self.resize(count);
     }
@@ -186,29 +190,36 @@ impl LevelNodes {
         masks: &mut [u8],
         first_child: &mut [u32],
     ) {
-        // The first node begins a parent, so none of what these start with is used.
+        // Three loops over few arrays each: one over all of them would run out of registers.
+        self.starts.resize(self.partings.len(), 0);
         let mut parents = 0;
+        for (&parting, child) in self.partings.iter().zip(0u32..) {
+            // Overwritten until a child that begins a parent moves on.
+            self.starts[parents] = child;
+            parents += usize::from(u32::from(parting) <= level);
+        }
+        let masks = &mut masks[..parents];
+        let mut parent = 0;
         let mut mask = 0;
-        let mut first = 0;
-        let mut parting = 0;
         let mut sum = Vec4::ZERO;
-        for child in 0..self.partings.len() {
-            let child_parting = self.partings[child];
-            let cell = self.cells[child];
-            let is_first = u32::from(child_parting) <= level;
-            parents += usize::from(is_first);
+        self.parent_sums.resize(parents, Vec4::ZERO);
+        for ((&parting, &cell), &child_sum) in self.partings.iter().zip(&self.cells).zip(&self.sums)
+        {
+            let is_first = u32::from(parting) <= level;
+            parent += usize::from(is_first);
             mask = if is_first { 0 } else { mask } | 1 << octant(cell);
-            first = if is_first { child as u32 } else { first };
-            parting = if is_first { child_parting } else { parting };
-            sum = Vec4::select(BVec4A::splat(is_first), Vec4::ZERO, sum) + self.sums[child];
-
-            // Written for every child: the last one leaves what is right.
-            let parent = parents - 1;
-            masks[parent] = mask;
-            first_child[parent] = next_child + first;
-            self.cells[parent] = cell.map(|coordinate| coordinate >> 1);
-            self.partings[parent] = parting;
-            self.sums[parent] = sum;
+            sum = Vec4::select(BVec4A::splat(is_first), Vec4::ZERO, sum) + child_sum;
+            // Written for every child: the last one leaves what is right. The first child of all begins a parent.
+            masks[parent - 1] = mask;
+            self.parent_sums[parent - 1] = sum;
+        }
+        std::mem::swap(&mut self.sums, &mut self.parent_sums);
+        for ((parent, &start), first_child) in
+            self.starts[..parents].iter().enumerate().zip(first_child)
+        {
+            *first_child = next_child + start;
+            self.cells[parent] = self.cells[start as usize].map(|coordinate| coordinate >> 1);
+            self.partings[parent] = self.partings[start as usize];
         }
         self.resize(parents);
     }
