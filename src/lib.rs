@@ -13,9 +13,13 @@
 //! | [`scene`] | camera, settings, and the [`scene::ScenePacket`] that holds all that one picture needs |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
+//! | [`bench`] | the paper's tables, measured here |
+//! | [`app`] | the window |
 //! | [`cli`] | the command line |
 
 pub mod analysis;
+pub mod app;
+pub mod bench;
 pub mod cli;
 pub mod cloud;
 pub mod headless;

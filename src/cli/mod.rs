@@ -1,24 +1,34 @@
 //! The command line: one file a verb. Exit code 0, 2 for wrong usage, 1 for any failure with one sentence on stderr.
 
 mod arguments;
+mod bench;
 mod info;
 mod render;
+mod view;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 /// A viewer for time-varying point clouds: surfels, voxels, level of detail.
 #[derive(Debug, Parser)]
-#[command(name = "pointreel", version)]
+#[command(name = "pointreel", version, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
-    verb: Verb,
+    verb: Option<Verb>,
+
+    /// Without a verb: what `pointreel view` takes.
+    #[command(flatten)]
+    view: view::ViewArgs,
 }
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    /// Plays a sequence in a window (the default); without INPUT the built-in demo
+    View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, without a window
     Render(Box<render::RenderArgs>),
+    /// Measures drawing and octrees by the protocol of the paper
+    Bench(bench::BenchArgs),
     /// Says what is in a sequence
     Info(info::InfoArgs),
 }
@@ -33,8 +43,11 @@ pub fn main() -> ExitCode {
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
     let result = match arguments.verb {
-        Verb::Render(render) => render::run(&render),
-        Verb::Info(info) => info::run(&info),
+        None => view::run(&arguments.view),
+        Some(Verb::View(view)) => view::run(&view),
+        Some(Verb::Render(render)) => render::run(&render),
+        Some(Verb::Bench(bench)) => bench::run(&bench),
+        Some(Verb::Info(info)) => info::run(&info),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

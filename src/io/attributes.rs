@@ -1,6 +1,6 @@
 //! From named columns to a cloud: which name means what.
 
-use super::column::{Column, Scalar, vectors_f32};
+use super::column::{Column, Scalar, Values, vectors_f32};
 use super::error::Fault;
 use crate::cloud::{Positions, RawCloud};
 
@@ -67,12 +67,13 @@ pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fa
             }
         ))
     })?;
-    // Narrower integers fit an f32 exactly.
+    // Narrower integers fit an f32 exactly. Text has the digits that were written, whatever its header calls them.
     let is_wide = |column: &&Column<'_>| {
-        matches!(
-            column.scalar,
-            Scalar::F64 | Scalar::I32 | Scalar::U32 | Scalar::I64 | Scalar::U64
-        )
+        matches!(column.values, Values::Parsed(_))
+            || matches!(
+                column.scalar,
+                Scalar::F64 | Scalar::I32 | Scalar::U32 | Scalar::I64 | Scalar::U64
+            )
     };
     let positions = if coordinates.iter().any(is_wide) {
         let [x, y, z] = coordinates;

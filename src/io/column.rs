@@ -27,10 +27,6 @@ impl Scalar {
         }
     }
 
-    pub(super) fn is_float(self) -> bool {
-        matches!(self, Self::F32 | Self::F64)
-    }
-
     /// The largest value, for colours: integers run from 0 to it, floats from 0 to 1.
     fn full_scale(self) -> f64 {
         match self {
@@ -163,12 +159,13 @@ impl Column<'_> {
         }
     }
 
-    /// What is full intensity: told by the type, but writers put 0 to 255 into floats, too.
+    /// What is full intensity: told by the type, but writers put 0 to 255 into floats and into 16 bits, too.
     fn full_scale(&self, count: usize) -> f64 {
-        if self.scalar.is_float() && (0..count).any(|index| self.get(index) > 1.0) {
-            255.0
-        } else {
-            self.scalar.full_scale()
+        let exceeds = |limit: f64| (0..count).any(|index| self.get(index) > limit);
+        match self.scalar {
+            Scalar::F32 | Scalar::F64 if exceeds(1.0) => 255.0,
+            Scalar::I16 | Scalar::U16 if !exceeds(255.0) => 255.0,
+            other => other.full_scale(),
         }
     }
 }

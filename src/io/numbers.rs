@@ -31,7 +31,7 @@ impl<'a> Iterator for Tokens<'a> {
     fn next(&mut self) -> Option<&'a [u8]> {
         let skipped = self.bytes[self.position..]
             .iter()
-            .position(|byte| !byte.is_ascii_whitespace());
+            .position(|&byte| !separates(byte));
         let start = self.position + skipped?;
         self.line += self.bytes[self.position..start]
             .iter()
@@ -39,11 +39,16 @@ impl<'a> Iterator for Tokens<'a> {
             .count();
         let length = self.bytes[start..]
             .iter()
-            .position(u8::is_ascii_whitespace)
+            .position(|&byte| separates(byte))
             .unwrap_or(self.bytes.len() - start);
         self.position = start + length;
         Some(&self.bytes[start..start + length])
     }
+}
+
+/// White space, and the comma that some writers put between numbers.
+fn separates(byte: u8) -> bool {
+    byte.is_ascii_whitespace() || byte == b','
 }
 
 /// A number as C and its descendants print it, `nan` and `1.#QNAN` included.

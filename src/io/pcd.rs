@@ -9,7 +9,6 @@ use super::numbers::{Tokens, parse_number, quoted};
 use crate::cloud::RawCloud;
 use glam::DVec3;
 use pcd_rs::{DataKind, PcdMeta, ValueKind};
-use std::io::Cursor;
 
 /// Longer headers are not believed to be headers.
 const MAX_HEADER_BYTES: usize = 1 << 20;
@@ -18,12 +17,9 @@ const MAX_HEADER_BYTES: usize = 1 << 20;
 const MAX_LZF_RATIO: usize = 264;
 
 pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
-    let mut cursor = Cursor::new(header_bytes(bytes)?);
-    let header = PcdMeta::from_reader(&mut cursor)
+    let (header, payload_start) = header_text(bytes)?;
+    let header = PcdMeta::from_reader(header.as_slice())
         .map_err(|error| Fault::header(format!("the header is not understood ({error})")))?;
-    let payload_start = usize::try_from(cursor.position())
-        .unwrap_or(usize::MAX)
-        .min(bytes.len());
     let table = Table::new(&header)?;
     let payload = &bytes[payload_start..];
     match header.data {
@@ -45,14 +41,26 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     }
 }
 
-/// The bytes up to and with the line `DATA`. The crate's reader wants text, comments may hold anything.
-fn header_bytes(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
+/// The lines up to `DATA` as the crate's reader wants them, and the number of bytes that they take in the file.
+///
+/// Comments may hold what is no text, and every version that was ever written is read like the last: what changed
+/// between them is what may be left out.
+fn header_text(bytes: &[u8]) -> Result<(Vec<u8>, usize), Fault> {
+    let mut text = b"VERSION 0.7\n".to_vec();
     let mut end = 0;
     for line in bytes[..bytes.len().min(MAX_HEADER_BYTES)].split_inclusive(|&byte| byte == b'\n') {
         end += line.len();
-        if line.trim_ascii_start().starts_with(b"DATA") {
-            let is_text = |byte: u8| if byte.is_ascii() { byte } else { b'?' };
-            return Ok(bytes[..end].iter().map(|&byte| is_text(byte)).collect());
+        let content = line.trim_ascii();
+        if !content.starts_with(b"VERSION") && !content.starts_with(b"#") {
+            text.extend(
+                content
+                    .iter()
+                    .map(|&byte| if byte.is_ascii() { byte } else { b'?' }),
+            );
+            text.push(b'\n');
+        }
+        if content.starts_with(b"DATA") {
+            return Ok((text, end));
         }
     }
     Err(Fault::header(
@@ -127,12 +135,12 @@ impl Table {
         })
     }
 
-    /// A column for each field that stands alone; fields of several numbers (descriptors) and padding are left out.
+    /// A column for each field but padding. Of fields with several numbers (descriptors) it is the first.
     fn columns<'a>(&self, values: impl Fn(usize, &Field) -> Values<'a>) -> Vec<Column<'a>> {
         let mut columns = Vec::new();
         let mut offset = 0;
         for field in &self.fields {
-            if field.count == 1 && field.name != "_" {
+            if field.name != "_" {
                 columns.push(Column {
                     name: field.name.clone(),
                     scalar: field.scalar,
@@ -159,7 +167,7 @@ impl Table {
         self.columns(|offset, field| Values::Packed {
             bytes,
             start: offset * self.rows,
-            step: field.scalar.byte_size(),
+            step: field.count * field.scalar.byte_size(),
             big_endian: false,
         })
     }
@@ -193,12 +201,12 @@ impl Table {
                 "{packed} bytes cannot unpack to the claimed {unpacked}"
             )));
         }
-        // A block that was not worth compressing is stored as it is.
-        if packed == unpacked {
-            return Ok(packed_bytes.to_vec());
-        }
-        let block = lzf::decompress(packed_bytes, unpacked)
-            .map_err(|error| fault(format!("the compressed block is damaged ({error})")))?;
+        let block = match lzf::decompress(packed_bytes, unpacked) {
+            Ok(block) => block,
+            // A block that was not worth compressing may be stored as it is.
+            Err(_) if packed == unpacked => packed_bytes.to_vec(),
+            Err(error) => return Err(fault(format!("the compressed block is damaged ({error})"))),
+        };
         if block.len() < needed {
             return Err(fault(format!(
                 "the block unpacks to {} bytes, expected {needed}",
@@ -224,8 +232,8 @@ impl Table {
         for row in 0..self.rows {
             let mut column = columns.iter_mut();
             for field in &self.fields {
-                let mut value = f64::NAN;
-                for _ in 0..field.count {
+                let mut first = f64::NAN;
+                for number in 0..field.count {
                     let token = tokens.next().ok_or_else(|| {
                         Fault::entry(
                             "point",
@@ -236,7 +244,7 @@ impl Table {
                             ),
                         )
                     })?;
-                    value = parse_number(token).ok_or_else(|| {
+                    let value = parse_number(token).ok_or_else(|| {
                         Fault::new(
                             Place::Line(tokens.line()),
                             format!(
@@ -246,15 +254,17 @@ impl Table {
                             ),
                         )
                     })?;
+                    if number == 0 {
+                        first = value;
+                    }
                 }
-                if field.count == 1
-                    && field.name != "_"
+                if field.name != "_"
                     && let Some(Column {
                         values: Values::Parsed(values),
                         ..
                     }) = column.next()
                 {
-                    values.push(value);
+                    values.push(first);
                 }
             }
         }

@@ -406,7 +406,13 @@ fn ascii_columns(
     let mut tokens = Tokens::new(payload, header.line_count + 1);
     for element in before {
         check_ascii_claim(element, payload)?;
-        for row in 0..element.count {
+        // Rows of nothing take no time, however many are claimed.
+        let rows = if element.properties.is_empty() {
+            0
+        } else {
+            element.count
+        };
+        for row in 0..rows {
             for property in &element.properties {
                 ascii_step(&mut tokens, property, &element.name, row)?;
             }
@@ -414,6 +420,10 @@ fn ascii_columns(
     }
     check_ascii_claim(vertex, payload)?;
     let mut kept = KeptColumns::new(vertex);
+    if kept.columns.is_empty() {
+        // Nothing is kept of these points, so there is no cloud to be made of them.
+        return Ok(kept.columns);
+    }
     for row in 0..vertex.count {
         for (index, property) in vertex.properties.iter().enumerate() {
             if let Some(value) = ascii_step(&mut tokens, property, POINTS, row)? {

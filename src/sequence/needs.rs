@@ -6,7 +6,7 @@ use crate::octree::StopCriterion;
 /// Where the colours of points come from. What a frame does not have is replaced as [`ColorSource::Auto`] would.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum ColorSource {
-    /// The file's colours, else its scalar through a colour map, else the direction of the normal.
+    /// The file's colours, else the direction of the normal (the paper's fake colour).
     #[default]
     Auto,
     /// The colours of the file.
@@ -35,8 +35,6 @@ impl ColorSource {
         let automatic = || {
             if frame.colors().is_some() {
                 Self::File
-            } else if frame.scalars().is_some() {
-                Self::Scalar
             } else {
                 Self::Normal
             }

@@ -13,7 +13,7 @@ use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 static CONTEXT: LazyLock<Arc<Context>> = LazyLock::new(|| open(&software()));
 
 /// Options of every test: the software rasteriser, so that pictures come from one place.
-pub fn software() -> ContextOptions {
+pub(crate) fn software() -> ContextOptions {
     ContextOptions {
         prefer_software: true,
         ..ContextOptions::default()
@@ -21,12 +21,12 @@ pub fn software() -> ContextOptions {
 }
 
 /// Opens a device or says what to install.
-pub fn open(options: &ContextOptions) -> Arc<Context> {
+pub(crate) fn open(options: &ContextOptions) -> Arc<Context> {
     Context::headless(options).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The device that the tests of one binary share.
-pub fn context() -> Arc<Context> {
+pub(crate) fn context() -> Arc<Context> {
     Arc::clone(&CONTEXT)
 }
 
@@ -34,26 +34,26 @@ static RENDERER: LazyLock<Mutex<GpuRenderer>> =
     LazyLock::new(|| Mutex::new(GpuRenderer::new(context()).unwrap()));
 
 /// The renderer that the tests of one binary share; tests that read counters make their own.
-pub fn renderer() -> MutexGuard<'static, GpuRenderer> {
+pub(crate) fn renderer() -> MutexGuard<'static, GpuRenderer> {
     RENDERER
         .lock()
         .unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 /// Draws a packet with the shared renderer.
-pub fn draw(packet: &ScenePacket) -> RgbaImage {
+pub(crate) fn draw(packet: &ScenePacket) -> RgbaImage {
     draw_with(&mut renderer(), packet)
 }
 
 /// Draws a packet.
-pub fn draw_with(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RgbaImage {
+pub(crate) fn draw_with(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RgbaImage {
     renderer.prepare(packet).unwrap();
     renderer.render().unwrap();
     renderer.read_image().unwrap()
 }
 
 /// Settings whose colours can be predicted: no light, black background.
-pub fn plain() -> Settings {
+pub(crate) fn plain() -> Settings {
     Settings {
         lighting: Lighting::Unlit,
         background: Background::solid([0, 0, 0]),
@@ -62,7 +62,7 @@ pub fn plain() -> Settings {
 }
 
 /// A camera on +Z at `distance`, looking at the origin, 90 degrees high and wide on a square viewport.
-pub fn camera_at(distance: f64) -> Camera {
+pub(crate) fn camera_at(distance: f64) -> Camera {
     Camera {
         target_in_world: DVec3::ZERO,
         distance,
@@ -75,15 +75,15 @@ pub fn camera_at(distance: f64) -> Camera {
 
 /// A surfel of the tests.
 #[derive(Debug, Clone, Copy)]
-pub struct Surfel {
-    pub position: Vec3,
-    pub normal: Vec3,
-    pub radius: f32,
-    pub color: [u8; 3],
+pub(crate) struct Surfel {
+    pub(crate) position: Vec3,
+    pub(crate) normal: Vec3,
+    pub(crate) radius: f32,
+    pub(crate) color: [u8; 3],
 }
 
 /// A packet of surfels (or of points, by the settings).
-pub fn surfels(
+pub(crate) fn surfels(
     surfels: &[Surfel],
     camera: &Camera,
     settings: Settings,
@@ -120,7 +120,7 @@ pub fn surfels(
 }
 
 /// A packet of voxels.
-pub fn voxels(
+pub(crate) fn voxels(
     records: Vec<VoxelRecord>,
     cube_edge: f32,
     camera: &Camera,
@@ -146,7 +146,7 @@ pub fn voxels(
 }
 
 /// `count` surfels on a sphere around the origin (golden spiral), coloured by where they are.
-pub fn sphere(count: u32, sphere_radius: f32) -> Vec<Surfel> {
+pub(crate) fn sphere(count: u32, sphere_radius: f32) -> Vec<Surfel> {
     let golden_angle = std::f32::consts::PI * (3.0 - 5f32.sqrt());
     (0..count)
         .map(|i| {
@@ -169,7 +169,7 @@ pub fn sphere(count: u32, sphere_radius: f32) -> Vec<Surfel> {
 }
 
 /// Number of pixels that are not `background`.
-pub fn covered(image: &RgbaImage, background: [u8; 3]) -> usize {
+pub(crate) fn covered(image: &RgbaImage, background: [u8; 3]) -> usize {
     image
         .pixels()
         .filter(|pixel| pixel.0[..3] != background)
@@ -177,12 +177,12 @@ pub fn covered(image: &RgbaImage, background: [u8; 3]) -> usize {
 }
 
 /// Number of pixels of exactly this colour.
-pub fn count_color(image: &RgbaImage, color: [u8; 3]) -> usize {
+pub(crate) fn count_color(image: &RgbaImage, color: [u8; 3]) -> usize {
     image.pixels().filter(|pixel| pixel.0[..3] == color).count()
 }
 
 /// Says where two pictures differ: number of pixels and the largest difference of a channel.
-pub fn difference(a: &RgbaImage, b: &RgbaImage) -> (usize, u8) {
+pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage) -> (usize, u8) {
     assert_eq!(a.dimensions(), b.dimensions());
     a.pixels()
         .zip(b.pixels())

@@ -331,10 +331,9 @@ fn the_playhead_comes_before_everything_planned() {
 
 #[test]
 fn a_loop_that_does_not_fit_keeps_a_part_and_streams_the_rest() {
-    let frames = 12;
+    let frames = 40;
     let sequence = sheets(frames, 8);
-    // Seven of twelve frames.
-    let loader = loader(&sequence, 1, 7 * sheet_bytes(8));
+    let loader = loader(&sequence, 1, 24 * sheet_bytes(8));
     let turn = || {
         for playhead in 0..frames {
             loader.request(playhead, Direction::Forward, &SURFELS);
@@ -345,9 +344,12 @@ fn a_loop_that_does_not_fit_keeps_a_part_and_streams_the_rest() {
     };
     let first = turn();
     let second = turn();
-    // The window ahead is all of the budget here, so each frame is read once a turn and none twice.
-    assert!(second - first <= frames as u64, "{first} then {second}");
-    assert!(loader.stats().peak_bytes <= 8 * sheet_bytes(8));
+    let third = turn();
+    // Twelve of the 24 resident frames stream, so that twelve of 40 or more need not be read again.
+    for (before, after) in [(first, second), (second, third)] {
+        assert!(after - before <= 28, "{} of 40 were read", after - before);
+    }
+    assert!(loader.stats().peak_bytes <= 25 * sheet_bytes(8));
 }
 
 #[test]
@@ -506,7 +508,7 @@ fn frames_do_not_depend_on_workers_or_timing() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(24) })]
 
     /// Whatever is played, the memory in use is never more than the budget and one frame.
     #[test]

@@ -111,7 +111,11 @@ fn colors_come_from_the_best_there_is() {
         (ColorSource::Normal, fake_color(Vec3::Y))
     );
     raw.scalars = Some((0..100).map(|i| i as f32).collect());
-    assert_eq!(auto(raw).0, ColorSource::Scalar);
+    assert_eq!(
+        auto(raw).0,
+        ColorSource::Normal,
+        "scalars are for those who ask"
+    );
 
     let uniform = Needs {
         colors: ColorSource::Uniform,

@@ -51,9 +51,12 @@ impl Context {
         Self::open(instance, adapter, options)
     }
 
-    /// The graphics library with the backends of this platform; `WGPU_BACKEND` narrows them.
+    /// The graphics library with Vulkan, Metal or DirectX 12, unless `WGPU_BACKEND` names another.
     pub fn instance() -> wgpu::Instance {
-        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        // Looking for OpenGL too takes a second and complains on stderr where there is none.
+        descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+        wgpu::Instance::new(descriptor)
     }
 
     fn open(

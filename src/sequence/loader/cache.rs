@@ -2,10 +2,11 @@
 //!
 //! **How it works.** Bytes are counted in two sums: *resident* for prepared frames, *reserved* for frames that a worker is
 //! making (as large as the frame was before, or as the largest seen). Before work starts, frames that are needed later
-//! than its frame are evicted, the one needed last first, until both sums and the new reservation fit. What is needed
-//! last is, of two kinds: without looping what lies farthest behind; when looping, what was shown just now, because the
-//! whole sequence comes before it again. So a loop that does not fit keeps a fixed part resident and streams the rest,
-//! where evicting the least recently used would reload every frame on every turn.
+//! than its frame are evicted, the one needed last first, until both sums and the new reservation fit.
+//!
+//! **What is needed last** is, without looping, what lies farthest behind; in a loop, what was shown just now, because the
+//! whole sequence comes before it again. A loop that does not fit then keeps up to half of the budget resident and streams
+//! the rest through the other half, where evicting the least recently used would read every frame again on every turn.
 
 use super::stats::FrameState;
 use crate::sequence::travel::{Direction, Travel};

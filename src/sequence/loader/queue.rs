@@ -8,11 +8,14 @@
 //! A look costs at most [`LOOK_AHEAD_FRAMES`] steps, whatever the length of the sequence.
 
 use super::cache::{Cache, Focus};
-use crate::sequence::{FrameError, Needs, PreparedFrame, Sequence};
+use crate::sequence::{FrameError, LoopMode, Needs, PreparedFrame, Sequence};
 use std::sync::Arc;
 
 /// How far ahead frames are prepared, if the budget allows: ten seconds of film.
 pub(super) const LOOK_AHEAD_FRAMES: usize = 256;
+
+/// These many frames ahead of the playhead are prepared even if others of the loop have to go for them.
+const ALWAYS_AHEAD_FRAMES: usize = 4;
 
 /// Somebody who blocks until a frame is there.
 #[derive(Debug)]
@@ -103,8 +106,11 @@ impl Queue {
             let fits = match bytes {
                 _ if rank == 0 => self.must_start(bytes.unwrap_or(0)),
                 Some(bytes) => {
-                    let whole = bytes + self.cache.held_bytes(index);
-                    nearer_bytes + whole <= self.cache.budget_bytes() && self.make_room(bytes, rank)
+                    let through_here = nearer_bytes + bytes + self.cache.held_bytes(index);
+                    through_here <= self.cache.budget_bytes()
+                        && (self.has_room(bytes)
+                            || (self.may_evict_for(rank, through_here)
+                                && self.make_room(bytes, rank)))
                 }
                 // Without a measure of what a frame takes, one at a time.
                 None => self.cache.in_flight() == 0,
@@ -112,6 +118,18 @@ impl Queue {
             return fits.then(|| self.start(index, needs, bytes.unwrap_or(0)));
         }
         None
+    }
+
+    fn has_room(&self, bytes: usize) -> bool {
+        self.used_bytes().saturating_add(bytes) <= self.cache.budget_bytes()
+    }
+
+    /// Whether frames that come later may be dropped for the one of this rank, which with all nearer ones takes
+    /// `through_here` bytes. In a loop only half of the budget streams, so that the other half is not read again.
+    fn may_evict_for(&self, rank: usize, through_here: usize) -> bool {
+        self.focus.travel.loop_mode == LoopMode::Off
+            || rank <= ALWAYS_AHEAD_FRAMES
+            || through_here <= self.cache.budget_bytes() / 2
     }
 
     /// Makes room for a frame that is made even where it alone is more than the budget; then it has to be the only one in
@@ -141,11 +159,8 @@ impl Queue {
     /// Drops what is needed later than `rank` until `bytes` more fit; first of all the frame kept from finding the
     /// origin, which nobody may ever ask for.
     fn make_room(&mut self, bytes: usize, rank: usize) -> bool {
-        if self.used_bytes().saturating_add(bytes) > self.cache.budget_bytes() {
-            let first_frame_is_near = self.focus.upcoming(0) == Some(0);
-            if !first_frame_is_near {
-                self.sequence.drop_kept();
-            }
+        if !self.has_room(bytes) {
+            self.sequence.drop_kept();
         }
         let evicted = self.cache.evicted();
         let fits = self.cache.make_room(bytes, &self.focus, rank);
@@ -169,6 +184,7 @@ impl Queue {
             .find(|waiter| waiter.index == index && waiter.outcome.is_none())
         {
             let needs = waiter.needs;
+            self.make_room(more, 0);
             self.cache.reserve(index, reserved);
             self.note_peak();
             return Some(needs);

@@ -1,0 +1,158 @@
+//! A benchmark on a thread of its own, with its progress and its result as plain data for the panel.
+
+use super::tasks::{Outcome, Tasks, Wake};
+use crate::bench;
+use crate::render::gpu::{Context, ContextOptions};
+use crate::sequence::Sequence;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A finished benchmark as the panel shows and exports it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BenchmarkTable {
+    /// Name of the suite.
+    pub suite: String,
+    /// What it was measured on.
+    pub adapter: String,
+    /// Headings.
+    pub columns: Vec<String>,
+    /// Cells, one for each heading.
+    pub rows: Vec<Vec<String>>,
+    /// Label and median in milliseconds of each bar of the chart.
+    pub bars: Vec<(String, f64)>,
+    /// The report for programs.
+    pub json: String,
+    /// The report for spreadsheets.
+    pub csv: String,
+}
+
+/// How far a benchmark is.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// Steps done.
+    pub done: usize,
+    /// Steps in all; 0 while unknown.
+    pub total: usize,
+    /// What is measured now.
+    pub label: String,
+}
+
+/// The work of a benchmark: reports progress, stops soon after the flag is set. `Err` is a text for the person.
+pub type BenchmarkJob =
+    Box<dyn FnOnce(&dyn Fn(Progress), &AtomicBool) -> Result<BenchmarkTable, String> + Send>;
+
+/// What the benchmark window shows.
+#[derive(Debug, Default)]
+pub enum Benchmark {
+    /// Nothing was started.
+    #[default]
+    Idle,
+    /// One is running.
+    Running(RunningBenchmark),
+    /// It was cancelled.
+    Cancelled,
+    /// It could not be finished.
+    Failed(String),
+    /// It is finished.
+    Done(Box<BenchmarkTable>),
+}
+
+/// A benchmark that runs.
+#[derive(Debug)]
+pub struct RunningBenchmark {
+    /// Name of the suite.
+    pub suite: String,
+    progress: Arc<Mutex<Progress>>,
+    cancel: Arc<AtomicBool>,
+}
+
+impl RunningBenchmark {
+    /// How far it is.
+    pub fn progress(&self) -> Progress {
+        self.progress
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Asks it to stop.
+    pub fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// True after [`RunningBenchmark::cancel`].
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+}
+
+impl Benchmark {
+    /// Starts `job` unless one is running. `wake` is called whenever there is progress.
+    pub fn start(&mut self, suite: &str, job: BenchmarkJob, tasks: &Tasks, wake: Wake) {
+        if matches!(self, Self::Running(_)) {
+            return;
+        }
+        let progress = Arc::new(Mutex::new(Progress::default()));
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (reported, flag) = (Arc::clone(&progress), Arc::clone(&cancel));
+        tasks.start("benchmark", move || {
+            let report = |now: Progress| {
+                *reported.lock().unwrap_or_else(PoisonError::into_inner) = now;
+                wake();
+            };
+            Outcome::Benchmark(job(&report, &flag))
+        });
+        *self = Self::Running(RunningBenchmark {
+            suite: suite.to_owned(),
+            progress,
+            cancel,
+        });
+    }
+
+    /// Takes what the thread came to.
+    pub(super) fn finish(&mut self, result: Result<BenchmarkTable, String>) {
+        let cancelled = matches!(self, Self::Running(running) if running.is_cancelled());
+        *self = match result {
+            _ if cancelled => Self::Cancelled,
+            Ok(table) => Self::Done(Box::new(table)),
+            Err(text) => Self::Failed(text),
+        };
+    }
+}
+
+impl Drop for RunningBenchmark {
+    /// The window is closed or another state follows: nobody waits for the result.
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
+/// The job that runs `suite` on `sequence` with a GPU context of its own.
+pub(super) fn benchmark_job(suite: bench::Suite, name: String, sequence: Arc<Sequence>) -> BenchmarkJob {
+    Box::new(move |report, cancel| {
+        let context = Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
+        let progress = |now: bench::Progress| {
+            report(Progress {
+                done: now.done,
+                total: now.total,
+                label: now.label,
+            });
+        };
+        let options = bench::BenchOptions::new(suite);
+        let measured = bench::run(&[(name, sequence)], &options, &context, &progress, cancel)
+            .map_err(|error| error.to_string())?;
+        Ok(BenchmarkTable {
+            suite: suite.name().to_owned(),
+            adapter: context.adapter_summary(),
+            columns: measured
+                .columns()
+                .iter()
+                .map(|column| column.title.to_owned())
+                .collect(),
+            rows: measured.rows.iter().map(|row| measured.cells(row)).collect(),
+            bars: measured.bars(),
+            json: measured.to_json(),
+            csv: measured.to_csv(),
+        })
+    })
+}

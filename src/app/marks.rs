@@ -1,0 +1,79 @@
+//! What the timeline paints under the playhead: where frames are in memory and where they failed.
+//!
+//! A sequence may have more frames than the screen has pixels, so states are kept as runs of equal ones, and asked for only
+//! when the loader says that they may have changed.
+
+use crate::sequence::FrameState;
+
+/// What is known of a frame, as the timeline shows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// Not in memory.
+    Absent,
+    /// On its way.
+    Pending,
+    /// In memory.
+    Resident,
+    /// Cannot be shown.
+    Failed,
+}
+
+impl From<FrameState> for Mark {
+    fn from(state: FrameState) -> Self {
+        match state {
+            FrameState::Absent => Self::Absent,
+            FrameState::Loading | FrameState::Stale => Self::Pending,
+            FrameState::Ready => Self::Resident,
+            FrameState::Failed => Self::Failed,
+        }
+    }
+}
+
+/// Neighbouring frames with one mark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Run {
+    /// First frame.
+    pub start: usize,
+    /// One past the last frame.
+    pub end: usize,
+    /// What they have in common.
+    pub mark: Mark,
+}
+
+/// Runs of equal states, in order, covering all frames.
+pub(super) fn runs(states: impl IntoIterator<Item = FrameState>) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for (index, state) in states.into_iter().enumerate() {
+        let mark = Mark::from(state);
+        match runs.last_mut() {
+            Some(run) if run.mark == mark => run.end = index + 1,
+            _ => runs.push(Run {
+                start: index,
+                end: index + 1,
+                mark,
+            }),
+        }
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_neighbours_become_one_run() {
+        use FrameState::{Absent, Failed, Loading, Ready, Stale};
+        let run = |start, end, mark| Run { start, end, mark };
+        assert_eq!(
+            runs([Ready, Ready, Failed, Loading, Stale, Absent]),
+            [
+                run(0, 2, Mark::Resident),
+                run(2, 3, Mark::Failed),
+                run(3, 5, Mark::Pending),
+                run(5, 6, Mark::Absent)
+            ]
+        );
+        assert_eq!(runs([]), []);
+    }
+}

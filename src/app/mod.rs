@@ -1,0 +1,38 @@
+//! The window: a player for sequences, on winit and egui.
+//!
+//! **How it works.** [`State`] is plain data and knows neither a window nor a GPU: the open sequence with its playhead
+//! ([`Player`]), camera, settings, notices and what panels are open. Panels (`fn timeline_ui(ui, &mut State)`) read and
+//! change it; keys become [`Command`]s through one table that the help window shows as well. `State::update` moves the
+//! playhead and says whether something can be seen to have changed. Only then does the window run the panels and, if the
+//! [`crate::scene::ScenePacket`] differs from the last one, draw a new 3-D picture into a texture that the central panel
+//! shows. Whatever takes long (dialogs, finding files, writing images, benchmarks) runs on a named thread and comes back as
+//! an [`Outcome`] through a bounded channel.
+//!
+//! **Idle.** The event loop sleeps until an event, a loader's or task's wake, or the clock's next deadline. A paused,
+//! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.
+
+mod benchmark;
+mod command;
+mod fly;
+mod graphics;
+mod marks;
+mod notices;
+pub mod panels;
+mod player;
+mod recent;
+mod state;
+mod tasks;
+mod theme;
+mod window;
+
+pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable};
+pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
+pub use fly::Fly;
+pub use marks::{Mark, Run};
+pub use notices::{Notice, Notices, Severity};
+pub use player::Player;
+pub use recent::Recent;
+pub use state::{Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewport, WindowRequest};
+pub use tasks::{DialogKind, Outcome, Tasks, Wake};
+pub use theme::apply_theme;
+pub use window::{AppError, Options, run};

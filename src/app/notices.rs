@@ -1,0 +1,126 @@
+//! Messages to the person: shown until dismissed, the same one only once.
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// Something was done.
+    Info,
+    /// Something was not as expected; the program goes on.
+    Warning,
+    /// Something that was asked for did not happen.
+    Error,
+}
+
+/// One message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Notice {
+    /// Number within the session.
+    pub id: u64,
+    /// How bad it is.
+    pub severity: Severity,
+    /// The full text.
+    pub text: String,
+    /// How often it came up.
+    pub count: u64,
+}
+
+/// The messages that were not dismissed, oldest first.
+#[derive(Debug, Default)]
+pub struct Notices {
+    notices: Vec<Notice>,
+    next_id: u64,
+}
+
+/// More than these hide the picture: the oldest go.
+const MAX_NOTICES: usize = 6;
+
+impl Notices {
+    /// Shows `text`. The same text again only counts up, however often a broken frame is drawn.
+    pub fn post(&mut self, severity: Severity, text: impl Into<String>) {
+        let text = text.into();
+        if let Some(known) = self
+            .notices
+            .iter_mut()
+            .find(|notice| notice.text == text && notice.severity == severity)
+        {
+            known.count += 1;
+            return;
+        }
+        match severity {
+            Severity::Info => log::info!("{text}"),
+            Severity::Warning => log::warn!("{text}"),
+            Severity::Error => log::error!("{text}"),
+        }
+        if self.notices.len() == MAX_NOTICES {
+            self.notices.remove(0);
+        }
+        self.notices.push(Notice {
+            id: self.next_id,
+            severity,
+            text,
+            count: 1,
+        });
+        self.next_id += 1;
+    }
+
+    /// [`Notices::post`] for what was done.
+    pub fn info(&mut self, text: impl Into<String>) {
+        self.post(Severity::Info, text);
+    }
+
+    /// [`Notices::post`] for what is odd.
+    pub fn warn(&mut self, text: impl Into<String>) {
+        self.post(Severity::Warning, text);
+    }
+
+    /// [`Notices::post`] for what failed.
+    pub fn error(&mut self, text: impl Into<String>) {
+        self.post(Severity::Error, text);
+    }
+
+    /// Forgets one message.
+    pub fn dismiss(&mut self, id: u64) {
+        self.notices.retain(|notice| notice.id != id);
+    }
+
+    /// Forgets all messages.
+    pub fn clear(&mut self) {
+        self.notices.clear();
+    }
+
+    /// What is to be shown, oldest first.
+    pub fn list(&self) -> &[Notice] {
+        &self.notices
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_error_sixty_times_is_one_notice() {
+        let mut notices = Notices::default();
+        for _ in 0..60 {
+            notices.error("frame 3 is broken");
+        }
+        notices.warn("frame 3 is broken");
+        assert_eq!(notices.list().len(), 2);
+        assert_eq!(notices.list()[0].count, 60);
+        assert_eq!(notices.list()[1].count, 1);
+    }
+
+    #[test]
+    fn old_notices_make_room_and_ids_stay_apart() {
+        let mut notices = Notices::default();
+        for number in 0..20 {
+            notices.info(format!("saved {number}"));
+        }
+        assert_eq!(notices.list().len(), MAX_NOTICES);
+        assert_eq!(notices.list()[0].text, "saved 14");
+        let id = notices.list()[2].id;
+        notices.dismiss(id);
+        assert!(notices.list().iter().all(|notice| notice.id != id));
+        assert_eq!(notices.list().len(), MAX_NOTICES - 1);
+    }
+}

@@ -1,0 +1,124 @@
+//! The benchmark window: progress and cancel while it runs, then the table and a bar chart.
+
+use crate::app::theme::{ACCENT, BAD};
+use crate::app::{Benchmark, BenchmarkTable, DialogKind, State};
+use egui::{Align2, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
+use egui_plot::{Bar, BarChart, Plot};
+
+/// Height of a bar in the chart, points.
+const BAR_HEIGHT: f32 = 22.0;
+
+/// The window while it is open.
+pub fn benchmark_ui(ui: &mut Ui, state: &mut State) {
+    let mut open = state.panels.benchmark;
+    let mut export = None;
+    Window::new("Benchmark")
+        .open(&mut open)
+        .collapsible(false)
+        .default_width(680.0)
+        .pivot(Align2::CENTER_CENTER)
+        .default_pos(ui.ctx().content_rect().center())
+        .show(ui, |ui| match &state.benchmark {
+            Benchmark::Idle => {
+                ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused meanwhile.");
+            }
+            Benchmark::Running(running) => {
+                let progress = running.progress();
+                ui.strong(format!("Suite {}", running.suite));
+                let part = progress.done as f32 / progress.total.max(1) as f32;
+                ui.add(ProgressBar::new(part).text(format!("{} of {}", progress.done, progress.total)));
+                ui.label(&progress.label);
+                if running.is_cancelled() {
+                    ui.weak("Stopping…");
+                } else if ui.button("Cancel").clicked() {
+                    running.cancel();
+                }
+            }
+            Benchmark::Cancelled => {
+                ui.label("The benchmark was cancelled.");
+            }
+            Benchmark::Failed(text) => {
+                ui.label(RichText::new(text).color(BAD));
+                if ui.button("Copy").clicked() {
+                    ui.ctx().copy_text(text.clone());
+                }
+            }
+            Benchmark::Done(table) => export = done(ui, table),
+        });
+    state.panels.benchmark = open;
+    if let Some(dialog) = export {
+        state.ask_for_export(dialog);
+    }
+}
+
+fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
+    ui.strong(format!("Suite {}", table.suite));
+    ui.weak(&table.adapter);
+    ui.separator();
+    ScrollArea::both().id_salt("table").max_height(260.0).show(ui, |ui| cells(ui, table));
+    if !table.bars.is_empty() {
+        ui.add_space(8.0);
+        ui.label("Median, milliseconds (shorter is better)");
+        chart(ui, table);
+    }
+    ui.separator();
+    ui.horizontal(|ui| {
+        let json = ui.button("Export JSON…").on_hover_text("Everything measured, for programs");
+        let csv = ui.button("Export CSV…").on_hover_text("The table, for spreadsheets");
+        if json.clicked() {
+            Some(DialogKind::SaveJson)
+        } else if csv.clicked() {
+            Some(DialogKind::SaveCsv)
+        } else {
+            None
+        }
+    })
+    .inner
+}
+
+fn cells(ui: &mut Ui, table: &BenchmarkTable) {
+    Grid::new("cells").striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
+        for column in &table.columns {
+            ui.strong(column);
+        }
+        ui.end_row();
+        for row in &table.rows {
+            for cell in row {
+                ui.label(RichText::new(cell).monospace());
+            }
+            ui.end_row();
+        }
+    });
+}
+
+fn chart(ui: &mut Ui, table: &BenchmarkTable) {
+    // The first row of the table at the top.
+    let bars: Vec<Bar> = (0..)
+        .zip(table.bars.iter().rev())
+        .map(|(place, (label, median_ms))| Bar::new(f64::from(place), *median_ms).name(label).width(0.7))
+        .collect();
+    let labels: Vec<String> = table.bars.iter().rev().map(|(label, _)| label.clone()).collect();
+    let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
+    Plot::new("bars")
+        .height(BAR_HEIGHT * (bars.len() as f32 + 2.0))
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .include_x(0.0)
+        .y_axis_min_width(7.0 * longest as f32)
+        .y_grid_spacer(|input| {
+            let (from, to) = input.bounds;
+            (from.ceil() as i64..=to.floor() as i64)
+                .map(|place| egui_plot::GridMark { value: place as f64, step_size: 1.0 })
+                .collect()
+        })
+        .y_axis_formatter(move |mark, _| {
+            let place = mark.value.round();
+            let label = (place >= 0.0).then(|| labels.get(place as usize)).flatten();
+            label.cloned().unwrap_or_default()
+        })
+        .show(ui, |plot| {
+            plot.bar_chart(BarChart::new("median", bars).horizontal().color(ACCENT));
+        });
+}

@@ -1,0 +1,124 @@
+//! The menu bar.
+
+use crate::app::command::{Command, keys_of};
+use crate::app::recent::entry_name;
+use crate::app::{Benchmark, State};
+use crate::bench::Suite;
+use crate::scene::ViewPreset;
+use egui::{Button, MenuBar, Ui};
+
+/// File, View, Benchmark, Help.
+pub fn menu_ui(ui: &mut Ui, state: &mut State) {
+    MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| file_menu(ui, state));
+        ui.menu_button("View", |ui| view_menu(ui, state));
+        ui.menu_button("Benchmark", |ui| benchmark_menu(ui, state));
+        ui.menu_button("Help", |ui| {
+            item(ui, state, "Keys and mouse", Command::ToggleHelp);
+        });
+        if let Some(name) = state.sequence_name() {
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.weak(name);
+            });
+        }
+    });
+}
+
+fn item(ui: &mut Ui, state: &mut State, text: &str, command: Command) {
+    if ui.add(Button::new(text).shortcut_text(keys_of(command))).clicked() {
+        state.run(command);
+        ui.close();
+    }
+}
+
+fn file_menu(ui: &mut Ui, state: &mut State) {
+    ui.set_min_width(220.0);
+    item(ui, state, "Open files…", Command::OpenFiles);
+    item(ui, state, "Open folder…", Command::OpenFolder);
+    ui.menu_button("Recent", |ui| recent_menu(ui, state));
+    item(ui, state, "Demo", Command::OpenDemo);
+    ui.separator();
+    ui.add_enabled_ui(state.player.is_some(), |ui| {
+        item(ui, state, "Save picture", Command::Screenshot);
+        item(ui, state, "Save picture as…", Command::SaveScreenshotAs);
+    });
+    ui.separator();
+    item(ui, state, "Quit", Command::Quit);
+}
+
+fn recent_menu(ui: &mut Ui, state: &mut State) {
+    if state.recent.entries().is_empty() {
+        ui.weak("Nothing yet");
+        return;
+    }
+    let mut chosen = None;
+    for inputs in state.recent.entries() {
+        if ui.button(entry_name(inputs)).clicked() {
+            chosen = Some(inputs.clone());
+            ui.close();
+        }
+    }
+    ui.separator();
+    if ui.button("Clear the list").clicked() {
+        if let Err(problem) = state.recent.clear() {
+            state.notices.warn(problem);
+        }
+        ui.close();
+    }
+    if let Some(inputs) = chosen {
+        state.open_paths(inputs);
+    }
+}
+
+fn view_menu(ui: &mut Ui, state: &mut State) {
+    ui.set_min_width(190.0);
+    for &(name, preset, _, _) in ViewPreset::ALL {
+        item(ui, state, name, Command::Look(preset));
+    }
+    item(ui, state, "Reset view", Command::ResetView);
+    ui.separator();
+    for (text, open, command) in [
+        ("Settings", state.panels.settings, Command::ToggleSettings),
+        ("Statistics", state.panels.statistics, Command::ToggleStatistics),
+        ("Full screen", state.full_screen, Command::FullScreen),
+    ] {
+        let button = Button::selectable(open, text).shortcut_text(keys_of(command));
+        if ui.add(button).clicked() {
+            state.run(command);
+            ui.close();
+        }
+    }
+}
+
+fn benchmark_menu(ui: &mut Ui, state: &mut State) {
+    ui.set_min_width(200.0);
+    let can_start = state.player.is_some() && !matches!(state.benchmark, Benchmark::Running(_));
+    for (suite, text, tooltip) in [
+        (
+            Suite::Surfels,
+            "Surfels × strategies",
+            "Time a frame of each instancing strategy drawing surfels (paper, Table II)",
+        ),
+        (
+            Suite::Octree,
+            "Octree by δ",
+            "Loss, depth, nodes, build and traversal time at δ of 2, 10 and 50 % (paper, Table III)",
+        ),
+        (
+            Suite::Voxels,
+            "Voxels × strategies",
+            "Time a frame of each instancing strategy drawing voxels (paper, Table IV)",
+        ),
+    ] {
+        let button = ui.add_enabled(can_start, Button::new(text)).on_hover_text(tooltip);
+        if button.clicked() {
+            state.start_benchmark(suite);
+            ui.close();
+        }
+    }
+    ui.separator();
+    if ui.button("Show the last result").clicked() {
+        state.panels.benchmark = true;
+        ui.close();
+    }
+}

@@ -1,0 +1,96 @@
+//! The panels, one file each: `fn timeline_ui(ui, &mut State)`. They read and change [`State`] and know no GPU.
+
+mod benchmark;
+mod help;
+mod menu;
+mod notices;
+mod settings;
+mod statistics;
+mod timeline;
+mod viewport;
+
+pub use benchmark::benchmark_ui;
+pub use help::help_ui;
+pub use menu::menu_ui;
+pub use notices::notices_ui;
+pub use settings::settings_ui;
+pub use statistics::statistics_ui;
+pub use timeline::timeline_ui;
+pub use viewport::viewport_ui;
+
+use super::State;
+use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+
+/// Everything in the window, keys included.
+pub fn window_ui(ui: &mut Ui, state: &mut State) {
+    state.counters.ui_passes += 1;
+    state.handle_keys(ui.ctx());
+    let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
+    Panel::top("menu").frame(bar).show(ui, |ui| menu_ui(ui, state));
+    let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
+    Panel::bottom("timeline").frame(bar).show(ui, |ui| timeline_ui(ui, state));
+    let side = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
+    if state.panels.settings {
+        Panel::right("settings")
+            .frame(side)
+            .default_size(312.0)
+            .size_range(280.0..=460.0)
+            .show(ui, |ui| settings_ui(ui, state));
+    }
+    if state.panels.statistics {
+        Panel::left("statistics")
+            .frame(side)
+            .default_size(272.0)
+            .size_range(240.0..=420.0)
+            .show(ui, |ui| statistics_ui(ui, state));
+    }
+    CentralPanel::no_frame().show(ui, |ui| viewport_ui(ui, state));
+    notices_ui(ui, state);
+    help_ui(ui, state);
+    benchmark_ui(ui, state);
+}
+
+/// `1234567` → `1,234,567`.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.char_indices() {
+        if index > 0 && (digits.len() - index) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Bytes with a binary unit.
+fn bytes(count: u64) -> String {
+    const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
+    let mut value = count as f64;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < UNITS.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    if unit == 0 {
+        format!("{count} B")
+    } else {
+        format!("{value:.1} {}", UNITS[unit])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_readable() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1_000), "1,000");
+        assert_eq!(grouped(12_345_678), "12,345,678");
+        assert_eq!(bytes(1023), "1023 B");
+        assert_eq!(bytes(1024), "1.0 KiB");
+        assert_eq!(bytes(3 << 29), "1.5 GiB");
+    }
+}

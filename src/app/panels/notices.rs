@@ -1,0 +1,70 @@
+//! Messages over the picture, at its lower left.
+
+use crate::app::theme::{BAD, GOOD, ODD};
+use crate::app::{Notice, Severity, State};
+use egui::{Align2, Area, Frame, Id, RichText, ScrollArea, Stroke, Ui, vec2};
+
+/// Width of a message.
+const WIDTH: f32 = 420.0;
+
+/// Longer texts scroll.
+const MAX_TEXT_HEIGHT: f32 = 120.0;
+
+/// Every message with its full text, a button to copy it and one to dismiss it.
+pub fn notices_ui(ui: &mut Ui, state: &mut State) {
+    if state.notices.list().is_empty() {
+        return;
+    }
+    let mut dismissed = None;
+    // What is left of the window after the panels is the picture.
+    let corner = state.viewport.rect.left_bottom() + vec2(12.0, -12.0);
+    Area::new(Id::unique("notices"))
+        .pivot(Align2::LEFT_BOTTOM)
+        .fixed_pos(corner)
+        .show(ui.ctx(), |ui| {
+            for notice in state.notices.list() {
+                if notice_ui(ui, notice) {
+                    dismissed = Some(notice.id);
+                }
+            }
+        });
+    if let Some(id) = dismissed {
+        state.notices.dismiss(id);
+    }
+}
+
+/// True if it is to be dismissed.
+fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
+    let (color, word) = match notice.severity {
+        Severity::Info => (GOOD, "Done"),
+        Severity::Warning => (ODD, "Note"),
+        Severity::Error => (BAD, "Error"),
+    };
+    let frame = Frame::window(ui.style()).stroke(Stroke::new(1.0, color.gamma_multiply(0.7)));
+    frame
+        .show(ui, |ui| {
+            ui.set_width(WIDTH);
+            let dismissed = ui
+                .horizontal(|ui| {
+                    ui.label(RichText::new(word).strong().color(color));
+                    if notice.count > 1 {
+                        ui.weak(format!("{} times", notice.count));
+                    }
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        let dismissed = ui.small_button("Dismiss").clicked();
+                        if ui.small_button("Copy").on_hover_text("Copy the full text").clicked() {
+                            ui.ctx().copy_text(notice.text.clone());
+                        }
+                        dismissed
+                    })
+                    .inner
+                })
+                .inner;
+            ScrollArea::vertical()
+                .id_salt(notice.id)
+                .max_height(MAX_TEXT_HEIGHT)
+                .show(ui, |ui| ui.label(&notice.text));
+            dismissed
+        })
+        .inner
+}

@@ -1,0 +1,246 @@
+//! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
+
+use crate::app::State;
+use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+use crate::scene::{Background, Lighting, Primitive, Settings, Splatting, Strategy, UpAxis};
+use crate::sequence::ColorSource;
+use egui::{Button, Checkbox, ComboBox, Grid, RichText, ScrollArea, Slider, Ui, Widget};
+
+/// The panel at the right.
+pub fn settings_ui(ui: &mut Ui, state: &mut State) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        heading(ui, "Picture");
+        primitive(ui, &mut state.settings);
+        rows(ui, "picture", |ui| {
+            if state.settings.primitive == Primitive::Surfel {
+                splatting(ui, &mut state.settings);
+            }
+            strategy(ui, &mut state.settings);
+        });
+        match state.settings.primitive {
+            Primitive::Surfel => surfels(ui, &mut state.settings),
+            Primitive::Voxel => voxels(ui, &mut state.settings),
+            Primitive::Point => points(ui, &mut state.settings),
+        }
+        heading(ui, "Shading");
+        rows(ui, "shading", |ui| shading(ui, &mut state.settings));
+        heading(ui, "Background");
+        rows(ui, "background", |ui| background(ui, &mut state.settings.background));
+        heading(ui, "Camera");
+        rows(ui, "camera", |ui| camera(ui, state));
+        ui.add_space(12.0);
+        if ui
+            .button("Reset to defaults")
+            .on_hover_text("Every setting of the picture as it is at first; the camera stays")
+            .clicked()
+        {
+            state.settings = Settings::default();
+        }
+    });
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(10.0);
+    ui.label(RichText::new(text).strong().size(14.5));
+    ui.add_space(2.0);
+}
+
+fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
+    Grid::new(id).num_columns(2).min_col_width(96.0).spacing([10.0, 7.0]).show(ui, add);
+}
+
+/// A label and a control named by it, both with the tooltip.
+fn row(ui: &mut Ui, name: &str, tooltip: &str, control: impl Widget) {
+    let label = ui.label(name).on_hover_text(tooltip);
+    ui.add(control).labelled_by(label.id).on_hover_text(tooltip);
+    ui.end_row();
+}
+
+/// A label and a list to choose from.
+fn choice<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    tooltip: &str,
+    value: &mut T,
+    choices: &[(&str, T, &str)],
+) {
+    let label = ui.label(name).on_hover_text(tooltip);
+    let selected = choices.iter().find(|(_, choice, _)| choice == value).map_or("Custom", |(text, _, _)| text);
+    ComboBox::from_id_salt(name)
+        .selected_text(selected)
+        .show_ui(ui, |ui| {
+            for (text, choice, hint) in choices {
+                ui.selectable_value(value, *choice, *text).on_hover_text(*hint);
+            }
+        })
+        .response
+        .labelled_by(label.id)
+        .on_hover_text(tooltip);
+    ui.end_row();
+}
+
+fn primitive(ui: &mut Ui, settings: &mut Settings) {
+    ui.horizontal(|ui| {
+        for (primitive, text, tooltip) in [
+            (Primitive::Surfel, "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap"),
+            (Primitive::Voxel, "Voxels", "Cubes of the octree's cells, as fine as the picture needs"),
+            (Primitive::Point, "Points", "Plain squares of a size in pixels: the fastest"),
+        ] {
+            let button = Button::selectable(settings.primitive == primitive, text).min_size(egui::vec2(76.0, 26.0));
+            if ui.add(button).on_hover_text(tooltip).clicked() {
+                settings.primitive = primitive;
+            }
+        }
+    });
+    ui.add_space(4.0);
+}
+
+fn splatting(ui: &mut Ui, settings: &mut Settings) {
+    choice(
+        ui,
+        "Splatting",
+        "How overlapping surfels become one surface (the six modes of the paper's Fig. 3)",
+        &mut settings.splatting,
+        &[
+            ("Regular", Splatting::Regular, "One pass, depth test and blending"),
+            ("No depth", Splatting::NoDepth, "One pass without depth test: far splats shine through"),
+            ("Visibility", Splatting::Visibility, "The depths of the first pass as grey"),
+            ("Two-pass", Splatting::TwoPass, "Visibility first, then blending at the surface"),
+            ("Enlarged", Splatting::Enlarged, "Two passes, both with enlarged splats"),
+            (
+                "Two-pass, enlarged",
+                Splatting::TwoPassEnlarged,
+                "Two passes, enlarged in the second only: the smoothest",
+            ),
+        ],
+    );
+}
+
+fn strategy(ui: &mut Ui, settings: &mut Settings) {
+    choice(
+        ui,
+        "Instancing",
+        "How instances reach the GPU's vertex stage. All strategies draw the same picture; their speed differs",
+        &mut settings.strategy,
+        &[
+            ("Storage buffer", Strategy::Storage, "Records pulled from a storage buffer"),
+            ("Uniform buffers", Strategy::Uniform, "Records in 64 KiB uniform buffers, one draw for each"),
+            ("Texture", Strategy::Texture, "Records fetched as texels"),
+            ("Vertex attributes", Strategy::Vertex, "Records as attributes stepped per instance"),
+            ("Compute", Strategy::Compute, "A compute pass writes the quads and cubes; one indirect draw"),
+        ],
+    );
+}
+
+fn surfels(ui: &mut Ui, settings: &mut Settings) {
+    heading(ui, "Surfels");
+    rows(ui, "surfels", |ui| {
+        let scale = Slider::new(&mut settings.splat_scale, SPLAT_SCALE_RANGE).logarithmic(true).max_decimals(2).suffix(" ×");
+        row(ui, "Splat scale", "Factor on every splat's radius (+ and −)", scale);
+        let uses_enlargement = matches!(settings.splatting, Splatting::Enlarged | Splatting::TwoPassEnlarged);
+        if uses_enlargement {
+            let enlargement = Slider::new(&mut settings.enlargement, 1.0..=4.0).max_decimals(2).suffix(" ×");
+            row(
+                ui,
+                "Enlargement",
+                "Further factor on the radius in the enlarged passes; the paper uses 2",
+                enlargement,
+            );
+        }
+        let tooltip = "Leave out surfels whose normal points away. Turn it off where normals cannot be trusted";
+        row(ui, "Back faces", tooltip, Checkbox::new(&mut settings.cull_back_faces, "Culled"));
+    });
+}
+
+fn voxels(ui: &mut Ui, settings: &mut Settings) {
+    heading(ui, "Voxels");
+    rows(ui, "voxels", |ui| {
+        // Shown in percent, kept as a fraction.
+        let mut delta_percent = settings.delta * 100.0;
+        let slider = Slider::new(&mut delta_percent, 0.0..=Settings::MAX_DELTA * 100.0).max_decimals(1).suffix(" %");
+        row(
+            ui,
+            "Loss δ",
+            "Stop criterion of the octree: the share of points that may share a voxel at the deepest level, percent",
+            slider,
+        );
+        // Whole tenths only: each other value builds the octrees of all frames anew.
+        settings.delta = (delta_percent * 10.0).round() / 1000.0;
+        let lod = Slider::new(&mut settings.lod_px, 0.5..=64.0).logarithmic(true).max_decimals(1).suffix(" px");
+        row(
+            ui,
+            "Level of detail",
+            "Octants whose edge is shorter than this on the screen are drawn as one voxel, pixels",
+            lod,
+        );
+    });
+}
+
+fn points(ui: &mut Ui, settings: &mut Settings) {
+    heading(ui, "Points");
+    rows(ui, "points", |ui| {
+        let size = Slider::new(&mut settings.point_size_px, POINT_SIZE_RANGE_PX).max_decimals(1).suffix(" px");
+        row(ui, "Point size", "Edge of the square drawn for a point, pixels (+ and −)", size);
+    });
+}
+
+fn shading(ui: &mut Ui, settings: &mut Settings) {
+    if settings.primitive != Primitive::Point {
+        choice(
+            ui,
+            "Lighting",
+            "Where the head light is evaluated",
+            &mut settings.lighting,
+            &[
+                ("None", Lighting::Unlit, "Plain colours"),
+                ("Per surfel or face", Lighting::PerSurfel, "Once for each surfel or voxel face"),
+                ("Per vertex", Lighting::PerVertex, "At each corner, interpolated between"),
+                ("Per fragment", Lighting::PerFragment, "At each pixel"),
+            ],
+        );
+    }
+    let sources = ColorSource::ALL.map(|source| match source {
+        ColorSource::Auto => ("Automatic", source, "The file's colours, else its scalar, else the normal"),
+        ColorSource::File => ("From the file", source, "Red, green and blue of the file"),
+        ColorSource::Normal => ("Normal", source, "The direction of the normal as a colour (the paper's fake colour)"),
+        ColorSource::Scalar => ("Scalar", source, "Intensity or another scalar of the file through a colour map"),
+        ColorSource::Uniform => ("One colour", source, "The same for all points"),
+    });
+    choice(ui, "Colours", "Where the colours of points come from", &mut settings.colors, &sources);
+}
+
+fn background(ui: &mut Ui, background: &mut Background) {
+    let names = ["Dusk", "Black", "Gray", "White", "Sky"];
+    let presets: Vec<(&str, Background, &str)> = Background::PRESETS
+        .iter()
+        .zip(names)
+        .map(|(&(_, preset), name)| (name, preset, "A background to begin with"))
+        .collect();
+    choice(ui, "Preset", "What is behind the cloud", background, &presets);
+    for (name, tooltip, color) in [
+        ("Top colour", "Colour at the upper edge of the picture", &mut background.top),
+        ("Bottom colour", "Colour at the lower edge of the picture", &mut background.bottom),
+    ] {
+        let label = ui.label(name).on_hover_text(tooltip);
+        ui.color_edit_button_srgb(color).labelled_by(label.id).on_hover_text(tooltip);
+        ui.end_row();
+    }
+}
+
+fn camera(ui: &mut Ui, state: &mut State) {
+    let axes = UpAxis::ALL.iter().map(|&(name, axis)| {
+        let text = match name {
+            "y" => "+Y",
+            "z" => "+Z",
+            "x" => "+X",
+            "-y" => "−Y",
+            "-z" => "−Z",
+            _ => "−X",
+        };
+        (text, axis, "The axis of the file that points up in the picture")
+    });
+    let axes: Vec<_> = axes.collect();
+    choice(ui, "Up axis", "The axis of the file that points up in the picture", &mut state.camera.up, &axes);
+    let fov = Slider::new(&mut state.camera.fov_deg, 5.0..=120.0).max_decimals(0).suffix(" °");
+    row(ui, "Field of view", "Vertical opening angle of the camera, degrees", fov);
+}

@@ -1,0 +1,179 @@
+//! The 3-D picture and the mouse on it. The panels are other widgets, so that nothing done to them moves the camera.
+
+use crate::app::State;
+use crate::app::theme::{ACCENT, ODD};
+use crate::app::command::Command;
+use egui::{Align2, Color32, FontId, Modifiers, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, Role, pos2, vec2};
+use glam::Vec3;
+
+/// Degrees of orbit for a drag over the height of the picture.
+const ORBIT_DEG_PER_HEIGHT: f64 = 270.0;
+
+/// Degrees of looking around for the same drag.
+const LOOK_DEG_PER_HEIGHT: f64 = 90.0;
+
+/// One notch of a wheel scrolls about 50 points: 8 % of the distance.
+const ZOOM_PER_POINT: f64 = 0.0016;
+
+/// Length of the axes in the corner.
+const AXIS_LENGTH: f32 = 24.0;
+
+/// The picture over all of `ui`, and the camera by mouse.
+pub fn viewport_ui(ui: &mut Ui, state: &mut State) {
+    let scale = ui.ctx().pixels_per_point();
+    let rect = on_pixels(ui.available_rect_before_wrap(), scale);
+    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "3-D picture"));
+    state.viewport.rect = rect;
+    let max_edge_px = state.viewport.max_edge_px.unwrap_or(u32::MAX);
+    state.viewport.size_px =
+        [rect.width(), rect.height()].map(|edge| ((edge * scale).round().max(0.0) as u32).min(max_edge_px));
+    move_camera(ui, &response, state);
+    if let Some(texture) = state.viewport.texture {
+        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+        ui.painter().image(texture, rect, whole, Color32::WHITE);
+    }
+    overlays(ui, rect, state);
+}
+
+/// `rect` with corners on physical pixels: the picture is then copied pixel by pixel.
+fn on_pixels(rect: Rect, scale: f32) -> Rect {
+    let snap = |edge: f32| (edge * scale).round() / scale;
+    Rect::from_min_max(
+        pos2(snap(rect.min.x), snap(rect.min.y)),
+        pos2(snap(rect.max.x), snap(rect.max.y)),
+    )
+}
+
+fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
+    let height = f64::from(response.rect.height().max(1.0));
+    let modifiers = ui.input(|input| input.modifiers);
+    let camera = &mut state.camera;
+    let drag = response.drag_delta();
+    let (dx, dy) = (f64::from(drag.x), f64::from(drag.y));
+    if response.dragged() && drag != Vec2::ZERO {
+        match drag_of(response, modifiers) {
+            Drag::Orbit => camera.orbit(-dx / height * ORBIT_DEG_PER_HEIGHT, dy / height * ORBIT_DEG_PER_HEIGHT),
+            Drag::Look => camera.look_around(-dx / height * LOOK_DEG_PER_HEIGHT, dy / height * LOOK_DEG_PER_HEIGHT),
+            Drag::Pan => camera.pan_px(dx, dy, height),
+        }
+    }
+    if response.hovered() || response.contains_pointer() {
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        let factor = (-f64::from(scroll) * ZOOM_PER_POINT).exp() / f64::from(pinch.max(0.01));
+        if factor != 1.0 {
+            camera.zoom(factor);
+        }
+    }
+    if response.double_clicked() {
+        state.frame_cloud();
+    }
+    if response.clicked() || response.dragged() {
+        // A text field that was left by a click elsewhere must give the keys back.
+        ui.memory_mut(|memory| {
+            if let Some(focused) = memory.focused() {
+                memory.surrender_focus(focused);
+            }
+        });
+    }
+}
+
+enum Drag {
+    Orbit,
+    Look,
+    Pan,
+}
+
+fn drag_of(response: &Response, modifiers: Modifiers) -> Drag {
+    if !response.dragged_by(PointerButton::Primary) || modifiers.shift {
+        Drag::Pan
+    } else if modifiers.command || modifiers.ctrl {
+        Drag::Look
+    } else {
+        Drag::Orbit
+    }
+}
+
+fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
+    let painter = ui.painter_at(rect);
+    let dropping = ui.input(|input| !input.raw.hovered_files.is_empty());
+    if dropping {
+        painter.rect_filled(rect, 0.0, Color32::from_black_alpha(150));
+        painter.rect_stroke(rect.shrink(12.0), 8.0, Stroke::new(2.0, ACCENT), egui::StrokeKind::Inside);
+        painter.text(
+            rect.center(),
+            Align2::CENTER_CENTER,
+            "Drop files or a folder to open",
+            FontId::proportional(22.0),
+            Color32::WHITE,
+        );
+    }
+    let dropped: Vec<_> = ui.input(|input| {
+        input
+            .raw
+            .dropped_files
+            .iter()
+            .map(|file| file.path().to_path_buf())
+            .collect()
+    });
+    state.open_paths(dropped);
+
+    match &state.player {
+        None => nothing_open(ui, rect, state),
+        Some(player) => {
+            if let Some(failure) = player.failure() {
+                let text = format!("Frame {} cannot be shown", failure.index() + 1);
+                banner(&painter, rect, &text, ODD);
+            } else if player.shown().is_none() {
+                banner(&painter, rect, "Loading the first frame…", Color32::WHITE);
+            }
+            axes(&painter, rect, state);
+        }
+    }
+}
+
+fn nothing_open(ui: &mut Ui, rect: Rect, state: &mut State) {
+    let middle = Rect::from_center_size(rect.center(), vec2(320.0, 120.0));
+    ui.scope_builder(egui::UiBuilder::new().max_rect(middle), |ui| {
+        ui.vertical_centered(|ui| {
+            ui.heading("No sequence is open");
+            ui.label("Drop a folder of point clouds here, or");
+            if ui.button("Open folder").clicked() {
+                state.run(Command::OpenFolder);
+            }
+            if ui.button("Play the demo").clicked() {
+                state.run(Command::OpenDemo);
+            }
+        });
+    });
+}
+
+fn banner(painter: &egui::Painter, rect: Rect, text: &str, color: Color32) {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(15.0), color);
+    let size = galley.size() + vec2(24.0, 12.0);
+    let place = Align2::CENTER_TOP.align_size_within_rect(size, rect.shrink(14.0));
+    painter.rect_filled(place, 6.0, Color32::from_black_alpha(190));
+    painter.galley(place.min + vec2(12.0, 6.0), galley, color);
+}
+
+/// The directions of the world's axes, at the lower right.
+fn axes(painter: &egui::Painter, rect: Rect, state: &State) {
+    let rotation = state
+        .camera
+        .transform(glam::DVec3::ZERO, [1, 1])
+        .view_from_frame_rotation;
+    let center = rect.right_bottom() - vec2(44.0, 44.0);
+    let mut axes = [
+        ("x", rotation * Vec3::X, Color32::from_rgb(235, 100, 100)),
+        ("y", rotation * Vec3::Y, Color32::from_rgb(120, 200, 110)),
+        ("z", rotation * Vec3::Z, Color32::from_rgb(100, 150, 250)),
+    ];
+    // Those that point away first.
+    axes.sort_by(|(_, a, _), (_, b, _)| a.z.total_cmp(&b.z));
+    for (name, direction, color) in axes {
+        let color = if direction.z < -0.2 { color.gamma_multiply(0.55) } else { color };
+        let tip = |length: f32| center + vec2(direction.x, -direction.y) * length;
+        painter.line_segment([center, tip(AXIS_LENGTH)], Stroke::new(2.0, color));
+        painter.text(tip(AXIS_LENGTH + 9.0), Align2::CENTER_CENTER, name, FontId::proportional(12.0), color);
+    }
+}

@@ -1,0 +1,298 @@
+//! An open sequence with its playhead: which frame is due, which is shown, what is waited for.
+//!
+//! **How it works.** The clock says which frame is due. If that frame is in memory, or cannot be read, the clock moves on;
+//! if not, the clock is held where it is and goes on from that frame when the loader has it. So a slow disk slows playing
+//! down and is told as `fps held`, but every frame is seen; a slow screen skips frames, which the clock counts.
+
+use super::marks::{Run, runs};
+use crate::scene::{Primitive, Scene, Settings};
+use crate::sequence::{
+    Clock, Direction, FrameError, Loader, LoaderOptions, LoopMode, Needs, PreparedFrame, Sequence, SequenceError, Slot,
+};
+use std::collections::{HashSet, VecDeque};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The rate that is held is measured over this time.
+const RATE_WINDOW: Duration = Duration::from_secs(1);
+
+/// Frames remembered for it: more than any screen shows in that time.
+const MAX_RATE_SAMPLES: usize = 1024;
+
+/// Plays one sequence.
+#[derive(Debug)]
+pub struct Player {
+    sequence: Arc<Sequence>,
+    loader: Loader,
+    clock: Clock,
+    shown: Option<Arc<PreparedFrame>>,
+    failure: Option<Arc<FrameError>>,
+    /// Broken frames that were told of: a loop meets them again and again.
+    told: HashSet<usize>,
+    /// The frame that the held clock goes on from.
+    waiting_for: Option<usize>,
+    /// Play as soon as the first frame is there.
+    play_when_shown: bool,
+    requested: Option<(usize, Direction, Needs)>,
+    runs: Vec<Run>,
+    runs_revision: Option<u64>,
+    shown_at: VecDeque<Duration>,
+    frames_shown: u64,
+}
+
+/// What [`Player::update`] changed.
+#[derive(Debug, Clone, Default)]
+pub(super) struct PlayerChange {
+    /// Another frame is shown, or the place of the playhead is another one.
+    pub(super) visible: bool,
+    /// A frame at the playhead cannot be shown, and this is the first time that it was met.
+    pub(super) new_failure: Option<Arc<FrameError>>,
+}
+
+impl Player {
+    /// Opens `sequence` at its first frame, paused unless `play`.
+    pub(super) fn new(sequence: Arc<Sequence>, options: LoaderOptions, play: bool) -> Result<Self, SequenceError> {
+        let loader = Loader::new(Arc::clone(&sequence), options)?;
+        let mut clock = Clock::new(sequence.len());
+        clock.set_fps(sequence.fps(), Duration::ZERO);
+        Ok(Self {
+            loader,
+            clock,
+            shown: None,
+            failure: None,
+            told: HashSet::new(),
+            waiting_for: None,
+            play_when_shown: play,
+            requested: None,
+            runs: Vec::new(),
+            runs_revision: None,
+            shown_at: VecDeque::new(),
+            frames_shown: 0,
+            sequence,
+        })
+    }
+
+    /// The sequence.
+    pub fn sequence(&self) -> &Arc<Sequence> {
+        &self.sequence
+    }
+
+    /// Its loader.
+    pub fn loader(&self) -> &Loader {
+        &self.loader
+    }
+
+    /// Place and pace of the playhead.
+    pub fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// The frame in the picture.
+    pub fn shown(&self) -> Option<&Arc<PreparedFrame>> {
+        self.shown.as_ref()
+    }
+
+    /// Why the frame at the playhead is not in the picture, if it cannot be read.
+    pub fn failure(&self) -> Option<&Arc<FrameError>> {
+        self.failure.as_ref()
+    }
+
+    /// The frame that is waited for.
+    pub fn waiting_for(&self) -> Option<usize> {
+        self.waiting_for
+    }
+
+    /// True when playing, or as soon as the first frame is there.
+    pub fn is_playing(&self) -> bool {
+        self.clock.is_playing() || self.play_when_shown
+    }
+
+    /// Runs of frames with the same state, as of the last [`Player::refresh_runs`].
+    pub fn runs(&self) -> &[Run] {
+        &self.runs
+    }
+
+    /// Changes of the shown frame since the sequence was opened.
+    pub fn frames_shown(&self) -> u64 {
+        self.frames_shown
+    }
+
+    /// Frames a second that were really shown lately; `None` while paused or too early to say.
+    pub fn fps_held(&self) -> Option<f64> {
+        let (first, last) = (self.shown_at.front()?, self.shown_at.back()?);
+        let elapsed = last.checked_sub(*first)?.as_secs_f64();
+        (self.clock.is_playing() && elapsed > 0.0).then(|| (self.shown_at.len() - 1) as f64 / elapsed)
+    }
+
+    /// Play or pause.
+    pub fn toggle(&mut self, now: Duration) {
+        if self.play_when_shown {
+            self.play_when_shown = false;
+            return;
+        }
+        if self.clock.is_playing() && self.waiting_for.is_some() {
+            // The held clock has not moved, and must not move now.
+            self.hold(now);
+            self.clock.pause(now);
+        } else {
+            self.clock.toggle(now);
+        }
+        self.shown_at.clear();
+    }
+
+    /// Goes to `frame`.
+    pub fn seek(&mut self, frame: usize, now: Duration) {
+        self.waiting_for = None;
+        self.clock.seek(frame, now);
+        self.shown_at.clear();
+    }
+
+    /// Pauses and goes `count` frames on.
+    pub fn step(&mut self, count: i64, now: Duration) {
+        self.play_when_shown = false;
+        self.hold(now);
+        self.clock.step(count, now);
+    }
+
+    /// Factor of the frame rate, negative for backward.
+    pub fn set_speed(&mut self, speed: f64, now: Duration) {
+        self.hold(now);
+        self.clock.set_speed(speed, now);
+        self.shown_at.clear();
+    }
+
+    /// Frames a second at speed 1.
+    pub fn set_fps(&mut self, fps: f64, now: Duration) {
+        self.hold(now);
+        self.clock.set_fps(fps, now);
+        self.shown_at.clear();
+    }
+
+    /// What happens at the ends.
+    pub fn set_loop_mode(&mut self, loop_mode: LoopMode, now: Duration) {
+        self.hold(now);
+        self.clock.set_loop_mode(loop_mode, now);
+        self.loader.set_loop_mode(loop_mode);
+    }
+
+    /// If a frame is waited for, puts the clock on it, so that the time spent waiting does not count.
+    fn hold(&mut self, now: Duration) {
+        if let Some(target) = self.waiting_for.take() {
+            self.clock.seek(target, now);
+        }
+    }
+
+    /// When [`Player::update`] has something to do by itself; `None` if only the loader can bring it.
+    pub fn next_deadline(&self) -> Option<Duration> {
+        match self.waiting_for {
+            Some(_) => None,
+            None => self.clock.next_deadline(),
+        }
+    }
+
+    /// Moves the playhead to where it is at `now` and shows its frame if it is there.
+    pub(super) fn update(&mut self, now: Duration, settings: &Settings) -> PlayerChange {
+        let needs = Scene::needs(settings);
+        let playhead_before = self.clock.frame();
+        let playing_before = self.is_playing();
+        let mut ahead = self.clock.clone();
+        let target = self.waiting_for.unwrap_or_else(|| ahead.advance(now));
+        self.request(target, ahead.direction(), needs);
+
+        let mut change = PlayerChange::default();
+        let frame = match self.loader.get(target, &needs) {
+            Slot::Ready(frame) => Some(frame),
+            // An older picture of the same pose serves meanwhile; one that cannot be drawn as asked would only flash.
+            Slot::Stale(frame) if can_draw(&frame, settings.primitive) || self.shows(target) => Some(frame),
+            Slot::Stale(_) | Slot::Pending => None,
+            Slot::Failed(error) => {
+                self.arrive(target, ahead, now);
+                if self.told.insert(target) {
+                    change.new_failure = Some(Arc::clone(&error));
+                }
+                change.visible |= self.failure.as_ref().is_none_or(|known| known.index() != target);
+                self.failure = Some(error);
+                self.start_if_asked(now);
+                change.visible |= self.clock.frame() != playhead_before || self.is_playing() != playing_before;
+                return change;
+            }
+        };
+        if let Some(frame) = frame {
+            self.arrive(target, ahead, now);
+            change.visible |= self.failure.take().is_some() || self.show(frame, now);
+            self.start_if_asked(now);
+        } else {
+            change.visible |= self.waiting_for != Some(target);
+            self.waiting_for = Some(target);
+        }
+        change.visible |= self.clock.frame() != playhead_before || self.is_playing() != playing_before;
+        change
+    }
+
+    fn shows(&self, index: usize) -> bool {
+        self.shown.as_ref().is_some_and(|shown| shown.index == index)
+    }
+
+    /// The clock goes on: from the frame that was waited for, or as it went `ahead`.
+    fn arrive(&mut self, target: usize, ahead: Clock, now: Duration) {
+        match self.waiting_for.take() {
+            Some(_) => self.clock.seek(target, now),
+            None => self.clock = ahead,
+        }
+    }
+
+    fn start_if_asked(&mut self, now: Duration) {
+        if std::mem::take(&mut self.play_when_shown) {
+            self.clock.play(now);
+        }
+    }
+
+    /// True if it is another picture than before.
+    fn show(&mut self, frame: Arc<PreparedFrame>, now: Duration) -> bool {
+        if self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &frame)) {
+            return false;
+        }
+        if !self.shows(frame.index) {
+            self.frames_shown += 1;
+            self.shown_at.push_back(now);
+            while self.shown_at.len() > MAX_RATE_SAMPLES
+                || self.shown_at.front().is_some_and(|&first| now.saturating_sub(first) > RATE_WINDOW)
+            {
+                self.shown_at.pop_front();
+            }
+        }
+        self.shown = Some(frame);
+        true
+    }
+
+    fn request(&mut self, playhead: usize, direction: Direction, needs: Needs) {
+        let request = (playhead, direction, needs);
+        if self.requested != Some(request) {
+            self.loader.request(playhead, direction, &needs);
+            self.requested = Some(request);
+        }
+    }
+
+    /// Asks the loader for the states of frames if they may have changed.
+    pub(super) fn refresh_runs(&mut self) {
+        let revision = self.loader.revision();
+        if self.runs_revision != Some(revision) {
+            self.runs = runs(self.loader.states());
+            self.runs_revision = Some(revision);
+        }
+    }
+
+    /// True if [`Player::refresh_runs`] would look again.
+    pub(super) fn runs_are_old(&self) -> bool {
+        self.runs_revision != Some(self.loader.revision())
+    }
+}
+
+/// True if `frame` has what `primitive` is made from.
+pub(super) fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
+    match primitive {
+        Primitive::Surfel => frame.shapes.is_some(),
+        Primitive::Voxel => frame.octree.is_some(),
+        Primitive::Point => true,
+    }
+}

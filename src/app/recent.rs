@@ -1,0 +1,182 @@
+//! What was opened lately, kept between runs in a small JSON file.
+
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Entries that are kept.
+const MAX_ENTRIES: usize = 10;
+
+/// An entry of more files than this is not kept: it is a selection, not a place.
+const MAX_INPUTS: usize = 100;
+
+/// A list beyond this size was not written by this program.
+const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// The inputs of sequences, latest first.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Recent {
+    entries: Vec<Vec<PathBuf>>,
+    file: Option<PathBuf>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    recent: Vec<Vec<PathBuf>>,
+}
+
+impl Recent {
+    /// The list of this person. `Err` is a text for a notice; the list is then empty and is written anew.
+    pub fn load() -> (Self, Option<String>) {
+        let file = directories::ProjectDirs::from("", "", "pointreel")
+            .map(|folders| folders.config_dir().join("recent.json"));
+        match file {
+            Some(file) => Self::load_from(file),
+            None => (Self::default(), None),
+        }
+    }
+
+    /// The list in `file`, which need not be there yet.
+    pub fn load_from(file: PathBuf) -> (Self, Option<String>) {
+        let (entries, problem) = match read(&file) {
+            Ok(entries) => (entries, None),
+            Err(reason) => (
+                Vec::new(),
+                Some(format!(
+                    "the list of recent files in {} is not readable ({reason}): a new one is begun",
+                    file.display()
+                )),
+            ),
+        };
+        let recent = Self {
+            entries,
+            file: Some(file),
+        };
+        (recent, problem)
+    }
+
+    /// The inputs of each entry, latest first.
+    pub fn entries(&self) -> &[Vec<PathBuf>] {
+        &self.entries
+    }
+
+    /// Puts `inputs` first and writes the list. `Err` is a text for a notice.
+    pub fn add(&mut self, inputs: &[PathBuf]) -> Result<(), String> {
+        if inputs.is_empty() || inputs.len() > MAX_INPUTS {
+            return Ok(());
+        }
+        // The next run may start in another folder.
+        let inputs: Vec<PathBuf> = inputs
+            .iter()
+            .map(|input| std::path::absolute(input).unwrap_or_else(|_| input.clone()))
+            .collect();
+        self.entries.retain(|entry| *entry != inputs);
+        self.entries.insert(0, inputs);
+        self.entries.truncate(MAX_ENTRIES);
+        self.write()
+    }
+
+    /// Empties the list. `Err` is a text for a notice.
+    pub fn clear(&mut self) -> Result<(), String> {
+        self.entries.clear();
+        self.write()
+    }
+
+    fn write(&self) -> Result<(), String> {
+        let Some(file) = &self.file else {
+            return Ok(());
+        };
+        let stored = Stored {
+            recent: self.entries.clone(),
+        };
+        let written = serde_json::to_vec_pretty(&stored)
+            .map_err(std::io::Error::other)
+            .and_then(|bytes| replace(file, &bytes));
+        written.map_err(|reason| {
+            format!(
+                "the list of recent files could not be written to {} ({reason})",
+                file.display()
+            )
+        })
+    }
+}
+
+/// A file that is never half written: the new one takes the place of the old one.
+fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    if let Some(folder) = file.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    let new = file.with_extension(format!("{}.new", std::process::id()));
+    fs::write(&new, bytes)?;
+    fs::rename(&new, file)
+}
+
+fn read(file: &Path) -> Result<Vec<Vec<PathBuf>>, String> {
+    let size = match fs::metadata(file) {
+        Ok(metadata) => metadata.len(),
+        Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(reason) => return Err(reason.to_string()),
+    };
+    if size > MAX_FILE_BYTES {
+        return Err(format!("it has {size} bytes"));
+    }
+    let bytes = fs::read(file).map_err(|reason| reason.to_string())?;
+    let stored: Stored = serde_json::from_slice(&bytes).map_err(|reason| reason.to_string())?;
+    let mut entries = stored.recent;
+    entries.retain(|entry| !entry.is_empty() && entry.len() <= MAX_INPUTS);
+    entries.truncate(MAX_ENTRIES);
+    Ok(entries)
+}
+
+/// An entry as a menu shows it.
+pub(super) fn entry_name(inputs: &[PathBuf]) -> String {
+    let first = inputs.first().map_or_else(String::new, |path| path.display().to_string());
+    match inputs.len() {
+        0 | 1 => first,
+        count => format!("{first} and {} more", count - 1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_is_bounded_latest_first_and_survives() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("deeper/recent.json");
+        let (mut recent, problem) = Recent::load_from(file.clone());
+        assert_eq!(problem, None);
+        for number in 0..15 {
+            recent.add(&[format!("/scans/{number}").into()]).unwrap();
+        }
+        recent.add(&["/scans/9".into()]).unwrap();
+        let (again, problem) = Recent::load_from(file);
+        assert_eq!(problem, None);
+        assert_eq!(again, recent);
+        assert_eq!(again.entries().len(), MAX_ENTRIES);
+        assert_eq!(again.entries()[0], [PathBuf::from("/scans/9")]);
+        assert_eq!(again.entries()[1], [PathBuf::from("/scans/14")]);
+    }
+
+    #[test]
+    fn a_damaged_list_is_said_and_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("recent.json");
+        for damaged in ["", "{", "[1,2]", r#"{"recent":[[7]]}"#, "\0\u{1}"] {
+            fs::write(&file, damaged).unwrap();
+            let (mut recent, problem) = Recent::load_from(file.clone());
+            assert!(problem.is_some_and(|text| text.contains("recent.json")), "{damaged:?}");
+            assert!(recent.entries().is_empty());
+            recent.add(&["/a".into()]).unwrap();
+            assert_eq!(Recent::load_from(file.clone()).1, None);
+        }
+    }
+
+    #[test]
+    fn relative_inputs_are_kept_absolute() {
+        let mut recent = Recent::default();
+        recent.add(&["scans".into()]).unwrap();
+        assert!(recent.entries()[0][0].is_absolute());
+    }
+}

@@ -1,0 +1,132 @@
+//! Colours, spacing and the icons of the transport buttons.
+//!
+//! Icons are painted rather than taken from a font: they are sharp at any scale and look the same everywhere.
+
+use egui::{Color32, Context, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, Theme, Visuals, vec2};
+
+/// What is chosen, and the playhead.
+pub(super) const ACCENT: Color32 = Color32::from_rgb(86, 156, 255);
+/// What failed.
+pub(super) const BAD: Color32 = Color32::from_rgb(236, 92, 92);
+/// What is odd.
+pub(super) const ODD: Color32 = Color32::from_rgb(240, 180, 80);
+/// What was done.
+pub(super) const GOOD: Color32 = Color32::from_rgb(98, 190, 130);
+/// Frames in memory.
+pub(super) const RESIDENT: Color32 = Color32::from_rgb(72, 104, 152);
+/// Frames on their way.
+pub(super) const PENDING: Color32 = Color32::from_rgb(58, 70, 92);
+
+/// Sets the look of the window.
+pub fn apply_theme(ctx: &Context) {
+    ctx.set_theme(Theme::Dark);
+    ctx.all_styles_mut(|style| {
+        style.spacing.item_spacing = vec2(8.0, 6.0);
+        style.spacing.button_padding = vec2(8.0, 3.0);
+        style.spacing.interact_size.y = 24.0;
+        style.spacing.slider_width = 120.0;
+        style.spacing.combo_width = 150.0;
+        style.interaction.tooltip_delay = 0.4;
+        style.visuals = visuals();
+    });
+}
+
+fn visuals() -> Visuals {
+    let mut visuals = Visuals::dark();
+    let corners = CornerRadius::same(4);
+    visuals.panel_fill = Color32::from_rgb(27, 30, 37);
+    visuals.window_fill = Color32::from_rgb(31, 35, 43);
+    visuals.window_stroke = Stroke::new(1.0, Color32::from_rgb(52, 58, 70));
+    visuals.extreme_bg_color = Color32::from_rgb(18, 20, 25);
+    visuals.faint_bg_color = Color32::from_rgb(34, 38, 47);
+    visuals.window_corner_radius = CornerRadius::same(8);
+    visuals.menu_corner_radius = CornerRadius::same(6);
+    visuals.selection.bg_fill = Color32::from_rgb(44, 92, 165);
+    visuals.selection.stroke = Stroke::new(1.0, Color32::WHITE);
+    visuals.hyperlink_color = ACCENT;
+    visuals.error_fg_color = BAD;
+    visuals.warn_fg_color = ODD;
+    visuals.slider_trailing_fill = true;
+    let text = |level: u8| Stroke::new(1.0, Color32::from_gray(level));
+    let widgets = &mut visuals.widgets;
+    widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_rgb(46, 51, 62));
+    widgets.noninteractive.fg_stroke = text(205);
+    widgets.inactive.bg_fill = Color32::from_rgb(50, 56, 68);
+    widgets.inactive.weak_bg_fill = Color32::from_rgb(44, 49, 60);
+    widgets.inactive.fg_stroke = text(215);
+    widgets.hovered.bg_fill = Color32::from_rgb(66, 74, 90);
+    widgets.hovered.weak_bg_fill = Color32::from_rgb(58, 65, 80);
+    widgets.hovered.bg_stroke = Stroke::new(1.0, Color32::from_rgb(92, 104, 128));
+    widgets.hovered.fg_stroke = text(245);
+    widgets.active.bg_fill = Color32::from_rgb(76, 86, 108);
+    widgets.active.weak_bg_fill = Color32::from_rgb(70, 80, 100);
+    widgets.open.weak_bg_fill = Color32::from_rgb(50, 56, 68);
+    for widget in [
+        &mut widgets.noninteractive,
+        &mut widgets.inactive,
+        &mut widgets.hovered,
+        &mut widgets.active,
+        &mut widgets.open,
+    ] {
+        widget.corner_radius = corners;
+        widget.expansion = 0.0;
+    }
+    visuals
+}
+
+/// What a transport button shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Icon {
+    /// To the first frame.
+    First,
+    /// One frame back.
+    Back,
+    /// Play.
+    Play,
+    /// Pause.
+    Pause,
+    /// One frame on.
+    Forward,
+    /// To the last frame.
+    Last,
+}
+
+/// Paints `icon` in a square of `size` around `center`.
+pub(super) fn paint_icon(painter: &Painter, icon: Icon, center: Pos2, size: f32, color: Color32) {
+    let half = 0.5 * size;
+    // x from -1 (left) to 1 (right), y from -1 (top) to 1 (bottom).
+    let at = |x: f32, y: f32| center + vec2(x * half, y * half);
+    let triangle = |from: f32, tip: f32| {
+        painter.add(Shape::convex_polygon(
+            vec![at(from, -0.85), at(tip, 0.0), at(from, 0.85)],
+            color,
+            Stroke::NONE,
+        ));
+    };
+    let bar = |from: f32, to: f32| {
+        painter.rect_filled(Rect::from_two_pos(at(from, -0.85), at(to, 0.85)), 1.0, color);
+    };
+    match icon {
+        Icon::Play => triangle(-0.65, 0.85),
+        Icon::Pause => {
+            bar(-0.65, -0.18);
+            bar(0.18, 0.65);
+        }
+        Icon::Forward => {
+            bar(-0.75, -0.45);
+            triangle(-0.25, 0.8);
+        }
+        Icon::Back => {
+            bar(0.45, 0.75);
+            triangle(0.25, -0.8);
+        }
+        Icon::Last => {
+            triangle(-0.75, 0.4);
+            bar(0.45, 0.75);
+        }
+        Icon::First => {
+            triangle(0.75, -0.4);
+            bar(-0.75, -0.45);
+        }
+    }
+}

@@ -1,0 +1,415 @@
+//! The event loop: winit's events to egui, deadlines and wakes to redraws, redraws to the GPU.
+
+use super::graphics::Graphics;
+use super::notices::Severity;
+use super::panels::window_ui;
+use super::state::{State, StateOptions, WindowRequest};
+use super::tasks::save_png;
+use super::theme::apply_theme;
+use crate::render::RenderError;
+use crate::sequence::Sequence;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::{LogicalSize, PhysicalSize};
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Fullscreen, Window, WindowId};
+
+/// Size of a new window, logical pixels.
+const DEFAULT_SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
+
+/// Below this the timeline does not fit, logical pixels.
+const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(720.0, 420.0);
+
+/// News from workers that only move marks and figures are shown this often.
+const NEWS_INTERVAL: Duration = Duration::from_millis(100);
+
+/// A device that is lost again within this time will not come back.
+const RELOSS_WINDOW: Duration = Duration::from_secs(10);
+
+/// Attempts to rebuild a device within [`RELOSS_WINDOW`].
+const MAX_REBUILDS: usize = 3;
+
+/// How the window is opened.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// How the state begins. Its `wake` is replaced.
+    pub state: StateOptions,
+    /// What to show first; the demo if `None`.
+    pub sequence: Option<Arc<Sequence>>,
+    /// What it was found by, for the list of recent files.
+    pub inputs: Vec<PathBuf>,
+    /// Size of the window in pixels.
+    pub size_px: Option<[u32; 2]>,
+    /// Write the 3-D picture to this file and end.
+    pub screenshot: Option<PathBuf>,
+    /// How many frames are shown before the screenshot; at least 1.
+    pub after_frames: u64,
+    /// End the GPU device after this many pictures, as a crashed driver would: for tests.
+    pub lose_device_after: Option<u64>,
+}
+
+/// Why the window could not be opened or go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AppError {
+    /// There is no display, or it refuses.
+    #[error("no window can be opened ({reason}); without a display use `pointreel render INPUT -o picture.png`")]
+    NoWindow {
+        /// What the window system said.
+        reason: String,
+    },
+    /// No adapter, or it was lost for good.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The screenshot that was asked for could not be made.
+    #[error("{0}")]
+    Screenshot(String),
+}
+
+/// Opens the window and returns when it is closed.
+pub fn run(options: Options) -> Result<(), AppError> {
+    let no_window = |reason: &dyn std::fmt::Display| AppError::NoWindow {
+        reason: reason.to_string(),
+    };
+    let event_loop = EventLoop::<Wakened>::with_user_event()
+        .build()
+        .map_err(|error| no_window(&error))?;
+    let mut app = App::new(options, &event_loop);
+    event_loop.run_app(&mut app).map_err(|error| no_window(&error))?;
+    app.end
+}
+
+/// Sent by workers and tasks.
+#[derive(Debug, Clone, Copy)]
+struct Wakened;
+
+/// What exists while there is a window.
+struct Screen {
+    window: Arc<Window>,
+    graphics: Graphics,
+    egui: egui::Context,
+    input: egui_winit::State,
+    title: String,
+}
+
+struct App {
+    state: State,
+    options: Options,
+    screen: Option<Screen>,
+    begin: Instant,
+    /// Set by the first wake since the last look, so that a busy loader does not fill the queue.
+    wake_is_queued: Arc<AtomicBool>,
+    woken: bool,
+    hidden: bool,
+    /// When egui wants to be run again.
+    repaint_at: Option<Duration>,
+    /// When marks and figures that changed in the background are shown.
+    news_at: Option<Duration>,
+    last_redraw: Duration,
+    rebuilt_at: Vec<Duration>,
+    end: Result<(), AppError>,
+}
+
+impl App {
+    fn new(mut options: Options, event_loop: &EventLoop<Wakened>) -> Self {
+        let proxy = event_loop.create_proxy();
+        let wake_is_queued = Arc::new(AtomicBool::new(false));
+        let queued = Arc::clone(&wake_is_queued);
+        options.state.wake = Arc::new(move || {
+            if !queued.swap(true, Ordering::AcqRel) && proxy.send_event(Wakened).is_err() {
+                log::debug!("a wake after the window was closed");
+            }
+        });
+        let mut state = State::new(options.state.clone());
+        let demo = || Arc::new(Sequence::demo());
+        state.open(options.sequence.take().unwrap_or_else(demo));
+        if let Err(problem) = state.recent.add(&options.inputs) {
+            state.notices.warn(problem);
+        }
+        Self {
+            state,
+            options,
+            screen: None,
+            begin: Instant::now(),
+            wake_is_queued,
+            woken: false,
+            hidden: false,
+            repaint_at: None,
+            news_at: None,
+            last_redraw: Duration::ZERO,
+            rebuilt_at: Vec::new(),
+            end: Ok(()),
+        }
+    }
+
+    fn now(&self) -> Duration {
+        self.begin.elapsed()
+    }
+
+    fn open_window(&self, event_loop: &ActiveEventLoop) -> Result<Arc<Window>, AppError> {
+        let attributes = Window::default_attributes()
+            .with_title("pointreel")
+            .with_min_inner_size(MIN_SIZE)
+            // An alpha visual stays black on software adapters under a bare X server.
+            .with_transparent(false);
+        let attributes = match self.options.size_px {
+            Some([width, height]) => attributes.with_inner_size(PhysicalSize::new(width, height)),
+            None => attributes.with_inner_size(DEFAULT_SIZE),
+        };
+        event_loop
+            .create_window(attributes)
+            .map(Arc::new)
+            .map_err(|error| AppError::NoWindow {
+                reason: error.to_string(),
+            })
+    }
+
+    /// The GPU's side and egui's for `window`; what is open in egui stays as it was in `before`.
+    fn open_screen(&mut self, window: Arc<Window>, before: Option<&egui::Context>) -> Result<Screen, AppError> {
+        let graphics = Graphics::new(Arc::clone(&window))?;
+        let egui = egui::Context::default();
+        apply_theme(&egui);
+        if let Some(before) = before {
+            let memory = before.memory(Clone::clone);
+            egui.memory_mut(|new| *new = memory);
+        }
+        let max_edge_px = graphics.context().max_edge_px();
+        let input = egui_winit::State::new(
+            egui.clone(),
+            egui::ViewportId::ROOT,
+            &window,
+            Some(window.scale_factor() as f32),
+            None,
+            Some(max_edge_px as usize),
+        );
+        self.state.viewport.texture = Some(graphics.texture());
+        self.state.viewport.max_edge_px = Some(max_edge_px);
+        self.state.graphics.adapter = graphics.context().adapter_summary();
+        self.state.graphics.has_timestamps = graphics.context().has_timestamps;
+        self.state.forget_picture();
+        Ok(Screen {
+            window,
+            graphics,
+            egui,
+            input,
+            title: String::new(),
+        })
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, error: AppError) {
+        self.end = Err(error);
+        event_loop.exit();
+    }
+
+    /// Runs the panels, draws the picture if it is another one, and shows both.
+    fn redraw(&mut self, event_loop: &ActiveEventLoop) {
+        let Some(mut screen) = self.screen.take() else { return };
+        let result = self.redraw_on(event_loop, &mut screen);
+        self.screen = match result {
+            Ok(()) => Some(screen),
+            Err(error @ RenderError::DeviceLost { .. }) => self.rebuild(event_loop, screen, error),
+            Err(error) => {
+                self.state.notices.error(error.to_string());
+                Some(screen)
+            }
+        };
+    }
+
+    fn redraw_on(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Result<(), RenderError> {
+        let size = screen.window.inner_size();
+        if size.width == 0 || size.height == 0 {
+            return Ok(());
+        }
+        let begin = Instant::now();
+        let now = self.now();
+        self.last_redraw = now;
+        self.news_at = None;
+        self.state.update(now);
+
+        let raw_input = screen.input.take_egui_input(&screen.window);
+        let mut output = screen.egui.run_ui(raw_input, |ui| window_ui(ui, &mut self.state));
+        screen
+            .input
+            .handle_platform_output_with_event_loop(&screen.window, event_loop, output.platform_output);
+        let delay = output
+            .viewport_output
+            .get(&egui::ViewportId::ROOT)
+            .map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        self.repaint_at = now.checked_add(delay);
+
+        let drawn = self.draw_picture(screen);
+        let pictures = self.requests(event_loop, screen);
+        let primitives = screen.egui.tessellate(output.shapes, output.pixels_per_point);
+        let painted = screen
+            .graphics
+            .paint(&primitives, &mut output.textures_delta, output.pixels_per_point);
+        drawn?;
+        let painted = painted?;
+        if !painted.presented && !self.hidden {
+            self.repaint_at = Some(now + NEWS_INTERVAL);
+        }
+        for path in pictures {
+            let image = screen.graphics.read_picture()?;
+            self.state.save_picture(image, path);
+        }
+        self.set_title(screen);
+        self.state.graphics.render = screen.graphics.stats();
+        self.state.graphics.frame_ms = begin.elapsed().saturating_sub(painted.waited).as_secs_f64() * 1e3;
+        self.take_screenshot_if_due(event_loop, screen)
+    }
+
+    fn draw_picture(&mut self, screen: &mut Screen) -> Result<(), RenderError> {
+        let Some(packet) = self.state.next_packet() else {
+            return Ok(());
+        };
+        if self.options.lose_device_after == Some(self.state.counters.pictures) {
+            screen.graphics.context().simulate_loss();
+        }
+        screen.graphics.draw(&packet)
+    }
+
+    /// Does what only the window can do; returns where pictures are to be written.
+    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &Screen) -> Vec<Option<PathBuf>> {
+        let mut pictures = Vec::new();
+        for request in self.state.take_requests() {
+            match request {
+                WindowRequest::Quit => event_loop.exit(),
+                WindowRequest::Screenshot(path) => pictures.push(path),
+                WindowRequest::FullScreen => {
+                    self.state.full_screen ^= true;
+                    let full = self.state.full_screen.then_some(Fullscreen::Borderless(None));
+                    screen.window.set_fullscreen(full);
+                }
+            }
+        }
+        pictures
+    }
+
+    fn set_title(&self, screen: &mut Screen) {
+        let title = match self.state.sequence_name() {
+            Some(name) => format!("{name} – pointreel"),
+            None => "pointreel".to_owned(),
+        };
+        if screen.title != title {
+            screen.window.set_title(&title);
+            screen.title = title;
+        }
+    }
+
+    /// `--screenshot`: writes the picture after enough frames and ends.
+    fn take_screenshot_if_due(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Result<(), RenderError> {
+        let (Some(path), Some(player)) = (&self.options.screenshot, &self.state.player) else {
+            return Ok(());
+        };
+        let failed = player.loader().stats().failed_frames;
+        // Without playing there is no second frame to wait for.
+        let wanted = if player.is_playing() { self.options.after_frames } else { 1 };
+        if player.shown().is_some() && player.frames_shown() >= wanted && self.state.counters.pictures > 0 {
+            let image = screen.graphics.read_picture()?;
+            self.end = save_png(&image, path).map_err(AppError::Screenshot);
+            event_loop.exit();
+        } else if failed == player.sequence().len() || (!player.is_playing() && player.failure().is_some()) {
+            let why = player.failure().map_or_else(String::new, ToString::to_string);
+            self.fail(event_loop, AppError::Screenshot(why));
+        }
+        Ok(())
+    }
+
+    /// After a lost device: says so and opens another, unless that was tried too often lately.
+    fn rebuild(&mut self, event_loop: &ActiveEventLoop, screen: Screen, error: RenderError) -> Option<Screen> {
+        let now = self.now();
+        self.rebuilt_at.retain(|&at| now.saturating_sub(at) < RELOSS_WINDOW);
+        if self.rebuilt_at.len() >= MAX_REBUILDS {
+            self.fail(event_loop, error.into());
+            return None;
+        }
+        self.rebuilt_at.push(now);
+        self.state.notices.post(Severity::Warning, format!("{error}. It was opened again; nothing is lost."));
+        let Screen { window, graphics, egui, .. } = screen;
+        // The window can have one surface at a time.
+        drop(graphics);
+        match self.open_screen(Arc::clone(&window), Some(&egui)) {
+            Ok(screen) => {
+                window.request_redraw();
+                Some(screen)
+            }
+            Err(error) => {
+                self.fail(event_loop, error);
+                None
+            }
+        }
+    }
+}
+
+impl ApplicationHandler<Wakened> for App {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.screen.is_some() {
+            return;
+        }
+        let opened = self
+            .open_window(event_loop)
+            .and_then(|window| self.open_screen(window, None));
+        match opened {
+            Ok(screen) => {
+                screen.window.request_redraw();
+                self.screen = Some(screen);
+            }
+            Err(error) => self.fail(event_loop, error),
+        }
+    }
+
+    fn user_event(&mut self, _event_loop: &ActiveEventLoop, _event: Wakened) {
+        self.wake_is_queued.store(false, Ordering::Release);
+        self.woken = true;
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
+        if matches!(event, WindowEvent::RedrawRequested) {
+            self.redraw(event_loop);
+            return;
+        }
+        let Some(screen) = &mut self.screen else { return };
+        let response = screen.input.on_window_event(&screen.window, &event);
+        match event {
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
+            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
+                screen.graphics.resize();
+                screen.window.request_redraw();
+            }
+            WindowEvent::Occluded(hidden) => {
+                self.hidden = hidden;
+                if !hidden {
+                    screen.window.request_redraw();
+                }
+            }
+            _ if response.repaint => screen.window.request_redraw(),
+            _ => {}
+        }
+    }
+
+    /// Sleeps until something is due.
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let now = self.now();
+        let mut redraw = false;
+        if std::mem::take(&mut self.woken) {
+            redraw = self.state.update(now);
+            if !redraw && self.state.has_news() {
+                self.news_at.get_or_insert(self.last_redraw + NEWS_INTERVAL);
+            }
+        }
+        let due = [self.state.next_deadline(), self.repaint_at, self.news_at].into_iter().flatten().min();
+        redraw |= due.is_some_and(|due| due <= now);
+        let asleep = match due {
+            Some(due) if !redraw && !self.hidden => ControlFlow::WaitUntil(self.begin + due),
+            _ => ControlFlow::Wait,
+        };
+        event_loop.set_control_flow(asleep);
+        if let Some(screen) = self.screen.as_ref().filter(|_| redraw && !self.hidden) {
+            screen.window.request_redraw();
+        }
+    }
+}

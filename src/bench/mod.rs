@@ -1,0 +1,219 @@
+//! The program measures itself by the protocol of paper 000 §VII: pictures of 1920×1280 from viewpoints around the object, 25
+//! to 85 % of the pixels covered, after a warm-up, by CPU and GPU clocks.
+//!
+//! | suite | the paper's | one row |
+//! |---|---|---|
+//! | [`Suite::Surfels`] | Table II | sequence × instancing strategy: drawing surfels, two-pass enlarged, factor 2 |
+//! | [`Suite::Octree`] | Table III | sequence × δ of 2, 10, 50 %: loss, depth, nodes, leaves, build, traverse |
+//! | [`Suite::Voxels`] | Table IV | sequence × instancing strategy: drawing the visible set |
+//!
+//! [`scenario`] places the viewpoints, [`runner`] holds the clocks, `suites` are the loops, [`report`] the answer. The
+//! command line and the window's benchmark menu both call [`run`]; nothing else of the program runs meanwhile: frames
+//! are prepared on the calling thread before they are measured, since a loader's workers would take its cores.
+
+mod environment;
+pub mod report;
+mod runner;
+mod scenario;
+mod statistics;
+mod suites;
+
+pub use environment::Environment;
+pub use report::{Cell, Column, Report, Row, SequenceSummary};
+pub use scenario::{COVERAGE_BAND, Coverage};
+pub use statistics::Quantiles;
+
+use crate::render::RenderError;
+use crate::render::gpu::Context;
+use crate::sequence::Sequence;
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What can be measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Suite {
+    /// Drawing surfels by each instancing strategy.
+    Surfels,
+    /// Building and traversing octrees of three depths.
+    Octree,
+    /// Drawing voxels by each instancing strategy.
+    Voxels,
+}
+
+impl Suite {
+    /// Every suite, in the order of the paper's tables.
+    pub const ALL: &'static [Self] = &[Self::Surfels, Self::Octree, Self::Voxels];
+
+    /// The word for it on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Surfels => "surfels",
+            Self::Octree => "octree",
+            Self::Voxels => "voxels",
+        }
+    }
+
+    /// One line for people.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Surfels => "drawing surfels, two-pass-enlarged (2x), by instancing strategy",
+            Self::Octree => "building and traversing octrees by acceptable loss",
+            Self::Voxels => "drawing voxels of the visible set by instancing strategy",
+        }
+    }
+}
+
+impl fmt::Display for Suite {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+/// A word that names no suite.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no suite: expected surfels, octree or voxels")]
+pub struct ParseSuiteError(String);
+
+impl FromStr for Suite {
+    type Err = ParseSuiteError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let named = Self::ALL.iter().copied().find(|suite| suite.name() == text);
+        named.ok_or_else(|| ParseSuiteError(text.to_owned()))
+    }
+}
+
+/// How to measure. The default is the paper's protocol.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct BenchOptions {
+    /// What to measure.
+    pub suite: Suite,
+    /// Picture size; at least 1×1.
+    pub viewport_px: [u32; 2],
+    /// Directions from which each frame is seen; at least 1. The protocol wants 8.
+    pub viewpoints: usize,
+    /// Frames of each sequence, spread evenly; `None` takes [`BenchOptions::DEFAULT_FRAMES`].
+    pub frames: Option<usize>,
+    /// Rounds over all viewpoints before the clocks count.
+    pub warmup: usize,
+    /// Rounds over all viewpoints that count; at least 1.
+    pub repeat: usize,
+}
+
+impl BenchOptions {
+    /// Frames of each sequence when none are asked for.
+    pub const DEFAULT_FRAMES: usize = 4;
+
+    /// Viewpoints that the protocol asks for.
+    pub const PROTOCOL_VIEWPOINTS: usize = 8;
+
+    /// The paper's protocol for `suite`.
+    pub fn new(suite: Suite) -> Self {
+        Self {
+            suite,
+            viewport_px: [1920, 1280],
+            viewpoints: Self::PROTOCOL_VIEWPOINTS,
+            frames: None,
+            warmup: 1,
+            repeat: 3,
+        }
+    }
+}
+
+impl serde::Serialize for Suite {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// How far a run is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Progress {
+    /// Steps done.
+    pub done: usize,
+    /// Steps of the whole run.
+    pub total: usize,
+    /// What is being measured now.
+    pub label: String,
+}
+
+/// Why there is no report.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BenchError {
+    /// Cancelled before the end.
+    #[error("the benchmark was cancelled")]
+    Cancelled,
+    /// No input, or a sequence without frames.
+    #[error("there is nothing to measure: {0}")]
+    Nothing(String),
+    /// None of the frames chosen from a sequence can be measured.
+    #[error("none of the frames chosen from {sequence} can be measured; the first: {reason}")]
+    NoFrame {
+        /// Name of the sequence.
+        sequence: String,
+        /// What is wrong with the first of them.
+        reason: String,
+    },
+    /// An option is 0.
+    #[error("the number of {0} must be at least 1")]
+    ZeroOption(&'static str),
+    /// The renderer failed.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// Measures `inputs` (name and frames of each sequence) on the adapter of `context`.
+///
+/// Blocks until everything is measured; `progress` is called before each step, and `cancel` is looked at before each
+/// picture. Frames that cannot be read or have no points are skipped, which [`Report::notes`] say.
+pub fn run(
+    inputs: &[(String, Arc<Sequence>)],
+    options: &BenchOptions,
+    context: &Arc<Context>,
+    progress: &dyn Fn(Progress),
+    cancel: &AtomicBool,
+) -> Result<Report, BenchError> {
+    let at_least_1 = [
+        ("viewpoints", options.viewpoints),
+        ("repetitions", options.repeat),
+        ("frames", options.frames.unwrap_or(1)),
+        ("pixels", options.viewport_px.into_iter().min().unwrap_or(0) as usize),
+    ];
+    if let Some((name, _)) = at_least_1.into_iter().find(|&(_, value)| value == 0) {
+        return Err(BenchError::ZeroOption(name));
+    }
+    if inputs.is_empty() {
+        return Err(BenchError::Nothing("no sequence was named".to_owned()));
+    }
+    let mut run = suites::Run::new(inputs, options, context, progress, cancel)?;
+    match options.suite {
+        Suite::Surfels | Suite::Voxels => suites::draw::measure(&mut run)?,
+        Suite::Octree => suites::octree::measure(&mut run)?,
+    }
+    Ok(run.into_report())
+}
+
+/// Fails once `cancel` is set.
+fn check_cancelled(cancel: &AtomicBool) -> Result<(), BenchError> {
+    if cancel.load(Ordering::Relaxed) {
+        return Err(BenchError::Cancelled);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_suite_reads_back_from_its_name() {
+        for &suite in Suite::ALL {
+            assert_eq!(suite.name().parse(), Ok(suite));
+        }
+        let error = "disks".parse::<Suite>().unwrap_err();
+        assert_eq!(error.to_string(), "`disks` is no suite: expected surfels, octree or voxels");
+    }
+}

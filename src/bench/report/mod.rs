@@ -1,0 +1,275 @@
+//! What a run found: rows of labels and numbers that the window, the terminal, JSON and CSV all show without knowing the
+//! suite.
+
+mod text;
+
+use super::scenario::Coverage;
+use super::{BenchOptions, Environment, Suite, suites};
+use serde::ser::{Serialize, SerializeMap, SerializeStruct, Serializer};
+
+/// How the numbers of a column are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Text,
+    Number { decimals: usize },
+    Percent { decimals: usize },
+}
+
+/// A column of a report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Column {
+    /// Its name in JSON and CSV; carries the unit.
+    pub key: &'static str,
+    /// Its name for people.
+    pub title: &'static str,
+    /// False for what only files show.
+    pub is_shown: bool,
+    format: Format,
+}
+
+impl Column {
+    pub(super) const fn text(key: &'static str, title: &'static str) -> Self {
+        Self { key, title, is_shown: true, format: Format::Text }
+    }
+
+    pub(super) const fn number(key: &'static str, title: &'static str, decimals: usize) -> Self {
+        Self { key, title, is_shown: true, format: Format::Number { decimals } }
+    }
+
+    /// A share of 1 that people see in percent.
+    pub(super) const fn percent(key: &'static str, title: &'static str, decimals: usize) -> Self {
+        Self { key, title, is_shown: true, format: Format::Percent { decimals } }
+    }
+
+    pub(super) const fn hidden(self) -> Self {
+        Self { is_shown: false, ..self }
+    }
+
+    /// True for labels, false for numbers.
+    pub fn is_text(&self) -> bool {
+        self.format == Format::Text
+    }
+
+    /// The cell as people see it.
+    fn show(&self, cell: &Cell) -> String {
+        match (cell, self.format) {
+            (Cell::Text(text), _) => text.clone(),
+            (Cell::Missing, _) => "–".to_owned(),
+            (Cell::Number(number), Format::Percent { decimals }) => {
+                format!("{:.decimals$} %", number * 100.0)
+            }
+            (Cell::Number(number), Format::Number { decimals }) => format!("{number:.decimals$}"),
+            (Cell::Number(number), Format::Text) => number.to_string(),
+        }
+    }
+}
+
+/// One value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// A label.
+    Text(String),
+    /// A number in the unit of its column.
+    Number(f64),
+    /// Not measured, such as GPU time on an adapter without timestamps.
+    Missing,
+}
+
+impl Cell {
+    pub(super) fn maybe(number: Option<f64>) -> Self {
+        number.map_or(Self::Missing, Self::Number)
+    }
+
+    /// The number, if it is one.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(*number),
+            Self::Text(_) | Self::Missing => None,
+        }
+    }
+}
+
+impl Serialize for Cell {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Text(text) => serializer.serialize_str(text),
+            // Counts are written without a fraction.
+            Self::Number(number) if number.fract() == 0.0 && number.abs() < 1e15 => {
+                serializer.serialize_i64(*number as i64)
+            }
+            Self::Number(number) => serializer.serialize_f64(*number),
+            Self::Missing => serializer.serialize_none(),
+        }
+    }
+}
+
+/// One row: a cell for each column of the suite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    cells: Vec<Cell>,
+}
+
+impl Row {
+    pub(super) fn new(cells: Vec<Cell>) -> Self {
+        Self { cells }
+    }
+}
+
+/// What is known of a sequence as a whole.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct SequenceSummary {
+    /// As named by who started the run.
+    pub name: String,
+    /// Frames it has.
+    pub frames: usize,
+    /// Frames that were measured.
+    pub measured_frames: usize,
+    /// Mean number of points of these.
+    pub mean_points: f64,
+    /// Coverage of all viewpoints of all of these.
+    pub coverage: Option<Coverage>,
+}
+
+/// The answer of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// How it was measured.
+    pub options: BenchOptions,
+    /// On what.
+    pub environment: Environment,
+    /// Each sequence in the order of the inputs.
+    pub sequences: Vec<SequenceSummary>,
+    /// See [`Report::columns`].
+    pub rows: Vec<Row>,
+    /// What a reader must know: skipped frames and the like.
+    pub notes: Vec<String>,
+}
+
+impl Report {
+    pub(super) fn new(options: BenchOptions, environment: Environment) -> Self {
+        Self { options, environment, sequences: Vec::new(), rows: Vec::new(), notes: Vec::new() }
+    }
+
+    /// Which suite it is of.
+    pub fn suite(&self) -> Suite {
+        self.options.suite
+    }
+
+    /// All columns, in the order of the cells of a row; those with [`Column::is_shown`] are for people.
+    pub fn all_columns(&self) -> &'static [Column] {
+        match self.options.suite {
+            Suite::Surfels | Suite::Voxels => suites::draw::COLUMNS,
+            Suite::Octree => suites::octree::COLUMNS,
+        }
+    }
+
+    /// The columns that people are shown: those that some row fills.
+    pub fn columns(&self) -> Vec<&'static Column> {
+        self.shown().map(|(_, column)| column).collect()
+    }
+
+    /// The cells of `row` under [`Report::columns`].
+    pub fn cells(&self, row: &Row) -> Vec<String> {
+        self.shown()
+            .map(|(index, column)| column.show(row.cells.get(index).unwrap_or(&Cell::Missing)))
+            .collect()
+    }
+
+    /// The value of `row` in the column with this key.
+    pub fn value<'a>(&self, row: &'a Row, key: &str) -> Option<&'a Cell> {
+        let index = self.all_columns().iter().position(|column| column.key == key)?;
+        row.cells.get(index)
+    }
+
+    /// What [`Report::bars`] shows.
+    pub fn bars_title(&self) -> &'static str {
+        match self.options.suite {
+            Suite::Surfels | Suite::Voxels => "CPU wall time of a picture, median ms",
+            Suite::Octree => "Build time, median ms",
+        }
+    }
+
+    /// One bar a row: its two labels and the median that the suite is about, milliseconds.
+    pub fn bars(&self) -> Vec<(String, f64)> {
+        self.rows
+            .iter()
+            .filter_map(|row| {
+                let labels: Vec<String> = self.cells(row).into_iter().take(2).collect();
+                Some((labels.join(" "), self.value(row, self.headline())?.number()?))
+            })
+            .collect()
+    }
+
+    /// Rows as CSV under the keys of all columns; what is the same for all rows comes first.
+    pub fn to_csv(&self) -> String {
+        let [width, height] = self.options.viewport_px;
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let header = ["suite", "adapter", "width_px", "height_px"]
+            .into_iter()
+            .chain(self.all_columns().iter().map(|column| column.key));
+        // Writing to memory cannot fail; every row has as many fields as the header.
+        let _ = writer.write_record(header);
+        for row in &self.rows {
+            let common = [
+                self.suite().to_string(),
+                self.environment.adapter.clone(),
+                width.to_string(),
+                height.to_string(),
+            ];
+            let cells = row.cells.iter().map(|cell| match cell {
+                Cell::Text(text) => text.clone(),
+                Cell::Number(number) => number.to_string(),
+                Cell::Missing => String::new(),
+            });
+            let _ = writer.write_record(common.into_iter().chain(cells));
+        }
+        let bytes = writer.into_inner().unwrap_or_default();
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+
+    /// Everything as JSON: environment, options, sequences, notes, and rows as objects under the keys of all columns.
+    pub fn to_json(&self) -> String {
+        // Numbers, strings and maps with string keys are always JSON.
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+
+    fn headline(&self) -> &'static str {
+        match self.options.suite {
+            Suite::Surfels | Suite::Voxels => suites::draw::HEADLINE,
+            Suite::Octree => suites::octree::HEADLINE,
+        }
+    }
+
+    /// Columns for people with their place in a row.
+    fn shown(&self) -> impl Iterator<Item = (usize, &'static Column)> {
+        self.all_columns().iter().enumerate().filter(|&(index, column)| {
+            let is_filled = |row: &Row| row.cells.get(index).is_some_and(|cell| *cell != Cell::Missing);
+            column.is_shown && self.rows.iter().any(is_filled)
+        })
+    }
+}
+
+impl Serialize for Report {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        struct RowObject<'a>(&'static [Column], &'a Row);
+        impl Serialize for RowObject<'_> {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                let mut map = serializer.serialize_map(Some(self.0.len()))?;
+                for (column, cell) in self.0.iter().zip(&self.1.cells) {
+                    map.serialize_entry(column.key, cell)?;
+                }
+                map.end()
+            }
+        }
+        let rows: Vec<RowObject<'_>> =
+            self.rows.iter().map(|row| RowObject(self.all_columns(), row)).collect();
+        let mut report = serializer.serialize_struct("Report", 6)?;
+        report.serialize_field("suite", &self.suite())?;
+        report.serialize_field("environment", &self.environment)?;
+        report.serialize_field("options", &self.options)?;
+        report.serialize_field("sequences", &self.sequences)?;
+        report.serialize_field("notes", &self.notes)?;
+        report.serialize_field("rows", &rows)?;
+        report.end()
+    }
+}

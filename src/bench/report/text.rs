@@ -1,0 +1,141 @@
+//! A report for the terminal: how it was measured, what that does not include, and aligned tables.
+
+use super::{Report, Suite};
+use crate::bench::{BenchOptions, COVERAGE_BAND};
+use std::fmt::Write as _;
+
+impl Report {
+    /// The whole report as text that ends with a line break.
+    pub fn to_table(&self) -> String {
+        let mut text = self.header();
+        if self.suite() != Suite::Octree {
+            text.push('\n');
+            text.push_str(&align(&self.paper_layout()));
+        }
+        text.push('\n');
+        let titles = self.columns().iter().map(|column| column.title.to_owned()).collect();
+        let rows = self.rows.iter().map(|row| self.cells(row));
+        text.push_str(&align(&std::iter::once(titles).chain(rows).collect::<Vec<_>>()));
+        text
+    }
+
+    /// What a reader must know before reading a number.
+    pub fn header(&self) -> String {
+        let BenchOptions { suite, viewport_px: [width, height], viewpoints, warmup, repeat, .. } =
+            self.options;
+        let environment = &self.environment;
+        let mut lines = vec![
+            format!("pointreel {} bench {suite}: {}", environment.version, suite.description()),
+            format!("adapter   {}", environment.adapter),
+            format!(
+                "machine   {}, {} threads, {}",
+                environment.cpu, environment.threads, environment.system
+            ),
+            format!(
+                "pictures  {width}x{height}, {viewpoints} viewpoints around each frame, {warmup} warm-up and {repeat} timed \
+                 rounds over them"
+            ),
+        ];
+        let [measured, not_measured] = match suite {
+            Suite::Surfels | Suite::Voxels => [
+                "CPU wall time from packet to finished picture (draw ms); GPU time of its passes (GPU ms); copying the \
+                 records to the adapter (upload ms)",
+                "decoding, normals, octrees and traversal, reading back, showing; uploads are not in draw ms",
+            ],
+            Suite::Octree => [
+                "building from positions and colours in memory, and traversal into reused memory, each on one thread; \
+                 nodes are internal nodes",
+                "decoding, normals, drawing; the adapter only draws the pictures whose coverage is counted",
+            ],
+        };
+        lines.push(format!("measured  {measured}"));
+        lines.push(format!("not       {not_measured}"));
+        lines.extend(self.sequences.iter().map(|sequence| {
+            let coverage = sequence.coverage.map_or_else(String::new, |coverage| {
+                format!(
+                    "; covered {:.0} to {:.0} % of the pixels, mean {:.0} %, {} of {} viewpoints outside {:.0} to {:.0} %",
+                    coverage.min * 100.0,
+                    coverage.max * 100.0,
+                    coverage.mean * 100.0,
+                    coverage.outside,
+                    coverage.count,
+                    COVERAGE_BAND.start() * 100.0,
+                    COVERAGE_BAND.end() * 100.0,
+                )
+            });
+            format!(
+                "sequence  {}: {} of {} frames, {:.0} points{coverage}",
+                sequence.name, sequence.measured_frames, sequence.frames, sequence.mean_points
+            )
+        }));
+        if viewpoints < BenchOptions::PROTOCOL_VIEWPOINTS {
+            lines.push(format!(
+                "note      the protocol wants at least {} viewpoints",
+                BenchOptions::PROTOCOL_VIEWPOINTS
+            ));
+        }
+        if environment.is_debug_build {
+            lines.push("note      this program has debug assertions: measure a release build".to_owned());
+        }
+        lines.extend(self.notes.iter().map(|note| format!("note      {note}")));
+        lines.join("\n") + "\n"
+    }
+
+    /// The paper's layout: a line a sequence, a column a strategy, median draw times.
+    fn paper_layout(&self) -> Vec<Vec<String>> {
+        let mut head = vec!["median draw ms".to_owned()];
+        let mut lines: Vec<Vec<String>> = Vec::new();
+        for row in &self.rows {
+            let cells = self.cells(row);
+            let [sequence, strategy, ..] = cells.as_slice() else { continue };
+            let median = self.value(row, self.headline()).and_then(super::Cell::number);
+            let median = median.map_or_else(|| "–".to_owned(), |median| format!("{median:.3}"));
+            if !head.contains(strategy) {
+                head.push(strategy.clone());
+            }
+            // Rows of a sequence follow each other and start over with the first strategy.
+            match lines.last_mut() {
+                Some(line) if line.len() < head.len() && line[0] == *sequence => line.push(median),
+                _ => lines.push(vec![sequence.clone(), median]),
+            }
+        }
+        std::iter::once(head).chain(lines).collect()
+    }
+}
+
+/// Pads cells to columns: the first to the left, others to the right.
+fn align(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns)
+        .map(|column| {
+            rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+        })
+        .collect();
+    let mut text = String::new();
+    for row in rows {
+        let mut line = String::new();
+        for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
+            // Writing to a String cannot fail.
+            let _ = match column {
+                0 => write!(line, "{cell:<width$}"),
+                _ => write!(line, "  {cell:>width$}"),
+            };
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::align;
+
+    #[test]
+    fn columns_stand_under_each_other() {
+        let rows = [["sequence", "δ"], ["a", "2 %"], ["long name", "10 %"]];
+        let rows = rows.map(|row| row.map(str::to_owned).to_vec());
+        assert_eq!(align(&rows), "sequence      δ\na           2 %\nlong name  10 %\n");
+        assert_eq!(align(&[]), "");
+    }
+}

@@ -1,0 +1,103 @@
+//! The clocks: what one upload and one picture take.
+//!
+//! A picture is timed by the wall clock from handing over the packet until the GPU has finished, nothing being read back or
+//! shown, and by GPU timestamps around its passes where the adapter has them. What it draws is resident before: uploads
+//! are timed apart, until their copies have arrived. Compiling pipelines is in neither.
+
+use crate::render::gpu::{Context, GpuRenderer};
+use crate::render::{RenderError, Renderer};
+use crate::scene::{ScenePacket, Voxels};
+use image::RgbaImage;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What one picture took.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DrawTime {
+    /// From the packet to the finished picture, on the CPU's clock.
+    pub(super) wall_ms: f64,
+    /// Its passes, on the GPU's clock.
+    pub(super) gpu_ms: Option<f64>,
+}
+
+/// What one upload took.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Upload {
+    pub(super) wall_ms: f64,
+    /// 0 when everything was resident already.
+    pub(super) bytes: u64,
+}
+
+/// Draws packets and looks at the clock.
+#[derive(Debug)]
+pub(super) struct Runner {
+    renderer: GpuRenderer,
+}
+
+impl Runner {
+    pub(super) fn new(context: Arc<Context>) -> Result<Self, RenderError> {
+        Ok(Self { renderer: GpuRenderer::new(context)? })
+    }
+
+    /// Makes everything that pictures like `packet` share (pipelines, targets) by drawing a single record of it.
+    pub(super) fn warm_up(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+        self.draw(&single_record(packet)).map(|_| ())
+    }
+
+    /// Makes what `packet` draws resident and waits until it has arrived.
+    pub(super) fn upload(&mut self, packet: &ScenePacket) -> Result<Upload, RenderError> {
+        let context = Arc::clone(self.renderer.context());
+        let before = self.renderer.stats().uploaded_bytes;
+        let start = Instant::now();
+        self.renderer.prepare(packet)?;
+        // Copies out of mapped memory are carried out with the next submission.
+        context.queue.submit([]);
+        context.wait()?;
+        let wall_ms = milliseconds_since(start);
+        Ok(Upload { wall_ms, bytes: self.renderer.stats().uploaded_bytes - before })
+    }
+
+    /// Draws `packet`, also when it was drawn last.
+    pub(super) fn draw(&mut self, packet: &ScenePacket) -> Result<DrawTime, RenderError> {
+        let context = Arc::clone(self.renderer.context());
+        self.renderer.invalidate();
+        let start = Instant::now();
+        self.renderer.prepare(packet)?;
+        self.renderer.render()?;
+        context.wait()?;
+        let wall_ms = milliseconds_since(start);
+        Ok(DrawTime { wall_ms, gpu_ms: self.renderer.wait_gpu_ms() })
+    }
+
+    /// The picture of `packet`.
+    pub(super) fn image(&mut self, packet: &ScenePacket) -> Result<RgbaImage, RenderError> {
+        self.renderer.prepare(packet)?;
+        self.renderer.render()?;
+        self.renderer.read_image()
+    }
+
+    /// Counters of the renderer.
+    pub(super) fn stats(&self) -> crate::render::RenderStats {
+        self.renderer.stats()
+    }
+}
+
+/// `packet` with the first record of each of its streams.
+fn single_record(packet: &ScenePacket) -> ScenePacket {
+    fn first<T: Copy>(records: &Arc<Vec<T>>) -> Arc<Vec<T>> {
+        Arc::new(records.iter().copied().take(1).collect())
+    }
+    ScenePacket {
+        points: first(&packet.points),
+        shapes: packet.shapes.as_ref().map(first),
+        voxels: packet
+            .voxels
+            .as_ref()
+            .map(|voxels| Voxels { records: first(&voxels.records), cube_edge: voxels.cube_edge }),
+        ..packet.clone()
+    }
+}
+
+pub(super) fn milliseconds_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}

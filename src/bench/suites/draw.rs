@@ -1,0 +1,203 @@
+//! Tables II and IV: what one picture takes by each instancing strategy, for surfels and for voxels.
+//!
+//! All strategies see the same frames from the same viewpoints, in turn for each frame, so that a machine that slows down
+//! meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
+//! and timed, warm-up rounds are drawn, then the rounds that count.
+
+use crate::bench::report::{Cell, Column, Row};
+use crate::bench::{BenchError, Quantiles, Suite};
+use super::{Run, Subject, mean};
+use crate::scene::{Primitive, Scene, ScenePacket, Settings, Splatting, Strategy};
+use crate::sequence::PreparedFrame;
+use std::sync::Arc;
+
+/// One step to prepare a frame, one to place its viewpoints, one for each strategy.
+const STEPS_PER_FRAME: usize = 2 + Strategy::ALL.len();
+
+/// Columns of both suites, in the order in which [`Samples::row`] fills them.
+pub(in crate::bench) const COLUMNS: &[Column] = &[
+    Column::text("sequence", "sequence"),
+    Column::text("strategy", "strategy"),
+    Column::number("points", "points", 0),
+    Column::number("octree_depth", "depth", 1),
+    Column::number("instances", "instances", 0),
+    Column::number("draw_calls", "draws", 0).hidden(),
+    Column::number("draw_ms_median", "draw ms", 3),
+    Column::number("draw_ms_q1", "25 %", 3),
+    Column::number("draw_ms_q3", "75 %", 3),
+    Column::number("draw_ms_min", "least ms", 3).hidden(),
+    Column::number("draw_ms_max", "most ms", 3).hidden(),
+    Column::number("draw_ms_mean", "mean ms", 3),
+    Column::number("gpu_ms_median", "GPU ms", 3),
+    Column::number("gpu_ms_q1", "GPU 25 %", 3).hidden(),
+    Column::number("gpu_ms_q3", "GPU 75 %", 3).hidden(),
+    Column::number("upload_ms_median", "upload ms", 3),
+    Column::number("upload_bytes", "bytes", 0),
+    Column::number("samples", "pictures", 0),
+    Column::number("timed_uploads", "uploads in draw ms", 0).hidden(),
+];
+
+/// The column that a bar chart and the table in the paper's layout show.
+pub(in crate::bench) const HEADLINE: &str = "draw_ms_median";
+
+/// What was measured of one sequence with one strategy.
+#[derive(Default)]
+struct Samples {
+    draw_ms: Vec<f64>,
+    gpu_ms: Vec<f64>,
+    upload_ms: Vec<f64>,
+    upload_bytes: Vec<f64>,
+    instances: Vec<f64>,
+    draw_calls: Vec<f64>,
+    timed_uploads: u64,
+}
+
+pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+    for subject in run.subjects(STEPS_PER_FRAME)? {
+        measure_sequence(run, &subject)?;
+    }
+    Ok(())
+}
+
+fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), BenchError> {
+    let settings = settings(run.options.suite);
+    let mut samples: Vec<Samples> = Strategy::ALL.iter().map(|_| Samples::default()).collect();
+    let (mut point_counts, mut depths, mut coverages) = (Vec::new(), Vec::new(), Vec::new());
+    let mut distance = None;
+    let mut first_failure = None;
+    for &index in &subject.chosen {
+        let loaded = run.load(subject, index, STEPS_PER_FRAME, |_| Scene::needs(&settings))?;
+        let mut frame = match loaded {
+            Ok(frame) => frame,
+            Err(reason) => {
+                first_failure.get_or_insert(reason);
+                continue;
+            }
+        };
+        point_counts.push(frame.points.len() as f64);
+        depths.extend(frame.octree.as_ref().map(|octree| f64::from(octree.depth())));
+        run.begin_step(format!("{} frame {index}: placing viewpoints", subject.name))?;
+        let viewpoints = run.viewpoints(subject, &frame, &settings, &mut distance)?;
+        coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
+        // The pictures whose coverage was counted left the streams on the adapter; a renderer takes a copy for another
+        // cloud, so that its upload can be measured.
+        frame.points = Arc::new(frame.points.to_vec());
+        frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
+        let packets: Vec<ScenePacket> = viewpoints
+            .iter()
+            .map(|viewpoint| packet(run, subject, &frame, &viewpoint.camera, &settings))
+            .collect();
+        for (&strategy, samples) in Strategy::ALL.iter().zip(&mut samples) {
+            run.begin_step(format!("{} frame {index}: {strategy}", subject.name))?;
+            measure_strategy(run, &packets, strategy, samples)?;
+        }
+    }
+    if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
+        return Err(BenchError::NoFrame { sequence: subject.name.to_owned(), reason });
+    }
+    let depth = (!depths.is_empty()).then(|| mean(&depths));
+    let rows = Strategy::ALL
+        .iter()
+        .zip(&samples)
+        .map(|(strategy, samples)| samples.row(subject.name, *strategy, mean(&point_counts), depth));
+    run.finish(subject, &point_counts, &coverages, rows);
+    Ok(())
+}
+
+/// What the paper's tables draw: two-pass enlarged splatting (2x) for Table II; for Table IV the default δ and 1 px.
+fn settings(suite: Suite) -> Settings {
+    Settings {
+        primitive: if suite == Suite::Voxels { Primitive::Voxel } else { Primitive::Surfel },
+        splatting: Splatting::TwoPassEnlarged,
+        enlargement: 2.0,
+        ..Settings::default()
+    }
+}
+
+/// A packet with a visible set of its own: each viewpoint keeps its voxels resident.
+fn packet(
+    run: &Run<'_>,
+    subject: &Subject<'_>,
+    frame: &PreparedFrame,
+    camera: &crate::scene::Camera,
+    settings: &Settings,
+) -> ScenePacket {
+    let origin = subject.sequence.origin();
+    Scene::default().packet(frame, origin, camera, settings, run.options.viewport_px)
+}
+
+fn measure_strategy(
+    run: &mut Run<'_>,
+    packets: &[ScenePacket],
+    strategy: Strategy,
+    samples: &mut Samples,
+) -> Result<(), BenchError> {
+    let packets: Vec<ScenePacket> = packets
+        .iter()
+        .map(|packet| ScenePacket {
+            settings: Settings { strategy, ..packet.settings },
+            ..packet.clone()
+        })
+        .collect();
+    if let Some(first) = packets.first() {
+        run.runner.warm_up(first)?;
+    }
+    for packet in &packets {
+        run.check_cancelled()?;
+        let upload = run.runner.upload(packet)?;
+        // Surfels upload once a frame, voxels once a viewpoint.
+        if upload.bytes > 0 {
+            samples.upload_ms.push(upload.wall_ms);
+            samples.upload_bytes.push(upload.bytes as f64);
+        }
+    }
+    for _ in 0..run.options.warmup {
+        for packet in &packets {
+            run.check_cancelled()?;
+            run.runner.draw(packet)?;
+        }
+    }
+    let uploads_before = run.runner.stats().uploads;
+    for _ in 0..run.options.repeat {
+        for packet in &packets {
+            run.check_cancelled()?;
+            let time = run.runner.draw(packet)?;
+            let stats = run.runner.stats();
+            samples.draw_ms.push(time.wall_ms);
+            samples.gpu_ms.extend(time.gpu_ms);
+            samples.instances.push(stats.drawn_instances as f64);
+            samples.draw_calls.push(f64::from(stats.draw_calls));
+        }
+    }
+    samples.timed_uploads += run.runner.stats().uploads - uploads_before;
+    Ok(())
+}
+
+impl Samples {
+    fn row(&self, sequence: &str, strategy: Strategy, points: f64, depth: Option<f64>) -> Row {
+        let draw = Quantiles::of(&self.draw_ms);
+        let gpu = Quantiles::of(&self.gpu_ms);
+        let upload = Quantiles::of(&self.upload_ms);
+        Row::new(vec![
+            Cell::Text(sequence.to_owned()),
+            Cell::Text(strategy.to_string()),
+            Cell::Number(points),
+            Cell::maybe(depth),
+            Cell::Number(mean(&self.instances)),
+            Cell::Number(mean(&self.draw_calls)),
+            Cell::maybe(draw.map(|q| q.median)),
+            Cell::maybe(draw.map(|q| q.q1)),
+            Cell::maybe(draw.map(|q| q.q3)),
+            Cell::maybe(draw.map(|q| q.min)),
+            Cell::maybe(draw.map(|q| q.max)),
+            Cell::maybe(draw.map(|q| q.mean)),
+            Cell::maybe(gpu.map(|q| q.median)),
+            Cell::maybe(gpu.map(|q| q.q1)),
+            Cell::maybe(gpu.map(|q| q.q3)),
+            Cell::maybe(upload.map(|q| q.median)),
+            Cell::Number(mean(&self.upload_bytes)),
+            Cell::Number(self.draw_ms.len() as f64),
+            Cell::Number(self.timed_uploads as f64),
+        ])
+    }
+}

@@ -1,0 +1,190 @@
+//! The loops of the suites, and what they share: choosing frames, placing viewpoints, progress, collecting rows.
+
+pub(super) mod draw;
+pub(super) mod octree;
+
+use super::report::{Row, SequenceSummary};
+use super::runner::Runner;
+use super::scenario::{self, Coverage, Viewpoint};
+use super::{BenchError, BenchOptions, Environment, Progress, Report, check_cancelled};
+use crate::cloud::Frame;
+use crate::render::gpu::Context;
+use crate::scene::{Background, Camera, Scene, Settings, UpAxis};
+use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, prepare};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// The two backgrounds that tell covered pixels from free ones.
+const COVERAGE_BACKGROUNDS: [[u8; 3]; 2] = [[0, 0, 0], [255, 255, 255]];
+
+/// One run of a suite.
+pub(super) struct Run<'a> {
+    pub(super) options: &'a BenchOptions,
+    pub(super) runner: Runner,
+    inputs: &'a [(String, Arc<Sequence>)],
+    progress: &'a dyn Fn(Progress),
+    cancel: &'a AtomicBool,
+    report: Report,
+    steps_done: usize,
+    steps_total: usize,
+}
+
+/// One sequence of a run.
+pub(super) struct Subject<'a> {
+    pub(super) name: &'a str,
+    pub(super) sequence: &'a Sequence,
+    /// Indices of the frames to measure.
+    pub(super) chosen: Vec<usize>,
+}
+
+impl<'a> Run<'a> {
+    pub(super) fn new(
+        inputs: &'a [(String, Arc<Sequence>)],
+        options: &'a BenchOptions,
+        context: &Arc<Context>,
+        progress: &'a dyn Fn(Progress),
+        cancel: &'a AtomicBool,
+    ) -> Result<Self, BenchError> {
+        Ok(Self {
+            options,
+            runner: Runner::new(Arc::clone(context))?,
+            inputs,
+            progress,
+            cancel,
+            report: Report::new(*options, Environment::detect(context)),
+            steps_done: 0,
+            steps_total: 0,
+        })
+    }
+
+    pub(super) fn into_report(self) -> Report {
+        self.report
+    }
+
+    /// The sequences with the frames chosen from each. A run has `steps_per_frame` steps a frame.
+    pub(super) fn subjects(&mut self, steps_per_frame: usize) -> Result<Vec<Subject<'a>>, BenchError> {
+        let wanted = self.options.frames.unwrap_or(BenchOptions::DEFAULT_FRAMES);
+        let mut subjects = Vec::new();
+        for (name, sequence) in self.inputs {
+            let chosen = spread(sequence.len(), wanted);
+            if chosen.is_empty() {
+                return Err(BenchError::Nothing(format!("{name} has no frames")));
+            }
+            self.steps_total += steps_per_frame * chosen.len();
+            subjects.push(Subject { name, sequence, chosen });
+        }
+        Ok(subjects)
+    }
+
+    /// Fails once the run is cancelled.
+    pub(super) fn check_cancelled(&self) -> Result<(), BenchError> {
+        check_cancelled(self.cancel)
+    }
+
+    /// Says what comes next.
+    pub(super) fn begin_step(&mut self, label: String) -> Result<(), BenchError> {
+        self.check_cancelled()?;
+        (self.progress)(Progress { done: self.steps_done, total: self.steps_total, label });
+        self.steps_done += 1;
+        Ok(())
+    }
+
+    /// Decodes and prepares a frame on this thread. A frame that cannot be measured uses up its steps and returns why.
+    pub(super) fn load(
+        &mut self,
+        subject: &Subject<'_>,
+        index: usize,
+        steps_per_frame: usize,
+        needs: impl FnOnce(&Frame) -> Needs,
+    ) -> Result<Result<PreparedFrame, String>, BenchError> {
+        self.begin_step(format!("{} frame {index}: preparing", subject.name))?;
+        let loaded = match subject.sequence.frame(index) {
+            Ok(frame) if frame.is_empty() => Err(format!("frame {index} has no points")),
+            Ok(frame) => {
+                let needs = needs(&frame);
+                Ok(prepare(index, Arc::new(frame), 0.0, &needs, &PrepareCounters::default()))
+            }
+            Err(error) => Err(error.to_string()),
+        };
+        if let Err(reason) = &loaded {
+            self.steps_done += steps_per_frame - 1;
+            self.report.notes.push(format!("{}: skipped: {reason}", subject.name));
+        }
+        Ok(loaded)
+    }
+
+    /// Viewpoints around `frame`, each with its measured coverage. `distance` is where the last viewpoint before stood.
+    pub(super) fn viewpoints(
+        &mut self,
+        subject: &Subject<'_>,
+        frame: &PreparedFrame,
+        settings: &Settings,
+        distance: &mut Option<f64>,
+    ) -> Result<Vec<Viewpoint>, BenchError> {
+        let origin = subject.sequence.origin();
+        let framing = Camera::framing(&frame.frame.bounds(), origin, UpAxis::guess(&frame.frame));
+        let mut scene = Scene::default();
+        let mut viewpoints = Vec::new();
+        for (azimuth_deg, elevation_deg) in scenario::directions(self.options.viewpoints) {
+            let distance_now = distance.unwrap_or(framing.distance);
+            let start = Camera { azimuth_deg, elevation_deg, distance: distance_now, ..framing };
+            let viewpoint = scenario::place(start, framing.distance, |camera| {
+                self.check_cancelled()?;
+                let mut on_background = |background| {
+                    let settings = Settings { background: Background::solid(background), ..*settings };
+                    let viewport_px = self.options.viewport_px;
+                    self.runner.image(&scene.packet(frame, origin, camera, &settings, viewport_px))
+                };
+                let [first, second] = COVERAGE_BACKGROUNDS;
+                let pictures = [on_background(first)?, on_background(second)?];
+                let [on_first, on_second] = &pictures;
+                Ok::<_, BenchError>(scenario::covered_share(on_first, on_second, COVERAGE_BACKGROUNDS))
+            })?;
+            *distance = Some(viewpoint.camera.distance);
+            viewpoints.push(viewpoint);
+        }
+        Ok(viewpoints)
+    }
+
+    /// Adds what was measured of a sequence.
+    pub(super) fn finish(
+        &mut self,
+        subject: &Subject<'_>,
+        point_counts: &[f64],
+        coverages: &[f64],
+        rows: impl IntoIterator<Item = Row>,
+    ) {
+        self.report.sequences.push(SequenceSummary {
+            name: subject.name.to_owned(),
+            frames: subject.sequence.len(),
+            measured_frames: point_counts.len(),
+            mean_points: mean(point_counts),
+            coverage: Coverage::of(coverages),
+        });
+        self.report.rows.extend(rows);
+    }
+}
+
+/// `wanted` of `count` indices, evenly spread from the first; all of them if there are not more.
+fn spread(count: usize, wanted: usize) -> Vec<usize> {
+    let chosen = wanted.min(count);
+    (0..chosen).map(|index| index * count / chosen).collect()
+}
+
+/// Arithmetic mean; 0 without values.
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_spread_evenly() {
+        assert_eq!(spread(24, 4), [0, 6, 12, 18]);
+        assert_eq!(spread(3, 8), [0, 1, 2]);
+        assert_eq!(spread(10, 1), [0]);
+        assert_eq!(spread(0, 4), [0usize; 0]);
+    }
+}

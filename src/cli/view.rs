@@ -1,0 +1,130 @@
+//! `pointreel view`: the window.
+
+use super::arguments::{PictureArgs, open_sequence, size_px};
+use crate::app::{Options, Recent, StateOptions};
+use crate::scene::UpAxis;
+use anyhow::Context as _;
+use clap::Args;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// What to show and how.
+#[derive(Debug, Clone, Default, Args)]
+pub(super) struct ViewArgs {
+    /// Folder, file, glob pattern, or several of them; the demo without any
+    #[arg(value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+
+    #[command(flatten)]
+    picture: PictureArgs,
+
+    /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    up: Option<UpAxis>,
+
+    /// Frames a second
+    #[arg(long, value_name = "FPS", value_parser = frame_rate)]
+    fps: Option<f64>,
+
+    /// Do not play
+    #[arg(long)]
+    paused: bool,
+
+    /// Memory for prepared frames: bytes, or a number with KB, MB, GB, KiB, MiB or GiB
+    #[arg(long, value_name = "SIZE", value_parser = byte_count)]
+    memory: Option<usize>,
+
+    /// Size of the window in pixels
+    #[arg(long, value_name = "WxH", value_parser = size_px)]
+    size: Option<[u32; 2]>,
+
+    /// Write the 3-D picture of the window to this PNG file and end
+    #[arg(long, value_name = "FILE")]
+    screenshot: Option<PathBuf>,
+
+    /// How many frames are shown before the screenshot
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "screenshot")]
+    after_frames: u64,
+
+    /// End the GPU device after this many pictures, as a crashed driver would
+    #[arg(long, value_name = "N", hide = true)]
+    lose_device_after: Option<u64>,
+}
+
+/// Opens the window and returns when it is closed.
+pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
+    let sequence = open_sequence(&args.inputs)?;
+    let (recent, problem) = Recent::load();
+    if let Some(problem) = problem {
+        log::warn!("{problem}");
+    }
+    let options = Options {
+        state: StateOptions {
+            settings: args.picture.settings(),
+            up: args.up,
+            fps: args.fps,
+            paused: args.paused,
+            budget_bytes: args.memory,
+            recent,
+            ..StateOptions::default()
+        },
+        sequence: Some(Arc::new(sequence)),
+        inputs: args.inputs.clone(),
+        size_px: args.size,
+        screenshot: args.screenshot.clone(),
+        after_frames: args.after_frames,
+        lose_device_after: args.lose_device_after,
+    };
+    crate::app::run(options).context("the window ended")
+}
+
+fn frame_rate(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|fps| (0.1..=1000.0).contains(fps))
+        .ok_or_else(|| "expected frames a second from 0.1 to 1000".to_owned())
+}
+
+/// `1500000000`, `1.5GB` (10⁹) or `2GiB` (2³⁰).
+fn byte_count(text: &str) -> Result<usize, String> {
+    const UNITS: [(&str, f64); 8] = [
+        ("kib", 1024.0),
+        ("mib", 1_048_576.0),
+        ("gib", 1_073_741_824.0),
+        ("kb", 1e3),
+        ("mb", 1e6),
+        ("gb", 1e9),
+        ("b", 1.0),
+        ("", 1.0),
+    ];
+    let lower = text.trim().to_ascii_lowercase();
+    let parsed = UNITS.iter().find_map(|(unit, factor)| {
+        let number: f64 = lower.strip_suffix(unit)?.trim().parse().ok()?;
+        (number > 0.0 && number * factor < usize::MAX as f64).then_some((number * factor) as usize)
+    });
+    parsed.ok_or_else(|| "expected a size such as 2GB, 512MiB or 1500000000".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_with_their_units() {
+        assert_eq!(byte_count("1500"), Ok(1500));
+        assert_eq!(byte_count("2GB"), Ok(2_000_000_000));
+        assert_eq!(byte_count("1.5 GiB"), Ok(3 << 29));
+        assert_eq!(byte_count("64kib"), Ok(65536));
+        for wrong in ["", "GB", "-1GB", "nan", "inf", "1e40", "5%", "0"] {
+            assert!(byte_count(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn rates_are_bounded() {
+        assert_eq!(frame_rate("29.97"), Ok(29.97));
+        for wrong in ["0", "-3", "1001", "nan", "fast"] {
+            assert!(frame_rate(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! The program as a person calls it: exit codes, one clear sentence, files that are written.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn pointreel(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pointreel"))
+        .args(arguments)
+        .env("RUST_BACKTRACE", "0")
+        .output()
+        .unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    // The software driver's Wayland probe prints a line of its own where there is no session.
+    String::from_utf8_lossy(&output.stderr)
+        .lines()
+        .filter(|line| !line.contains("XDG_RUNTIME_DIR"))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+const HEADER: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+    property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+
+/// A folder with three frames of three points, moved to the right by one from frame to frame.
+fn small_sequence() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for frame in 0..3 {
+        let points = format!("{frame} 0 0 255 0 0\n{frame} 1 0 0 255 0\n{frame} 0 1 0 0 255\n");
+        fs::write(
+            folder.path().join(format!("f{}.ply", frame * 4 + 2)),
+            HEADER.to_owned() + &points,
+        )
+        .unwrap();
+    }
+    folder
+}
+
+#[test]
+fn info_says_what_is_there() {
+    let folder = small_sequence();
+    let output = pointreel(&["info", text(folder.path()), "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let info: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(info["origin"], serde_json::json!([0.0, 0.0, 0.0]));
+    let frames = info["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 3);
+    // f2, f6, f10: by number, not by letter.
+    assert!(frames[2]["file"].as_str().unwrap().ends_with("f10.ply"));
+    assert_eq!(frames[1]["index"], 1);
+    assert_eq!(frames[1]["points"], 3);
+    assert_eq!(frames[1]["finite_points"], 3);
+    assert_eq!(frames[1]["min"], serde_json::json!([1.0, 0.0, 0.0]));
+    assert_eq!(frames[1]["max"], serde_json::json!([1.0, 1.0, 1.0]));
+    assert_eq!(
+        frames[1]["attributes"],
+        serde_json::json!(["position", "color"])
+    );
+    let table = pointreel(&["info", text(folder.path())]);
+    assert!(String::from_utf8_lossy(&table.stdout).contains("3 frames"));
+}
+
+#[test]
+fn one_broken_frame_does_not_hide_the_others() {
+    let folder = small_sequence();
+    fs::write(
+        folder.path().join("f7.ply"),
+        "ply\nformat ascii 1.0\nelement vertex 1000000000000\n",
+    )
+    .unwrap();
+    let output = pointreel(&["info", text(folder.path()), "--json"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(stderr(&output).contains("f7.ply"), "{}", stderr(&output));
+    let info: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(
+        info["frames"][2]["error"]
+            .as_str()
+            .unwrap()
+            .contains("f7.ply")
+    );
+    assert_eq!(info["frames"][3]["points"], 3);
+
+    let pictures = tempfile::tempdir().unwrap();
+    let pattern = pictures.path().join("p{frame}.png");
+    let output = pointreel(&[
+        "render",
+        text(folder.path()),
+        "-o",
+        text(&pattern),
+        "--frame",
+        "0..3",
+        "--size",
+        "32x32",
+    ]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stderr(&output).contains("1 of 4 frames could not be rendered"),
+        "{}",
+        stderr(&output)
+    );
+    let written: Vec<bool> = (0..4)
+        .map(|i| pictures.path().join(format!("p{i:04}.png")).exists())
+        .collect();
+    assert_eq!(written, [true, true, false, true]);
+}
+
+#[test]
+fn render_draws_every_primitive_mode_and_strategy() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("out.png");
+    let stats = folder.path().join("stats.json");
+    let base = [
+        "render",
+        "demo:",
+        "-o",
+        text(&picture),
+        "--size",
+        "96x64",
+        "--stats",
+        text(&stats),
+    ];
+    let with = |more: &[&str]| {
+        let output = pointreel(&[base.as_slice(), more].concat());
+        assert!(output.status.success(), "{more:?}: {}", stderr(&output));
+        let image = image::open(&picture).unwrap().to_rgba8();
+        assert_eq!(image.dimensions(), (96, 64));
+        let stats: Value = serde_json::from_str(&fs::read_to_string(&stats).unwrap()).unwrap();
+        (image, stats)
+    };
+    for mode in [
+        "regular",
+        "no-depth",
+        "visibility",
+        "two-pass",
+        "enlarged",
+        "two-pass-enlarged",
+    ] {
+        let (_, stats) = with(&["--splatting", mode]);
+        assert_eq!(stats["splatting"], mode);
+        assert!(
+            stats["frames"][0]["render"]["drawn_instances"]
+                .as_u64()
+                .unwrap()
+                >= 1000
+        );
+    }
+    for primitive in ["surfel", "voxel", "point"] {
+        let arguments = ["--primitive", primitive, "--instancing", "storage"];
+        let (reference, _) = with(&arguments);
+        for strategy in ["uniform", "texture", "vertex", "compute"] {
+            let (image, _) = with(&["--primitive", primitive, "--instancing", strategy]);
+            assert!(
+                image == reference,
+                "{primitive}: {strategy} draws another picture"
+            );
+        }
+    }
+    let (_, stats) = with(&["--primitive", "voxel", "--delta", "0.5", "--lod", "2"]);
+    let octree = &stats["frames"][0]["octree"];
+    assert!(octree["loss"].as_f64().unwrap() <= 0.5);
+    assert!(octree["emitted_voxels"].as_u64().unwrap() <= octree["leaves"].as_u64().unwrap());
+    let (black, _) = with(&[
+        "--background",
+        "#000000",
+        "--frame",
+        "7",
+        "--azimuth",
+        "-90",
+        "--elevation",
+        "10",
+        "--distance",
+        "1e6",
+        "--fov",
+        "30",
+    ]);
+    assert!(
+        black
+            .pixels()
+            .filter(|pixel| pixel.0[..3] != [0, 0, 0])
+            .count()
+            <= 4,
+        "a speck in the distance"
+    );
+}
+
+#[test]
+fn failures_exit_with_1_and_wrong_usage_with_2() {
+    let folder = small_sequence();
+    let empty = tempfile::tempdir().unwrap();
+    let sequence = text(folder.path());
+    let cases: [(i32, &[&str], &str); 12] = [
+        (
+            1,
+            &["info", "/no/such/place"],
+            "/no/such/place does not exist",
+        ),
+        (
+            1,
+            &["info", text(empty.path())],
+            "no point cloud is in the folder",
+        ),
+        (
+            1,
+            &[
+                "render",
+                sequence,
+                "-o",
+                "/no/such/place/o.png",
+                "--size",
+                "8x8",
+            ],
+            "/no/such/place/o.png cannot be written",
+        ),
+        (
+            1,
+            &["render", sequence, "-o", "o.png", "--frame", "9"],
+            "there is no frame 9: the sequence has 3 frames",
+        ),
+        (
+            1,
+            &["render", sequence, "-o", "o.png", "--frame", "0..2"],
+            "put {frame} into its name",
+        ),
+        (
+            1,
+            &["render", sequence, "-o", "o.png", "--size", "1000000x8"],
+            "larger than",
+        ),
+        (2, &["render", sequence], "--output"),
+        (
+            2,
+            &["render", sequence, "-o", "o.png", "--splatting", "best"],
+            "`best` is no splatting mode",
+        ),
+        (
+            2,
+            &["render", sequence, "-o", "o.png", "--size", "12"],
+            "expected WIDTHxHEIGHT",
+        ),
+        (
+            2,
+            &["render", sequence, "-o", "o.png", "--delta", "0.9"],
+            "from 0 to 0.6",
+        ),
+        (2, &["info"], "INPUT"),
+        (2, &["frobnicate", "--hard"], "unexpected argument"),
+    ];
+    for (code, arguments, expected) in cases {
+        let output = pointreel(arguments);
+        let stderr = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {stderr}");
+        assert!(stderr.contains(expected), "{arguments:?}: {stderr}");
+        assert!(!stderr.contains("panicked"), "{arguments:?}: {stderr}");
+        if code == 1 {
+            assert_eq!(stderr.lines().count(), 1, "{arguments:?}: {stderr}");
+        }
+    }
+}
+
+#[test]
+fn odd_clouds_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let many = "1 1 1\n".repeat(50);
+    let clouds = [
+        (
+            "empty.ply",
+            "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
+        ),
+        ("one.xyz", "1 2 3\n"),
+        ("equal.xyz", many.as_str()),
+        ("holes.xyz", "nan nan nan\n1 2 3\ninf 0 0\n2 2 3\n2 3 3\n"),
+        ("nothing.xyz", "nan nan nan\n"),
+        ("line.xyz", "0 0 0\n1 1 1\n2 2 2\n3 3 3\n"),
+        (
+            "far.xyz",
+            "10000000.001 0 0\n10000000.002 0 0\n10000000.001 0.001 0\n",
+        ),
+        ("huge.xyz", "-1e30 0 0\n1e30 1e30 0\n0 1e30 1e30\n"),
+        ("tiny.xyz", "-1e-30 0 0\n1e-30 1e-30 0\n0 1e-30 1e-30\n"),
+    ];
+    let picture = folder.path().join("o.png");
+    for (name, content) in clouds {
+        let path = folder.path().join(name);
+        fs::write(&path, content).unwrap();
+        for primitive in ["surfel", "voxel", "point"] {
+            let output = pointreel(&[
+                "render",
+                text(&path),
+                "-o",
+                text(&picture),
+                "--size",
+                "48x48",
+                "--primitive",
+                primitive,
+            ]);
+            assert!(
+                output.status.success(),
+                "{name} as {primitive}: {}",
+                stderr(&output)
+            );
+        }
+    }
+}
