@@ -25,11 +25,14 @@ pub fn help_ui(ui: &mut Ui, state: &mut State) {
                 });
                 ui.add_space(8.0);
                 ui.strong("Mouse and flying");
-                Grid::new("gestures").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
-                    for (gesture, text) in GESTURES {
-                        row(ui, gesture, text);
-                    }
-                });
+                Grid::new("gestures")
+                    .num_columns(2)
+                    .spacing([24.0, 4.0])
+                    .show(ui, |ui| {
+                        for (gesture, text) in GESTURES {
+                            row(ui, gesture, text);
+                        }
+                    });
             });
         });
     state.panels.help = open;
@@ -37,16 +40,23 @@ pub fn help_ui(ui: &mut Ui, state: &mut State) {
 
 fn group(ui: &mut Ui, group: &str) {
     ui.strong(group);
-    Grid::new(group).num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
-        for binding in BINDINGS.iter().filter(|binding| binding.group == group) {
-            row(ui, binding.keys, binding.text);
-        }
-    });
+    Grid::new(group)
+        .num_columns(2)
+        .spacing([24.0, 4.0])
+        .show(ui, |ui| {
+            for binding in BINDINGS.iter().filter(|binding| binding.group == group) {
+                row(ui, binding.keys, binding.text);
+            }
+        });
     ui.add_space(8.0);
 }
 
 fn row(ui: &mut Ui, keys: &str, text: &str) {
-    ui.label(RichText::new(keys).monospace().color(crate::app::theme::ACCENT));
+    ui.label(
+        RichText::new(keys)
+            .monospace()
+            .color(crate::app::theme::ACCENT),
+    );
     ui.label(text);
     ui.end_row();
 }
