@@ -1,6 +1,6 @@
 //! From named columns to a cloud: which name means what.
 
-use super::column::{Column, Scalar, Values, vectors_f32};
+use super::column::{Column, Scalar, Values, colors, vectors_f32, vectors_f64};
 use super::error::Fault;
 use crate::cloud::{Positions, RawCloud};
 
@@ -76,12 +76,7 @@ pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fa
             )
     };
     let positions = if coordinates.iter().any(is_wide) {
-        let [x, y, z] = coordinates;
-        Positions::F64(
-            (0..count)
-                .map(|index| [x.get(index), y.get(index), z.get(index)])
-                .collect(),
-        )
+        Positions::F64(vectors_f64(coordinates, count))
     } else {
         Positions::F32(vectors_f32(coordinates, count))
     };
@@ -94,38 +89,27 @@ pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fa
     cloud.colors = COLORS
         .iter()
         .find_map(find_all)
-        .map(|channels| channel_colors(channels, find_any(&ALPHA), count))
-        .or_else(|| find_any(&PACKED_COLORS).and_then(|column| packed_colors(column, count)));
+        .map(|channels| colors(channels, find_any(&ALPHA), count))
+        .or_else(|| find_any(&PACKED_COLORS).map(|column| packed_colors(column, count)));
     cloud.radii = find_any(&RADII).map(|column| column.to_f32(count));
     cloud.scalars = find_any(&SCALARS).map(|column| column.to_f32(count));
     Ok(cloud)
 }
 
-fn channel_colors(
-    channels: [&Column<'_>; 3],
-    alpha: Option<&Column<'_>>,
-    count: usize,
-) -> Vec<[u8; 4]> {
-    let [red, green, blue] = channels.map(|column| column.to_channel(count));
-    let alpha = alpha.map_or_else(|| vec![255; count], |column| column.to_channel(count));
-    (0..count)
-        .map(|i| [red[i], green[i], blue[i], alpha[i]])
-        .collect()
-}
-
 /// PCL packs colours as 0xAARRGGBB, into an unsigned integer or into the bits of a float. `rgb` leaves alpha at 0.
-fn packed_colors(column: &Column<'_>, count: usize) -> Option<Vec<[u8; 4]>> {
+fn packed_colors(column: &Column<'_>, count: usize) -> Vec<[u8; 4]> {
     let has_alpha = column.name.eq_ignore_ascii_case("rgba");
-    let mut colors = Vec::with_capacity(count);
-    for index in 0..count {
-        let [blue, green, red, alpha] = column.bits(index)?.to_le_bytes();
-        colors.push([red, green, blue, if has_alpha { alpha } else { 255 }]);
-    }
+    let mut colors: Vec<[u8; 4]> = (0..count)
+        .map(|index| {
+            let [blue, green, red, alpha] = column.bits(index).to_le_bytes();
+            [red, green, blue, if has_alpha { alpha } else { 255 }]
+        })
+        .collect();
     // Writers that know no transparency leave zeros.
     if has_alpha && colors.iter().all(|color| color[3] == 0) {
         for color in &mut colors {
             color[3] = 255;
         }
     }
-    Some(colors)
+    colors
 }

@@ -1,6 +1,6 @@
 //! A column of numbers, wherever it lies: in rows, in a block of its own, or parsed from text.
 
-use glam::Vec3;
+use std::ops::Range;
 
 /// Type of a binary number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,77 +90,130 @@ pub(super) struct Column<'a> {
     pub(super) values: Values<'a>,
 }
 
+/// The loop of [`Column::for_each_f32`] and its twin: one for every type and byte order, so that neither is asked for
+/// every number.
+macro_rules! walk {
+    ($column:expr, $range:expr, $each:expr, $target:ty) => {{
+        let (bytes, start, step, big_endian) = match &$column.values {
+            Values::Parsed(values) => {
+                for index in $range {
+                    $each(index, values[index] as $target);
+                }
+                return;
+            }
+            Values::Packed {
+                bytes,
+                start,
+                step,
+                big_endian,
+            } => (*bytes, *start, *step, *big_endian),
+        };
+        macro_rules! numbers {
+            ($from:ty, $read:path) => {
+                for index in $range {
+                    let at = start + index * step;
+                    let mut raw = [0; size_of::<$from>()];
+                    raw.copy_from_slice(&bytes[at..at + size_of::<$from>()]);
+                    $each(index, $read(raw) as $target);
+                }
+            };
+        }
+        match ($column.scalar, big_endian) {
+            (Scalar::I8, _) => numbers!(i8, i8::from_le_bytes),
+            (Scalar::U8, _) => numbers!(u8, u8::from_le_bytes),
+            (Scalar::I16, false) => numbers!(i16, i16::from_le_bytes),
+            (Scalar::I16, true) => numbers!(i16, i16::from_be_bytes),
+            (Scalar::U16, false) => numbers!(u16, u16::from_le_bytes),
+            (Scalar::U16, true) => numbers!(u16, u16::from_be_bytes),
+            (Scalar::I32, false) => numbers!(i32, i32::from_le_bytes),
+            (Scalar::I32, true) => numbers!(i32, i32::from_be_bytes),
+            (Scalar::U32, false) => numbers!(u32, u32::from_le_bytes),
+            (Scalar::U32, true) => numbers!(u32, u32::from_be_bytes),
+            (Scalar::I64, false) => numbers!(i64, i64::from_le_bytes),
+            (Scalar::I64, true) => numbers!(i64, i64::from_be_bytes),
+            (Scalar::U64, false) => numbers!(u64, u64::from_le_bytes),
+            (Scalar::U64, true) => numbers!(u64, u64::from_be_bytes),
+            (Scalar::F32, false) => numbers!(f32, f32::from_le_bytes),
+            (Scalar::F32, true) => numbers!(f32, f32::from_be_bytes),
+            (Scalar::F64, false) => numbers!(f64, f64::from_le_bytes),
+            (Scalar::F64, true) => numbers!(f64, f64::from_be_bytes),
+        }
+    }};
+}
+
 impl Column<'_> {
-    /// Number `index`. Precondition: the column has it.
-    pub(super) fn get(&self, index: usize) -> f64 {
+    /// Hands over the numbers of `range` with their indices. Precondition: the column has them.
+    fn for_each_f32(&self, range: Range<usize>, mut each: impl FnMut(usize, f32)) {
+        walk!(self, range, each, f32);
+    }
+
+    /// [`Self::for_each_f32`] with all digits.
+    fn for_each_f64(&self, range: Range<usize>, mut each: impl FnMut(usize, f64)) {
+        walk!(self, range, each, f64);
+    }
+
+    /// `count` numbers as f32.
+    pub(super) fn to_f32(&self, count: usize) -> Vec<f32> {
+        let mut numbers = vec![0.0; count];
+        self.for_each_f32(0..count, |index, value| numbers[index] = value);
+        numbers
+    }
+
+    /// The four bytes of number `index` as they are in the file, for colours packed into one number.
+    pub(super) fn bits(&self, index: usize) -> u32 {
+        let mut bits = 0;
+        // The bits of a float must not be touched: a NaN is a colour like any other.
+        let is_float = self.scalar == Scalar::F32;
         match &self.values {
             Values::Packed {
                 bytes,
                 start,
                 step,
                 big_endian,
-            } => self
-                .scalar
-                .read(&bytes[start + index * step..], *big_endian),
-            Values::Parsed(values) => values[index],
-        }
-    }
-
-    /// The four bytes of number `index` as they are in the file, for colours packed into one number.
-    /// `None` unless it has four bytes.
-    pub(super) fn bits(&self, index: usize) -> Option<u32> {
-        match (&self.values, self.scalar.byte_size()) {
-            (
-                Values::Packed {
-                    bytes,
-                    start,
-                    step,
-                    big_endian,
-                },
-                4,
-            ) => {
+            } if is_float => {
                 let at = start + index * step;
-                let raw = <[u8; 4]>::try_from(bytes.get(at..at + 4)?).ok()?;
-                Some(if *big_endian {
+                let mut raw = [0; 4];
+                raw.copy_from_slice(&bytes[at..at + 4]);
+                bits = if *big_endian {
                     u32::from_be_bytes(raw)
                 } else {
                     u32::from_le_bytes(raw)
-                })
+                };
             }
-            // A wider number holds the value, not the bits.
-            (Values::Packed { .. }, _) => Some(self.get(index) as u32),
-            (Values::Parsed(values), 4) if self.scalar == Scalar::F32 => {
-                Some((values[index] as f32).to_bits())
-            }
-            (Values::Parsed(values), _) => Some(values[index] as u32),
+            Values::Parsed(values) if is_float => bits = (values[index] as f32).to_bits(),
+            // Signed integers hold the same 32 bits, wider ones the same value.
+            _ => self.for_each_f64(index..index + 1, |_, value| bits = value as i64 as u32),
         }
+        bits
     }
 
-    /// `count` numbers as f32.
-    pub(super) fn to_f32(&self, count: usize) -> Vec<f32> {
-        (0..count).map(|index| self.get(index) as f32).collect()
-    }
-
-    /// `count` colour channels as 8 bits.
-    pub(super) fn to_channel(&self, count: usize) -> Vec<u8> {
+    /// Writes the column into one of the four channels of `colors`, as 8 bits.
+    pub(super) fn write_channel(&self, colors: &mut [[u8; 4]], channel: usize) {
+        let all = 0..colors.len();
         match &self.values {
             Values::Packed {
                 bytes, start, step, ..
-            } if self.scalar == Scalar::U8 => (0..count)
-                .map(|index| bytes[start + index * step])
-                .collect(),
+            } if self.scalar == Scalar::U8 => {
+                for (index, color) in colors.iter_mut().enumerate() {
+                    color[channel] = bytes[start + index * step];
+                }
+            }
             _ => {
-                let full_scale = self.full_scale(count);
-                (0..count)
-                    .map(|index| (self.get(index) / full_scale * 255.0).round() as u8)
-                    .collect()
+                let scale = 255.0 / self.full_scale(colors.len());
+                self.for_each_f64(all, |index, value| {
+                    colors[index][channel] = (value * scale).round() as u8;
+                });
             }
         }
     }
 
     /// What is full intensity: told by the type, but writers put 0 to 255 into floats and into 16 bits, too.
     fn full_scale(&self, count: usize) -> f64 {
-        let exceeds = |limit: f64| (0..count).any(|index| self.get(index) > limit);
+        let exceeds = |limit: f64| {
+            let mut largest = f64::NEG_INFINITY;
+            self.for_each_f64(0..count, |_, value| largest = largest.max(value));
+            largest > limit
+        };
         match self.scalar {
             Scalar::F32 | Scalar::F64 if exceeds(1.0) => 255.0,
             Scalar::I16 | Scalar::U16 if !exceeds(255.0) => 255.0,
@@ -169,46 +222,119 @@ impl Column<'_> {
     }
 }
 
-/// Three columns as vectors, quickly where they are little-endian f32 side by side, as in nearly all files.
-pub(super) fn vectors_f32(columns: [&Column<'_>; 3], count: usize) -> Vec<[f32; 3]> {
-    if let Some((bytes, start, step)) = side_by_side_f32(columns) {
-        return (0..count)
-            .map(|index| {
-                let at = start + index * step;
-                let component = |i: usize| {
-                    let mut raw = [0; 4];
-                    raw.copy_from_slice(&bytes[at + 4 * i..at + 4 * i + 4]);
-                    f32::from_le_bytes(raw)
-                };
-                [component(0), component(1), component(2)]
-            })
-            .collect();
-    }
-    let [x, y, z] = columns;
+/// Rows that are read of three columns before the next ones: all of them then lie in the fastest cache.
+const BLOCK_ROWS: usize = 512;
+
+fn blocks(count: usize) -> impl Iterator<Item = Range<usize>> {
     (0..count)
-        .map(|index| {
-            Vec3::new(
-                x.get(index) as f32,
-                y.get(index) as f32,
-                z.get(index) as f32,
-            )
-            .to_array()
-        })
-        .collect()
+        .step_by(BLOCK_ROWS)
+        .map(move |start| start..count.min(start + BLOCK_ROWS))
 }
 
-fn side_by_side_f32<'a>(columns: [&Column<'a>; 3]) -> Option<(&'a [u8], usize, usize)> {
-    let place = |column: &Column<'a>| match column.values {
-        Values::Packed {
-            bytes,
-            start,
-            step,
-            big_endian: false,
-        } if column.scalar == Scalar::F32 => Some((bytes, start, step)),
-        _ => None,
+/// Three columns as vectors.
+pub(super) fn vectors_f32(columns: [&Column<'_>; 3], count: usize) -> Vec<[f32; 3]> {
+    if let Some(rows) = SideBySide::<12>::new(columns, Scalar::F32) {
+        return if rows.big_endian {
+            rows.read(count)
+                .map(|raw| components(&raw, f32::from_be_bytes))
+                .collect()
+        } else {
+            rows.read(count)
+                .map(|raw| components(&raw, f32::from_le_bytes))
+                .collect()
+        };
+    }
+    let mut vectors = vec![[0.0; 3]; count];
+    for rows in blocks(count) {
+        for (component, column) in columns.iter().enumerate() {
+            column.for_each_f32(rows.clone(), |index, value| {
+                vectors[index][component] = value
+            });
+        }
+    }
+    vectors
+}
+
+#[inline(always)]
+fn components(raw: &[u8; 12], read: impl Fn([u8; 4]) -> f32) -> [f32; 3] {
+    let (parts, _) = raw.as_chunks::<4>();
+    [read(parts[0]), read(parts[1]), read(parts[2])]
+}
+
+/// Colour channels as 8 bits red, green, blue and alpha, which is full where there is no column for it.
+pub(super) fn colors(
+    channels: [&Column<'_>; 3],
+    alpha: Option<&Column<'_>>,
+    count: usize,
+) -> Vec<[u8; 4]> {
+    let mut colors: Vec<[u8; 4]> = if let Some(rows) = SideBySide::<3>::new(channels, Scalar::U8) {
+        rows.read(count)
+            .map(|[red, green, blue]| [red, green, blue, 255])
+            .collect()
+    } else {
+        let mut colors = vec![[255; 4]; count];
+        for (channel, column) in channels.into_iter().enumerate() {
+            column.write_channel(&mut colors, channel);
+        }
+        colors
     };
-    let (bytes, start, step) = place(columns[0])?;
-    let follows =
-        |column, offset| place(column).is_some_and(|(_, s, st)| s == start + offset && st == step);
-    (follows(columns[1], 4) && follows(columns[2], 8)).then_some((bytes, start, step))
+    if let Some(alpha) = alpha {
+        alpha.write_channel(&mut colors, 3);
+    }
+    colors
+}
+
+/// Three columns without a gap between them, `BYTES` together, as nearly all files have them: read with one copy a row.
+struct SideBySide<'a, const BYTES: usize> {
+    bytes: &'a [u8],
+    step: usize,
+    big_endian: bool,
+}
+
+impl<'a, const BYTES: usize> SideBySide<'a, BYTES> {
+    fn new(columns: [&Column<'a>; 3], expected: Scalar) -> Option<Self> {
+        let place = |column: &Column<'a>| match column.values {
+            Values::Packed {
+                bytes,
+                start,
+                step,
+                big_endian,
+            } if column.scalar == expected => Some((bytes, start, step, big_endian)),
+            _ => None,
+        };
+        let (bytes, start, step, big_endian) = place(columns[0])?;
+        let width = expected.byte_size();
+        let follows = |index: usize| {
+            place(columns[index]).is_some_and(|(_, other_start, other_step, _)| {
+                other_start == start + index * width && other_step == step
+            })
+        };
+        (follows(1) && follows(2) && BYTES == 3 * width).then(|| Self {
+            bytes: bytes.get(start..).unwrap_or(&[]),
+            step,
+            big_endian,
+        })
+    }
+
+    fn read(&self, count: usize) -> impl Iterator<Item = [u8; BYTES]> {
+        (0..count).map(|index| {
+            let at = index * self.step;
+            let mut raw = [0; BYTES];
+            raw.copy_from_slice(&self.bytes[at..at + BYTES]);
+            raw
+        })
+    }
+}
+
+/// Three columns as vectors with all digits.
+pub(super) fn vectors_f64(columns: [&Column<'_>; 3], count: usize) -> Vec<[f64; 3]> {
+    let mut vectors = vec![[0.0; 3]; count];
+    for rows in blocks(count) {
+        for (component, column) in columns.iter().enumerate() {
+            column.for_each_f64(rows.clone(), |index, value| {
+                vectors[index][component] = value
+            });
+        }
+    }
+    vectors
 }

@@ -29,17 +29,21 @@ impl<'a> Iterator for Tokens<'a> {
     type Item = &'a [u8];
 
     fn next(&mut self) -> Option<&'a [u8]> {
-        let skipped = self.bytes[self.position..]
-            .iter()
-            .position(|&byte| !separates(byte));
-        let start = self.position + skipped?;
-        self.line += line_endings(&self.bytes[self.position..start]);
-        let length = self.bytes[start..]
-            .iter()
-            .position(|&byte| separates(byte))
-            .unwrap_or(self.bytes.len() - start);
-        self.position = start + length;
-        Some(&self.bytes[start..start + length])
+        let mut start = self.position;
+        while let Some(&byte) = self.bytes.get(start)
+            && separates(byte)
+        {
+            self.line += usize::from(byte == b'\n');
+            start += 1;
+        }
+        let mut end = start;
+        while let Some(&byte) = self.bytes.get(end)
+            && !separates(byte)
+        {
+            end += 1;
+        }
+        self.position = end;
+        (end > start).then(|| &self.bytes[start..end])
     }
 }
 
@@ -55,10 +59,10 @@ fn separates(byte: u8) -> bool {
 
 /// A number as C and its descendants print it, `nan` and `1.#QNAN` included.
 pub(super) fn parse_number(token: &[u8]) -> Option<f64> {
-    let text = std::str::from_utf8(token).ok()?;
-    if let Ok(value) = text.parse() {
+    if let Ok(value) = fast_float2::parse(token) {
         return Some(value);
     }
+    let text = std::str::from_utf8(token).ok()?;
     let lower = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
     // How Microsoft's and others' runtimes print what is not a number.
     if lower.starts_with("nan") || lower.starts_with("1.#") {
