@@ -1,5 +1,7 @@
 //! Each benchmark suite runs on the demo, in small, and says the same in its table, JSON and CSV.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod common;
 
 use pointreel::bench::{BenchError, BenchOptions, Cell, Progress, Report, Suite, run};
