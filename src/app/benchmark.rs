@@ -18,7 +18,11 @@ pub struct BenchmarkTable {
     pub columns: Vec<String>,
     /// Cells, one for each heading.
     pub rows: Vec<Vec<String>>,
-    /// Label and median in milliseconds of each bar of the chart.
+    /// What a reader must know, such as frames that were skipped.
+    pub notes: Vec<String>,
+    /// What the bars are.
+    pub bars_title: String,
+    /// Label and length of each bar of the chart.
     pub bars: Vec<(String, f64)>,
     /// The report for programs.
     pub json: String,
@@ -128,9 +132,14 @@ impl Drop for RunningBenchmark {
 }
 
 /// The job that runs `suite` on `sequence` with a GPU context of its own.
-pub(super) fn benchmark_job(suite: bench::Suite, name: String, sequence: Arc<Sequence>) -> BenchmarkJob {
+pub(super) fn benchmark_job(
+    suite: bench::Suite,
+    name: String,
+    sequence: Arc<Sequence>,
+) -> BenchmarkJob {
     Box::new(move |report, cancel| {
-        let context = Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
+        let context =
+            Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
         let progress = |now: bench::Progress| {
             report(Progress {
                 done: now.done,
@@ -149,7 +158,11 @@ pub(super) fn benchmark_job(suite: bench::Suite, name: String, sequence: Arc<Seq
                 .iter()
                 .map(|column| column.title.to_owned())
                 .collect(),
-            rows: measured.rows.iter().map(|row| measured.cells(row)).collect(),
+            rows: measured
+                .rows
+                .iter()
+                .map(|row| measured.cells(row))
+                .collect(),
             bars: measured.bars(),
             json: measured.to_json(),
             csv: measured.to_csv(),

@@ -25,7 +25,7 @@ mod tasks;
 mod theme;
 mod window;
 
-pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable};
+pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable, Progress};
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
 pub use fly::Fly;
 pub use marks::{Mark, Run};

@@ -1,4 +1,6 @@
-//! Messages to the person: shown until dismissed, the same one only once.
+//! Messages to the person: shown until dismissed, the same one only once. What merely confirms goes by itself.
+
+use std::time::Duration;
 
 /// How bad it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +24,8 @@ pub struct Notice {
     pub text: String,
     /// How often it came up.
     pub count: u64,
+    /// When it goes by itself.
+    until: Option<Duration>,
 }
 
 /// The messages that were not dismissed, oldest first.
@@ -30,6 +34,9 @@ pub struct Notices {
     notices: Vec<Notice>,
     next_id: u64,
 }
+
+/// How long a confirmation is shown.
+const INFO_TIME: Duration = Duration::from_secs(6);
 
 /// More than these hide the picture: the oldest go.
 const MAX_NOTICES: usize = 6;
@@ -44,6 +51,7 @@ impl Notices {
             .find(|notice| notice.text == text && notice.severity == severity)
         {
             known.count += 1;
+            known.until = None;
             return;
         }
         match severity {
@@ -59,6 +67,7 @@ impl Notices {
             severity,
             text,
             count: 1,
+            until: None,
         });
         self.next_id += 1;
     }
@@ -83,9 +92,21 @@ impl Notices {
         self.notices.retain(|notice| notice.id != id);
     }
 
-    /// Forgets all messages.
-    pub fn clear(&mut self) {
-        self.notices.clear();
+    /// Lets confirmations go whose time is over. True if one went.
+    pub fn expire(&mut self, now: Duration) -> bool {
+        for notice in &mut self.notices {
+            if notice.severity == Severity::Info {
+                notice.until.get_or_insert(now + INFO_TIME);
+            }
+        }
+        let count = self.notices.len();
+        self.notices.retain(|notice| notice.until.is_none_or(|until| now < until));
+        self.notices.len() < count
+    }
+
+    /// When [`Notices::expire`] has something to do.
+    pub fn next_deadline(&self) -> Option<Duration> {
+        self.notices.iter().filter_map(|notice| notice.until).min()
     }
 
     /// What is to be shown, oldest first.
@@ -108,6 +129,20 @@ mod tests {
         assert_eq!(notices.list().len(), 2);
         assert_eq!(notices.list()[0].count, 60);
         assert_eq!(notices.list()[1].count, 1);
+    }
+
+    #[test]
+    fn confirmations_go_and_errors_stay() {
+        let mut notices = Notices::default();
+        notices.error("broken");
+        notices.info("saved");
+        assert!(!notices.expire(Duration::from_secs(10)));
+        assert_eq!(notices.next_deadline(), Some(Duration::from_secs(16)));
+        assert!(!notices.expire(Duration::from_millis(15_999)));
+        assert!(notices.expire(Duration::from_secs(16)));
+        assert_eq!(notices.next_deadline(), None);
+        assert_eq!(notices.list().len(), 1);
+        assert_eq!(notices.list()[0].text, "broken");
     }
 
     #[test]

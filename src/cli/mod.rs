@@ -36,7 +36,7 @@ enum Verb {
 /// Parses the command line, runs the verb and says what went wrong.
 pub fn main() -> ExitCode {
     env_logger::Builder::from_env(
-        env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error"),
+        env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error,rfd=off"),
     )
     .format_target(false)
     .init();

@@ -1,0 +1,298 @@
+//! The real window of the real program under Xvfb: real keys go in, the root window's pixels come out.
+#![cfg(all(unix, not(target_os = "macos")))]
+
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use x11rb::connection::Connection as _;
+use x11rb::protocol::xproto::{self, ConnectionExt as _};
+use x11rb::protocol::xtest::ConnectionExt as _;
+use x11rb::rust_connection::RustConnection;
+
+/// Software adapters compile their shaders for the first picture; machines of continuous integration are slow.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Keysyms of X11.
+const SPACE: u32 = 0x20;
+const P: u32 = 0x70;
+const RIGHT: u32 = 0xff53;
+
+/// A process that ends with the test.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// An X server without a screen, on a display number of its own choice.
+struct Xvfb {
+    _server: Process,
+    display: String,
+}
+
+impl Xvfb {
+    fn start() -> Self {
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1000x700x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb opens the window of this test: apt-get install xvfb");
+        let mut output = server.stdout.take().unwrap();
+        let mut number = String::new();
+        let mut byte = [0];
+        while output.read(&mut byte).unwrap() == 1 && byte[0] != b'\n' {
+            number.push(char::from(byte[0]));
+        }
+        assert!(!number.is_empty(), "Xvfb ended without a display");
+        Self { _server: Process(server), display: format!(":{number}") }
+    }
+
+    /// The program, as it would be started on this display by somebody without settings.
+    fn program(&self, home: &Path) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pointreel"));
+        command
+            .current_dir(home)
+            .env("DISPLAY", &self.display)
+            .env("HOME", home)
+            .env("XDG_CONFIG_HOME", home.join("config"))
+            .env("XDG_RUNTIME_DIR", home)
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET");
+        command
+    }
+}
+
+/// The test's own connection to the server.
+struct Screen {
+    connection: RustConnection,
+    root: xproto::Window,
+    size: [u16; 2],
+}
+
+impl Screen {
+    fn of(server: &Xvfb) -> Self {
+        let (connection, number) = x11rb::connect(Some(&server.display)).unwrap();
+        let screen = &connection.setup().roots[number];
+        let (root, size) = (screen.root, [screen.width_in_pixels, screen.height_in_pixels]);
+        Self { connection, root, size }
+    }
+
+    /// All pixels, 4 bytes each.
+    fn pixels(&self) -> Vec<u8> {
+        let [width, height] = self.size;
+        self.connection
+            .get_image(xproto::ImageFormat::Z_PIXMAP, self.root, 0, 0, width, height, u32::MAX)
+            .unwrap()
+            .reply()
+            .unwrap()
+            .data
+    }
+
+    /// Pixels of the 3-D picture's middle: no panel, no notice.
+    fn picture(&self) -> Vec<u8> {
+        let pixels = self.pixels();
+        let stride = usize::from(self.size[0]) * 4;
+        (100..480).flat_map(|row| pixels[row * stride + 200..row * stride + 2400].to_vec()).collect()
+    }
+
+    /// Waits until `is_met` says yes of the picture.
+    fn wait_for(&self, what: &str, is_met: impl Fn(&[u8]) -> bool) -> Vec<u8> {
+        let begin = Instant::now();
+        loop {
+            let picture = self.picture();
+            if is_met(&picture) {
+                return picture;
+            }
+            assert!(begin.elapsed() < PATIENCE, "{what}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Waits until nothing has moved for a while.
+    fn wait_for_rest(&self, what: &str) -> Vec<u8> {
+        let begin = Instant::now();
+        let mut before = self.picture();
+        loop {
+            std::thread::sleep(Duration::from_millis(700));
+            let now = self.picture();
+            if now == before {
+                return now;
+            }
+            assert!(begin.elapsed() < PATIENCE, "{what}");
+            before = now;
+        }
+    }
+
+    /// Gives the keyboard to the program's window, which a window manager would do.
+    fn focus_window(&self) {
+        let begin = Instant::now();
+        loop {
+            let children = self.connection.query_tree(self.root).unwrap().reply().unwrap().children;
+            let viewable = children.into_iter().find(|&child| {
+                let attributes = self.connection.get_window_attributes(child).unwrap().reply();
+                let geometry = self.connection.get_geometry(child).unwrap().reply();
+                attributes.is_ok_and(|attributes| attributes.map_state == xproto::MapState::VIEWABLE)
+                    && geometry.is_ok_and(|geometry| geometry.width > 100)
+            });
+            if let Some(window) = viewable {
+                self.connection
+                    .set_input_focus(xproto::InputFocus::POINTER_ROOT, window, x11rb::CURRENT_TIME)
+                    .unwrap()
+                    .check()
+                    .unwrap();
+                return;
+            }
+            assert!(begin.elapsed() < PATIENCE, "no window was opened");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Presses and releases a key.
+    fn key(&self, keysym: u32) {
+        let setup = self.connection.setup();
+        let (first, last) = (setup.min_keycode, setup.max_keycode);
+        let mapping = self.connection.get_keyboard_mapping(first, last - first + 1).unwrap().reply().unwrap();
+        let width = usize::from(mapping.keysyms_per_keycode);
+        let row = mapping.keysyms.chunks(width).position(|row| row[0] == keysym).expect("the keyboard has the key");
+        let keycode = first + row as u8;
+        for event in [xproto::KEY_PRESS_EVENT, xproto::KEY_RELEASE_EVENT] {
+            self.connection.xtest_fake_input(event, keycode, 0, x11rb::NONE, 0, 0, 0).unwrap().check().unwrap();
+        }
+    }
+}
+
+/// More than a plain background: what a cloud and its shading leave.
+fn has_a_cloud(picture: &[u8]) -> bool {
+    let mut colors: Vec<[u8; 3]> = picture.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let bright = colors.iter().filter(|color| color.iter().any(|&channel| channel > 120)).count();
+    let all = colors.len();
+    colors.sort_unstable();
+    colors.dedup();
+    colors.len() > 500 && bright * 50 > all
+}
+
+fn pngs(folder: &Path) -> Vec<PathBuf> {
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    files.filter(|path| path.extension().is_some_and(|extension| extension == "png")).collect()
+}
+
+/// Processor time of a process so far, in the kernel's ticks of 10 ms.
+#[cfg(target_os = "linux")]
+fn cpu_ticks(child: &Child) -> u64 {
+    let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
+    // The name in parentheses may have spaces; user and system time are fields 14 and 15.
+    let fields: Vec<&str> = stat.rsplit_once(')').unwrap().1.split_whitespace().collect();
+    fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap()
+}
+
+#[test]
+fn the_demo_plays_pauses_and_is_photographed() {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    let program = server.program(home.path()).args(["view", "--size", "1000x700"]).spawn().unwrap();
+    let mut program = Process(program);
+    let screen = Screen::of(&server);
+
+    let first = screen.wait_for("the window stays without a picture of the demo", has_a_cloud);
+    screen.wait_for("the demo does not play", |picture| *picture != first);
+
+    screen.focus_window();
+    screen.key(SPACE);
+    let paused = screen.wait_for_rest("the demo does not pause");
+    std::thread::sleep(Duration::from_secs(1));
+    assert!(screen.picture() == paused, "a paused picture changed");
+
+    #[cfg(target_os = "linux")]
+    {
+        let before = cpu_ticks(&program.0);
+        std::thread::sleep(Duration::from_secs(3));
+        let used = cpu_ticks(&program.0) - before;
+        assert!(used <= 1, "an idle window used {used} ticks of 10 ms in 3 s");
+    }
+
+    screen.key(RIGHT);
+    screen.wait_for("the next frame does not come", |picture| *picture != paused);
+    screen.key(P);
+    let begin = Instant::now();
+    while pngs(home.path()).is_empty() {
+        assert!(begin.elapsed() < PATIENCE, "no picture was saved");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    // The name is there before the last byte.
+    std::thread::sleep(Duration::from_millis(300));
+    let saved = image::open(&pngs(home.path())[0]).unwrap().to_rgba8();
+    assert!(saved.width() > 400 && saved.height() > 300);
+    assert!(has_a_cloud(saved.as_raw()), "the saved picture is empty");
+    assert!(saved.pixels().all(|pixel| pixel[3] == 255), "the saved picture is not opaque");
+    assert!(program.0.try_wait().unwrap().is_none(), "the window went on");
+}
+
+#[test]
+fn a_screenshot_is_written_and_the_window_ends() {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    let file = home.path().join("picture.png");
+    let status = server
+        .program(home.path())
+        .args(["view", "--primitive", "point", "--size", "800x600", "--screenshot"])
+        .arg(&file)
+        .args(["--after-frames", "3"])
+        .status()
+        .unwrap();
+    assert!(status.success());
+    assert!(has_a_cloud(image::open(file).unwrap().to_rgba8().as_raw()));
+}
+
+#[test]
+fn a_lost_device_is_opened_again() {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    let file = home.path().join("picture.png");
+    let output = server
+        .program(home.path())
+        .env("RUST_LOG", "warn")
+        .args(["view", "--size", "800x600", "--lose-device-after", "2", "--screenshot"])
+        .arg(&file)
+        .args(["--after-frames", "5"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("device was lost"), "{said}");
+    assert!(has_a_cloud(image::open(file).unwrap().to_rgba8().as_raw()));
+}
+
+#[test]
+fn what_cannot_be_shown_ends_with_a_sentence() {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    let missing = server.program(home.path()).args(["view", "/nowhere/at/all"]).output().unwrap();
+    assert_eq!(missing.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&missing.stderr).contains("/nowhere/at/all"));
+
+    let broken = home.path().join("broken.ply");
+    std::fs::write(&broken, "ply\nformat ascii 1.0\nelement").unwrap();
+    let output = server
+        .program(home.path())
+        .arg("view")
+        .arg(&broken)
+        .arg("--screenshot")
+        .arg(home.path().join("never.png"))
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("broken.ply"));
+
+    let without_display = server.program(home.path()).env_remove("DISPLAY").arg("view").output().unwrap();
+    assert_eq!(without_display.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&without_display.stderr).contains("pointreel render"));
+
+    let usage = server.program(home.path()).args(["view", "--delta", "2"]).output().unwrap();
+    assert_eq!(usage.status.code(), Some(2));
+}
