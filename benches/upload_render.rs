@@ -95,6 +95,10 @@ fn draw(renderer: &mut GpuRenderer, packet: &ScenePacket) {
     renderer.context().wait().expect("the adapter answers");
 }
 
+#[expect(
+    clippy::print_stdout,
+    reason = "a time means nothing without its adapter"
+)]
 fn strategies(criterion: &mut Criterion) {
     let context = Context::headless(&ContextOptions::default()).expect("an adapter");
     println!("adapter: {}", context.adapter_summary());

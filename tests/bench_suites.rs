@@ -1,6 +1,9 @@
 //! Each benchmark suite runs on the demo, in small, and says the same in its table, JSON and CSV.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking, in its helpers too"
+)]
 
 mod common;
 
