@@ -132,9 +132,14 @@ impl Drop for RunningBenchmark {
 }
 
 /// The job that runs `suite` on `sequence` with a GPU context of its own.
-pub(super) fn benchmark_job(suite: bench::Suite, name: String, sequence: Arc<Sequence>) -> BenchmarkJob {
+pub(super) fn benchmark_job(
+    suite: bench::Suite,
+    name: String,
+    sequence: Arc<Sequence>,
+) -> BenchmarkJob {
     Box::new(move |report, cancel| {
-        let context = Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
+        let context =
+            Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
         let progress = |now: bench::Progress| {
             report(Progress {
                 done: now.done,
@@ -153,7 +158,11 @@ pub(super) fn benchmark_job(suite: bench::Suite, name: String, sequence: Arc<Seq
                 .iter()
                 .map(|column| column.title.to_owned())
                 .collect(),
-            rows: measured.rows.iter().map(|row| measured.cells(row)).collect(),
+            rows: measured
+                .rows
+                .iter()
+                .map(|row| measured.cells(row))
+                .collect(),
             notes: measured.notes.clone(),
             bars_title: measured.bars_title().to_owned(),
             bars: measured.bars(),

@@ -150,24 +150,132 @@ const FILE: &str = "File and window";
 
 /// Every key, grouped.
 pub const BINDINGS: &[Binding] = &[
-    binding(PLAY, "Space", "Play or pause", Command::TogglePlay, &[Chord::plain(Key::Space)]),
-    repeating(binding(PLAY, "Right", "Next frame", Command::Step(1), &[Chord::plain(Key::ArrowRight)])),
-    repeating(binding(PLAY, "Left", "Previous frame", Command::Step(-1), &[Chord::plain(Key::ArrowLeft)])),
-    repeating(binding(PLAY, "Shift+Right", "Ten frames on", Command::Step(10), &[Chord::shift(Key::ArrowRight)])),
-    repeating(binding(PLAY, "Shift+Left", "Ten frames back", Command::Step(-10), &[Chord::shift(Key::ArrowLeft)])),
-    binding(PLAY, "Home", "First frame", Command::First, &[Chord::plain(Key::Home)]),
-    binding(PLAY, "End", "Last frame", Command::Last, &[Chord::plain(Key::End)]),
-    binding(PLAY, "L", "Loop mode: off, loop, ping-pong", Command::NextLoopMode, &[Chord::plain(Key::L)]),
-    repeating(binding(PLAY, "[", "Slower", Command::Slower, &[Chord::any_shift(Key::OpenBracket)])),
-    repeating(binding(PLAY, "]", "Faster", Command::Faster, &[Chord::any_shift(Key::CloseBracket)])),
-    binding(PLAY, "Backspace", "Play the other way", Command::Reverse, &[Chord::plain(Key::Backspace)]),
-    binding(VIEW, "R", "Reset the view", Command::ResetView, &[Chord::plain(Key::R)]),
-    binding(VIEW, "1", "Front", Command::Look(ViewPreset::Front), &[Chord::plain(Key::Num1)]),
-    binding(VIEW, "2", "Back", Command::Look(ViewPreset::Back), &[Chord::plain(Key::Num2)]),
-    binding(VIEW, "3", "Left", Command::Look(ViewPreset::Left), &[Chord::plain(Key::Num3)]),
-    binding(VIEW, "4", "Right", Command::Look(ViewPreset::Right), &[Chord::plain(Key::Num4)]),
-    binding(VIEW, "5", "Top", Command::Look(ViewPreset::Top), &[Chord::plain(Key::Num5)]),
-    binding(VIEW, "6", "Bottom", Command::Look(ViewPreset::Bottom), &[Chord::plain(Key::Num6)]),
+    binding(
+        PLAY,
+        "Space",
+        "Play or pause",
+        Command::TogglePlay,
+        &[Chord::plain(Key::Space)],
+    ),
+    repeating(binding(
+        PLAY,
+        "Right",
+        "Next frame",
+        Command::Step(1),
+        &[Chord::plain(Key::ArrowRight)],
+    )),
+    repeating(binding(
+        PLAY,
+        "Left",
+        "Previous frame",
+        Command::Step(-1),
+        &[Chord::plain(Key::ArrowLeft)],
+    )),
+    repeating(binding(
+        PLAY,
+        "Shift+Right",
+        "Ten frames on",
+        Command::Step(10),
+        &[Chord::shift(Key::ArrowRight)],
+    )),
+    repeating(binding(
+        PLAY,
+        "Shift+Left",
+        "Ten frames back",
+        Command::Step(-10),
+        &[Chord::shift(Key::ArrowLeft)],
+    )),
+    binding(
+        PLAY,
+        "Home",
+        "First frame",
+        Command::First,
+        &[Chord::plain(Key::Home)],
+    ),
+    binding(
+        PLAY,
+        "End",
+        "Last frame",
+        Command::Last,
+        &[Chord::plain(Key::End)],
+    ),
+    binding(
+        PLAY,
+        "L",
+        "Loop mode: off, loop, ping-pong",
+        Command::NextLoopMode,
+        &[Chord::plain(Key::L)],
+    ),
+    repeating(binding(
+        PLAY,
+        "[",
+        "Slower",
+        Command::Slower,
+        &[Chord::any_shift(Key::OpenBracket)],
+    )),
+    repeating(binding(
+        PLAY,
+        "]",
+        "Faster",
+        Command::Faster,
+        &[Chord::any_shift(Key::CloseBracket)],
+    )),
+    binding(
+        PLAY,
+        "Backspace",
+        "Play the other way",
+        Command::Reverse,
+        &[Chord::plain(Key::Backspace)],
+    ),
+    binding(
+        VIEW,
+        "R",
+        "Reset the view",
+        Command::ResetView,
+        &[Chord::plain(Key::R)],
+    ),
+    binding(
+        VIEW,
+        "1",
+        "Front",
+        Command::Look(ViewPreset::Front),
+        &[Chord::plain(Key::Num1)],
+    ),
+    binding(
+        VIEW,
+        "2",
+        "Back",
+        Command::Look(ViewPreset::Back),
+        &[Chord::plain(Key::Num2)],
+    ),
+    binding(
+        VIEW,
+        "3",
+        "Left",
+        Command::Look(ViewPreset::Left),
+        &[Chord::plain(Key::Num3)],
+    ),
+    binding(
+        VIEW,
+        "4",
+        "Right",
+        Command::Look(ViewPreset::Right),
+        &[Chord::plain(Key::Num4)],
+    ),
+    binding(
+        VIEW,
+        "5",
+        "Top",
+        Command::Look(ViewPreset::Top),
+        &[Chord::plain(Key::Num5)],
+    ),
+    binding(
+        VIEW,
+        "6",
+        "Bottom",
+        Command::Look(ViewPreset::Bottom),
+        &[Chord::plain(Key::Num6)],
+    ),
     repeating(binding(
         VIEW,
         "+",
@@ -175,15 +283,69 @@ pub const BINDINGS: &[Binding] = &[
         Command::Larger,
         &[Chord::any_shift(Key::Plus), Chord::any_shift(Key::Equals)],
     )),
-    repeating(binding(VIEW, "-", "Smaller splats or points", Command::Smaller, &[Chord::any_shift(Key::Minus)])),
-    binding(VIEW, "F2", "Settings", Command::ToggleSettings, &[Chord::plain(Key::F2)]),
-    binding(VIEW, "F3", "Statistics", Command::ToggleStatistics, &[Chord::plain(Key::F3)]),
-    binding(VIEW, "F11", "Full screen", Command::FullScreen, &[Chord::plain(Key::F11)]),
-    binding(FILE, "Ctrl+O", "Open files", Command::OpenFiles, &[Chord::ctrl(Key::O)]),
-    binding(FILE, "P", "Save a picture", Command::Screenshot, &[Chord::plain(Key::P)]),
-    binding(FILE, "F1", "This list", Command::ToggleHelp, &[Chord::plain(Key::F1)]),
-    binding(FILE, "Esc", "Close this list or leave full screen", Command::Escape, &[Chord::plain(Key::Escape)]),
-    binding(FILE, "Ctrl+Q", "Quit", Command::Quit, &[Chord::ctrl(Key::Q)]),
+    repeating(binding(
+        VIEW,
+        "-",
+        "Smaller splats or points",
+        Command::Smaller,
+        &[Chord::any_shift(Key::Minus)],
+    )),
+    binding(
+        VIEW,
+        "F2",
+        "Settings",
+        Command::ToggleSettings,
+        &[Chord::plain(Key::F2)],
+    ),
+    binding(
+        VIEW,
+        "F3",
+        "Statistics",
+        Command::ToggleStatistics,
+        &[Chord::plain(Key::F3)],
+    ),
+    binding(
+        VIEW,
+        "F11",
+        "Full screen",
+        Command::FullScreen,
+        &[Chord::plain(Key::F11)],
+    ),
+    binding(
+        FILE,
+        "Ctrl+O",
+        "Open files",
+        Command::OpenFiles,
+        &[Chord::ctrl(Key::O)],
+    ),
+    binding(
+        FILE,
+        "P",
+        "Save a picture",
+        Command::Screenshot,
+        &[Chord::plain(Key::P)],
+    ),
+    binding(
+        FILE,
+        "F1",
+        "This list",
+        Command::ToggleHelp,
+        &[Chord::plain(Key::F1)],
+    ),
+    binding(
+        FILE,
+        "Esc",
+        "Close this list or leave full screen",
+        Command::Escape,
+        &[Chord::plain(Key::Escape)],
+    ),
+    binding(
+        FILE,
+        "Ctrl+Q",
+        "Quit",
+        Command::Quit,
+        &[Chord::ctrl(Key::Q)],
+    ),
 ];
 
 /// What the mouse and the fly keys do, for the help window.
@@ -210,9 +372,12 @@ pub(super) fn keys_of(command: Command) -> &'static str {
 /// The binding of a key by its letter, else by its place.
 fn find(key: Key, physical_key: Option<Key>, modifiers: Modifiers) -> Option<&'static Binding> {
     let by_key = |key: Key| {
-        BINDINGS
-            .iter()
-            .find(|binding| binding.chords.iter().any(|chord| chord.matches(key, modifiers)))
+        BINDINGS.iter().find(|binding| {
+            binding
+                .chords
+                .iter()
+                .any(|chord| chord.matches(key, modifiers))
+        })
     };
     by_key(key).or_else(|| physical_key.and_then(by_key))
 }
@@ -260,12 +425,7 @@ fn belongs_to_focus(key: Key, modifiers: Modifiers, typing: bool, focused: bool)
     }
     let moves_or_presses = matches!(
         key,
-        Key::Space
-            | Key::Escape
-            | Key::Home
-            | Key::End
-            | Key::ArrowLeft
-            | Key::ArrowRight
+        Key::Space | Key::Escape | Key::Home | Key::End | Key::ArrowLeft | Key::ArrowRight
     );
     typing || (focused && moves_or_presses)
 }
@@ -287,9 +447,12 @@ mod tests {
                         command: chord.command,
                         ..Modifiers::NONE
                     };
-                    let found = BINDINGS
-                        .iter()
-                        .position(|other| other.chords.iter().any(|chord2| chord2.matches(chord.key, modifiers)));
+                    let found = BINDINGS.iter().position(|other| {
+                        other
+                            .chords
+                            .iter()
+                            .any(|chord2| chord2.matches(chord.key, modifiers))
+                    });
                     assert_eq!(found, Some(index), "{} with {modifiers:?}", binding.keys);
                 }
             }
@@ -299,11 +462,21 @@ mod tests {
     #[test]
     fn letters_go_before_places() {
         // On a German keyboard the key right of P is ü, which is bound by its place: the bracket of a US keyboard.
-        let found = |key, place, modifiers| find(key, place, modifiers).map(|binding| binding.command);
-        assert_eq!(found(Key::Backtick, Some(Key::OpenBracket), Modifiers::NONE), Some(Command::Slower));
+        let found =
+            |key, place, modifiers| find(key, place, modifiers).map(|binding| binding.command);
+        assert_eq!(
+            found(Key::Backtick, Some(Key::OpenBracket), Modifiers::NONE),
+            Some(Command::Slower)
+        );
         // Dvorak's P is where R is: the letter decides.
-        assert_eq!(found(Key::P, Some(Key::R), Modifiers::NONE), Some(Command::Screenshot));
-        assert_eq!(found(Key::O, Some(Key::O), Modifiers::CTRL), Some(Command::OpenFiles));
+        assert_eq!(
+            found(Key::P, Some(Key::R), Modifiers::NONE),
+            Some(Command::Screenshot)
+        );
+        assert_eq!(
+            found(Key::O, Some(Key::O), Modifiers::CTRL),
+            Some(Command::OpenFiles)
+        );
         assert_eq!(found(Key::O, Some(Key::O), Modifiers::NONE), None);
         assert_eq!(found(Key::Space, None, Modifiers::ALT), None);
     }

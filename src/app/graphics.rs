@@ -142,21 +142,34 @@ impl Graphics {
         painted
     }
 
-    fn paint_surface(&mut self, primitives: &[ClippedPrimitive], pixels_per_point: f32) -> Result<Painted, RenderError> {
+    fn paint_surface(
+        &mut self,
+        primitives: &[ClippedPrimitive],
+        pixels_per_point: f32,
+    ) -> Result<Painted, RenderError> {
         let begin = Instant::now();
         let frame = self.acquire()?;
         let waited = begin.elapsed();
         let Some(frame) = frame else {
-            return Ok(Painted { presented: false, waited });
+            return Ok(Painted {
+                presented: false,
+                waited,
+            });
         };
         let (device, queue) = (&self.context.device, &self.context.queue);
         let screen = ScreenDescriptor {
             size_in_pixels: [self.config.width, self.config.height],
             pixels_per_point,
         };
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("window") });
-        let mut commands = self.painter.update_buffers(device, queue, &mut encoder, primitives, &screen);
-        let view = frame.texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("window"),
+        });
+        let mut commands =
+            self.painter
+                .update_buffers(device, queue, &mut encoder, primitives, &screen);
+        let view = frame
+            .texture
+            .create_view(&wgpu::TextureViewDescriptor::default());
         let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("window"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -170,7 +183,8 @@ impl Graphics {
             })],
             ..Default::default()
         });
-        self.painter.render(&mut pass.forget_lifetime(), primitives, &screen);
+        self.painter
+            .render(&mut pass.forget_lifetime(), primitives, &screen);
         commands.push(encoder.finish());
         queue.submit(commands);
         self.window.pre_present_notify();
@@ -213,7 +227,10 @@ impl Graphics {
     }
 }
 
-fn create_surface(instance: &wgpu::Instance, window: &Arc<Window>) -> Result<wgpu::Surface<'static>, RenderError> {
+fn create_surface(
+    instance: &wgpu::Instance,
+    window: &Arc<Window>,
+) -> Result<wgpu::Surface<'static>, RenderError> {
     instance
         .create_surface(Arc::clone(window))
         .map_err(|error| RenderError::NoAdapter {
@@ -239,14 +256,23 @@ fn surface_config(
         .ok_or_else(|| RenderError::NoAdapter {
             reason: format!("{} cannot show on this window", context.adapter_summary()),
         })?;
-    let preferred = [wgpu::TextureFormat::Bgra8Unorm, wgpu::TextureFormat::Rgba8Unorm];
-    if let Some(format) = preferred.into_iter().find(|format| capabilities.formats.contains(format)) {
+    let preferred = [
+        wgpu::TextureFormat::Bgra8Unorm,
+        wgpu::TextureFormat::Rgba8Unorm,
+    ];
+    if let Some(format) = preferred
+        .into_iter()
+        .find(|format| capabilities.formats.contains(format))
+    {
         config.format = format;
     }
     // Fifo is the one mode that every adapter has.
     config.present_mode = wgpu::PresentMode::Fifo;
     config.desired_maximum_frame_latency = FRAMES_IN_FLIGHT;
-    config.alpha_mode = if capabilities.alpha_modes.contains(&wgpu::CompositeAlphaMode::Opaque) {
+    config.alpha_mode = if capabilities
+        .alpha_modes
+        .contains(&wgpu::CompositeAlphaMode::Opaque)
+    {
         wgpu::CompositeAlphaMode::Opaque
     } else {
         wgpu::CompositeAlphaMode::Auto

@@ -7,7 +7,8 @@
 use super::marks::{Run, runs};
 use crate::scene::{Primitive, Scene, Settings};
 use crate::sequence::{
-    Clock, Direction, FrameError, Loader, LoaderOptions, LoopMode, Needs, PreparedFrame, Sequence, SequenceError, Slot,
+    Clock, Direction, FrameError, Loader, LoaderOptions, LoopMode, Needs, PreparedFrame, Sequence,
+    SequenceError, Slot,
 };
 use std::collections::{HashSet, VecDeque};
 use std::sync::Arc;
@@ -51,7 +52,11 @@ pub(super) struct PlayerChange {
 
 impl Player {
     /// Opens `sequence` at its first frame, paused unless `play`.
-    pub(super) fn new(sequence: Arc<Sequence>, options: LoaderOptions, play: bool) -> Result<Self, SequenceError> {
+    pub(super) fn new(
+        sequence: Arc<Sequence>,
+        options: LoaderOptions,
+        play: bool,
+    ) -> Result<Self, SequenceError> {
         let loader = Loader::new(Arc::clone(&sequence), options)?;
         let mut clock = Clock::new(sequence.len());
         clock.set_fps(sequence.fps(), Duration::ZERO);
@@ -121,7 +126,8 @@ impl Player {
     pub fn fps_held(&self) -> Option<f64> {
         let (first, last) = (self.shown_at.front()?, self.shown_at.back()?);
         let elapsed = last.checked_sub(*first)?.as_secs_f64();
-        (self.clock.is_playing() && elapsed > 0.0).then(|| (self.shown_at.len() - 1) as f64 / elapsed)
+        (self.clock.is_playing() && elapsed > 0.0)
+            .then(|| (self.shown_at.len() - 1) as f64 / elapsed)
     }
 
     /// Play or pause.
@@ -203,34 +209,44 @@ impl Player {
         let frame = match self.loader.get(target, &needs) {
             Slot::Ready(frame) => Some(frame),
             // An older picture of the same pose serves meanwhile; one that cannot be drawn as asked would only flash.
-            Slot::Stale(frame) if can_draw(&frame, settings.primitive) || self.shows(target) => Some(frame),
+            Slot::Stale(frame) if can_draw(&frame, settings.primitive) || self.shows(target) => {
+                Some(frame)
+            }
             Slot::Stale(_) | Slot::Pending => None,
             Slot::Failed(error) => {
                 self.arrive(target, ahead, now);
                 if self.told.insert(target) {
                     change.new_failure = Some(Arc::clone(&error));
                 }
-                change.visible |= self.failure.as_ref().is_none_or(|known| known.index() != target);
+                change.visible |= self
+                    .failure
+                    .as_ref()
+                    .is_none_or(|known| known.index() != target);
                 self.failure = Some(error);
                 self.start_if_asked(now);
-                change.visible |= self.clock.frame() != playhead_before || self.is_playing() != playing_before;
+                change.visible |=
+                    self.clock.frame() != playhead_before || self.is_playing() != playing_before;
                 return change;
             }
         };
         if let Some(frame) = frame {
             self.arrive(target, ahead, now);
-            change.visible |= self.failure.take().is_some() || self.show(frame, now);
+            let was_broken = self.failure.take().is_some();
+            change.visible |= self.show(frame, now) || was_broken;
             self.start_if_asked(now);
         } else {
             change.visible |= self.waiting_for != Some(target);
             self.waiting_for = Some(target);
         }
-        change.visible |= self.clock.frame() != playhead_before || self.is_playing() != playing_before;
+        change.visible |=
+            self.clock.frame() != playhead_before || self.is_playing() != playing_before;
         change
     }
 
     fn shows(&self, index: usize) -> bool {
-        self.shown.as_ref().is_some_and(|shown| shown.index == index)
+        self.shown
+            .as_ref()
+            .is_some_and(|shown| shown.index == index)
     }
 
     /// The clock goes on: from the frame that was waited for, or as it went `ahead`.
@@ -249,14 +265,21 @@ impl Player {
 
     /// True if it is another picture than before.
     fn show(&mut self, frame: Arc<PreparedFrame>, now: Duration) -> bool {
-        if self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &frame)) {
+        if self
+            .shown
+            .as_ref()
+            .is_some_and(|shown| Arc::ptr_eq(shown, &frame))
+        {
             return false;
         }
         if !self.shows(frame.index) {
             self.frames_shown += 1;
             self.shown_at.push_back(now);
             while self.shown_at.len() > MAX_RATE_SAMPLES
-                || self.shown_at.front().is_some_and(|&first| now.saturating_sub(first) > RATE_WINDOW)
+                || self
+                    .shown_at
+                    .front()
+                    .is_some_and(|&first| now.saturating_sub(first) > RATE_WINDOW)
             {
                 self.shown_at.pop_front();
             }
@@ -296,3 +319,7 @@ pub(super) fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
         Primitive::Point => true,
     }
 }
+
+#[cfg(test)]
+#[path = "player_tests.rs"]
+mod tests;

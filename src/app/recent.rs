@@ -130,7 +130,9 @@ fn read(file: &Path) -> Result<Vec<Vec<PathBuf>>, String> {
 
 /// An entry as a menu shows it.
 pub(super) fn entry_name(inputs: &[PathBuf]) -> String {
-    let first = inputs.first().map_or_else(String::new, |path| path.display().to_string());
+    let first = inputs
+        .first()
+        .map_or_else(String::new, |path| path.display().to_string());
     match inputs.len() {
         0 | 1 => first,
         count => format!("{first} and {} more", count - 1),
@@ -166,7 +168,10 @@ mod tests {
         for damaged in ["", "{", "[1,2]", r#"{"recent":[[7]]}"#, "\0\u{1}"] {
             fs::write(&file, damaged).unwrap();
             let (mut recent, problem) = Recent::load_from(file.clone());
-            assert!(problem.is_some_and(|text| text.contains("recent.json")), "{damaged:?}");
+            assert!(
+                problem.is_some_and(|text| text.contains("recent.json")),
+                "{damaged:?}"
+            );
             assert!(recent.entries().is_empty());
             recent.add(&["/a".into()]).unwrap();
             assert_eq!(Recent::load_from(file.clone()).1, None);

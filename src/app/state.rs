@@ -70,7 +70,10 @@ impl std::fmt::Debug for StateOptions {
 
 /// Which panels and windows are open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a panel that is open or not, independent of the others")]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a panel that is open or not, independent of the others"
+)]
 pub struct OpenPanels {
     /// The settings at the right.
     pub settings: bool,
@@ -334,10 +337,15 @@ impl State {
     fn chosen(&mut self, dialog: DialogKind, mut paths: Vec<PathBuf>) {
         let first = paths[0].clone();
         match dialog {
-            DialogKind::OpenFiles | DialogKind::OpenFolder => self.open_paths(std::mem::take(&mut paths)),
-            DialogKind::SavePicture => self
-                .requests
-                .push(WindowRequest::Screenshot(Some(with_extension(first, "png")))),
+            DialogKind::OpenFiles | DialogKind::OpenFolder => {
+                self.open_paths(std::mem::take(&mut paths))
+            }
+            DialogKind::SavePicture => {
+                self.requests
+                    .push(WindowRequest::Screenshot(Some(with_extension(
+                        first, "png",
+                    ))))
+            }
             DialogKind::SaveJson | DialogKind::SaveCsv => {
                 let Benchmark::Done(table) = &self.benchmark else {
                     return;
@@ -361,7 +369,10 @@ impl State {
         if self.framed {
             self.camera.frame_bounds(&bounds, origin);
         } else {
-            let up = self.options.up.unwrap_or_else(|| UpAxis::guess(&frame.frame));
+            let up = self
+                .options
+                .up
+                .unwrap_or_else(|| UpAxis::guess(&frame.frame));
             self.camera = Camera::framing(&bounds, origin, up);
         }
     }
@@ -377,9 +388,15 @@ impl State {
                 let next = next_loop_mode(player.clock().loop_mode());
                 player.set_loop_mode(next, now);
             }),
-            Command::Slower => self.change_speed(|speed| SPEEDS.iter().rev().copied().find(|&s| s < speed - 1e-9)),
-            Command::Faster => self.change_speed(|speed| SPEEDS.iter().copied().find(|&s| s > speed + 1e-9)),
-            Command::Reverse => self.play_with(|player, now| player.set_speed(-player.clock().speed(), now)),
+            Command::Slower => {
+                self.change_speed(|speed| SPEEDS.iter().rev().copied().find(|&s| s < speed - 1e-9))
+            }
+            Command::Faster => {
+                self.change_speed(|speed| SPEEDS.iter().copied().find(|&s| s > speed + 1e-9))
+            }
+            Command::Reverse => {
+                self.play_with(|player, now| player.set_speed(-player.clock().speed(), now))
+            }
             Command::ResetView => self.reset_view(),
             Command::Look(preset) => self.camera.look_from(preset),
             Command::Smaller => self.scale_size(1.0 / SIZE_STEP),
@@ -406,7 +423,10 @@ impl State {
         let up = self.camera.up;
         self.framed = false;
         self.frame_cloud();
-        self.framed = self.player.as_ref().is_some_and(|player| player.shown().is_some());
+        self.framed = self
+            .player
+            .as_ref()
+            .is_some_and(|player| player.shown().is_some());
         self.camera.up = up;
     }
 
@@ -430,7 +450,9 @@ impl State {
 
     /// Takes the playhead in the hand, or lets it go: meanwhile playing rests.
     pub(super) fn play_with_scrubbing(&mut self, begin: bool) {
-        let Some(player) = &mut self.player else { return };
+        let Some(player) = &mut self.player else {
+            return;
+        };
         if begin {
             self.scrubbing.resume = player.is_playing();
             if self.scrubbing.resume {
@@ -443,7 +465,9 @@ impl State {
 
     /// Measures the open sequence on a thread; playing rests, it would disturb the measurement.
     pub fn start_benchmark(&mut self, suite: Suite) {
-        let Some(player) = &mut self.player else { return };
+        let Some(player) = &mut self.player else {
+            return;
+        };
         if player.is_playing() {
             player.toggle(self.now);
         }
@@ -461,15 +485,22 @@ impl State {
 
     /// Asks where to write the benchmark's result.
     pub(super) fn ask_for_export(&mut self, dialog: DialogKind) {
-        let Benchmark::Done(table) = &self.benchmark else { return };
-        let extension = if dialog == DialogKind::SaveJson { "json" } else { "csv" };
+        let Benchmark::Done(table) = &self.benchmark else {
+            return;
+        };
+        let extension = if dialog == DialogKind::SaveJson {
+            "json"
+        } else {
+            "csv"
+        };
         let name = format!("pointreel-{}.{extension}", table.suite);
         self.tasks.ask(dialog, Some(name));
     }
 
     /// True if something that is not the picture may have changed: marks on the timeline, progress.
     pub(super) fn has_news(&self) -> bool {
-        matches!(self.benchmark, Benchmark::Running(_)) || self.player.as_ref().is_some_and(Player::runs_are_old)
+        matches!(self.benchmark, Benchmark::Running(_))
+            || self.player.as_ref().is_some_and(Player::runs_are_old)
     }
 
     fn change_speed(&mut self, next: impl Fn(f64) -> Option<f64>) {
@@ -484,7 +515,9 @@ impl State {
     fn scale_size(&mut self, factor: f32) {
         let (size, range) = match self.settings.primitive {
             Primitive::Point => (&mut self.settings.point_size_px, POINT_SIZE_RANGE_PX),
-            Primitive::Surfel | Primitive::Voxel => (&mut self.settings.splat_scale, SPLAT_SCALE_RANGE),
+            Primitive::Surfel | Primitive::Voxel => {
+                (&mut self.settings.splat_scale, SPLAT_SCALE_RANGE)
+            }
         };
         *size = (*size * factor).clamp(*range.start(), *range.end());
     }
@@ -499,8 +532,12 @@ impl State {
             self.run(command);
         }
         if self.fly.is_flying() {
-            self.fly
-                .step(&mut self.camera, now_secs, modifiers.shift, modifiers.command || modifiers.ctrl);
+            self.fly.step(
+                &mut self.camera,
+                now_secs,
+                modifiers.shift,
+                modifiers.command || modifiers.ctrl,
+            );
             ctx.request_repaint();
         }
     }
@@ -527,9 +564,13 @@ impl State {
             };
         }
         let origin = player.sequence().origin();
-        let packet = self
-            .scene
-            .packet(frame, origin, &self.camera, &settings, self.viewport.size_px);
+        let packet = self.scene.packet(
+            frame,
+            origin,
+            &self.camera,
+            &settings,
+            self.viewport.size_px,
+        );
         if self.packet.as_ref() == Some(&packet) {
             return None;
         }
@@ -547,7 +588,10 @@ impl State {
     /// When [`State::update`] has something to do by itself.
     pub fn next_deadline(&self) -> Option<Duration> {
         let player = self.player.as_ref().and_then(Player::next_deadline);
-        [player, self.notices.next_deadline()].into_iter().flatten().min()
+        [player, self.notices.next_deadline()]
+            .into_iter()
+            .flatten()
+            .min()
     }
 
     /// What is open, for the title and for names of files.
@@ -555,7 +599,12 @@ impl State {
         let source = self.player.as_ref()?.sequence().sources().first()?;
         let folder = source.path.parent().and_then(|folder| folder.file_name());
         Some(match folder {
-            Some(folder) if self.player.as_ref().is_some_and(|player| player.sequence().len() > 1) => {
+            Some(folder)
+                if self
+                    .player
+                    .as_ref()
+                    .is_some_and(|player| player.sequence().len() > 1) =>
+            {
                 folder.to_string_lossy().into_owned()
             }
             _ => source.name.clone(),
@@ -569,7 +618,9 @@ impl State {
             .and_then(Player::shown)
             .map_or(0, |frame| frame.index + 1);
         let name = self.sequence_name().unwrap_or_else(|| "empty".to_owned());
-        let name = name.rsplit_once('.').map_or(name.as_str(), |(stem, _)| stem);
+        let name = name
+            .rsplit_once('.')
+            .map_or(name.as_str(), |(stem, _)| stem);
         format!("pointreel-{name}-{frame:04}")
     }
 
@@ -588,7 +639,10 @@ impl State {
 
 /// Off, loop, ping-pong, off …
 fn next_loop_mode(mode: LoopMode) -> LoopMode {
-    let index = LoopMode::ALL.iter().position(|&other| other == mode).unwrap_or(0);
+    let index = LoopMode::ALL
+        .iter()
+        .position(|&other| other == mode)
+        .unwrap_or(0);
     LoopMode::ALL[(index + 1) % LoopMode::ALL.len()]
 }
 

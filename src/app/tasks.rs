@@ -106,7 +106,8 @@ impl Tasks {
             }
         });
         if let Err(reason) = started {
-            let text = format!("no thread could be started for {name} ({reason}): close other programs");
+            let text =
+                format!("no thread could be started for {name} ({reason}): close other programs");
             if self.sender.try_send(Outcome::Failed(text)).is_ok() {
                 (self.wake)();
             }

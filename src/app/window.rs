@@ -57,7 +57,9 @@ pub struct Options {
 #[non_exhaustive]
 pub enum AppError {
     /// There is no display, or it refuses.
-    #[error("no window can be opened ({reason}); without a display use `pointreel render INPUT -o picture.png`")]
+    #[error(
+        "no window can be opened ({reason}); without a display use `pointreel render INPUT -o picture.png`"
+    )]
     NoWindow {
         /// What the window system said.
         reason: String,
@@ -79,7 +81,9 @@ pub fn run(options: Options) -> Result<(), AppError> {
         .build()
         .map_err(|error| no_window(&error))?;
     let mut app = App::new(options, &event_loop);
-    event_loop.run_app(&mut app).map_err(|error| no_window(&error))?;
+    event_loop
+        .run_app(&mut app)
+        .map_err(|error| no_window(&error))?;
     app.end
 }
 
@@ -169,7 +173,11 @@ impl App {
     }
 
     /// The GPU's side and egui's for `window`; what is open in egui stays as it was in `before`.
-    fn open_screen(&mut self, window: Arc<Window>, before: Option<&egui::Context>) -> Result<Screen, AppError> {
+    fn open_screen(
+        &mut self,
+        window: Arc<Window>,
+        before: Option<&egui::Context>,
+    ) -> Result<Screen, AppError> {
         let graphics = Graphics::new(Arc::clone(&window))?;
         let egui = egui::Context::default();
         apply_theme(&egui);
@@ -207,7 +215,9 @@ impl App {
 
     /// Runs the panels, draws the picture if it is another one, and shows both.
     fn redraw(&mut self, event_loop: &ActiveEventLoop) {
-        let Some(mut screen) = self.screen.take() else { return };
+        let Some(mut screen) = self.screen.take() else {
+            return;
+        };
         let result = self.redraw_on(event_loop, &mut screen);
         self.screen = match result {
             Ok(()) => Some(screen),
@@ -219,7 +229,11 @@ impl App {
         };
     }
 
-    fn redraw_on(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Result<(), RenderError> {
+    fn redraw_on(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        screen: &mut Screen,
+    ) -> Result<(), RenderError> {
         let size = screen.window.inner_size();
         if size.width == 0 || size.height == 0 {
             return Ok(());
@@ -231,10 +245,14 @@ impl App {
         self.state.update(now);
 
         let raw_input = screen.input.take_egui_input(&screen.window);
-        let mut output = screen.egui.run_ui(raw_input, |ui| window_ui(ui, &mut self.state));
-        screen
-            .input
-            .handle_platform_output_with_event_loop(&screen.window, event_loop, output.platform_output);
+        let mut output = screen
+            .egui
+            .run_ui(raw_input, |ui| window_ui(ui, &mut self.state));
+        screen.input.handle_platform_output_with_event_loop(
+            &screen.window,
+            event_loop,
+            output.platform_output,
+        );
         let delay = output
             .viewport_output
             .get(&egui::ViewportId::ROOT)
@@ -243,10 +261,14 @@ impl App {
 
         let drawn = self.draw_picture(screen);
         let pictures = self.requests(event_loop, screen);
-        let primitives = screen.egui.tessellate(output.shapes, output.pixels_per_point);
-        let painted = screen
-            .graphics
-            .paint(&primitives, &mut output.textures_delta, output.pixels_per_point);
+        let primitives = screen
+            .egui
+            .tessellate(output.shapes, output.pixels_per_point);
+        let painted = screen.graphics.paint(
+            &primitives,
+            &mut output.textures_delta,
+            output.pixels_per_point,
+        );
         drawn?;
         let painted = painted?;
         if !painted.presented && !self.hidden {
@@ -258,7 +280,8 @@ impl App {
         }
         self.set_title(screen);
         self.state.graphics.render = screen.graphics.stats();
-        self.state.graphics.frame_ms = begin.elapsed().saturating_sub(painted.waited).as_secs_f64() * 1e3;
+        self.state.graphics.frame_ms =
+            begin.elapsed().saturating_sub(painted.waited).as_secs_f64() * 1e3;
         self.take_screenshot_if_due(event_loop, screen)
     }
 
@@ -281,7 +304,10 @@ impl App {
                 WindowRequest::Screenshot(path) => pictures.push(path),
                 WindowRequest::FullScreen => {
                     self.state.full_screen ^= true;
-                    let full = self.state.full_screen.then_some(Fullscreen::Borderless(None));
+                    let full = self
+                        .state
+                        .full_screen
+                        .then_some(Fullscreen::Borderless(None));
                     screen.window.set_fullscreen(full);
                 }
             }
@@ -301,35 +327,62 @@ impl App {
     }
 
     /// `--screenshot`: writes the picture after enough frames and ends.
-    fn take_screenshot_if_due(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Result<(), RenderError> {
+    fn take_screenshot_if_due(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        screen: &mut Screen,
+    ) -> Result<(), RenderError> {
         let (Some(path), Some(player)) = (&self.options.screenshot, &self.state.player) else {
             return Ok(());
         };
-        let failed = player.loader().stats().failed_frames;
         // Without playing there is no second frame to wait for.
-        let wanted = if player.is_playing() { self.options.after_frames } else { 1 };
-        if player.shown().is_some() && player.frames_shown() >= wanted && self.state.counters.pictures > 0 {
+        let wanted = if player.is_playing() {
+            self.options.after_frames
+        } else {
+            1
+        };
+        if player.shown().is_some()
+            && player.frames_shown() >= wanted
+            && self.state.counters.pictures > 0
+        {
             let image = screen.graphics.read_picture()?;
             self.end = save_png(&image, path).map_err(AppError::Screenshot);
             event_loop.exit();
-        } else if failed == player.sequence().len() || (!player.is_playing() && player.failure().is_some()) {
-            let why = player.failure().map_or_else(String::new, ToString::to_string);
+        } else if let Some(failure) = player.failure()
+            && (!player.is_playing()
+                || player.loader().stats().failed_frames == player.sequence().len())
+        {
+            let why = failure.to_string();
             self.fail(event_loop, AppError::Screenshot(why));
         }
         Ok(())
     }
 
     /// After a lost device: says so and opens another, unless that was tried too often lately.
-    fn rebuild(&mut self, event_loop: &ActiveEventLoop, screen: Screen, error: RenderError) -> Option<Screen> {
+    fn rebuild(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        screen: Screen,
+        error: RenderError,
+    ) -> Option<Screen> {
         let now = self.now();
-        self.rebuilt_at.retain(|&at| now.saturating_sub(at) < RELOSS_WINDOW);
+        self.rebuilt_at
+            .retain(|&at| now.saturating_sub(at) < RELOSS_WINDOW);
         if self.rebuilt_at.len() >= MAX_REBUILDS {
             self.fail(event_loop, error.into());
             return None;
         }
         self.rebuilt_at.push(now);
-        self.state.notices.post(Severity::Warning, format!("{error}. It was opened again; nothing is lost."));
-        let Screen { window, graphics, egui, .. } = screen;
+        self.state.notices.post(
+            Severity::Warning,
+            format!("{error}. It was opened again; nothing is lost."),
+        );
+        let Screen {
+            window,
+            graphics,
+            egui,
+            ..
+        } = screen;
         // The window can have one surface at a time.
         drop(graphics);
         match self.open_screen(Arc::clone(&window), Some(&egui)) {
@@ -367,12 +420,19 @@ impl ApplicationHandler<Wakened> for App {
         self.woken = true;
     }
 
-    fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
+    fn window_event(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        _window: WindowId,
+        event: WindowEvent,
+    ) {
         if matches!(event, WindowEvent::RedrawRequested) {
             self.redraw(event_loop);
             return;
         }
-        let Some(screen) = &mut self.screen else { return };
+        let Some(screen) = &mut self.screen else {
+            return;
+        };
         let response = screen.input.on_window_event(&screen.window, &event);
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
@@ -401,7 +461,10 @@ impl ApplicationHandler<Wakened> for App {
                 self.news_at.get_or_insert(self.last_redraw + NEWS_INTERVAL);
             }
         }
-        let due = [self.state.next_deadline(), self.repaint_at, self.news_at].into_iter().flatten().min();
+        let due = [self.state.next_deadline(), self.repaint_at, self.news_at]
+            .into_iter()
+            .flatten()
+            .min();
         redraw |= due.is_some_and(|due| due <= now);
         let asleep = match due {
             Some(due) if !redraw && !self.hidden => ControlFlow::WaitUntil(self.begin + due),

@@ -55,7 +55,10 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
     ui.strong(format!("Suite {}", table.suite));
     ui.weak(&table.adapter);
     ui.separator();
-    ScrollArea::both().id_salt("table").max_height(260.0).show(ui, |ui| cells(ui, table));
+    ScrollArea::both()
+        .id_salt("table")
+        .max_height(260.0)
+        .show(ui, |ui| cells(ui, table));
     for note in &table.notes {
         ui.label(RichText::new(note).color(ODD));
     }
@@ -66,8 +69,12 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
     }
     ui.separator();
     ui.horizontal(|ui| {
-        let json = ui.button("Export JSON…").on_hover_text("Everything measured, for programs");
-        let csv = ui.button("Export CSV…").on_hover_text("The table, for spreadsheets");
+        let json = ui
+            .button("Export JSON…")
+            .on_hover_text("Everything measured, for programs");
+        let csv = ui
+            .button("Export CSV…")
+            .on_hover_text("The table, for spreadsheets");
         if json.clicked() {
             Some(DialogKind::SaveJson)
         } else if csv.clicked() {
@@ -80,28 +87,44 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
 }
 
 fn cells(ui: &mut Ui, table: &BenchmarkTable) {
-    Grid::new("cells").striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
-        for column in &table.columns {
-            ui.strong(column);
-        }
-        ui.end_row();
-        for row in &table.rows {
-            for cell in row {
-                ui.label(RichText::new(cell).monospace());
+    Grid::new("cells")
+        .striped(true)
+        .spacing([18.0, 4.0])
+        .show(ui, |ui| {
+            for column in &table.columns {
+                ui.strong(column);
             }
             ui.end_row();
-        }
-    });
+            for row in &table.rows {
+                for cell in row {
+                    ui.label(RichText::new(cell).monospace());
+                }
+                ui.end_row();
+            }
+        });
 }
 
 fn chart(ui: &mut Ui, table: &BenchmarkTable) {
     // The first row of the table at the top.
     let bars: Vec<Bar> = (0..)
         .zip(table.bars.iter().rev())
-        .map(|(place, (label, median_ms))| Bar::new(f64::from(place), *median_ms).name(label).width(0.7))
+        .map(|(place, (label, median_ms))| {
+            Bar::new(f64::from(place), *median_ms)
+                .name(label)
+                .width(0.7)
+        })
         .collect();
-    let labels: Vec<String> = table.bars.iter().rev().map(|(label, _)| label.clone()).collect();
-    let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
+    let labels: Vec<String> = table
+        .bars
+        .iter()
+        .rev()
+        .map(|(label, _)| label.clone())
+        .collect();
+    let longest = labels
+        .iter()
+        .map(|label| label.chars().count())
+        .max()
+        .unwrap_or(0);
     Plot::new("bars")
         .height(BAR_HEIGHT * (bars.len() as f32 + 2.0))
         .allow_drag(false)
@@ -113,7 +136,10 @@ fn chart(ui: &mut Ui, table: &BenchmarkTable) {
         .y_grid_spacer(|input| {
             let (from, to) = input.bounds;
             (from.ceil() as i64..=to.floor() as i64)
-                .map(|place| egui_plot::GridMark { value: place as f64, step_size: 1.0 })
+                .map(|place| egui_plot::GridMark {
+                    value: place as f64,
+                    step_size: 1.0,
+                })
                 .collect()
         })
         .y_axis_formatter(move |mark, _| {
@@ -122,6 +148,10 @@ fn chart(ui: &mut Ui, table: &BenchmarkTable) {
             label.cloned().unwrap_or_default()
         })
         .show(ui, |plot| {
-            plot.bar_chart(BarChart::new(&table.bars_title, bars).horizontal().color(ACCENT));
+            plot.bar_chart(
+                BarChart::new(&table.bars_title, bars)
+                    .horizontal()
+                    .color(ACCENT),
+            );
         });
 }

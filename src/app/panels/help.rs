@@ -46,11 +46,15 @@ fn bindings(ui: &mut Ui, group: &str) {
 }
 
 fn table<'a>(ui: &mut Ui, id: &str, rows: impl Iterator<Item = (&'a str, &'a str)>) {
-    Grid::new(id).num_columns(2).min_col_width(84.0).spacing([12.0, 5.0]).show(ui, |ui| {
-        for (keys, text) in rows {
-            ui.label(RichText::new(keys).color(ACCENT));
-            ui.label(text);
-            ui.end_row();
-        }
-    });
+    Grid::new(id)
+        .num_columns(2)
+        .min_col_width(84.0)
+        .spacing([12.0, 5.0])
+        .show(ui, |ui| {
+            for (keys, text) in rows {
+                ui.label(RichText::new(keys).color(ACCENT));
+                ui.label(text);
+                ui.end_row();
+            }
+        });
 }

@@ -25,7 +25,10 @@ pub fn menu_ui(ui: &mut Ui, state: &mut State) {
 }
 
 fn item(ui: &mut Ui, state: &mut State, text: &str, command: Command) {
-    if ui.add(Button::new(text).shortcut_text(keys_of(command))).clicked() {
+    if ui
+        .add(Button::new(text).shortcut_text(keys_of(command)))
+        .clicked()
+    {
         state.run(command);
         ui.close();
     }
@@ -79,7 +82,11 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     ui.separator();
     for (text, open, command) in [
         ("Settings", state.panels.settings, Command::ToggleSettings),
-        ("Statistics", state.panels.statistics, Command::ToggleStatistics),
+        (
+            "Statistics",
+            state.panels.statistics,
+            Command::ToggleStatistics,
+        ),
         ("Full screen", state.full_screen, Command::FullScreen),
     ] {
         let button = Button::selectable(open, text).shortcut_text(keys_of(command));
@@ -110,7 +117,9 @@ fn benchmark_menu(ui: &mut Ui, state: &mut State) {
             "Time a frame of each instancing strategy drawing voxels (paper, Table IV)",
         ),
     ] {
-        let button = ui.add_enabled(can_start, Button::new(text)).on_hover_text(tooltip);
+        let button = ui
+            .add_enabled(can_start, Button::new(text))
+            .on_hover_text(tooltip);
         if button.clicked() {
             state.start_benchmark(suite);
             ui.close();

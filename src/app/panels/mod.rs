@@ -26,9 +26,13 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     state.counters.ui_passes += 1;
     state.handle_keys(ui.ctx());
     let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
-    Panel::top("menu").frame(bar).show(ui, |ui| menu_ui(ui, state));
+    Panel::top("menu")
+        .frame(bar)
+        .show(ui, |ui| menu_ui(ui, state));
     let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
-    Panel::bottom("timeline").frame(bar).show(ui, |ui| timeline_ui(ui, state));
+    Panel::bottom("timeline")
+        .frame(bar)
+        .show(ui, |ui| timeline_ui(ui, state));
     let side = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
     if state.panels.settings {
         Panel::right("settings")

@@ -52,7 +52,11 @@ fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
                     }
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                         let dismissed = ui.small_button("Dismiss").clicked();
-                        if ui.small_button("Copy").on_hover_text("Copy the full text").clicked() {
+                        if ui
+                            .small_button("Copy")
+                            .on_hover_text("Copy the full text")
+                            .clicked()
+                        {
                             ui.ctx().copy_text(notice.text.clone());
                         }
                         dismissed

@@ -25,7 +25,9 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
         heading(ui, "Shading");
         rows(ui, "shading", |ui| shading(ui, &mut state.settings));
         heading(ui, "Background");
-        rows(ui, "background", |ui| background(ui, &mut state.settings.background));
+        rows(ui, "background", |ui| {
+            background(ui, &mut state.settings.background)
+        });
         heading(ui, "Camera");
         rows(ui, "camera", |ui| camera(ui, state));
         ui.add_space(12.0);
@@ -46,7 +48,11 @@ fn heading(ui: &mut Ui, text: &str) {
 }
 
 fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
-    Grid::new(id).num_columns(2).min_col_width(96.0).spacing([10.0, 7.0]).show(ui, add);
+    Grid::new(id)
+        .num_columns(2)
+        .min_col_width(96.0)
+        .spacing([10.0, 7.0])
+        .show(ui, add);
 }
 
 /// A label and a control named by it, both with the tooltip.
@@ -65,12 +71,16 @@ fn choice<T: Copy + PartialEq>(
     choices: &[(&str, T, &str)],
 ) {
     let label = ui.label(name).on_hover_text(tooltip);
-    let selected = choices.iter().find(|(_, choice, _)| choice == value).map_or("Custom", |(text, _, _)| text);
+    let selected = choices
+        .iter()
+        .find(|(_, choice, _)| choice == value)
+        .map_or("Custom", |(text, _, _)| text);
     ComboBox::from_id_salt(name)
         .selected_text(selected)
         .show_ui(ui, |ui| {
             for (text, choice, hint) in choices {
-                ui.selectable_value(value, *choice, *text).on_hover_text(*hint);
+                ui.selectable_value(value, *choice, *text)
+                    .on_hover_text(*hint);
             }
         })
         .response
@@ -82,11 +92,24 @@ fn choice<T: Copy + PartialEq>(
 fn primitive(ui: &mut Ui, settings: &mut Settings) {
     ui.horizontal(|ui| {
         for (primitive, text, tooltip) in [
-            (Primitive::Surfel, "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap"),
-            (Primitive::Voxel, "Voxels", "Cubes of the octree's cells, as fine as the picture needs"),
-            (Primitive::Point, "Points", "Plain squares of a size in pixels: the fastest"),
+            (
+                Primitive::Surfel,
+                "Surfels",
+                "Oriented disks with a Gaussian mask, blended where they overlap",
+            ),
+            (
+                Primitive::Voxel,
+                "Voxels",
+                "Cubes of the octree's cells, as fine as the picture needs",
+            ),
+            (
+                Primitive::Point,
+                "Points",
+                "Plain squares of a size in pixels: the fastest",
+            ),
         ] {
-            let button = Button::selectable(settings.primitive == primitive, text).min_size(egui::vec2(76.0, 26.0));
+            let button = Button::selectable(settings.primitive == primitive, text)
+                .min_size(egui::vec2(76.0, 26.0));
             if ui.add(button).on_hover_text(tooltip).clicked() {
                 settings.primitive = primitive;
             }
@@ -102,11 +125,31 @@ fn splatting(ui: &mut Ui, settings: &mut Settings) {
         "How overlapping surfels become one surface (the six modes of the paper's Fig. 3)",
         &mut settings.splatting,
         &[
-            ("Regular", Splatting::Regular, "One pass, depth test and blending"),
-            ("No depth", Splatting::NoDepth, "One pass without depth test: far splats shine through"),
-            ("Visibility", Splatting::Visibility, "The depths of the first pass as grey"),
-            ("Two-pass", Splatting::TwoPass, "Visibility first, then blending at the surface"),
-            ("Enlarged", Splatting::Enlarged, "Two passes, both with enlarged splats"),
+            (
+                "Regular",
+                Splatting::Regular,
+                "One pass, depth test and blending",
+            ),
+            (
+                "No depth",
+                Splatting::NoDepth,
+                "One pass without depth test: far splats shine through",
+            ),
+            (
+                "Visibility",
+                Splatting::Visibility,
+                "The depths of the first pass as grey",
+            ),
+            (
+                "Two-pass",
+                Splatting::TwoPass,
+                "Visibility first, then blending at the surface",
+            ),
+            (
+                "Enlarged",
+                Splatting::Enlarged,
+                "Two passes, both with enlarged splats",
+            ),
             (
                 "Two-pass, enlarged",
                 Splatting::TwoPassEnlarged,
@@ -123,11 +166,27 @@ fn strategy(ui: &mut Ui, settings: &mut Settings) {
         "How instances reach the GPU's vertex stage. All strategies draw the same picture; their speed differs",
         &mut settings.strategy,
         &[
-            ("Storage buffer", Strategy::Storage, "Records pulled from a storage buffer"),
-            ("Uniform buffers", Strategy::Uniform, "Records in 64 KiB uniform buffers, one draw for each"),
+            (
+                "Storage buffer",
+                Strategy::Storage,
+                "Records pulled from a storage buffer",
+            ),
+            (
+                "Uniform buffers",
+                Strategy::Uniform,
+                "Records in 64 KiB uniform buffers, one draw for each",
+            ),
             ("Texture", Strategy::Texture, "Records fetched as texels"),
-            ("Vertex attributes", Strategy::Vertex, "Records as attributes stepped per instance"),
-            ("Compute", Strategy::Compute, "A compute pass writes the quads and cubes; one indirect draw"),
+            (
+                "Vertex attributes",
+                Strategy::Vertex,
+                "Records as attributes stepped per instance",
+            ),
+            (
+                "Compute",
+                Strategy::Compute,
+                "A compute pass writes the quads and cubes; one indirect draw",
+            ),
         ],
     );
 }
@@ -135,11 +194,24 @@ fn strategy(ui: &mut Ui, settings: &mut Settings) {
 fn surfels(ui: &mut Ui, settings: &mut Settings) {
     heading(ui, "Surfels");
     rows(ui, "surfels", |ui| {
-        let scale = Slider::new(&mut settings.splat_scale, SPLAT_SCALE_RANGE).logarithmic(true).max_decimals(2).suffix(" ×");
-        row(ui, "Splat scale", "Factor on every splat's radius (+ and -)", scale);
-        let uses_enlargement = matches!(settings.splatting, Splatting::Enlarged | Splatting::TwoPassEnlarged);
+        let scale = Slider::new(&mut settings.splat_scale, SPLAT_SCALE_RANGE)
+            .logarithmic(true)
+            .max_decimals(2)
+            .suffix(" ×");
+        row(
+            ui,
+            "Splat scale",
+            "Factor on every splat's radius (+ and -)",
+            scale,
+        );
+        let uses_enlargement = matches!(
+            settings.splatting,
+            Splatting::Enlarged | Splatting::TwoPassEnlarged
+        );
         if uses_enlargement {
-            let enlargement = Slider::new(&mut settings.enlargement, 1.0..=4.0).max_decimals(2).suffix(" ×");
+            let enlargement = Slider::new(&mut settings.enlargement, 1.0..=4.0)
+                .max_decimals(2)
+                .suffix(" ×");
             row(
                 ui,
                 "Enlargement",
@@ -148,7 +220,12 @@ fn surfels(ui: &mut Ui, settings: &mut Settings) {
             );
         }
         let tooltip = "Leave out surfels whose normal points away. Turn it off where normals cannot be trusted";
-        row(ui, "Back faces", tooltip, Checkbox::new(&mut settings.cull_back_faces, "Culled"));
+        row(
+            ui,
+            "Back faces",
+            tooltip,
+            Checkbox::new(&mut settings.cull_back_faces, "Culled"),
+        );
     });
 }
 
@@ -157,7 +234,9 @@ fn voxels(ui: &mut Ui, settings: &mut Settings) {
     rows(ui, "voxels", |ui| {
         // Shown in percent, kept as a fraction.
         let mut delta_percent = settings.delta * 100.0;
-        let slider = Slider::new(&mut delta_percent, 0.0..=Settings::MAX_DELTA * 100.0).max_decimals(1).suffix(" %");
+        let slider = Slider::new(&mut delta_percent, 0.0..=Settings::MAX_DELTA * 100.0)
+            .max_decimals(1)
+            .suffix(" %");
         row(
             ui,
             "Loss δ",
@@ -166,7 +245,10 @@ fn voxels(ui: &mut Ui, settings: &mut Settings) {
         );
         // Whole tenths only: each other value builds the octrees of all frames anew.
         settings.delta = (delta_percent * 10.0).round() / 1000.0;
-        let lod = Slider::new(&mut settings.lod_px, 0.5..=64.0).logarithmic(true).max_decimals(1).suffix(" px");
+        let lod = Slider::new(&mut settings.lod_px, 0.5..=64.0)
+            .logarithmic(true)
+            .max_decimals(1)
+            .suffix(" px");
         row(
             ui,
             "Level of detail",
@@ -179,8 +261,15 @@ fn voxels(ui: &mut Ui, settings: &mut Settings) {
 fn points(ui: &mut Ui, settings: &mut Settings) {
     heading(ui, "Points");
     rows(ui, "points", |ui| {
-        let size = Slider::new(&mut settings.point_size_px, POINT_SIZE_RANGE_PX).max_decimals(1).suffix(" px");
-        row(ui, "Point size", "Edge of the square drawn for a point, pixels (+ and -)", size);
+        let size = Slider::new(&mut settings.point_size_px, POINT_SIZE_RANGE_PX)
+            .max_decimals(1)
+            .suffix(" px");
+        row(
+            ui,
+            "Point size",
+            "Edge of the square drawn for a point, pixels (+ and -)",
+            size,
+        );
     });
 }
 
@@ -193,20 +282,46 @@ fn shading(ui: &mut Ui, settings: &mut Settings) {
             &mut settings.lighting,
             &[
                 ("None", Lighting::Unlit, "Plain colours"),
-                ("Per surfel or face", Lighting::PerSurfel, "Once for each surfel or voxel face"),
-                ("Per vertex", Lighting::PerVertex, "At each corner, interpolated between"),
+                (
+                    "Per surfel or face",
+                    Lighting::PerSurfel,
+                    "Once for each surfel or voxel face",
+                ),
+                (
+                    "Per vertex",
+                    Lighting::PerVertex,
+                    "At each corner, interpolated between",
+                ),
                 ("Per fragment", Lighting::PerFragment, "At each pixel"),
             ],
         );
     }
     let sources = ColorSource::ALL.map(|source| match source {
-        ColorSource::Auto => ("Automatic", source, "The file's colours, else its scalar, else the normal"),
+        ColorSource::Auto => (
+            "Automatic",
+            source,
+            "The file's colours, else its scalar, else the normal",
+        ),
         ColorSource::File => ("From the file", source, "Red, green and blue of the file"),
-        ColorSource::Normal => ("Normal", source, "The direction of the normal as a colour (the paper's fake colour)"),
-        ColorSource::Scalar => ("Scalar", source, "Intensity or another scalar of the file through a colour map"),
+        ColorSource::Normal => (
+            "Normal",
+            source,
+            "The direction of the normal as a colour (the paper's fake colour)",
+        ),
+        ColorSource::Scalar => (
+            "Scalar",
+            source,
+            "Intensity or another scalar of the file through a colour map",
+        ),
         ColorSource::Uniform => ("One colour", source, "The same for all points"),
     });
-    choice(ui, "Colours", "Where the colours of points come from", &mut settings.colors, &sources);
+    choice(
+        ui,
+        "Colours",
+        "Where the colours of points come from",
+        &mut settings.colors,
+        &sources,
+    );
 }
 
 fn background(ui: &mut Ui, background: &mut Background) {
@@ -216,13 +331,29 @@ fn background(ui: &mut Ui, background: &mut Background) {
         .zip(names)
         .map(|(&(_, preset), name)| (name, preset, "A background to begin with"))
         .collect();
-    choice(ui, "Preset", "What is behind the cloud", background, &presets);
+    choice(
+        ui,
+        "Preset",
+        "What is behind the cloud",
+        background,
+        &presets,
+    );
     for (name, tooltip, color) in [
-        ("Top colour", "Colour at the upper edge of the picture", &mut background.top),
-        ("Bottom colour", "Colour at the lower edge of the picture", &mut background.bottom),
+        (
+            "Top colour",
+            "Colour at the upper edge of the picture",
+            &mut background.top,
+        ),
+        (
+            "Bottom colour",
+            "Colour at the lower edge of the picture",
+            &mut background.bottom,
+        ),
     ] {
         let label = ui.label(name).on_hover_text(tooltip);
-        ui.color_edit_button_srgb(color).labelled_by(label.id).on_hover_text(tooltip);
+        ui.color_edit_button_srgb(color)
+            .labelled_by(label.id)
+            .on_hover_text(tooltip);
         ui.end_row();
     }
 }
@@ -237,10 +368,27 @@ fn camera(ui: &mut Ui, state: &mut State) {
             "-z" => "-Z",
             _ => "-X",
         };
-        (text, axis, "The axis of the file that points up in the picture")
+        (
+            text,
+            axis,
+            "The axis of the file that points up in the picture",
+        )
     });
     let axes: Vec<_> = axes.collect();
-    choice(ui, "Up axis", "The axis of the file that points up in the picture", &mut state.camera.up, &axes);
-    let fov = Slider::new(&mut state.camera.fov_deg, 5.0..=120.0).max_decimals(0).suffix(" °");
-    row(ui, "Field of view", "Vertical opening angle of the camera, degrees", fov);
+    choice(
+        ui,
+        "Up axis",
+        "The axis of the file that points up in the picture",
+        &mut state.camera.up,
+        &axes,
+    );
+    let fov = Slider::new(&mut state.camera.fov_deg, 5.0..=120.0)
+        .max_decimals(0)
+        .suffix(" °");
+    row(
+        ui,
+        "Field of view",
+        "Vertical opening angle of the camera, degrees",
+        fov,
+    );
 }

@@ -13,7 +13,11 @@ pub fn statistics_ui(ui: &mut Ui, state: &mut State) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         frame_times(ui, state);
         picture(ui, state);
-        if let Some(frame) = state.player.as_ref().and_then(|player| player.shown().cloned()) {
+        if let Some(frame) = state
+            .player
+            .as_ref()
+            .and_then(|player| player.shown().cloned())
+        {
             shown_frame(ui, state, &frame);
         }
         memory(ui, state);
@@ -29,15 +33,20 @@ fn heading(ui: &mut Ui, text: &str) {
 
 fn section(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     heading(ui, name);
-    Grid::new(name).num_columns(2).min_col_width(NAME_WIDTH).spacing([10.0, 4.0]).show(ui, |ui| {
-        ui.spacing_mut().interact_size.y = 16.0;
-        add(ui);
-    });
+    Grid::new(name)
+        .num_columns(2)
+        .min_col_width(NAME_WIDTH)
+        .spacing([10.0, 4.0])
+        .show(ui, |ui| {
+            ui.spacing_mut().interact_size.y = 16.0;
+            add(ui);
+        });
 }
 
 fn row(ui: &mut Ui, name: &str, value: impl Into<String>, tooltip: &str) {
     ui.label(name).on_hover_text(tooltip);
-    ui.label(RichText::new(value).monospace()).on_hover_text(tooltip);
+    ui.label(RichText::new(value).monospace())
+        .on_hover_text(tooltip);
     ui.end_row();
 }
 
@@ -48,20 +57,53 @@ fn milliseconds(value: f64) -> String {
 fn frame_times(ui: &mut Ui, state: &State) {
     let graphics = &state.graphics;
     section(ui, "Time of a frame", |ui| {
-        row(ui, "CPU", milliseconds(graphics.frame_ms), "The last redraw on the CPU: panels, picture, painting");
-        row(ui, "  upload", milliseconds(graphics.render.prepare_ms), "Uploading what the last picture needed");
-        row(ui, "  encoding", milliseconds(graphics.render.encode_ms), "Encoding and submitting the last picture");
+        row(
+            ui,
+            "CPU",
+            milliseconds(graphics.frame_ms),
+            "The last redraw on the CPU: panels, picture, painting",
+        );
+        row(
+            ui,
+            "  upload",
+            milliseconds(graphics.render.prepare_ms),
+            "Uploading what the last picture needed",
+        );
+        row(
+            ui,
+            "  encoding",
+            milliseconds(graphics.render.encode_ms),
+            "Encoding and submitting the last picture",
+        );
         let gpu = match graphics.render.gpu_ms {
             Some(gpu_ms) => milliseconds(gpu_ms),
             None if graphics.has_timestamps => "not yet".to_owned(),
             None => "not supported".to_owned(),
         };
-        row(ui, "GPU", gpu, "The last measured picture on the GPU, by timestamp queries");
+        row(
+            ui,
+            "GPU",
+            gpu,
+            "The last measured picture on the GPU, by timestamp queries",
+        );
         let held = state.player.as_ref().and_then(|player| player.fps_held());
         let held = held.map_or_else(|| "paused".to_owned(), |fps| format!("{fps:.1} fps"));
-        row(ui, "Rate held", held, "Frames a second shown in the last second");
-        let skipped = state.player.as_ref().map_or(0, |player| player.clock().skipped());
-        row(ui, "Skipped", grouped(skipped), "Frames that were due but never shown, because drawing was too slow");
+        row(
+            ui,
+            "Rate held",
+            held,
+            "Frames a second shown in the last second",
+        );
+        let skipped = state
+            .player
+            .as_ref()
+            .map_or(0, |player| player.clock().skipped());
+        row(
+            ui,
+            "Skipped",
+            grouped(skipped),
+            "Frames that were due but never shown, because drawing was too slow",
+        );
     });
 }
 
@@ -69,42 +111,157 @@ fn picture(ui: &mut Ui, state: &State) {
     let render = &state.graphics.render;
     let [width, height] = state.viewport.size_px;
     section(ui, "Picture", |ui| {
-        row(ui, "Size", format!("{width} × {height} px"), "Physical pixels of the 3-D picture");
-        row(ui, "Drawn", grouped(render.drawn_instances), "Instances of the last picture, each pass counted");
-        row(ui, "Draw calls", grouped(u64::from(render.draw_calls)), "Draw calls of the last picture");
-        row(ui, "Pictures", grouped(render.frames), "Pictures drawn so far; none while nothing changes");
-        row(ui, "Passes", grouped(render.passes), "Render and compute passes so far");
-        row(ui, "Uploads", grouped(render.uploads), "Uploads of points or voxels so far");
-        row(ui, "Uploaded", bytes(render.uploaded_bytes), "Bytes of these uploads");
-        row(ui, "On the GPU", bytes(render.resident_bytes), "Points and voxels in GPU memory now");
-        row(ui, "Redraws", grouped(state.counters.ui_passes), "Runs of the panels so far");
+        row(
+            ui,
+            "Size",
+            format!("{width} × {height} px"),
+            "Physical pixels of the 3-D picture",
+        );
+        row(
+            ui,
+            "Drawn",
+            grouped(render.drawn_instances),
+            "Instances of the last picture, each pass counted",
+        );
+        row(
+            ui,
+            "Draw calls",
+            grouped(u64::from(render.draw_calls)),
+            "Draw calls of the last picture",
+        );
+        row(
+            ui,
+            "Pictures",
+            grouped(render.frames),
+            "Pictures drawn so far; none while nothing changes",
+        );
+        row(
+            ui,
+            "Passes",
+            grouped(render.passes),
+            "Render and compute passes so far",
+        );
+        row(
+            ui,
+            "Uploads",
+            grouped(render.uploads),
+            "Uploads of points or voxels so far",
+        );
+        row(
+            ui,
+            "Uploaded",
+            bytes(render.uploaded_bytes),
+            "Bytes of these uploads",
+        );
+        row(
+            ui,
+            "On the GPU",
+            bytes(render.resident_bytes),
+            "Points and voxels in GPU memory now",
+        );
+        row(
+            ui,
+            "Redraws",
+            grouped(state.counters.ui_passes),
+            "Runs of the panels so far",
+        );
     });
 }
 
 fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
     let timings = &frame.timings;
     section(ui, "Frame", |ui| {
-        row(ui, "Points", grouped(frame.points.len() as u64), "Points of the frame in the picture");
+        row(
+            ui,
+            "Points",
+            grouped(frame.points.len() as u64),
+            "Points of the frame in the picture",
+        );
         let dropped = frame.frame.dropped_points() as u64;
         if dropped > 0 {
-            row(ui, "Left out", grouped(dropped), "Points of the file without finite coordinates");
+            row(
+                ui,
+                "Left out",
+                grouped(dropped),
+                "Points of the file without finite coordinates",
+            );
         }
-        row(ui, "Decode", milliseconds(timings.decode_ms.into()), "Reading and checking the file, on a worker");
-        row(ui, "Analysis", milliseconds(timings.analysis_ms.into()), "Normals and radii, on a worker; 0 if in the file");
-        row(ui, "Packing", milliseconds(timings.records_ms.into()), "Writing the records that are uploaded, on a worker");
+        row(
+            ui,
+            "Decode",
+            milliseconds(timings.decode_ms.into()),
+            "Reading and checking the file, on a worker",
+        );
+        row(
+            ui,
+            "Analysis",
+            milliseconds(timings.analysis_ms.into()),
+            "Normals and radii, on a worker; 0 if in the file",
+        );
+        row(
+            ui,
+            "Packing",
+            milliseconds(timings.records_ms.into()),
+            "Writing the records that are uploaded, on a worker",
+        );
     });
     let Some(octree) = &frame.octree else { return };
     let scene = state.scene_stats();
     section(ui, "Octree", |ui| {
-        row(ui, "Depth", octree.depth().to_string(), "Level of the leaves; the root is 0");
-        row(ui, "Nodes", grouped(octree.node_count() as u64), "Internal nodes and leaves");
-        row(ui, "Leaves", grouped(octree.leaf_count() as u64), "Occupied cells of the deepest level");
-        row(ui, "Loss", format!("{:.2} %", octree.loss() * 100.0), "Share of points that share a leaf with another");
-        row(ui, "Build", milliseconds(timings.octree_ms.into()), "Building it, on a worker");
-        row(ui, "Traverse", milliseconds(scene.traverse_time.as_secs_f64() * 1e3), "Finding the visible voxels");
-        row(ui, "Visited", grouped(scene.visited_nodes as u64), "Nodes visited by the last traversal");
-        row(ui, "Visible", grouped(scene.emitted_voxels as u64), "Voxels found by the last traversal");
-        row(ui, "Traversals", grouped(scene.traversals), "Traversals so far; none while nothing changes");
+        row(
+            ui,
+            "Depth",
+            octree.depth().to_string(),
+            "Level of the leaves; the root is 0",
+        );
+        row(
+            ui,
+            "Nodes",
+            grouped(octree.node_count() as u64),
+            "Internal nodes and leaves",
+        );
+        row(
+            ui,
+            "Leaves",
+            grouped(octree.leaf_count() as u64),
+            "Occupied cells of the deepest level",
+        );
+        row(
+            ui,
+            "Loss",
+            format!("{:.2} %", octree.loss() * 100.0),
+            "Share of points that share a leaf with another",
+        );
+        row(
+            ui,
+            "Build",
+            milliseconds(timings.octree_ms.into()),
+            "Building it, on a worker",
+        );
+        row(
+            ui,
+            "Traverse",
+            milliseconds(scene.traverse_time.as_secs_f64() * 1e3),
+            "Finding the visible voxels",
+        );
+        row(
+            ui,
+            "Visited",
+            grouped(scene.visited_nodes as u64),
+            "Nodes visited by the last traversal",
+        );
+        row(
+            ui,
+            "Visible",
+            grouped(scene.emitted_voxels as u64),
+            "Voxels found by the last traversal",
+        );
+        row(
+            ui,
+            "Traversals",
+            grouped(scene.traversals),
+            "Traversals so far; none while nothing changes",
+        );
     });
 }
 
@@ -115,18 +272,62 @@ fn memory(ui: &mut Ui, state: &mut State) {
     let mut budget_mib = stats.budget_bytes as f64 / f64::from(1 << 20);
     let mut changed = false;
     section(ui, "Memory for frames", |ui| {
-        row(ui, "In use", bytes(stats.resident_bytes as u64), "Prepared frames in main memory");
-        let tooltip = "Most memory for prepared frames, MiB. Frames that the playhead needs last make room";
+        row(
+            ui,
+            "In use",
+            bytes(stats.resident_bytes as u64),
+            "Prepared frames in main memory",
+        );
+        let tooltip =
+            "Most memory for prepared frames, MiB. Frames that the playhead needs last make room";
         let label = ui.label("Budget").on_hover_text(tooltip);
-        let drag = DragValue::new(&mut budget_mib).range(16.0..=1_048_576.0).speed(8.0).max_decimals(0).suffix(" MiB");
-        changed = ui.add(drag).labelled_by(label.id).on_hover_text(tooltip).changed();
+        let drag = DragValue::new(&mut budget_mib)
+            .range(16.0..=1_048_576.0)
+            .speed(8.0)
+            .max_decimals(0)
+            .suffix(" MiB");
+        changed = ui
+            .add(drag)
+            .labelled_by(label.id)
+            .on_hover_text(tooltip)
+            .changed();
         ui.end_row();
-        row(ui, "Frames", grouped(stats.resident_frames as u64), "Frames in main memory");
-        row(ui, "Decoded", grouped(stats.decoded), "Files decoded so far");
-        row(ui, "Normals", grouped(stats.surfaces_estimated), "Frames whose normals were estimated");
-        row(ui, "Octrees", grouped(stats.octrees_built), "Octrees built so far");
-        row(ui, "Evicted", grouped(stats.evicted), "Frames that made room for others");
-        row(ui, "Failed", grouped(stats.failed_frames as u64), "Frames that cannot be shown");
+        row(
+            ui,
+            "Frames",
+            grouped(stats.resident_frames as u64),
+            "Frames in main memory",
+        );
+        row(
+            ui,
+            "Decoded",
+            grouped(stats.decoded),
+            "Files decoded so far",
+        );
+        row(
+            ui,
+            "Normals",
+            grouped(stats.surfaces_estimated),
+            "Frames whose normals were estimated",
+        );
+        row(
+            ui,
+            "Octrees",
+            grouped(stats.octrees_built),
+            "Octrees built so far",
+        );
+        row(
+            ui,
+            "Evicted",
+            grouped(stats.evicted),
+            "Frames that made room for others",
+        );
+        row(
+            ui,
+            "Failed",
+            grouped(stats.failed_frames as u64),
+            "Frames that cannot be shown",
+        );
     });
     if changed {
         state.set_budget_bytes((budget_mib * f64::from(1 << 20)) as usize);

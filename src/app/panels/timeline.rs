@@ -8,7 +8,8 @@ use crate::app::{Run, State};
 use crate::scene::Scene;
 use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, Slot};
 use egui::{
-    Align, Color32, ComboBox, DragValue, Layout, Painter, Rect, Response, RichText, Sense, Stroke, Ui, WidgetInfo, Role, pos2, vec2,
+    Align, Color32, ComboBox, DragValue, Layout, Painter, Rect, Response, RichText, Role, Sense,
+    Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 
 /// Height of the bar, points.
@@ -42,7 +43,8 @@ fn scrub_bar(ui: &mut Ui, state: &mut State) {
     let size = vec2(ui.available_width(), BAR_HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     let Some(player) = &state.player else {
-        ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+        ui.painter()
+            .rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
         return;
     };
     let count = player.sequence().len();
@@ -117,11 +119,17 @@ fn paint_bar(ui: &Ui, rect: Rect, runs: &[Run], count: usize, playhead: usize) {
 
 fn paint_playhead(painter: &Painter, rect: Rect, left: f32, right: f32) {
     let right = right.max(left + 2.0);
-    let cell = Rect::from_min_max(pos2(left, rect.top() - 2.0), pos2(right, rect.bottom() + 2.0));
+    let cell = Rect::from_min_max(
+        pos2(left, rect.top() - 2.0),
+        pos2(right, rect.bottom() + 2.0),
+    );
     painter.rect_filled(cell, 2.0, ACCENT.gamma_multiply(0.55));
     let middle = 0.5 * (left + right);
     painter.rect_filled(
-        Rect::from_center_size(pos2(middle, rect.center().y), vec2(3.0, rect.height() + 4.0)),
+        Rect::from_center_size(
+            pos2(middle, rect.center().y),
+            vec2(3.0, rect.height() + 4.0),
+        ),
         1.5,
         Color32::WHITE,
     );
@@ -129,9 +137,17 @@ fn paint_playhead(painter: &Painter, rect: Rect, left: f32, right: f32) {
 
 fn tooltip(state: &State, player: &Player, frame: usize) -> String {
     let sequence = player.sequence();
-    let head = format!("Frame {} of {}\n{}", frame + 1, sequence.len(), sequence.source(frame).name);
+    let head = format!(
+        "Frame {} of {}\n{}",
+        frame + 1,
+        sequence.len(),
+        sequence.source(frame).name
+    );
     let rest = match player.loader().get(frame, &Scene::needs(&state.settings)) {
-        Slot::Ready(prepared) => format!("in memory, {} points", super::grouped(prepared.points.len() as u64)),
+        Slot::Ready(prepared) => format!(
+            "in memory, {} points",
+            super::grouped(prepared.points.len() as u64)
+        ),
         Slot::Stale(_) => "in memory, being made ready for these settings".to_owned(),
         Slot::Pending => "not in memory".to_owned(),
         Slot::Failed(error) => error.to_string(),
@@ -141,7 +157,11 @@ fn tooltip(state: &State, player: &Player, frame: usize) -> String {
 
 fn transport(ui: &mut Ui, state: &mut State) {
     let playing = state.player.as_ref().is_some_and(Player::is_playing);
-    let (play_icon, play_text) = if playing { (Icon::Pause, "Pause") } else { (Icon::Play, "Play") };
+    let (play_icon, play_text) = if playing {
+        (Icon::Pause, "Pause")
+    } else {
+        (Icon::Play, "Play")
+    };
     for (icon, text, command) in [
         (Icon::First, "First frame", Command::First),
         (Icon::Back, "Previous frame", Command::Step(-1)),
@@ -156,8 +176,16 @@ fn transport(ui: &mut Ui, state: &mut State) {
 }
 
 fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: bool) -> Response {
-    let wide = if command == Command::TogglePlay { 40.0 } else { 30.0 };
-    let sense = if enabled { Sense::click() } else { Sense::hover() };
+    let wide = if command == Command::TogglePlay {
+        40.0
+    } else {
+        30.0
+    };
+    let sense = if enabled {
+        Sense::click()
+    } else {
+        Sense::hover()
+    };
     let (rect, response) = ui.allocate_exact_size(vec2(wide, 26.0), sense);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
     let visuals = ui.style().interact(&response);
@@ -166,9 +194,18 @@ fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: b
     } else {
         visuals.weak_bg_fill
     };
-    ui.painter()
-        .rect(rect, visuals.corner_radius, fill, visuals.bg_stroke, egui::StrokeKind::Inside);
-    let color = if enabled { visuals.text_color() } else { ui.visuals().weak_text_color() };
+    ui.painter().rect(
+        rect,
+        visuals.corner_radius,
+        fill,
+        visuals.bg_stroke,
+        egui::StrokeKind::Inside,
+    );
+    let color = if enabled {
+        visuals.text_color()
+    } else {
+        ui.visuals().weak_text_color()
+    };
     paint_icon(ui.painter(), icon, rect.center(), ICON_SIZE, color);
     response.on_hover_text(format!("{text} ({})", keys_of(command)))
 }
@@ -181,7 +218,8 @@ fn place(ui: &mut Ui, state: &State) {
     let text = format!("frame {:>digits$}/{}", frame + 1, sequence.len());
     ui.label(RichText::new(text).monospace().strong());
     if !sequence.is_empty() {
-        ui.label(&sequence.source(frame).name).on_hover_text(sequence.source(frame).path.display().to_string());
+        ui.label(&sequence.source(frame).name)
+            .on_hover_text(sequence.source(frame).path.display().to_string());
     }
     if player.waiting_for().is_some() {
         ui.weak("loading…");
@@ -191,7 +229,9 @@ fn place(ui: &mut Ui, state: &State) {
 /// From the right: fps asked and held, rate, speed, loop mode.
 fn pace(ui: &mut Ui, state: &mut State) {
     let now = state.now();
-    let Some(player) = &mut state.player else { return };
+    let Some(player) = &mut state.player else {
+        return;
+    };
     let held = player.fps_held();
     let asked = player.clock().fps() * player.clock().speed().abs();
     let text = held.map_or_else(|| "—".to_owned(), |fps| format!("{fps:.1}"));
@@ -199,15 +239,26 @@ fn pace(ui: &mut Ui, state: &mut State) {
         Some(fps) if fps < 0.9 * asked => BAD,
         _ => ui.visuals().text_color(),
     };
-    ui.label(RichText::new(format!("{text:>5} held")).monospace().color(color))
-        .on_hover_text(format!(
-            "Frames a second shown in the last second; {asked:.1} are asked for, {} were skipped",
-            player.clock().skipped()
-        ));
+    ui.label(
+        RichText::new(format!("{text:>5} held"))
+            .monospace()
+            .color(color),
+    )
+    .on_hover_text(format!(
+        "Frames a second shown in the last second; {asked:.1} are asked for, {} were skipped",
+        player.clock().skipped()
+    ));
 
     let mut fps = player.clock().fps();
-    let rate = DragValue::new(&mut fps).range(0.1..=1000.0).speed(0.2).max_decimals(2).suffix(" fps");
-    if named(ui.add(rate), "Frame rate").on_hover_text("Frames a second at speed 1 (fps)").changed() {
+    let rate = DragValue::new(&mut fps)
+        .range(0.1..=1000.0)
+        .speed(0.2)
+        .max_decimals(2)
+        .suffix(" fps");
+    if named(ui.add(rate), "Frame rate")
+        .on_hover_text("Frames a second at speed 1 (fps)")
+        .changed()
+    {
         player.set_fps(fps, now);
     }
 
@@ -218,13 +269,20 @@ fn pace(ui: &mut Ui, state: &mut State) {
         .speed(0.02)
         .max_decimals(2)
         .suffix(" ×");
-    if named(ui.add(drag), "Speed").on_hover_text("Speed, a factor of the frame rate ([ and ])").changed() {
+    if named(ui.add(drag), "Speed")
+        .on_hover_text("Speed, a factor of the frame rate ([ and ])")
+        .changed()
+    {
         speed = size.copysign(speed);
         player.set_speed(speed, now);
     }
     let reverse = speed < 0.0;
     let button = egui::Button::selectable(reverse, "Reverse");
-    if ui.add(button).on_hover_text("Play backward (Backspace)").clicked() {
+    if ui
+        .add(button)
+        .on_hover_text("Play backward (Backspace)")
+        .clicked()
+    {
         player.set_speed(-speed, now);
     }
 
@@ -254,6 +312,8 @@ fn loop_name(mode: LoopMode) -> &'static str {
 
 /// Gives a control without a text of its own a name for screen readers and tests.
 fn named(response: Response, name: &str) -> Response {
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+    response
+        .ctx
+        .accesskit_node_builder(response.id, |node| node.set_label(name));
     response
 }

@@ -1,9 +1,12 @@
 //! The 3-D picture and the mouse on it. The panels are other widgets, so that nothing done to them moves the camera.
 
 use crate::app::State;
-use crate::app::theme::{ACCENT, ODD};
 use crate::app::command::Command;
-use egui::{Align2, Color32, FontId, Modifiers, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, Role, pos2, vec2};
+use crate::app::theme::{ACCENT, ODD};
+use egui::{
+    Align2, Color32, FontId, Modifiers, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke,
+    Ui, Vec2, WidgetInfo, pos2, vec2,
+};
 use glam::Vec3;
 
 /// Degrees of orbit for a drag over the height of the picture.
@@ -26,8 +29,8 @@ pub fn viewport_ui(ui: &mut Ui, state: &mut State) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "3-D picture"));
     state.viewport.rect = rect;
     let max_edge_px = state.viewport.max_edge_px.unwrap_or(u32::MAX);
-    state.viewport.size_px =
-        [rect.width(), rect.height()].map(|edge| ((edge * scale).round().max(0.0) as u32).min(max_edge_px));
+    state.viewport.size_px = [rect.width(), rect.height()]
+        .map(|edge| ((edge * scale).round().max(0.0) as u32).min(max_edge_px));
     move_camera(ui, &response, state);
     if let Some(texture) = state.viewport.texture {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
@@ -53,8 +56,14 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
     let (dx, dy) = (f64::from(drag.x), f64::from(drag.y));
     if response.dragged() && drag != Vec2::ZERO {
         match drag_of(response, modifiers) {
-            Drag::Orbit => camera.orbit(-dx / height * ORBIT_DEG_PER_HEIGHT, dy / height * ORBIT_DEG_PER_HEIGHT),
-            Drag::Look => camera.look_around(-dx / height * LOOK_DEG_PER_HEIGHT, dy / height * LOOK_DEG_PER_HEIGHT),
+            Drag::Orbit => camera.orbit(
+                -dx / height * ORBIT_DEG_PER_HEIGHT,
+                dy / height * ORBIT_DEG_PER_HEIGHT,
+            ),
+            Drag::Look => camera.look_around(
+                -dx / height * LOOK_DEG_PER_HEIGHT,
+                dy / height * LOOK_DEG_PER_HEIGHT,
+            ),
             Drag::Pan => camera.pan_px(dx, dy, height),
         }
     }
@@ -99,7 +108,12 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
     let dropping = ui.input(|input| !input.raw.hovered_files.is_empty());
     if dropping {
         painter.rect_filled(rect, 0.0, Color32::from_black_alpha(150));
-        painter.rect_stroke(rect.shrink(12.0), 8.0, Stroke::new(2.0, ACCENT), egui::StrokeKind::Inside);
+        painter.rect_stroke(
+            rect.shrink(12.0),
+            8.0,
+            Stroke::new(2.0, ACCENT),
+            egui::StrokeKind::Inside,
+        );
         painter.text(
             rect.center(),
             Align2::CENTER_CENTER,
@@ -171,9 +185,19 @@ fn axes(painter: &egui::Painter, rect: Rect, state: &State) {
     // Those that point away first.
     axes.sort_by(|(_, a, _), (_, b, _)| a.z.total_cmp(&b.z));
     for (name, direction, color) in axes {
-        let color = if direction.z < -0.2 { color.gamma_multiply(0.55) } else { color };
+        let color = if direction.z < -0.2 {
+            color.gamma_multiply(0.55)
+        } else {
+            color
+        };
         let tip = |length: f32| center + vec2(direction.x, -direction.y) * length;
         painter.line_segment([center, tip(AXIS_LENGTH)], Stroke::new(2.0, color));
-        painter.text(tip(AXIS_LENGTH + 9.0), Align2::CENTER_CENTER, name, FontId::proportional(12.0), color);
+        painter.text(
+            tip(AXIS_LENGTH + 9.0),
+            Align2::CENTER_CENTER,
+            name,
+            FontId::proportional(12.0),
+            color,
+        );
     }
 }
