@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use std::sync::{Condvar, Mutex};
 use std::time::Instant;
 
-const FRAME: Duration = Duration::from_nanos(1_000_000_000 / 24);
+/// Of a frame at 24 a second; rounded up like the clock's deadlines.
+const FRAME: Duration = Duration::from_nanos(41_666_667);
 
 /// Lets the decoder have frames one by one: the disk of these tests is as slow as they want.
 #[derive(Debug, Default)]
@@ -182,4 +183,22 @@ fn pausing_and_seeking_while_waiting_stay_where_they_were_asked_to() {
     fixture.load(1..9);
     assert_eq!(fixture.update(Duration::from_secs(8)), Some(8));
     assert_eq!(fixture.update(Duration::from_secs(99)), Some(8));
+}
+
+#[test]
+fn waiting_for_the_last_frame_of_a_sequence_that_does_not_loop_ends_there() {
+    let mut fixture = Fixture::new(false);
+    fixture.player.set_loop_mode(LoopMode::Off, Duration::ZERO);
+    fixture.update(Duration::ZERO);
+    fixture.load(0..9);
+    fixture.player.seek(8, Duration::ZERO);
+    assert_eq!(fixture.update(Duration::ZERO), Some(8));
+    fixture.player.toggle(Duration::ZERO);
+    assert_eq!(fixture.update(FRAME), Some(8));
+    assert_eq!(fixture.player.waiting_for(), Some(9));
+    assert!(fixture.player.is_playing());
+    fixture.load(9..10);
+    assert_eq!(fixture.update(Duration::from_secs(2)), Some(9));
+    assert_eq!(fixture.update(Duration::from_secs(9)), Some(9));
+    assert!(!fixture.player.is_playing());
 }
