@@ -27,19 +27,33 @@ fn demo() -> Vec<(String, Arc<Sequence>)> {
 }
 
 fn measure(options: &BenchOptions) -> Report {
-    run(&demo(), options, &common::context(), &|_| {}, &AtomicBool::new(false)).unwrap()
+    run(
+        &demo(),
+        options,
+        &common::context(),
+        &|_| {},
+        &AtomicBool::new(false),
+    )
+    .unwrap()
 }
 
 fn numbers(report: &Report, key: &str) -> Vec<f64> {
     let number = |row| report.value(row, key).and_then(Cell::number);
-    report.rows.iter().map(|row| number(row).unwrap_or_else(|| panic!("{key} is missing"))).collect()
+    report
+        .rows
+        .iter()
+        .map(|row| number(row).unwrap_or_else(|| panic!("{key} is missing")))
+        .collect()
 }
 
 /// JSON and CSV are read back and compared with the rows, cell for cell.
 fn assert_files_agree(report: &Report) {
     let json: serde_json::Value = serde_json::from_str(&report.to_json()).unwrap();
     assert_eq!(json["suite"], report.suite().name());
-    assert_eq!(json["environment"]["adapter"], common::context().adapter_summary());
+    assert_eq!(
+        json["environment"]["adapter"],
+        common::context().adapter_summary()
+    );
     let csv_text = report.to_csv();
     let mut csv = csv::Reader::from_reader(csv_text.as_bytes());
     let headers = csv.headers().unwrap().clone();
@@ -48,15 +62,25 @@ fn assert_files_agree(report: &Report) {
     assert_eq!(json["rows"].as_array().unwrap().len(), report.rows.len());
     for (index, (row, record)) in report.rows.iter().zip(&records).enumerate() {
         for column in report.all_columns() {
-            let field = &record[headers.iter().position(|header| header == column.key).unwrap()];
+            let field = &record[headers
+                .iter()
+                .position(|header| header == column.key)
+                .unwrap()];
             let value = &json["rows"][index][column.key];
             match report.value(row, column.key).unwrap() {
-                Cell::Text(text) => assert_eq!((field, value.as_str()), (text.as_str(), Some(text.as_str()))),
+                Cell::Text(text) => assert_eq!(
+                    (field, value.as_str()),
+                    (text.as_str(), Some(text.as_str()))
+                ),
                 Cell::Number(number) => {
                     assert_eq!(field.parse(), Ok(*number), "{} in CSV", column.key);
                     // serde_json reads the last digit of some numbers wrong.
                     let error = (value.as_f64().unwrap() - number).abs();
-                    assert!(error <= 1e-14 * number.abs(), "{} in JSON: {value} for {number}", column.key);
+                    assert!(
+                        error <= 1e-14 * number.abs(),
+                        "{} in JSON: {value} for {number}",
+                        column.key
+                    );
                 }
                 Cell::Missing => assert!(field.is_empty() && value.is_null(), "{}", column.key),
             }
@@ -66,30 +90,64 @@ fn assert_files_agree(report: &Report) {
     for row in &report.rows {
         let cells = report.cells(row);
         assert_eq!(cells.len(), report.columns().len());
-        let line = table.lines().rev().find(|line| cells.iter().all(|cell| line.contains(cell.as_str())));
-        assert!(line.is_some(), "no line of the table has all of {cells:?}\n{table}");
+        let line = table
+            .lines()
+            .rev()
+            .find(|line| cells.iter().all(|cell| line.contains(cell.as_str())));
+        assert!(
+            line.is_some(),
+            "no line of the table has all of {cells:?}\n{table}"
+        );
     }
 }
 
 fn assert_draw_rows(report: &Report) {
-    let strategies: Vec<String> = report.rows.iter().map(|row| report.cells(row)[1].clone()).collect();
+    let strategies: Vec<String> = report
+        .rows
+        .iter()
+        .map(|row| report.cells(row)[1].clone())
+        .collect();
     assert_eq!(strategies, STRATEGIES);
     // 2 frames, 2 viewpoints, 2 rounds.
     assert_eq!(numbers(report, "samples"), [8.0; 5]);
-    assert_eq!(numbers(report, "timed_uploads"), [0.0; 5], "uploads would be in the draw times");
-    for key in ["draw_ms_min", "upload_ms_median", "upload_bytes", "draw_calls"] {
-        assert!(numbers(report, key).iter().all(|&number| number > 0.0), "{key}");
+    assert_eq!(
+        numbers(report, "timed_uploads"),
+        [0.0; 5],
+        "uploads would be in the draw times"
+    );
+    for key in [
+        "draw_ms_min",
+        "upload_ms_median",
+        "upload_bytes",
+        "draw_calls",
+    ] {
+        assert!(
+            numbers(report, key).iter().all(|&number| number > 0.0),
+            "{key}"
+        );
     }
     let instances = numbers(report, "instances");
-    assert!(instances.iter().all(|&count| count == instances[0] && count > 0.0), "{instances:?}");
+    assert!(
+        instances
+            .iter()
+            .all(|&count| count == instances[0] && count > 0.0),
+        "{instances:?}"
+    );
     let [least, most] = ["draw_ms_min", "draw_ms_max"].map(|key| numbers(report, key));
-    for ((median, least), most) in numbers(report, "draw_ms_median").iter().zip(&least).zip(&most) {
+    for ((median, least), most) in numbers(report, "draw_ms_median")
+        .iter()
+        .zip(&least)
+        .zip(&most)
+    {
         assert!(least <= median && median <= most);
     }
     let bars = report.bars();
     assert_eq!(bars.len(), 5);
     assert_eq!(bars[1].0, "demo uniform");
-    assert_eq!(bars.iter().map(|bar| bar.1).collect::<Vec<_>>(), numbers(report, "draw_ms_median"));
+    assert_eq!(
+        bars.iter().map(|bar| bar.1).collect::<Vec<_>>(),
+        numbers(report, "draw_ms_median")
+    );
 }
 
 #[test]
@@ -101,9 +159,17 @@ fn surfels_are_measured_with_every_strategy() {
     let points = numbers(&report, "points");
     assert_eq!(points[0], report.sequences[0].mean_points);
     assert_eq!(numbers(&report, "instances")[0], 2.0 * points[0]);
-    assert!(numbers(&report, "upload_bytes").iter().all(|&bytes| bytes >= 32.0 * points[0]));
+    assert!(
+        numbers(&report, "upload_bytes")
+            .iter()
+            .all(|&bytes| bytes >= 32.0 * points[0])
+    );
     let coverage = report.sequences[0].coverage.unwrap();
-    assert_eq!((coverage.count, coverage.outside), (4, 0), "the demo can be brought into the band: {coverage:?}");
+    assert_eq!(
+        (coverage.count, coverage.outside),
+        (4, 0),
+        "the demo can be brought into the band: {coverage:?}"
+    );
     assert!(coverage.min >= 0.25 && coverage.max <= 0.85);
 }
 
@@ -112,7 +178,11 @@ fn voxels_are_measured_with_every_strategy() {
     let report = measure(&small(Suite::Voxels));
     assert_draw_rows(&report);
     assert_files_agree(&report);
-    assert!(numbers(&report, "octree_depth").iter().all(|&depth| depth > 3.0));
+    assert!(
+        numbers(&report, "octree_depth")
+            .iter()
+            .all(|&depth| depth > 3.0)
+    );
 }
 
 #[test]
@@ -120,15 +190,32 @@ fn octrees_are_measured_at_the_losses_of_the_paper() {
     let report = measure(&small(Suite::Octree));
     assert_files_agree(&report);
     assert_eq!(numbers(&report, "delta"), [0.02, 0.1, 0.5]);
-    for (loss, delta) in numbers(&report, "loss").iter().zip(numbers(&report, "delta")) {
-        assert!(*loss <= delta, "a loss of {loss} where {delta} is acceptable");
+    for (loss, delta) in numbers(&report, "loss")
+        .iter()
+        .zip(numbers(&report, "delta"))
+    {
+        assert!(
+            *loss <= delta,
+            "a loss of {loss} where {delta} is acceptable"
+        );
     }
     for key in ["depth", "nodes", "leaves"] {
         let numbers = numbers(&report, key);
-        assert!(numbers.windows(2).all(|pair| pair[0] >= pair[1]), "{key} grows with the loss: {numbers:?}");
+        assert!(
+            numbers.windows(2).all(|pair| pair[0] >= pair[1]),
+            "{key} grows with the loss: {numbers:?}"
+        );
     }
-    for key in ["build_ms_median", "traverse_ms_median", "visited_nodes", "emitted_voxels"] {
-        assert!(numbers(&report, key).iter().all(|&number| number > 0.0), "{key}");
+    for key in [
+        "build_ms_median",
+        "traverse_ms_median",
+        "visited_nodes",
+        "emitted_voxels",
+    ] {
+        assert!(
+            numbers(&report, key).iter().all(|&number| number > 0.0),
+            "{key}"
+        );
     }
 }
 
@@ -137,10 +224,20 @@ fn progress_reaches_its_total() {
     let steps = RefCell::new(Vec::new());
     let watch = |progress: Progress| steps.borrow_mut().push(progress);
     let never = AtomicBool::new(false);
-    run(&demo(), &small(Suite::Octree), &common::context(), &watch, &never).unwrap();
+    run(
+        &demo(),
+        &small(Suite::Octree),
+        &common::context(),
+        &watch,
+        &never,
+    )
+    .unwrap();
     let steps = steps.into_inner();
     // Preparing, placing and three losses for each of two frames.
-    assert_eq!(steps.iter().map(|step| step.done).collect::<Vec<_>>(), (0..10).collect::<Vec<_>>());
+    assert_eq!(
+        steps.iter().map(|step| step.done).collect::<Vec<_>>(),
+        (0..10).collect::<Vec<_>>()
+    );
     assert!(steps.iter().all(|step| step.total == 10));
     assert_eq!(steps[9].label, "demo frame 12: δ 50 %");
 }
@@ -157,7 +254,10 @@ fn a_cancelled_run_stops_at_the_next_step() {
             }
         };
         let result = run(&demo(), &small(suite), &common::context(), &watch, &cancel);
-        assert!(matches!(result, Err(BenchError::Cancelled)), "{suite}: {result:?}");
+        assert!(
+            matches!(result, Err(BenchError::Cancelled)),
+            "{suite}: {result:?}"
+        );
         assert_eq!(seen.into_inner(), 3, "{suite}");
     }
 }
@@ -171,28 +271,63 @@ fn broken_frames_are_skipped_and_said() {
     let open = || Arc::new(Sequence::discover(&[folder.path().to_owned()]).unwrap());
     let never = AtomicBool::new(false);
     let inputs = [("scans".to_owned(), open())];
-    let report = run(&inputs, &small(Suite::Octree), &common::context(), &|_| {}, &never).unwrap();
+    let report = run(
+        &inputs,
+        &small(Suite::Octree),
+        &common::context(),
+        &|_| {},
+        &never,
+    )
+    .unwrap();
     assert_eq!(report.sequences[0].measured_frames, 1);
     assert_eq!(report.notes.len(), 1);
-    assert!(report.notes[0].contains("scan_0.xyz"), "{}", report.notes[0]);
+    assert!(
+        report.notes[0].contains("scan_0.xyz"),
+        "{}",
+        report.notes[0]
+    );
 
     std::fs::write(folder.path().join("scan_1.xyz"), "also not\n").unwrap();
     let inputs = [("scans".to_owned(), open())];
-    let error = run(&inputs, &small(Suite::Surfels), &common::context(), &|_| {}, &never).unwrap_err();
-    assert!(error.to_string().contains("scan_0.xyz"), "the first failure is named: {error}");
+    let error = run(
+        &inputs,
+        &small(Suite::Surfels),
+        &common::context(),
+        &|_| {},
+        &never,
+    )
+    .unwrap_err();
+    assert!(
+        error.to_string().contains("scan_0.xyz"),
+        "the first failure is named: {error}"
+    );
 }
 
 #[test]
 fn nothing_to_measure_is_an_error() {
     let never = AtomicBool::new(false);
     let measure = |inputs: &[(String, Arc<Sequence>)], options: &BenchOptions| {
-        run(inputs, options, &common::context(), &|_| {}, &never).unwrap_err().to_string()
+        run(inputs, options, &common::context(), &|_| {}, &never)
+            .unwrap_err()
+            .to_string()
     };
     let options = small(Suite::Surfels);
-    assert_eq!(measure(&[], &options), "there is nothing to measure: no sequence was named");
+    assert_eq!(
+        measure(&[], &options),
+        "there is nothing to measure: no sequence was named"
+    );
     let empty = Sequence::with_decoder(Vec::<Source>::new(), |_| Err("never called".into()));
     let inputs = [("empty".to_owned(), Arc::new(empty))];
-    assert_eq!(measure(&inputs, &options), "there is nothing to measure: empty has no frames");
-    let no_viewpoints = BenchOptions { viewpoints: 0, ..options };
-    assert_eq!(measure(&demo(), &no_viewpoints), "the number of viewpoints must be at least 1");
+    assert_eq!(
+        measure(&inputs, &options),
+        "there is nothing to measure: empty has no frames"
+    );
+    let no_viewpoints = BenchOptions {
+        viewpoints: 0,
+        ..options
+    };
+    assert_eq!(
+        measure(&demo(), &no_viewpoints),
+        "the number of viewpoints must be at least 1"
+    );
 }

@@ -151,7 +151,7 @@ fn ply_colors_of_every_depth() {
             (scalar, "blue"),
         ];
         let row: Vec<f64> = [0.0; 3].into_iter().chain(color).collect();
-        for (encoding, file) in plys(&properties, &[row.clone()]) {
+        for (encoding, file) in plys(&properties, std::slice::from_ref(&row)) {
             assert_eq!(
                 read("a.ply", &file).colors,
                 Some(vec![expected]),
@@ -194,8 +194,9 @@ fn ply_lists_and_other_elements_are_stepped_over() {
         for (point, list) in POINTS.iter().zip(rows) {
             file.extend(put("float", point[0]));
             file.extend(put("uchar", list.len() as f64));
-            list.iter()
-                .for_each(|&item| file.extend(put("short", item)));
+            for &item in list {
+                file.extend(put("short", item));
+            }
             file.extend(put("float", point[1]));
             file.extend(put("float", point[2]));
         }

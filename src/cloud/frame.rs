@@ -62,17 +62,19 @@ impl Frame {
                     .collect()
             }),
             radii: raw.radii.map(|mut radii| {
-                // f32::max takes the other operand for NaN.
-                radii
-                    .iter_mut()
-                    .for_each(|radius| *radius = radius.max(0.0).min(f32::MAX));
+                for radius in &mut radii {
+                    *radius = if radius.is_nan() {
+                        0.0
+                    } else {
+                        radius.clamp(0.0, f32::MAX)
+                    };
+                }
                 compact(radii, keep.as_deref())
             }),
             scalars: raw.scalars.map(|mut scalars| {
-                scalars
-                    .iter_mut()
-                    .filter(|scalar| !scalar.is_finite())
-                    .for_each(|scalar| *scalar = 0.0);
+                for scalar in scalars.iter_mut().filter(|scalar| !scalar.is_finite()) {
+                    *scalar = 0.0;
+                }
                 compact(scalars, keep.as_deref())
             }),
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),

@@ -123,7 +123,9 @@ fn packed_colors(column: &Column<'_>, count: usize) -> Option<Vec<[u8; 4]>> {
     }
     // Writers that know no transparency leave zeros.
     if has_alpha && colors.iter().all(|color| color[3] == 0) {
-        colors.iter_mut().for_each(|color| color[3] = 255);
+        for color in &mut colors {
+            color[3] = 255;
+        }
     }
     Some(colors)
 }

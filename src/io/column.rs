@@ -31,11 +31,10 @@ impl Scalar {
     fn full_scale(self) -> f64 {
         match self {
             Self::I8 => f64::from(i8::MAX),
-            Self::U8 => f64::from(u8::MAX),
             Self::I16 => f64::from(i16::MAX),
             Self::U16 => f64::from(u16::MAX),
-            // Wider integers hold 8-bit colours in every file that was seen.
-            Self::I32 | Self::U32 | Self::I64 | Self::U64 => f64::from(u8::MAX),
+            // Integers wider than 16 bits hold 8-bit colours in every file that was seen.
+            Self::U8 | Self::I32 | Self::U32 | Self::I64 | Self::U64 => f64::from(u8::MAX),
             Self::F32 | Self::F64 => 1.0,
         }
     }

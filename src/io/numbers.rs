@@ -33,10 +33,7 @@ impl<'a> Iterator for Tokens<'a> {
             .iter()
             .position(|&byte| !separates(byte));
         let start = self.position + skipped?;
-        self.line += self.bytes[self.position..start]
-            .iter()
-            .filter(|&&byte| byte == b'\n')
-            .count();
+        self.line += line_endings(&self.bytes[self.position..start]);
         let length = self.bytes[start..]
             .iter()
             .position(|&byte| separates(byte))
@@ -44,6 +41,11 @@ impl<'a> Iterator for Tokens<'a> {
         self.position = start + length;
         Some(&self.bytes[start..start + length])
     }
+}
+
+/// Number of line endings.
+pub(super) fn line_endings(bytes: &[u8]) -> usize {
+    bytes.split(|&byte| byte == b'\n').count() - 1
 }
 
 /// White space, and the comma that some writers put between numbers.

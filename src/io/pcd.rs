@@ -5,7 +5,7 @@
 use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
-use super::numbers::{Tokens, parse_number, quoted};
+use super::numbers::{Tokens, line_endings, parse_number, quoted};
 use crate::cloud::RawCloud;
 use glam::DVec3;
 use pcd_rs::{DataKind, PcdMeta, ValueKind};
@@ -24,10 +24,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let payload = &bytes[payload_start..];
     match header.data {
         DataKind::Ascii => {
-            let header_lines = bytes[..payload_start]
-                .iter()
-                .filter(|&&byte| byte == b'\n')
-                .count();
+            let header_lines = line_endings(&bytes[..payload_start]);
             table.cloud(&table.ascii(payload, header_lines + 1)?, &header)
         }
         DataKind::Binary => {

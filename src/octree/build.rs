@@ -11,6 +11,8 @@
 //!    time, made of whole cells of some middle level: all levels of a block stay in the nearest cache. What is above the
 //!    middle level is little, and done at the end.
 //!
+//! Halves of a large cloud are written by two threads: the scan of step 2 over one half tells where the other's nodes begin.
+//!
 //! When it wins: no node is searched for, allocated or visited twice, and each level is written in ascending order. Inner
 //! loops select instead of branching: whether a node is the first child of its parent is a coin toss that a branch
 //! predictor loses.
@@ -24,7 +26,7 @@ use crate::{
     },
 };
 use glam::{BVec4A, Vec3, Vec4};
-use std::ops::Range;
+use rayon::prelude::*;
 
 impl Octree {
     /// Builds the octree of `positions` down to the level that `stop` asks for.
@@ -52,27 +54,41 @@ impl Octree {
         let depth = stop.depth(&occupied, positions.len());
         let colors: Vec<[u8; 4]> = sorted
             .order
-            .iter()
+            .par_iter()
+            .with_min_len(PARALLEL_POINTS)
             .map(|&index| colors[index as usize])
             .collect();
+        let points = SortedPoints {
+            codes: &sorted.codes,
+            partings: &partings,
+            colors: &colors,
+        };
 
-        let mut writer = LevelWriter::new(cube, depth, positions.len(), &occupied);
+        let mut tree =
+            Self::with_levels(cube, positions.len(), occupied[..=depth as usize].to_vec());
         let middle = middle_level(&occupied, depth, positions.len());
-        let mut roots = LevelNodes::default();
-        let mut nodes = LevelNodes::default();
-        for block in blocks(&partings, middle) {
-            nodes.set_leaves(
-                depth,
-                &sorted.codes[block.clone()],
-                &partings[block.clone()],
-                &colors[block],
-            );
-            writer.write_voxels(depth, &nodes);
-            writer.write_levels(middle..depth, &mut nodes);
-            roots.append(&nodes);
+        let mut upper = LevelWriter::new(&mut tree);
+        let lower = upper.split_off(middle);
+        let first_root = lower.levels[0].next;
+        let mut roots = lower.write_points(points);
+        upper.write_parents(first_root, &mut roots);
+        tree
+    }
+
+    /// A tree of this shape with nothing written yet.
+    fn with_levels(cube: Cube, point_count: usize, level_counts: Vec<usize>) -> Self {
+        let node_count: usize = level_counts.iter().sum();
+        let internal_count = node_count - level_counts.last().copied().unwrap_or(0);
+        let mut first_child = vec![0; internal_count + 1];
+        first_child[internal_count] = node_count as u32;
+        Self {
+            cube,
+            point_count,
+            level_counts,
+            masks: vec![0; internal_count],
+            first_child,
+            voxels: vec![bytemuck::Zeroable::zeroed(); node_count],
         }
-        writer.write_levels(0..middle, &mut roots);
-        writer.tree
     }
 }
 
@@ -113,20 +129,46 @@ fn middle_level(occupied: &OccupiedCells, depth: u32, point_count: usize) -> u32
         .unwrap_or(0)
 }
 
-/// Ranges of points that are whole cells of `level`, each as short as it can be with at least [`BLOCK_POINTS`].
-fn blocks(partings: &[u8], level: u32) -> impl Iterator<Item = Range<usize>> {
-    let mut start = 0;
-    std::iter::from_fn(move || {
-        if start == partings.len() {
-            return None;
-        }
-        let least = (start + BLOCK_POINTS).min(partings.len());
-        let end = partings[least..]
+/// Below this, points are not shared out among threads.
+const PARALLEL_POINTS: usize = 16 * BLOCK_POINTS;
+
+/// A run of points in Morton order.
+#[derive(Debug, Clone, Copy)]
+struct SortedPoints<'a> {
+    codes: &'a [u64],
+    partings: &'a [u8],
+    colors: &'a [[u8; 4]],
+}
+
+impl SortedPoints<'_> {
+    fn len(&self) -> usize {
+        self.codes.len()
+    }
+
+    /// Two runs, of which the first ends with a cell of `level` and has at least `least` points, if there are that many.
+    fn split_after(&self, least: usize, level: u32) -> (Self, Self) {
+        let least = least.min(self.len());
+        let place = self.partings[least..]
             .iter()
             .position(|&parting| u32::from(parting) <= level)
-            .map_or(partings.len(), |beyond| least + beyond);
-        Some(std::mem::replace(&mut start, end)..end)
-    })
+            .map_or(self.len(), |beyond| least + beyond);
+        let (codes, later_codes) = self.codes.split_at(place);
+        let (partings, later_partings) = self.partings.split_at(place);
+        let (colors, later_colors) = self.colors.split_at(place);
+        let later = Self {
+            codes: later_codes,
+            partings: later_partings,
+            colors: later_colors,
+        };
+        (
+            Self {
+                codes,
+                partings,
+                colors,
+            },
+            later,
+        )
+    }
 }
 
 /// Some nodes of one level, in Morton order.
@@ -139,9 +181,40 @@ struct LevelNodes {
     /// Red, green, blue and the number of points, summed over the points inside: exact up to 2¹⁶ points a cell, then
     /// rounded to 24 bits.
     sums: Vec<Vec4>,
+    /// While merging: the first child of each parent, and what the sums will be.
+    starts: Vec<u32>,
+    parent_sums: Vec<Vec4>,
 }
 
 impl LevelNodes {
+    fn len(&self) -> usize {
+        self.partings.len()
+    }
+
+    /// How many cells of `level` begin with one of the nodes.
+    fn count_begun(&self, level: u32) -> usize {
+        self.partings
+            .iter()
+            .filter(|&&parting| u32::from(parting) <= level)
+            .count()
+    }
+
+    /// Writes what is drawn for each node of `level`.
+    fn write_voxels(&self, cube: &Cube, level: u32, voxels: &mut [VoxelRecord]) {
+        let edge = cube.cell_edge(level);
+        let min = cube.min.extend(0.0);
+        for ((voxel, &cell), &sum) in voxels.iter_mut().zip(&self.cells).zip(&self.sums) {
+            // Below 2²¹, so that a signed conversion, which is one instruction, is exact.
+            let cell = Vec4::from_array(cell.map(|coordinate| coordinate as i32 as f32));
+            let [x, y, z, _] = (min + (cell + 0.5) * edge).to_array();
+            *voxel = VoxelRecord {
+                center: [x, y, z],
+                color: rounded_bytes(sum / sum.w),
+                level: level as u8,
+            };
+        }
+    }
+
     fn resize(&mut self, count: usize) {
         self.cells.resize(count, [0; 4]);
         self.partings.resize(count, 0);
@@ -155,13 +228,13 @@ impl LevelNodes {
     }
 
     /// Becomes the occupied cells of `level`, from sorted points.
-    fn set_leaves(&mut self, level: u32, codes: &[u64], partings: &[u8], colors: &[[u8; 4]]) {
-        self.resize(codes.len());
+    fn set_leaves(&mut self, level: u32, points: SortedPoints<'_>) {
+        self.resize(points.len());
         let shift = 3 * (LEVELS - level);
         let mut count = 0;
-        // f32 cannot add more than 2¹⁶ points one by one without rounding each, so they are counted in integers.
-        let mut sum = [0u64; 4];
-        for ((&code, &parting), &[red, green, blue, _]) in codes.iter().zip(partings).zip(colors) {
+        let mut sum = [0; 4];
+        let colored = points.partings.iter().zip(points.colors);
+        for (&code, (&parting, &[red, green, blue, _])) in points.codes.iter().zip(colored) {
             if u32::from(parting) <= level {
                 let [x, y, z] = morton::decode(code >> shift);
                 self.cells[count] = [x, y, z, 0];
@@ -169,8 +242,10 @@ impl LevelNodes {
                 count += 1;
                 sum = [0; 4];
             }
-            for (sum, add) in sum.iter_mut().zip([red, green, blue, 1]) {
-                *sum += u64::from(add);
+            if sum[3] < MOST_SUMMED {
+                for (sum, add) in sum.iter_mut().zip([red, green, blue, 1]) {
+                    *sum += i32::from(add);
+                }
             }
             self.sums[count - 1] = Vec4::from_array(sum.map(|sum| sum as f32));
         }
@@ -186,102 +261,171 @@ impl LevelNodes {
         masks: &mut [u8],
         first_child: &mut [u32],
     ) {
-        // The first node begins a parent, so none of what these start with is used.
+        // Three loops over few arrays each: one over all of them would run out of registers.
+        self.starts.resize(self.partings.len(), 0);
         let mut parents = 0;
+        for (&parting, child) in self.partings.iter().zip(0u32..) {
+            // Overwritten until a child that begins a parent moves on.
+            self.starts[parents] = child;
+            parents += usize::from(u32::from(parting) <= level);
+        }
+        let mut parent = 0;
         let mut mask = 0;
-        let mut first = 0;
-        let mut parting = 0;
         let mut sum = Vec4::ZERO;
-        for child in 0..self.partings.len() {
-            let child_parting = self.partings[child];
-            let cell = self.cells[child];
-            let is_first = u32::from(child_parting) <= level;
-            parents += usize::from(is_first);
+        self.parent_sums.resize(parents, Vec4::ZERO);
+        for ((&parting, &cell), &child_sum) in self.partings.iter().zip(&self.cells).zip(&self.sums)
+        {
+            let is_first = u32::from(parting) <= level;
+            parent += usize::from(is_first);
             mask = if is_first { 0 } else { mask } | 1 << octant(cell);
-            first = if is_first { child as u32 } else { first };
-            parting = if is_first { child_parting } else { parting };
-            sum = Vec4::select(BVec4A::splat(is_first), Vec4::ZERO, sum) + self.sums[child];
-
-            // Written for every child: the last one leaves what is right.
-            let parent = parents - 1;
-            masks[parent] = mask;
-            first_child[parent] = next_child + first;
-            self.cells[parent] = cell.map(|coordinate| coordinate >> 1);
-            self.partings[parent] = parting;
-            self.sums[parent] = sum;
+            sum = Vec4::select(BVec4A::splat(is_first), Vec4::ZERO, sum) + child_sum;
+            // Written for every child: the last one leaves what is right. The first child of all begins a parent.
+            masks[parent - 1] = mask;
+            self.parent_sums[parent - 1] = sum;
+        }
+        std::mem::swap(&mut self.sums, &mut self.parent_sums);
+        for ((parent, &start), first_child) in
+            self.starts[..parents].iter().enumerate().zip(first_child)
+        {
+            *first_child = next_child + start;
+            self.cells[parent] = self.cells[start as usize].map(|coordinate| coordinate >> 1);
+            self.partings[parent] = self.partings[start as usize];
         }
         self.resize(parents);
     }
 }
+
+/// Points of one leaf whose colours are averaged: as many as can be summed in 31 bits. (The others would not be seen.)
+const MOST_SUMMED: i32 = 1 << 23;
 
 /// The octant of a cell in its parent: the lowest bits of its coordinates, moved to where signs are to be picked up.
 fn octant(cell: [u32; 4]) -> u32 {
     Vec4::from_array(cell.map(|coordinate| f32::from_bits(coordinate << 31))).is_negative_bitmask()
 }
 
-/// A tree whose levels are being filled, each from its beginning.
-struct LevelWriter {
-    tree: Octree,
-    /// Number of the next node of each level.
-    next: [usize; LEVELS as usize + 1],
+/// Consecutive nodes of one level that are still to be written. Masks and children are empty for leaves.
+#[derive(Debug)]
+struct LevelPart<'a> {
+    /// Number of the first of them.
+    next: u32,
+    masks: &'a mut [u8],
+    first_child: &'a mut [u32],
+    voxels: &'a mut [VoxelRecord],
 }
 
-impl LevelWriter {
-    fn new(cube: Cube, depth: u32, point_count: usize, occupied: &OccupiedCells) -> Self {
-        let level_counts = occupied[..=depth as usize].to_vec();
-        let node_count: usize = level_counts.iter().sum();
-        let internal_count = node_count - occupied[depth as usize];
-        let mut first_child = vec![0; internal_count + 1];
-        first_child[internal_count] = node_count as u32;
-        let mut end = 0;
+impl<'a> LevelPart<'a> {
+    /// Takes the first `count` nodes away.
+    fn take(&mut self, count: usize) -> LevelPart<'a> {
+        let internal = count.min(self.masks.len());
+        let taken = LevelPart {
+            next: self.next,
+            masks: self.masks.split_off_mut(..internal).unwrap_or_default(),
+            first_child: self
+                .first_child
+                .split_off_mut(..internal)
+                .unwrap_or_default(),
+            voxels: self.voxels.split_off_mut(..count).unwrap_or_default(),
+        };
+        self.next += count as u32;
+        taken
+    }
+}
+
+/// Fills some nodes of some consecutive levels, each from its beginning.
+#[derive(Debug)]
+struct LevelWriter<'a> {
+    cube: Cube,
+    /// Level of the first of `levels`.
+    top: u32,
+    levels: Vec<LevelPart<'a>>,
+}
+
+impl<'a> LevelWriter<'a> {
+    fn new(tree: &'a mut Octree) -> Self {
+        let internal_count = tree.masks.len();
+        let mut rest = LevelPart {
+            next: 0,
+            masks: &mut tree.masks,
+            first_child: &mut tree.first_child[..internal_count],
+            voxels: &mut tree.voxels,
+        };
         Self {
-            tree: Octree {
-                cube,
-                point_count,
-                level_counts,
-                masks: vec![0; internal_count],
-                first_child,
-                voxels: vec![bytemuck::Zeroable::zeroed(); node_count],
-            },
-            next: occupied.map(|count| {
-                end += count;
-                end - count
-            }),
+            cube: tree.cube,
+            top: 0,
+            levels: tree
+                .level_counts
+                .iter()
+                .map(|&count| rest.take(count))
+                .collect(),
         }
     }
 
-    /// Merges nodes of the level `levels.end`, written already, up to the level `levels.start`, writing each.
-    fn write_levels(&mut self, levels: Range<u32>, nodes: &mut LevelNodes) {
-        for level in levels.rev() {
-            let below = self.next[level as usize + 1] - nodes.partings.len();
-            let first = self.next[level as usize];
-            nodes.merge_into_parents(
-                level,
-                below as u32,
-                &mut self.tree.masks[first..],
-                &mut self.tree.first_child[first..],
-            );
-            self.write_voxels(level, nodes);
+    /// Keeps the levels above `level`; the writer of the others.
+    fn split_off(&mut self, level: u32) -> Self {
+        Self {
+            cube: self.cube,
+            top: level,
+            levels: self.levels.split_off((level - self.top) as usize),
         }
     }
 
-    /// Writes what is drawn for each node, and moves on.
-    fn write_voxels(&mut self, level: u32, nodes: &LevelNodes) {
-        let next = &mut self.next[level as usize];
-        let voxels = &mut self.tree.voxels[*next..*next + nodes.cells.len()];
-        *next += voxels.len();
-        let edge = self.tree.cube.cell_edge(level);
-        let min = self.tree.cube.min.extend(0.0);
-        for ((voxel, &cell), &sum) in voxels.iter_mut().zip(&nodes.cells).zip(&nodes.sums) {
-            // Below 2²¹, so that a signed conversion, which is one instruction, is exact.
-            let cell = Vec4::from_array(cell.map(|coordinate| coordinate as i32 as f32));
-            let [x, y, z, _] = (min + (cell + 0.5) * edge).to_array();
-            *voxel = VoxelRecord {
-                center: [x, y, z],
-                color: rounded_bytes(sum / sum.w),
-                level: level as u8,
-            };
+    /// Keeps all but the first nodes of each level, as many as `points` begin; the writer of these.
+    fn split_points(&mut self, points: SortedPoints<'_>) -> Self {
+        let begun = occupied_cells(points.partings);
+        let levels = self.levels.iter_mut().zip(&begun[self.top as usize..]);
+        Self {
+            cube: self.cube,
+            top: self.top,
+            levels: levels.map(|(part, &count)| part.take(count)).collect(),
         }
+    }
+
+    /// Writes the nodes of points that are whole cells of the top level; these cells.
+    fn write_points(mut self, points: SortedPoints<'_>) -> LevelNodes {
+        if points.len() >= 2 * PARALLEL_POINTS {
+            let (low, high) = points.split_after(points.len() / 2, self.top);
+            if high.len() > 0 {
+                let low_writer = self.split_points(low);
+                let (mut roots, high_roots) =
+                    rayon::join(|| low_writer.write_points(low), || self.write_points(high));
+                roots.append(&high_roots);
+                return roots;
+            }
+        }
+        let leaf_level = self.top + self.levels.len() as u32 - 1;
+        let mut roots = LevelNodes::default();
+        let mut nodes = LevelNodes::default();
+        let mut rest = points;
+        while rest.len() > 0 {
+            let block;
+            (block, rest) = rest.split_after(BLOCK_POINTS, self.top);
+            nodes.set_leaves(leaf_level, block);
+            let leaves = self.take(leaf_level, nodes.len());
+            nodes.write_voxels(&self.cube, leaf_level, leaves.voxels);
+            self.merge_up(leaf_level, leaves.next, &mut nodes);
+            roots.append(&nodes);
+        }
+        roots
+    }
+
+    /// Writes all levels above `nodes`, whose first is number `first_node`.
+    fn write_parents(mut self, first_node: u32, nodes: &mut LevelNodes) {
+        self.merge_up(self.top + self.levels.len() as u32, first_node, nodes);
+    }
+
+    /// Merges nodes of `level`, written already, up to the top level, writing each on the way.
+    fn merge_up(&mut self, level: u32, mut first_node: u32, nodes: &mut LevelNodes) {
+        for level in (self.top..level).rev() {
+            let count = nodes.count_begun(level);
+            let parents = self.take(level, count);
+            nodes.merge_into_parents(level, first_node, parents.masks, parents.first_child);
+            nodes.write_voxels(&self.cube, level, parents.voxels);
+            first_node = parents.next;
+        }
+    }
+
+    fn take(&mut self, level: u32, count: usize) -> LevelPart<'a> {
+        self.levels[(level - self.top) as usize].take(count)
     }
 }
 

@@ -5,6 +5,7 @@ use crate::math::{
     morton::{self, FINEST_CELLS},
 };
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// Edge of the cube around points that all coincide, in scene units, unless they lie so far out that f32 cannot tell
 /// the ends of such an edge apart.
@@ -75,24 +76,20 @@ impl Cube {
         let quantizer = Quantizer::new(self);
         let mut codes = vec![0; points.len()];
         // Coordinates are taken apart a block at a time: the same operation on neighbouring numbers is one SIMD instruction.
-        for (codes, points) in codes.chunks_mut(BLOCK).zip(points.chunks(BLOCK)) {
-            for axis in 0..3 {
-                let mut offsets = [0.0; BLOCK];
-                for (offset, point) in offsets.iter_mut().zip(points) {
-                    *offset = f64::from(point[axis]);
-                }
-                for (code, offset) in codes.iter_mut().zip(offsets) {
-                    let index = quantizer.index(offset - quantizer.min[axis]);
-                    *code |= morton::spread(index) << axis;
-                }
-            }
-        }
+        codes
+            .par_chunks_mut(BLOCK)
+            .zip(points.par_chunks(BLOCK))
+            .with_min_len(BLOCKS_PER_TASK)
+            .for_each(|(codes, points)| quantizer.add_codes(points, codes));
         codes
     }
 }
 
 /// Points that are quantised together.
 const BLOCK: usize = 64;
+
+/// Blocks that are worth handing to another thread: 16,384 points.
+const BLOCKS_PER_TASK: usize = 256;
 
 /// Maps points to finest cells, exactly.
 ///
@@ -116,6 +113,19 @@ impl Quantizer {
             min: cube.min.as_dvec3(),
             cell,
             cells_per_unit: 1.0 / cell,
+        }
+    }
+
+    /// Writes the codes of at most [`BLOCK`] points over zeros.
+    fn add_codes(&self, points: &[Vec3], codes: &mut [u64]) {
+        for axis in 0..3 {
+            let mut offsets = [0.0; BLOCK];
+            for (offset, point) in offsets.iter_mut().zip(points) {
+                *offset = f64::from(point[axis]);
+            }
+            for (code, offset) in codes.iter_mut().zip(offsets) {
+                *code |= morton::spread(self.index(offset - self.min[axis])) << axis;
+            }
         }
     }
 

@@ -17,7 +17,7 @@ pub enum UpAxis {
     /// +Y, the usual one of models.
     #[default]
     Y,
-    /// +Z, the usual one of surveys and LiDAR.
+    /// +Z, the usual one of surveys and `LiDAR`.
     Z,
     /// -X.
     NegX,
@@ -47,7 +47,7 @@ impl UpAxis {
     }
 
     /// The likely up axis of a frame: depth cameras (whose position is known) look along +Z with Y down, surveys and
-    /// LiDAR sweeps are wide and flat along Z, and everything else is taken for a model with Y up.
+    /// `LiDAR` sweeps are wide and flat along Z, and everything else is taken for a model with Y up.
     pub fn guess(frame: &Frame) -> Self {
         // A street or a room is at least this much wider than high.
         const FLAT: f32 = 3.0;

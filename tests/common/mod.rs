@@ -1,5 +1,6 @@
 //! What image tests share: one software device, and packets made from a few records.
 #![allow(dead_code, reason = "every test binary uses another part")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::{DVec3, Vec3};
 use image::{Rgba, RgbaImage};

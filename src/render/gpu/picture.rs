@@ -64,7 +64,7 @@ impl Plan {
     }
 
     /// The uniforms of each geometry pass.
-    pub(super) fn views(&self, packet: &ScenePacket) -> [ViewUniform; 2] {
+    pub(super) fn views(packet: &ScenePacket) -> [ViewUniform; 2] {
         let [visibility, attribute] = packet
             .settings
             .splatting

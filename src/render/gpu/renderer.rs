@@ -236,7 +236,7 @@ impl Renderer for GpuRenderer {
         for pass in plan.screen_passes(packet) {
             self.pipelines.ensure_screen(&self.context, pass);
         }
-        for (index, view) in (0..).zip(plan.views(packet)) {
+        for (index, view) in (0..).zip(Plan::views(packet)) {
             let offset = u64::from(self.view_stride) * index;
             self.context
                 .queue

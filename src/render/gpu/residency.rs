@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn clouds_that_are_gone_go_first_then_the_oldest_but_never_the_kept() {
         let mut residency = Residency::new(100);
-        let clouds: Vec<_> = (0..4).map(|_| Arc::new(vec![0u8; 40])).collect();
+        let mut clouds: Vec<_> = (0..4).map(|_| Arc::new(vec![0u8; 40])).collect();
         for cloud in &clouds[..3] {
             residency.ensure(cloud, stream_of);
         }
@@ -155,7 +155,7 @@ mod tests {
 
         residency.ensure(&clouds[3], stream_of);
         let kept = [StreamKey::of(&clouds[1])];
-        let clouds = vec![Arc::clone(&clouds[1])];
+        clouds = vec![Arc::clone(&clouds[1])];
         residency.trim(&kept);
         assert_eq!(
             residency.resident_bytes(),

@@ -10,13 +10,13 @@ pub(super) fn state() -> PassState {
         operation: wgpu::BlendOperation::Add,
     };
     PassState {
-        color: target(
+        color: Some(target(
             ACCUMULATION_FORMAT,
             Some(wgpu::BlendState {
                 color: add,
                 alpha: add,
             }),
-        ),
+        )),
         depth: Some(DepthUse::TestOnly),
     }
 }

@@ -40,15 +40,12 @@ impl PassState {
     }
 }
 
-fn target(
-    format: wgpu::TextureFormat,
-    blend: Option<wgpu::BlendState>,
-) -> Option<wgpu::ColorTargetState> {
-    Some(wgpu::ColorTargetState {
+fn target(format: wgpu::TextureFormat, blend: Option<wgpu::BlendState>) -> wgpu::ColorTargetState {
+    wgpu::ColorTargetState {
         format,
         blend,
         write_mask: wgpu::ColorWrites::ALL,
-    })
+    }
 }
 
 /// Colours over what is there; the picture stays opaque.
@@ -77,7 +74,7 @@ pub(super) fn geometry_state(pass: GeometryPass) -> PassState {
 fn screen_state(pass: ScreenPass) -> PassState {
     match pass {
         ScreenPass::Background => PassState {
-            color: target(COLOR_FORMAT, None),
+            color: Some(target(COLOR_FORMAT, None)),
             depth: None,
         },
         ScreenPass::Resolve | ScreenPass::DepthView => resolve::state(),

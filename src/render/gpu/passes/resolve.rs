@@ -4,7 +4,7 @@ use super::{COLOR_FORMAT, PassState, over, target};
 
 pub(super) fn state() -> PassState {
     PassState {
-        color: target(COLOR_FORMAT, Some(over())),
+        color: Some(target(COLOR_FORMAT, Some(over()))),
         depth: None,
     }
 }

@@ -4,7 +4,7 @@ use super::{COLOR_FORMAT, DepthUse, PassState, target};
 
 pub(super) fn state() -> PassState {
     PassState {
-        color: target(COLOR_FORMAT, None),
+        color: Some(target(COLOR_FORMAT, None)),
         depth: Some(DepthUse::TestAndWrite),
     }
 }

@@ -4,14 +4,14 @@ use super::{COLOR_FORMAT, DepthUse, PassState, over, target};
 
 pub(super) fn regular_state() -> PassState {
     PassState {
-        color: target(COLOR_FORMAT, Some(over())),
+        color: Some(target(COLOR_FORMAT, Some(over()))),
         depth: Some(DepthUse::TestAndWrite),
     }
 }
 
 pub(super) fn no_depth_state() -> PassState {
     PassState {
-        color: target(COLOR_FORMAT, Some(over())),
+        color: Some(target(COLOR_FORMAT, Some(over()))),
         depth: None,
     }
 }

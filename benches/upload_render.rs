@@ -1,0 +1,108 @@
+//! Upload and drawing of 100,000 points by each instancing strategy: `cargo bench --bench upload_render`.
+//!
+//! Measured: `upload` is making the records resident (allocation, one copy a chunk, and the wait until it has arrived);
+//! `draw` is a picture of resident records from the packet until the GPU has finished, for points (one pixel) and for
+//! surfels (two-pass-enlarged, 2x), 640×480, a sphere that covers about half of it. All by the CPU's clock, on the
+//! adapter that the program would take, which is printed first; `WGPU_BACKEND` and `VK_DRIVER_FILES` choose another.
+//!
+//! Not measured: decoding, normals, compiling pipelines, reading back, showing. GPU time, voxels, real scans and the
+//! picture size of the paper are the business of `pointreel bench`.
+
+use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use glam::{DVec3, Vec3};
+use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
+use pointreel::math::Aabb;
+use pointreel::render::Renderer;
+use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
+use pointreel::scene::{Camera, Primitive, ScenePacket, Settings, Strategy, UpAxis};
+use std::sync::Arc;
+use std::time::Duration;
+
+const POINTS: usize = 100_000;
+const SIZE_PX: [u32; 2] = [640, 480];
+
+/// A sphere of radius 1 with evenly spread surfels that close its surface.
+fn sphere(primitive: Primitive, strategy: Strategy) -> ScenePacket {
+    let golden_angle = std::f32::consts::PI * (3.0 - 5f32.sqrt());
+    let directions = (0..POINTS).map(|index| {
+        let y = 1.0 - 2.0 * (index as f32 + 0.5) / POINTS as f32;
+        let (sin, cos) = (golden_angle * index as f32).sin_cos();
+        let radius = (1.0 - y * y).sqrt();
+        Vec3::new(cos * radius, y, sin * radius)
+    });
+    let points = directions.clone().map(|direction| PointRecord {
+        position: direction.to_array(),
+        color: ((direction + 1.0) * 127.5).extend(255.0).to_array().map(|channel| channel as u8),
+    });
+    let spacing = (4.0 * std::f32::consts::PI / POINTS as f32).sqrt();
+    let shapes = directions.map(|direction| ShapeRecord {
+        normal: oct_encode(direction),
+        radius: spacing,
+        ellipse: 0,
+        scalar: 0.0,
+    });
+    let bounds = Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE };
+    let mut camera = Camera::framing(&bounds, DVec3::ZERO, UpAxis::Y);
+    camera.distance = 2.7;
+    ScenePacket {
+        viewport_px: SIZE_PX,
+        view: camera.transform(DVec3::ZERO, SIZE_PX),
+        settings: Settings { primitive, strategy, ..Settings::default() },
+        points: Arc::new(points.collect()),
+        shapes: (primitive == Primitive::Surfel).then(|| Arc::new(shapes.collect())),
+        voxels: None,
+        bounds,
+    }
+}
+
+/// The same cloud in other memory: a renderer has to upload it again.
+fn copy(packet: &ScenePacket) -> ScenePacket {
+    ScenePacket {
+        points: Arc::new(packet.points.to_vec()),
+        shapes: packet.shapes.as_ref().map(|shapes| Arc::new(shapes.to_vec())),
+        ..packet.clone()
+    }
+}
+
+fn upload(renderer: &mut GpuRenderer, packet: &ScenePacket) {
+    renderer.prepare(packet).expect("the packet can be uploaded");
+    // Copies out of mapped memory are carried out with the next submission.
+    renderer.context().queue.submit([]);
+    renderer.context().wait().expect("the adapter answers");
+}
+
+fn draw(renderer: &mut GpuRenderer, packet: &ScenePacket) {
+    renderer.invalidate();
+    renderer.prepare(packet).expect("the packet can be uploaded");
+    renderer.render().expect("the packet can be drawn");
+    renderer.context().wait().expect("the adapter answers");
+}
+
+fn strategies(criterion: &mut Criterion) {
+    let context = Context::headless(&ContextOptions::default()).expect("an adapter");
+    println!("adapter: {}", context.adapter_summary());
+    for primitive in [Primitive::Point, Primitive::Surfel] {
+        for what in ["upload", "draw"] {
+            let mut group = criterion.benchmark_group(format!("{what}/{primitive}"));
+            group.throughput(Throughput::Elements(POINTS as u64));
+            group.sample_size(20).warm_up_time(Duration::from_secs(1)).measurement_time(Duration::from_secs(3));
+            for &strategy in Strategy::ALL {
+                let packet = sphere(primitive, strategy);
+                let mut renderer = GpuRenderer::new(Arc::clone(&context)).expect("a renderer");
+                draw(&mut renderer, &packet);
+                group.bench_function(BenchmarkId::from_parameter(strategy), |bencher| match what {
+                    "upload" => bencher.iter_batched_ref(
+                        || copy(&packet),
+                        |fresh| upload(&mut renderer, fresh),
+                        BatchSize::PerIteration,
+                    ),
+                    _ => bencher.iter(|| draw(&mut renderer, &packet)),
+                });
+            }
+            group.finish();
+        }
+    }
+}
+
+criterion_group!(benches, strategies);
+criterion_main!(benches);
