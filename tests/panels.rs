@@ -235,12 +235,6 @@ fn a_broken_frame_is_marked_told_once_and_played_over() {
     for step in 0..4 {
         state.update(Duration::from_millis(step * 42));
         let player = state.player.as_ref().unwrap();
-        eprintln!(
-            "{step} {:?} {:?} {:?}",
-            player.clock(),
-            player.waiting_for(),
-            player.failure()
-        );
         shown.push(player.shown().unwrap().index);
     }
     assert_eq!(shown, [4, 4, 6, 7]);

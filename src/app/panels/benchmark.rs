@@ -15,7 +15,7 @@ pub fn benchmark_ui(ui: &mut Ui, state: &mut State) {
     Window::new("Benchmark")
         .open(&mut open)
         .collapsible(false)
-        .default_width(680.0)
+        .default_width(820.0)
         .pivot(Align2::CENTER_CENTER)
         .default_pos(ui.ctx().content_rect().center())
         .show(ui, |ui| match &state.benchmark {
@@ -112,6 +112,7 @@ fn chart(ui: &mut Ui, table: &BenchmarkTable) {
             Bar::new(f64::from(place), *median_ms)
                 .name(label)
                 .width(0.7)
+                .fill(ACCENT)
         })
         .collect();
     let labels: Vec<String> = table

@@ -26,7 +26,7 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
         rows(ui, "shading", |ui| shading(ui, &mut state.settings));
         heading(ui, "Background");
         rows(ui, "background", |ui| {
-            background(ui, &mut state.settings.background)
+            background(ui, &mut state.settings.background);
         });
         heading(ui, "Camera");
         rows(ui, "camera", |ui| camera(ui, state));

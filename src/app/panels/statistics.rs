@@ -1,7 +1,7 @@
 //! What the program did and how long it took. Every figure has its unit.
 
 use super::{bytes, grouped};
-use crate::app::State;
+use crate::app::{Player, State};
 use crate::sequence::PreparedFrame;
 use egui::{DragValue, Grid, Label, RichText, ScrollArea, Ui};
 
@@ -86,7 +86,7 @@ fn frame_times(ui: &mut Ui, state: &State) {
             gpu,
             "The last measured picture on the GPU, by timestamp queries",
         );
-        let held = state.player.as_ref().and_then(|player| player.fps_held());
+        let held = state.player.as_ref().and_then(Player::fps_held);
         let held = held.map_or_else(|| "paused".to_owned(), |fps| format!("{fps:.1} fps"));
         row(
             ui,
