@@ -5,11 +5,13 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::panels::window_ui;
 use pointreel::app::{
-    BINDINGS, BenchmarkJob, Benchmark, BenchmarkTable, Command, GESTURES, Mark, Progress, Recent, Severity, State, StateOptions,
-    WindowRequest, apply_theme,
+    BINDINGS, Benchmark, BenchmarkJob, BenchmarkTable, Command, GESTURES, Mark, Progress, Recent,
+    Severity, State, StateOptions, WindowRequest, apply_theme,
 };
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::scene::{Background, Lighting, Primitive, Scene, Settings, Splatting, Strategy, UpAxis};
+use pointreel::scene::{
+    Background, Lighting, Primitive, Scene, Settings, Splatting, Strategy, UpAxis,
+};
 use pointreel::sequence::{ColorSource, LoopMode, Sequence, Source};
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
@@ -31,13 +33,17 @@ fn sequence(broken: &'static [u64]) -> Arc<Sequence> {
             return Err(format!("{}: line 3: expected an element", source.name).into());
         }
         let size = 1.0 + number as f32 / 100.0;
-        let corners = (0..8).map(|corner| [0, 1, 2].map(|axis| size * (corner >> axis & 1) as f32 - 0.5 * size));
+        let corners = (0..8)
+            .map(|corner| [0, 1, 2].map(|axis| size * (corner >> axis & 1) as f32 - 0.5 * size));
         Ok(RawCloud::from_positions(Positions::F32(corners.collect())))
     }))
 }
 
 fn options() -> StateOptions {
-    StateOptions { paused: true, ..StateOptions::default() }
+    StateOptions {
+        paused: true,
+        ..StateOptions::default()
+    }
 }
 
 /// A window of 1280×800 on `sequence`, all frames loaded, at time zero.
@@ -95,7 +101,17 @@ fn the_play_button_plays_and_pauses() {
     // 24 frames a second: the third frame is due after 2/24 s.
     assert!(harness.state_mut().update(Duration::from_millis(85)));
     assert_eq!(frame(&harness), 2);
-    assert_eq!(harness.state().player.as_ref().unwrap().shown().unwrap().index, 2);
+    assert_eq!(
+        harness
+            .state()
+            .player
+            .as_ref()
+            .unwrap()
+            .shown()
+            .unwrap()
+            .index,
+        2
+    );
     harness.run();
     click(&mut harness, "Pause");
     assert!(!is_playing(&harness));
@@ -106,7 +122,13 @@ fn the_play_button_plays_and_pauses() {
 #[test]
 fn buttons_step_and_jump() {
     let mut harness = window();
-    for (label, expected) in [("Next frame", 1), ("Next frame", 2), ("Previous frame", 1), ("Last frame", 23), ("First frame", 0)] {
+    for (label, expected) in [
+        ("Next frame", 1),
+        ("Next frame", 2),
+        ("Previous frame", 1),
+        ("Last frame", 23),
+        ("First frame", 0),
+    ] {
         click(&mut harness, label);
         assert_eq!(frame(&harness), expected, "{label}");
     }
@@ -117,8 +139,15 @@ fn buttons_step_and_jump() {
 fn the_timeline_scrubs_and_playing_goes_on_after() {
     let mut harness = window();
     click(&mut harness, "Play");
-    let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
-    let at = |frame: f32| pos2(bar.left() + bar.width() * (frame + 0.5) / FRAMES as f32, bar.center().y);
+    let bar = harness
+        .get_by_role_and_label(Role::Slider, "Timeline")
+        .rect();
+    let at = |frame: f32| {
+        pos2(
+            bar.left() + bar.width() * (frame + 0.5) / FRAMES as f32,
+            bar.center().y,
+        )
+    };
     harness.drag_at(at(2.0));
     harness.hover_at(at(6.0));
     harness.run();
@@ -146,27 +175,58 @@ fn a_broken_frame_is_marked_told_once_and_played_over() {
     let mut harness = window_on(sequence(&[5]), options());
     harness.run();
     let runs = harness.state().player.as_ref().unwrap().runs().to_vec();
-    let marks: Vec<_> = runs.iter().map(|run| (run.start, run.end, run.mark)).collect();
-    assert_eq!(marks, [(0, 5, Mark::Resident), (5, 6, Mark::Failed), (6, 24, Mark::Resident)]);
+    let marks: Vec<_> = runs
+        .iter()
+        .map(|run| (run.start, run.end, run.mark))
+        .collect();
+    assert_eq!(
+        marks,
+        [
+            (0, 5, Mark::Resident),
+            (5, 6, Mark::Failed),
+            (6, 24, Mark::Resident)
+        ]
+    );
     assert!(harness.state().notices.list().is_empty());
 
     let bar = harness.get_by_label("Timeline").rect();
     harness.hover_at(pos2(bar.left() + bar.width() * 5.5 / 24.0, bar.center().y));
     harness.run_steps(60);
-    assert!(harness.query_by_label_contains("frame_0005.ply: line 3: expected an element").is_some());
+    assert!(
+        harness
+            .query_by_label_contains("frame_0005.ply: line 3: expected an element")
+            .is_some()
+    );
     harness.hover_at(pos2(640.0, 300.0));
     harness.run();
 
     for _ in 0..3 {
-        harness.state_mut().player.as_mut().unwrap().seek(5, Duration::ZERO);
+        harness
+            .state_mut()
+            .player
+            .as_mut()
+            .unwrap()
+            .seek(5, Duration::ZERO);
         harness.state_mut().update(Duration::ZERO);
-        harness.state_mut().player.as_mut().unwrap().seek(6, Duration::ZERO);
+        harness
+            .state_mut()
+            .player
+            .as_mut()
+            .unwrap()
+            .seek(6, Duration::ZERO);
         harness.state_mut().update(Duration::ZERO);
     }
     let notices = harness.state().notices.list();
     assert_eq!(notices.len(), 1);
-    assert_eq!((notices[0].severity, notices[0].count), (Severity::Error, 1));
-    assert!(notices[0].text.starts_with("Frame 6 of 24 is left out. "), "{}", notices[0].text);
+    assert_eq!(
+        (notices[0].severity, notices[0].count),
+        (Severity::Error, 1)
+    );
+    assert!(
+        notices[0].text.starts_with("Frame 6 of 24 is left out. "),
+        "{}",
+        notices[0].text
+    );
 
     let state = harness.state_mut();
     state.player.as_mut().unwrap().seek(4, Duration::ZERO);
@@ -175,7 +235,6 @@ fn a_broken_frame_is_marked_told_once_and_played_over() {
     for step in 0..4 {
         state.update(Duration::from_millis(step * 42));
         let player = state.player.as_ref().unwrap();
-        eprintln!("{step} {:?} {:?} {:?}", player.clock(), player.waiting_for(), player.failure());
         shown.push(player.shown().unwrap().index);
     }
     assert_eq!(shown, [4, 4, 6, 7]);
@@ -205,7 +264,9 @@ fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) {
 }
 
 fn slide(harness: &mut Harness<'_, State>, label: &str, value: f64) {
-    harness.get_by_role_and_label(Role::Slider, label).set_value_accesskit(value);
+    harness
+        .get_by_role_and_label(Role::Slider, label)
+        .set_value_accesskit(value);
     harness.run();
 }
 
@@ -214,7 +275,10 @@ fn every_setting_can_be_changed_and_reset() {
     let mut harness = window();
     choose(&mut harness, "Splatting", "Visibility");
     assert_eq!(harness.state().settings.splatting, Splatting::Visibility);
-    assert!(harness.query_by_label("Enlargement").is_none(), "this mode has no enlargement");
+    assert!(
+        harness.query_by_label("Enlargement").is_none(),
+        "this mode has no enlargement"
+    );
     choose(&mut harness, "Splatting", "Enlarged");
     slide(&mut harness, "Enlargement", 3.0);
     assert_eq!(harness.state().settings.enlargement, 3.0);
@@ -222,7 +286,9 @@ fn every_setting_can_be_changed_and_reset() {
     assert_eq!(harness.state().settings.strategy, Strategy::Compute);
     slide(&mut harness, "Splat scale", 2.5);
     assert_eq!(harness.state().settings.splat_scale, 2.5);
-    harness.get_by_role_and_label(Role::CheckBox, "Back faces").click();
+    harness
+        .get_by_role_and_label(Role::CheckBox, "Back faces")
+        .click();
     harness.run();
     assert!(!harness.state().settings.cull_back_faces);
     choose(&mut harness, "Lighting", "Per vertex");
@@ -230,7 +296,10 @@ fn every_setting_can_be_changed_and_reset() {
     choose(&mut harness, "Colours", "One colour");
     assert_eq!(harness.state().settings.colors, ColorSource::Uniform);
     choose(&mut harness, "Preset", "White");
-    assert_eq!(harness.state().settings.background, Background::solid([255; 3]));
+    assert_eq!(
+        harness.state().settings.background,
+        Background::solid([255; 3])
+    );
     choose(&mut harness, "Up axis", "+Z");
     assert_eq!(harness.state().camera.up, UpAxis::Z);
     slide(&mut harness, "Field of view", 60.0);
@@ -335,7 +404,11 @@ fn keys_do_what_the_table_says() {
     press(&mut harness, Modifiers::COMMAND, Key::Q);
     assert_eq!(
         harness.state_mut().take_requests(),
-        [WindowRequest::Screenshot(None), WindowRequest::FullScreen, WindowRequest::Quit]
+        [
+            WindowRequest::Screenshot(None),
+            WindowRequest::FullScreen,
+            WindowRequest::Quit
+        ]
     );
 }
 
@@ -362,11 +435,22 @@ fn the_help_lists_every_key_and_escape_closes_it() {
     let mut harness = window();
     press(&mut harness, Modifiers::NONE, Key::F1);
     for binding in BINDINGS {
-        assert!(harness.query_all_by_label(binding.text).next().is_some(), "{}", binding.text);
-        assert!(harness.query_all_by_label(binding.keys).next().is_some(), "{}", binding.keys);
+        assert!(
+            harness.query_all_by_label(binding.text).next().is_some(),
+            "{}",
+            binding.text
+        );
+        assert!(
+            harness.query_all_by_label(binding.keys).next().is_some(),
+            "{}",
+            binding.keys
+        );
     }
     for (gesture, text) in GESTURES {
-        assert!(harness.query_all_by_label(gesture).next().is_some(), "{gesture}");
+        assert!(
+            harness.query_all_by_label(gesture).next().is_some(),
+            "{gesture}"
+        );
         assert!(harness.query_all_by_label(text).next().is_some(), "{text}");
     }
     press(&mut harness, Modifiers::NONE, Key::Escape);
@@ -374,8 +458,19 @@ fn the_help_lists_every_key_and_escape_closes_it() {
     assert!(harness.query_by_label("Ten frames on").is_none());
 }
 
-fn drag(harness: &mut Harness<'_, State>, button: PointerButton, modifiers: Modifiers, from: egui::Pos2, by: egui::Vec2) {
-    let event = |pos, pressed| egui::Event::PointerButton { pos, button, pressed, modifiers };
+fn drag(
+    harness: &mut Harness<'_, State>,
+    button: PointerButton,
+    modifiers: Modifiers,
+    from: egui::Pos2,
+    by: egui::Vec2,
+) {
+    let event = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button,
+        pressed,
+        modifiers,
+    };
     harness.hover_at(from);
     harness.event_modifiers(event(from, true), modifiers);
     // Within one step egui sees only the last place.
@@ -391,24 +486,57 @@ fn the_mouse_moves_the_camera_on_the_picture_only() {
     let mut harness = window();
     let picture = harness.state().viewport.rect.center();
     let before = harness.state().camera;
-    drag(&mut harness, PointerButton::Primary, Modifiers::NONE, picture, vec2(100.0, 0.0));
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::NONE,
+        picture,
+        vec2(100.0, 0.0),
+    );
     let orbited = harness.state().camera;
-    assert!(orbited.azimuth_deg < before.azimuth_deg - 10.0, "{orbited:?}");
+    assert!(
+        orbited.azimuth_deg < before.azimuth_deg - 10.0,
+        "{orbited:?}"
+    );
     assert_eq!(orbited.target_in_world, before.target_in_world);
 
-    drag(&mut harness, PointerButton::Secondary, Modifiers::NONE, picture, vec2(0.0, 80.0));
+    drag(
+        &mut harness,
+        PointerButton::Secondary,
+        Modifiers::NONE,
+        picture,
+        vec2(0.0, 80.0),
+    );
     let panned = harness.state().camera;
     assert_eq!(panned.azimuth_deg, orbited.azimuth_deg);
     assert!((panned.target_in_world - orbited.target_in_world).length() > 0.05 * panned.distance);
-    drag(&mut harness, PointerButton::Primary, Modifiers::SHIFT, picture, vec2(0.0, -80.0));
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::SHIFT,
+        picture,
+        vec2(0.0, -80.0),
+    );
     let back = harness.state().camera;
     assert!((back.target_in_world - orbited.target_in_world).length() < 1e-3 * panned.distance);
 
     let settings = harness.get_by_label("Background").rect().center();
     let timeline = harness.get_by_label("Timeline").rect().center();
     for from in [settings, timeline, pos2(600.0, 12.0)] {
-        drag(&mut harness, PointerButton::Primary, Modifiers::NONE, from, vec2(-300.0, -100.0));
-        drag(&mut harness, PointerButton::Secondary, Modifiers::NONE, from, vec2(-300.0, -100.0));
+        drag(
+            &mut harness,
+            PointerButton::Primary,
+            Modifiers::NONE,
+            from,
+            vec2(-300.0, -100.0),
+        );
+        drag(
+            &mut harness,
+            PointerButton::Secondary,
+            Modifiers::NONE,
+            from,
+            vec2(-300.0, -100.0),
+        );
         assert_eq!(harness.state().camera, back, "from {from}");
     }
 }
@@ -433,7 +561,12 @@ fn the_wheel_zooms_on_the_picture_only() {
     let before = harness.state().camera;
     scroll(&mut harness, picture, 100.0);
     let near = harness.state().camera;
-    assert!(near.distance < 0.95 * before.distance, "{} of {}", near.distance, before.distance);
+    assert!(
+        near.distance < 0.95 * before.distance,
+        "{} of {}",
+        near.distance,
+        before.distance
+    );
     let settings = harness.get_by_label("Background").rect().center();
     scroll(&mut harness, settings, -100.0);
     assert_eq!(harness.state().camera, near);
@@ -454,7 +587,10 @@ fn a_paused_untouched_window_does_nothing() {
         assert_eq!(state.next_deadline(), None);
         assert!(state.next_packet().is_none());
     }
-    assert_eq!((harness.state().counters, harness.state().scene_stats()), (counters, scene));
+    assert_eq!(
+        (harness.state().counters, harness.state().scene_stats()),
+        (counters, scene)
+    );
     assert!(!harness.ctx.has_requested_repaint());
     // A panel that is run again, as for a moved mouse, is no new picture.
     harness.hover_at(pos2(100.0, 100.0));
@@ -468,11 +604,27 @@ fn a_paused_untouched_window_does_nothing() {
 #[test]
 fn the_picture_stays_until_the_new_primitive_is_there() {
     let mut harness = window();
-    assert_eq!(harness.state_mut().next_packet().unwrap().settings.primitive, Primitive::Surfel);
+    assert_eq!(
+        harness
+            .state_mut()
+            .next_packet()
+            .unwrap()
+            .settings
+            .primitive,
+        Primitive::Surfel
+    );
     harness.state_mut().settings.primitive = Primitive::Voxel;
     harness.state_mut().settings.splat_scale = 2.0;
     // No update yet: the frame has no octree.
-    assert_eq!(harness.state_mut().next_packet().unwrap().settings.primitive, Primitive::Surfel);
+    assert_eq!(
+        harness
+            .state_mut()
+            .next_packet()
+            .unwrap()
+            .settings
+            .primitive,
+        Primitive::Surfel
+    );
     load_all(harness.state_mut());
     let packet = harness.state_mut().next_packet().unwrap();
     assert_eq!(packet.settings.primitive, Primitive::Voxel);
@@ -488,10 +640,25 @@ fn statistics_tell_points_octree_and_budget() {
     click(&mut harness, "Voxels");
     load_all(harness.state_mut());
     harness.run();
-    for label in ["Points", "Depth", "Nodes", "Leaves", "Loss", "Visited", "Uploads", "Passes", "Draw calls"] {
-        assert!(harness.query_all_by_label(label).next().is_some(), "{label}");
+    for label in [
+        "Points",
+        "Depth",
+        "Nodes",
+        "Leaves",
+        "Loss",
+        "Visited",
+        "Uploads",
+        "Passes",
+        "Draw calls",
+    ] {
+        assert!(
+            harness.query_all_by_label(label).next().is_some(),
+            "{label}"
+        );
     }
-    harness.get_by_role_and_label(Role::SpinButton, "Budget").set_value_accesskit(64.0);
+    harness
+        .get_by_role_and_label(Role::SpinButton, "Budget")
+        .set_value_accesskit(64.0);
     harness.run();
     let stats = harness.state().player.as_ref().unwrap().loader().stats();
     assert_eq!(stats.budget_bytes, 64 << 20);
@@ -501,18 +668,35 @@ fn statistics_tell_points_octree_and_budget() {
 fn menus_open_close_and_list_what_was_opened() {
     let mut recent = Recent::default();
     recent.add(&["/nowhere/at/all".into()]).unwrap();
-    let mut harness = window_on(sequence(&[]), StateOptions { recent, ..options() });
+    let mut harness = window_on(
+        sequence(&[]),
+        StateOptions {
+            recent,
+            ..options()
+        },
+    );
     click(&mut harness, "File");
     click(&mut harness, "Recent");
     click(&mut harness, "/nowhere/at/all");
     let begin = Instant::now();
     while harness.state().notices.list().is_empty() {
-        assert!(begin.elapsed() < Duration::from_secs(20), "no answer for the missing folder");
+        assert!(
+            begin.elapsed() < Duration::from_secs(20),
+            "no answer for the missing folder"
+        );
         harness.state_mut().update(Duration::ZERO);
         std::thread::sleep(Duration::from_millis(5));
     }
-    assert!(harness.state().notices.list()[0].text.contains("/nowhere/at/all"));
-    assert_eq!(harness.state().player.as_ref().unwrap().sequence().len(), FRAMES, "what was open stays");
+    assert!(
+        harness.state().notices.list()[0]
+            .text
+            .contains("/nowhere/at/all")
+    );
+    assert_eq!(
+        harness.state().player.as_ref().unwrap().sequence().len(),
+        FRAMES,
+        "what was open stays"
+    );
 
     click(&mut harness, "File");
     choose_item(&mut harness, "Demo");
@@ -530,7 +714,11 @@ fn menus_open_close_and_list_what_was_opened() {
 fn choose_item(harness: &mut Harness<'_, State>, text: &str) {
     harness
         .get_all_by_role(Role::Button)
-        .find(|node| node.accesskit_node().label().is_some_and(|label| label.starts_with(text)))
+        .find(|node| {
+            node.accesskit_node()
+                .label()
+                .is_some_and(|label| label.starts_with(text))
+        })
         .expect("the menu has the item")
         .click();
     harness.run_steps(3);
@@ -546,7 +734,10 @@ fn start(harness: &mut Harness<'_, State>, job: BenchmarkJob) {
 fn finish(harness: &mut Harness<'_, State>) {
     let begin = Instant::now();
     while matches!(harness.state().benchmark, Benchmark::Running(_)) {
-        assert!(begin.elapsed() < Duration::from_secs(20), "the benchmark does not end");
+        assert!(
+            begin.elapsed() < Duration::from_secs(20),
+            "the benchmark does not end"
+        );
         harness.state_mut().update(Duration::ZERO);
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -559,14 +750,21 @@ fn a_benchmark_shows_progress_then_its_table() {
     let (go_on, gate) = sync_channel::<()>(0);
     let (reached, half_way) = sync_channel::<()>(0);
     let job: BenchmarkJob = Box::new(move |report, _| {
-        report(Progress { done: 3, total: 6, label: "storage".to_owned() });
+        report(Progress {
+            done: 3,
+            total: 6,
+            label: "storage".to_owned(),
+        });
         reached.send(()).unwrap();
         gate.recv().unwrap();
         Ok(BenchmarkTable {
             suite: "surfels".to_owned(),
             adapter: "Test adapter".to_owned(),
             columns: vec!["strategy".to_owned(), "median".to_owned()],
-            rows: vec![vec!["storage".to_owned(), "1.25".to_owned()], vec!["texture".to_owned(), "2.50".to_owned()]],
+            rows: vec![
+                vec!["storage".to_owned(), "1.25".to_owned()],
+                vec!["texture".to_owned(), "2.50".to_owned()],
+            ],
             bars_title: "median ms".to_owned(),
             bars: vec![("storage".to_owned(), 1.25), ("texture".to_owned(), 2.5)],
             ..BenchmarkTable::default()
@@ -579,7 +777,16 @@ fn a_benchmark_shows_progress_then_its_table() {
     assert!(harness.query_by_label_contains("3 of 6").is_some());
     go_on.send(()).unwrap();
     finish(&mut harness);
-    for label in ["Suite surfels", "Test adapter", "strategy", "median", "texture", "2.50", "Export JSON…", "Export CSV…"] {
+    for label in [
+        "Suite surfels",
+        "Test adapter",
+        "strategy",
+        "median",
+        "texture",
+        "2.50",
+        "Export JSON…",
+        "Export CSV…",
+    ] {
         assert!(harness.query_by_label(label).is_some(), "{label}");
     }
 }
@@ -597,9 +804,16 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
     click(&mut harness, "Cancel");
     finish(&mut harness);
     assert!(matches!(harness.state().benchmark, Benchmark::Cancelled));
-    assert!(harness.query_by_label("The benchmark was cancelled.").is_some());
+    assert!(
+        harness
+            .query_by_label("The benchmark was cancelled.")
+            .is_some()
+    );
 
-    start(&mut harness, Box::new(|_, _| Err("the GPU is out of memory".to_owned())));
+    start(
+        &mut harness,
+        Box::new(|_, _| Err("the GPU is out of memory".to_owned())),
+    );
     finish(&mut harness);
     assert!(harness.query_by_label("the GPU is out of memory").is_some());
 }
@@ -607,10 +821,17 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
 #[test]
 fn controls_tell_their_term_and_unit() {
     let mut harness = window();
-    let label = harness.get_by_role_and_label(Role::Label, "Splat scale").rect().center();
+    let label = harness
+        .get_by_role_and_label(Role::Label, "Splat scale")
+        .rect()
+        .center();
     harness.hover_at(label);
     harness.run_steps(60);
-    assert!(harness.query_by_label_contains("Factor on every splat's radius").is_some());
+    assert!(
+        harness
+            .query_by_label_contains("Factor on every splat's radius")
+            .is_some()
+    );
 }
 
 #[test]

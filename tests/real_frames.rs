@@ -1,5 +1,7 @@
 //! The per-frame engine on real scans: an animated body, an RGB-D camera with holes, a laser scanner, and the demo.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use glam::DVec3;
 use pointreel::{
     analysis::estimate_surface,
@@ -26,7 +28,7 @@ fn frames() -> Vec<(PathBuf, Frame)> {
     .filter_map(|folder| {
         let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
             .ok()?
-            .map(|entry| entry.unwrap().path())
+            .map(|entry| entry.expect("folders can be listed").path())
             .filter(|path| {
                 let extension = path.extension().unwrap_or_default();
                 extension == "ply" || extension == "pcd"
@@ -34,8 +36,8 @@ fn frames() -> Vec<(PathBuf, Frame)> {
             .collect();
         files.sort();
         let path = files.into_iter().next()?;
-        let raw: RawCloud = io::read(&path).unwrap();
-        let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
+        let raw: RawCloud = io::read(&path).expect("real frames can be read");
+        let frame = Frame::from_raw(raw, DVec3::ZERO).expect("attributes are complete");
         Some((path, frame))
     })
     .collect()

@@ -38,7 +38,15 @@ struct Xvfb {
 impl Xvfb {
     fn start() -> Self {
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1000x700x24", "-nolisten", "tcp"])
+            .args([
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "1000x700x24",
+                "-nolisten",
+                "tcp",
+            ])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -50,7 +58,10 @@ impl Xvfb {
             number.push(char::from(byte[0]));
         }
         assert!(!number.is_empty(), "Xvfb ended without a display");
-        Self { _server: Process(server), display: format!(":{number}") }
+        Self {
+            _server: Process(server),
+            display: format!(":{number}"),
+        }
     }
 
     /// The program, as it would be started on this display by somebody without settings.
@@ -79,15 +90,30 @@ impl Screen {
     fn of(server: &Xvfb) -> Self {
         let (connection, number) = x11rb::connect(Some(&server.display)).unwrap();
         let screen = &connection.setup().roots[number];
-        let (root, size) = (screen.root, [screen.width_in_pixels, screen.height_in_pixels]);
-        Self { connection, root, size }
+        let (root, size) = (
+            screen.root,
+            [screen.width_in_pixels, screen.height_in_pixels],
+        );
+        Self {
+            connection,
+            root,
+            size,
+        }
     }
 
     /// All pixels, 4 bytes each.
     fn pixels(&self) -> Vec<u8> {
         let [width, height] = self.size;
         self.connection
-            .get_image(xproto::ImageFormat::Z_PIXMAP, self.root, 0, 0, width, height, u32::MAX)
+            .get_image(
+                xproto::ImageFormat::Z_PIXMAP,
+                self.root,
+                0,
+                0,
+                width,
+                height,
+                u32::MAX,
+            )
             .unwrap()
             .reply()
             .unwrap()
@@ -98,7 +124,9 @@ impl Screen {
     fn picture(&self) -> Vec<u8> {
         let pixels = self.pixels();
         let stride = usize::from(self.size[0]) * 4;
-        (100..480).flat_map(|row| pixels[row * stride + 200..row * stride + 2400].to_vec()).collect()
+        (100..480)
+            .flat_map(|row| pixels[row * stride + 200..row * stride + 2400].to_vec())
+            .collect()
     }
 
     /// Waits until `is_met` says yes of the picture.
@@ -133,16 +161,31 @@ impl Screen {
     fn focus_window(&self) {
         let begin = Instant::now();
         loop {
-            let children = self.connection.query_tree(self.root).unwrap().reply().unwrap().children;
+            let children = self
+                .connection
+                .query_tree(self.root)
+                .unwrap()
+                .reply()
+                .unwrap()
+                .children;
             let viewable = children.into_iter().find(|&child| {
-                let attributes = self.connection.get_window_attributes(child).unwrap().reply();
+                let attributes = self
+                    .connection
+                    .get_window_attributes(child)
+                    .unwrap()
+                    .reply();
                 let geometry = self.connection.get_geometry(child).unwrap().reply();
-                attributes.is_ok_and(|attributes| attributes.map_state == xproto::MapState::VIEWABLE)
+                attributes
+                    .is_ok_and(|attributes| attributes.map_state == xproto::MapState::VIEWABLE)
                     && geometry.is_ok_and(|geometry| geometry.width > 100)
             });
             if let Some(window) = viewable {
                 self.connection
-                    .set_input_focus(xproto::InputFocus::POINTER_ROOT, window, x11rb::CURRENT_TIME)
+                    .set_input_focus(
+                        xproto::InputFocus::POINTER_ROOT,
+                        window,
+                        x11rb::CURRENT_TIME,
+                    )
                     .unwrap()
                     .check()
                     .unwrap();
@@ -157,20 +200,39 @@ impl Screen {
     fn key(&self, keysym: u32) {
         let setup = self.connection.setup();
         let (first, last) = (setup.min_keycode, setup.max_keycode);
-        let mapping = self.connection.get_keyboard_mapping(first, last - first + 1).unwrap().reply().unwrap();
+        let mapping = self
+            .connection
+            .get_keyboard_mapping(first, last - first + 1)
+            .unwrap()
+            .reply()
+            .unwrap();
         let width = usize::from(mapping.keysyms_per_keycode);
-        let row = mapping.keysyms.chunks(width).position(|row| row[0] == keysym).expect("the keyboard has the key");
+        let row = mapping
+            .keysyms
+            .chunks(width)
+            .position(|row| row[0] == keysym)
+            .expect("the keyboard has the key");
         let keycode = first + row as u8;
         for event in [xproto::KEY_PRESS_EVENT, xproto::KEY_RELEASE_EVENT] {
-            self.connection.xtest_fake_input(event, keycode, 0, x11rb::NONE, 0, 0, 0).unwrap().check().unwrap();
+            self.connection
+                .xtest_fake_input(event, keycode, 0, x11rb::NONE, 0, 0, 0)
+                .unwrap()
+                .check()
+                .unwrap();
         }
     }
 }
 
 /// More than a plain background: what a cloud and its shading leave.
 fn has_a_cloud(picture: &[u8]) -> bool {
-    let mut colors: Vec<[u8; 3]> = picture.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-    let bright = colors.iter().filter(|color| color.iter().any(|&channel| channel > 120)).count();
+    let mut colors: Vec<[u8; 3]> = picture
+        .chunks_exact(4)
+        .map(|pixel| [pixel[0], pixel[1], pixel[2]])
+        .collect();
+    let bright = colors
+        .iter()
+        .filter(|color| color.iter().any(|&channel| channel > 120))
+        .count();
     let all = colors.len();
     colors.sort_unstable();
     colors.dedup();
@@ -178,8 +240,12 @@ fn has_a_cloud(picture: &[u8]) -> bool {
 }
 
 fn pngs(folder: &Path) -> Vec<PathBuf> {
-    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    files.filter(|path| path.extension().is_some_and(|extension| extension == "png")).collect()
+    let files = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    files
+        .filter(|path| path.extension().is_some_and(|extension| extension == "png"))
+        .collect()
 }
 
 /// Processor time of a process so far, in the kernel's ticks of 10 ms.
@@ -187,7 +253,12 @@ fn pngs(folder: &Path) -> Vec<PathBuf> {
 fn cpu_ticks(child: &Child) -> u64 {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
     // The name in parentheses may have spaces; user and system time are fields 14 and 15.
-    let fields: Vec<&str> = stat.rsplit_once(')').unwrap().1.split_whitespace().collect();
+    let fields: Vec<&str> = stat
+        .rsplit_once(')')
+        .unwrap()
+        .1
+        .split_whitespace()
+        .collect();
     fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap()
 }
 
@@ -195,11 +266,18 @@ fn cpu_ticks(child: &Child) -> u64 {
 fn the_demo_plays_pauses_and_is_photographed() {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
-    let program = server.program(home.path()).args(["view", "--size", "1000x700"]).spawn().unwrap();
+    let program = server
+        .program(home.path())
+        .args(["view", "--size", "1000x700"])
+        .spawn()
+        .unwrap();
     let mut program = Process(program);
     let screen = Screen::of(&server);
 
-    let first = screen.wait_for("the window stays without a picture of the demo", has_a_cloud);
+    let first = screen.wait_for(
+        "the window stays without a picture of the demo",
+        has_a_cloud,
+    );
     screen.wait_for("the demo does not play", |picture| *picture != first);
 
     screen.focus_window();
@@ -213,7 +291,10 @@ fn the_demo_plays_pauses_and_is_photographed() {
         let before = cpu_ticks(&program.0);
         std::thread::sleep(Duration::from_secs(3));
         let used = cpu_ticks(&program.0) - before;
-        assert!(used <= 1, "an idle window used {used} ticks of 10 ms in 3 s");
+        assert!(
+            used <= 1,
+            "an idle window used {used} ticks of 10 ms in 3 s"
+        );
     }
 
     screen.key(RIGHT);
@@ -229,8 +310,14 @@ fn the_demo_plays_pauses_and_is_photographed() {
     let saved = image::open(&pngs(home.path())[0]).unwrap().to_rgba8();
     assert!(saved.width() > 400 && saved.height() > 300);
     assert!(has_a_cloud(saved.as_raw()), "the saved picture is empty");
-    assert!(saved.pixels().all(|pixel| pixel[3] == 255), "the saved picture is not opaque");
-    assert!(program.0.try_wait().unwrap().is_none(), "the window went on");
+    assert!(
+        saved.pixels().all(|pixel| pixel[3] == 255),
+        "the saved picture is not opaque"
+    );
+    assert!(
+        program.0.try_wait().unwrap().is_none(),
+        "the window went on"
+    );
 }
 
 #[test]
@@ -240,7 +327,14 @@ fn a_screenshot_is_written_and_the_window_ends() {
     let file = home.path().join("picture.png");
     let status = server
         .program(home.path())
-        .args(["view", "--primitive", "point", "--size", "800x600", "--screenshot"])
+        .args([
+            "view",
+            "--primitive",
+            "point",
+            "--size",
+            "800x600",
+            "--screenshot",
+        ])
         .arg(&file)
         .args(["--after-frames", "3"])
         .status()
@@ -257,7 +351,14 @@ fn a_lost_device_is_opened_again() {
     let output = server
         .program(home.path())
         .env("RUST_LOG", "warn")
-        .args(["view", "--size", "800x600", "--lose-device-after", "2", "--screenshot"])
+        .args([
+            "view",
+            "--size",
+            "800x600",
+            "--lose-device-after",
+            "2",
+            "--screenshot",
+        ])
         .arg(&file)
         .args(["--after-frames", "5"])
         .output()
@@ -272,7 +373,11 @@ fn a_lost_device_is_opened_again() {
 fn what_cannot_be_shown_ends_with_a_sentence() {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
-    let missing = server.program(home.path()).args(["view", "/nowhere/at/all"]).output().unwrap();
+    let missing = server
+        .program(home.path())
+        .args(["view", "/nowhere/at/all"])
+        .output()
+        .unwrap();
     assert_eq!(missing.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&missing.stderr).contains("/nowhere/at/all"));
 
@@ -289,10 +394,19 @@ fn what_cannot_be_shown_ends_with_a_sentence() {
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("broken.ply"));
 
-    let without_display = server.program(home.path()).env_remove("DISPLAY").arg("view").output().unwrap();
+    let without_display = server
+        .program(home.path())
+        .env_remove("DISPLAY")
+        .arg("view")
+        .output()
+        .unwrap();
     assert_eq!(without_display.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&without_display.stderr).contains("pointreel render"));
 
-    let usage = server.program(home.path()).args(["view", "--delta", "2"]).output().unwrap();
+    let usage = server
+        .program(home.path())
+        .args(["view", "--delta", "2"])
+        .output()
+        .unwrap();
     assert_eq!(usage.status.code(), Some(2));
 }

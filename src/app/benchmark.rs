@@ -163,6 +163,8 @@ pub(super) fn benchmark_job(
                 .iter()
                 .map(|row| measured.cells(row))
                 .collect(),
+            notes: measured.notes.clone(),
+            bars_title: measured.bars_title().to_owned(),
             bars: measured.bars(),
             json: measured.to_json(),
             csv: measured.to_csv(),

@@ -159,28 +159,28 @@ pub const BINDINGS: &[Binding] = &[
     ),
     repeating(binding(
         PLAY,
-        "→",
+        "Right",
         "Next frame",
         Command::Step(1),
         &[Chord::plain(Key::ArrowRight)],
     )),
     repeating(binding(
         PLAY,
-        "←",
+        "Left",
         "Previous frame",
         Command::Step(-1),
         &[Chord::plain(Key::ArrowLeft)],
     )),
     repeating(binding(
         PLAY,
-        "Shift →",
+        "Shift+Right",
         "Ten frames on",
         Command::Step(10),
         &[Chord::shift(Key::ArrowRight)],
     )),
     repeating(binding(
         PLAY,
-        "Shift ←",
+        "Shift+Left",
         "Ten frames back",
         Command::Step(-10),
         &[Chord::shift(Key::ArrowLeft)],
@@ -285,7 +285,7 @@ pub const BINDINGS: &[Binding] = &[
     )),
     repeating(binding(
         VIEW,
-        "−",
+        "-",
         "Smaller splats or points",
         Command::Smaller,
         &[Chord::any_shift(Key::Minus)],
@@ -387,8 +387,14 @@ fn find(key: Key, physical_key: Option<Key>, modifiers: Modifiers) -> Option<&'s
 /// Nothing is taken from a text field but what no text needs (F keys, Ctrl combinations). A button or slider that
 /// was reached with Tab keeps the keys that move or press it.
 pub(super) fn dispatch(ctx: &Context) -> Vec<Command> {
-    let typing = ctx.text_edit_focused();
-    let focused = ctx.egui_wants_keyboard_input();
+    let focus = if ctx.text_edit_focused() {
+        Focus::TextField
+    } else if ctx.egui_wants_keyboard_input() {
+        Focus::Widget
+    } else {
+        Focus::None
+    };
+    let popup_is_open = ctx.any_popup_open();
     let mut commands = Vec::new();
     ctx.input_mut(|input| {
         input.events.retain(|event| {
@@ -405,29 +411,45 @@ pub(super) fn dispatch(ctx: &Context) -> Vec<Command> {
             let Some(binding) = find(key, physical_key, modifiers) else {
                 return true;
             };
-            if belongs_to_focus(key, modifiers, typing, focused) {
+            // An open menu is what Escape closes first.
+            let closes_popup = popup_is_open && key == Key::Escape;
+            if closes_popup || focus.keeps(key, modifiers) {
                 return true;
             }
             if !repeat || binding.repeats {
                 commands.push(binding.command);
             }
-            // Escape also closes menus and popups.
-            key == Key::Escape
+            false
         });
     });
     commands
 }
 
-fn belongs_to_focus(key: Key, modifiers: Modifiers, typing: bool, focused: bool) -> bool {
-    let function_key = key.name().len() > 1 && key.name().starts_with('F');
-    if modifiers.ctrl || modifiers.command || function_key {
-        return false;
+/// What has the keyboard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Focus {
+    None,
+    /// A button or slider, reached with Tab.
+    Widget,
+    TextField,
+}
+
+impl Focus {
+    /// True if what has the keyboard needs this key.
+    fn keeps(self, key: Key, modifiers: Modifiers) -> bool {
+        let function_key = key.name().len() > 1 && key.name().starts_with('F');
+        if modifiers.ctrl || modifiers.command || function_key {
+            return false;
+        }
+        match self {
+            Self::None => false,
+            Self::TextField => true,
+            Self::Widget => matches!(
+                key,
+                Key::Space | Key::Escape | Key::Home | Key::End | Key::ArrowLeft | Key::ArrowRight
+            ),
+        }
     }
-    let moves_or_presses = matches!(
-        key,
-        Key::Space | Key::Escape | Key::Home | Key::End | Key::ArrowLeft | Key::ArrowRight
-    );
-    typing || (focused && moves_or_presses)
 }
 
 #[cfg(test)]
@@ -483,11 +505,12 @@ mod tests {
 
     #[test]
     fn text_fields_keep_what_they_need() {
-        assert!(belongs_to_focus(Key::L, Modifiers::NONE, true, true));
-        assert!(!belongs_to_focus(Key::F1, Modifiers::NONE, true, true));
-        assert!(belongs_to_focus(Key::F, Modifiers::NONE, true, true));
-        assert!(!belongs_to_focus(Key::O, Modifiers::CTRL, true, true));
-        assert!(belongs_to_focus(Key::Space, Modifiers::NONE, false, true));
-        assert!(!belongs_to_focus(Key::L, Modifiers::NONE, false, true));
+        assert!(Focus::TextField.keeps(Key::L, Modifiers::NONE));
+        assert!(Focus::TextField.keeps(Key::F, Modifiers::NONE));
+        assert!(!Focus::TextField.keeps(Key::F1, Modifiers::NONE));
+        assert!(!Focus::TextField.keeps(Key::O, Modifiers::CTRL));
+        assert!(Focus::Widget.keeps(Key::Space, Modifiers::NONE));
+        assert!(!Focus::Widget.keeps(Key::L, Modifiers::NONE));
+        assert!(!Focus::None.keeps(Key::Space, Modifiers::NONE));
     }
 }

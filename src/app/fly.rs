@@ -1,7 +1,7 @@
 //! Flying with W A S D and Q E, by the place of the keys rather than their letters, so that other layouts fly as well.
 
 use crate::scene::Camera;
-use egui::{Event, Key};
+use egui::{Event, Key, Modifiers};
 use glam::DVec3;
 
 /// The keys of the US layout at the places that fly, and the view-space direction (right, up, backward) of each.
@@ -69,7 +69,7 @@ impl Fly {
     }
 
     /// Moves `camera` on to `now_secs`.
-    pub fn step(&mut self, camera: &mut Camera, now_secs: f64, fast: bool, slow: bool) {
+    pub fn step(&mut self, camera: &mut Camera, now_secs: f64, modifiers: Modifiers) {
         if !self.is_flying() {
             return;
         }
@@ -83,7 +83,8 @@ impl Fly {
             .filter(|(_, held)| *held)
             .map(|((_, direction), _)| *direction)
             .sum();
-        let pace = match (fast, slow) {
+        let slow = modifiers.ctrl || modifiers.command;
+        let pace = match (modifiers.shift, slow) {
             (true, false) => BOOST,
             (false, true) => 1.0 / BOOST,
             _ => 1.0,
@@ -98,7 +99,6 @@ mod tests {
     use super::*;
     use crate::math::Aabb;
     use crate::scene::UpAxis;
-    use egui::Modifiers;
     use glam::Vec3;
 
     fn key(key: Key, physical_key: Option<Key>, pressed: bool, modifiers: Modifiers) -> Event {
@@ -130,8 +130,8 @@ mod tests {
         // The key above S is labelled Z on a French keyboard.
         fly.note(&[key(Key::Z, Some(Key::W), true, Modifiers::NONE)], false);
         let mut camera = camera();
-        fly.step(&mut camera, 1.0, false, false);
-        fly.step(&mut camera, 1.05, false, false);
+        fly.step(&mut camera, 1.0, Modifiers::NONE);
+        fly.step(&mut camera, 1.05, Modifiers::NONE);
         let expected = DVec3::new(0.0, 0.0, -10.0 * SPEED_DISTANCES_PER_SEC * 0.05);
         assert!((camera.target_in_world - expected).length() < 1e-9);
         fly.note(&[key(Key::Z, Some(Key::W), false, Modifiers::NONE)], false);
@@ -157,8 +157,8 @@ mod tests {
         let mut fly = Fly::default();
         fly.note(&[key(Key::D, None, true, Modifiers::NONE)], false);
         let mut camera = camera();
-        fly.step(&mut camera, 0.0, true, false);
-        fly.step(&mut camera, 100.0, true, false);
+        fly.step(&mut camera, 0.0, Modifiers::SHIFT);
+        fly.step(&mut camera, 100.0, Modifiers::SHIFT);
         let expected = 10.0 * SPEED_DISTANCES_PER_SEC * BOOST * MAX_STEP_SECS;
         assert!((camera.target_in_world.x - expected).abs() < 1e-9);
     }

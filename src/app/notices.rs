@@ -100,7 +100,8 @@ impl Notices {
             }
         }
         let count = self.notices.len();
-        self.notices.retain(|notice| notice.until.is_none_or(|until| now < until));
+        self.notices
+            .retain(|notice| notice.until.is_none_or(|until| now < until));
         self.notices.len() < count
     }
 

@@ -1,7 +1,7 @@
 //! An open sequence with its playhead: which frame is due, which is shown, what is waited for.
 //!
 //! **How it works.** The clock says which frame is due. If that frame is in memory, or cannot be read, the clock moves on;
-//! if not, the clock is held where it is and goes on from that frame when the loader has it. So a slow disk slows playing
+//! if not, the clock is stopped on that frame and goes on from it when the loader has it. So a slow disk slows playing
 //! down and is told as `fps held`, but every frame is seen; a slow screen skips frames, which the clock counts.
 
 use super::marks::{Run, runs};
@@ -30,10 +30,10 @@ pub struct Player {
     failure: Option<Arc<FrameError>>,
     /// Broken frames that were told of: a loop meets them again and again.
     told: HashSet<usize>,
-    /// The frame that the held clock goes on from.
+    /// The frame at the playhead, while it is not there.
     waiting_for: Option<usize>,
-    /// Play as soon as the first frame is there.
-    play_when_shown: bool,
+    /// The stopped clock goes on when the frame at the playhead is there.
+    play_on_arrival: bool,
     requested: Option<(usize, Direction, Needs)>,
     runs: Vec<Run>,
     runs_revision: Option<u64>,
@@ -67,7 +67,7 @@ impl Player {
             failure: None,
             told: HashSet::new(),
             waiting_for: None,
-            play_when_shown: play,
+            play_on_arrival: play,
             requested: None,
             runs: Vec::new(),
             runs_revision: None,
@@ -107,9 +107,9 @@ impl Player {
         self.waiting_for
     }
 
-    /// True when playing, or as soon as the first frame is there.
+    /// True when playing, or waiting for a frame to play on.
     pub fn is_playing(&self) -> bool {
-        self.clock.is_playing() || self.play_when_shown
+        self.clock.is_playing() || self.play_on_arrival
     }
 
     /// Runs of frames with the same state, as of the last [`Player::refresh_runs`].
@@ -126,20 +126,13 @@ impl Player {
     pub fn fps_held(&self) -> Option<f64> {
         let (first, last) = (self.shown_at.front()?, self.shown_at.back()?);
         let elapsed = last.checked_sub(*first)?.as_secs_f64();
-        (self.clock.is_playing() && elapsed > 0.0)
-            .then(|| (self.shown_at.len() - 1) as f64 / elapsed)
+        (self.is_playing() && elapsed > 0.0).then(|| (self.shown_at.len() - 1) as f64 / elapsed)
     }
 
     /// Play or pause.
     pub fn toggle(&mut self, now: Duration) {
-        if self.play_when_shown {
-            self.play_when_shown = false;
-            return;
-        }
-        if self.clock.is_playing() && self.waiting_for.is_some() {
-            // The held clock has not moved, and must not move now.
-            self.hold(now);
-            self.clock.pause(now);
+        if self.waiting_for.is_some() || self.play_on_arrival {
+            self.play_on_arrival ^= true;
         } else {
             self.clock.toggle(now);
         }
@@ -155,45 +148,32 @@ impl Player {
 
     /// Pauses and goes `count` frames on.
     pub fn step(&mut self, count: i64, now: Duration) {
-        self.play_when_shown = false;
-        self.hold(now);
+        self.waiting_for = None;
+        self.play_on_arrival = false;
         self.clock.step(count, now);
     }
 
     /// Factor of the frame rate, negative for backward.
     pub fn set_speed(&mut self, speed: f64, now: Duration) {
-        self.hold(now);
         self.clock.set_speed(speed, now);
         self.shown_at.clear();
     }
 
     /// Frames a second at speed 1.
     pub fn set_fps(&mut self, fps: f64, now: Duration) {
-        self.hold(now);
         self.clock.set_fps(fps, now);
         self.shown_at.clear();
     }
 
     /// What happens at the ends.
     pub fn set_loop_mode(&mut self, loop_mode: LoopMode, now: Duration) {
-        self.hold(now);
         self.clock.set_loop_mode(loop_mode, now);
         self.loader.set_loop_mode(loop_mode);
     }
 
-    /// If a frame is waited for, puts the clock on it, so that the time spent waiting does not count.
-    fn hold(&mut self, now: Duration) {
-        if let Some(target) = self.waiting_for.take() {
-            self.clock.seek(target, now);
-        }
-    }
-
     /// When [`Player::update`] has something to do by itself; `None` if only the loader can bring it.
     pub fn next_deadline(&self) -> Option<Duration> {
-        match self.waiting_for {
-            Some(_) => None,
-            None => self.clock.next_deadline(),
-        }
+        self.clock.next_deadline()
     }
 
     /// Moves the playhead to where it is at `now` and shows its frame if it is there.
@@ -202,7 +182,7 @@ impl Player {
         let playhead_before = self.clock.frame();
         let playing_before = self.is_playing();
         let mut ahead = self.clock.clone();
-        let target = self.waiting_for.unwrap_or_else(|| ahead.advance(now));
+        let target = ahead.advance(now);
         self.request(target, ahead.direction(), needs);
 
         let mut change = PlayerChange::default();
@@ -214,7 +194,7 @@ impl Player {
             }
             Slot::Stale(_) | Slot::Pending => None,
             Slot::Failed(error) => {
-                self.arrive(target, ahead, now);
+                self.arrive(ahead, now);
                 if self.told.insert(target) {
                     change.new_failure = Some(Arc::clone(&error));
                 }
@@ -223,19 +203,18 @@ impl Player {
                     .as_ref()
                     .is_none_or(|known| known.index() != target);
                 self.failure = Some(error);
-                self.start_if_asked(now);
                 change.visible |=
                     self.clock.frame() != playhead_before || self.is_playing() != playing_before;
                 return change;
             }
         };
         if let Some(frame) = frame {
-            self.arrive(target, ahead, now);
-            change.visible |= self.failure.take().is_some() || self.show(frame, now);
-            self.start_if_asked(now);
-        } else {
-            change.visible |= self.waiting_for != Some(target);
-            self.waiting_for = Some(target);
+            self.arrive(ahead, now);
+            let was_broken = self.failure.take().is_some();
+            change.visible |= self.show(frame, now) || was_broken;
+        } else if self.waiting_for != Some(target) {
+            change.visible = true;
+            self.wait(ahead, now);
         }
         change.visible |=
             self.clock.frame() != playhead_before || self.is_playing() != playing_before;
@@ -248,17 +227,26 @@ impl Player {
             .is_some_and(|shown| shown.index == index)
     }
 
-    /// The clock goes on: from the frame that was waited for, or as it went `ahead`.
-    fn arrive(&mut self, target: usize, ahead: Clock, now: Duration) {
-        match self.waiting_for.take() {
-            Some(_) => self.clock.seek(target, now),
-            None => self.clock = ahead,
-        }
+    /// Stops on the frame that the clock has come to.
+    fn wait(&mut self, ahead: Clock, now: Duration) {
+        self.clock = ahead;
+        self.waiting_for = Some(self.clock.frame());
+        self.play_on_arrival |= self.clock.is_playing();
+        self.clock.pause(now);
     }
 
-    fn start_if_asked(&mut self, now: Duration) {
-        if std::mem::take(&mut self.play_when_shown) {
-            self.clock.play(now);
+    /// The frame that the clock has come to is there, or never will be. It gets its whole time if it was waited for.
+    fn arrive(&mut self, ahead: Clock, now: Duration) {
+        self.clock = ahead;
+        self.waiting_for = None;
+        if std::mem::take(&mut self.play_on_arrival) {
+            self.clock.seek(self.clock.frame(), now);
+            let mut playing = self.clock.clone();
+            playing.play(now);
+            // At the end of a sequence that does not loop, to play is to start over: that was not asked for here.
+            if playing.frame() == self.clock.frame() {
+                self.clock = playing;
+            }
         }
     }
 
@@ -318,3 +306,7 @@ pub(super) fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
         Primitive::Point => true,
     }
 }
+
+#[cfg(test)]
+#[path = "player_tests.rs"]
+mod tests;

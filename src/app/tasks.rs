@@ -152,16 +152,6 @@ impl Tasks {
         });
     }
 
-    /// Drops `value` on a thread: what it waits for in dropping does not hold the window up.
-    pub(super) fn close(&self, value: impl Send + 'static) {
-        let started = thread::Builder::new()
-            .name("close sequence".to_owned())
-            .spawn(move || drop(value));
-        if let Err(reason) = started {
-            log::warn!("no thread for closing a sequence: {reason}");
-        }
-    }
-
     /// Writes `bytes` to `path`.
     pub(super) fn save(&self, path: PathBuf, bytes: Vec<u8>) {
         self.start("save file", move || match fs::write(&path, &bytes) {
@@ -194,6 +184,16 @@ pub(super) enum PicturePlace {
         /// The beginning of its name.
         stem: String,
     },
+}
+
+/// Drops `value` on a thread: what it waits for in dropping does not hold the window up.
+pub(super) fn close(value: impl Send + 'static) {
+    let started = thread::Builder::new()
+        .name("close sequence".to_owned())
+        .spawn(move || drop(value));
+    if let Err(reason) = started {
+        log::warn!("no thread for closing a sequence: {reason}");
+    }
 }
 
 fn cannot_write(path: &Path, reason: &dyn std::fmt::Display) -> String {

@@ -335,7 +335,6 @@ impl App {
         let (Some(path), Some(player)) = (&self.options.screenshot, &self.state.player) else {
             return Ok(());
         };
-        let failed = player.loader().stats().failed_frames;
         // Without playing there is no second frame to wait for.
         let wanted = if player.is_playing() {
             self.options.after_frames
@@ -349,12 +348,11 @@ impl App {
             let image = screen.graphics.read_picture()?;
             self.end = save_png(&image, path).map_err(AppError::Screenshot);
             event_loop.exit();
-        } else if failed == player.sequence().len()
-            || (!player.is_playing() && player.failure().is_some())
+        } else if let Some(failure) = player.failure()
+            && (!player.is_playing()
+                || player.loader().stats().failed_frames == player.sequence().len())
         {
-            let why = player
-                .failure()
-                .map_or_else(String::new, ToString::to_string);
+            let why = failure.to_string();
             self.fail(event_loop, AppError::Screenshot(why));
         }
         Ok(())

@@ -15,7 +15,7 @@ pub fn benchmark_ui(ui: &mut Ui, state: &mut State) {
     Window::new("Benchmark")
         .open(&mut open)
         .collapsible(false)
-        .default_width(680.0)
+        .default_width(820.0)
         .pivot(Align2::CENTER_CENTER)
         .default_pos(ui.ctx().content_rect().center())
         .show(ui, |ui| match &state.benchmark {
@@ -59,6 +59,9 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
         .id_salt("table")
         .max_height(260.0)
         .show(ui, |ui| cells(ui, table));
+    for note in &table.notes {
+        ui.label(RichText::new(note).color(ODD));
+    }
     if !table.bars.is_empty() {
         ui.add_space(8.0);
         ui.label(&table.bars_title);
@@ -109,6 +112,7 @@ fn chart(ui: &mut Ui, table: &BenchmarkTable) {
             Bar::new(f64::from(place), *median_ms)
                 .name(label)
                 .width(0.7)
+                .fill(ACCENT)
         })
         .collect();
     let labels: Vec<String> = table
@@ -145,6 +149,10 @@ fn chart(ui: &mut Ui, table: &BenchmarkTable) {
             label.cloned().unwrap_or_default()
         })
         .show(ui, |plot| {
-            plot.bar_chart(BarChart::new(&table.bars_title, bars).horizontal().color(ACCENT));
+            plot.bar_chart(
+                BarChart::new(&table.bars_title, bars)
+                    .horizontal()
+                    .color(ACCENT),
+            );
         });
 }

@@ -19,49 +19,42 @@ pub fn help_ui(ui: &mut Ui, state: &mut State) {
         .pivot(egui::Align2::CENTER_CENTER)
         .default_pos(screen.center())
         .show(ui, |ui| {
-            ScrollArea::vertical().show(ui, |ui| {
-                ui.horizontal_top(|ui| {
-                    ui.vertical(|ui| {
-                        group(ui, "Playing");
-                        group(ui, "File and window");
-                    });
-                    ui.add_space(24.0);
-                    ui.vertical(|ui| group(ui, "View"));
+            ui.spacing_mut().interact_size.y = 0.0;
+            let height = (screen.height() - 90.0).max(120.0);
+            ScrollArea::vertical().max_height(height).show(ui, |ui| {
+                ui.columns_const(|[left, right]| {
+                    bindings(left, "Playing");
+                    bindings(left, "File and window");
+                    bindings(right, "View");
+                    heading(right, "Mouse and flying");
+                    table(right, "gestures", GESTURES.iter().copied());
                 });
-                ui.add_space(8.0);
-                ui.strong("Mouse and flying");
-                Grid::new("gestures")
-                    .num_columns(2)
-                    .spacing([24.0, 4.0])
-                    .show(ui, |ui| {
-                        for (gesture, text) in GESTURES {
-                            row(ui, gesture, text);
-                        }
-                    });
             });
         });
     state.panels.help = open;
 }
 
-fn group(ui: &mut Ui, group: &str) {
-    ui.strong(group);
-    Grid::new(group)
-        .num_columns(2)
-        .spacing([24.0, 4.0])
-        .show(ui, |ui| {
-            for binding in BINDINGS.iter().filter(|binding| binding.group == group) {
-                row(ui, binding.keys, binding.text);
-            }
-        });
-    ui.add_space(8.0);
+fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(text).strong().size(14.5));
 }
 
-fn row(ui: &mut Ui, keys: &str, text: &str) {
-    ui.label(
-        RichText::new(keys)
-            .monospace()
-            .color(crate::app::theme::ACCENT),
-    );
-    ui.label(text);
-    ui.end_row();
+fn bindings(ui: &mut Ui, group: &str) {
+    heading(ui, group);
+    let rows = BINDINGS.iter().filter(|binding| binding.group == group);
+    table(ui, group, rows.map(|binding| (binding.keys, binding.text)));
+}
+
+fn table<'a>(ui: &mut Ui, id: &str, rows: impl Iterator<Item = (&'a str, &'a str)>) {
+    Grid::new(id)
+        .num_columns(2)
+        .min_col_width(84.0)
+        .spacing([12.0, 5.0])
+        .show(ui, |ui| {
+            for (keys, text) in rows {
+                ui.label(RichText::new(keys).color(ACCENT));
+                ui.label(text);
+                ui.end_row();
+            }
+        });
 }

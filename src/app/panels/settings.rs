@@ -26,7 +26,7 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
         rows(ui, "shading", |ui| shading(ui, &mut state.settings));
         heading(ui, "Background");
         rows(ui, "background", |ui| {
-            background(ui, &mut state.settings.background)
+            background(ui, &mut state.settings.background);
         });
         heading(ui, "Camera");
         rows(ui, "camera", |ui| camera(ui, state));
@@ -201,7 +201,7 @@ fn surfels(ui: &mut Ui, settings: &mut Settings) {
         row(
             ui,
             "Splat scale",
-            "Factor on every splat's radius (+ and −)",
+            "Factor on every splat's radius (+ and -)",
             scale,
         );
         let uses_enlargement = matches!(
@@ -267,7 +267,7 @@ fn points(ui: &mut Ui, settings: &mut Settings) {
         row(
             ui,
             "Point size",
-            "Edge of the square drawn for a point, pixels (+ and −)",
+            "Edge of the square drawn for a point, pixels (+ and -)",
             size,
         );
     });

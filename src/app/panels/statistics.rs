@@ -1,7 +1,7 @@
 //! What the program did and how long it took. Every figure has its unit.
 
 use super::{bytes, grouped};
-use crate::app::State;
+use crate::app::{Player, State};
 use crate::sequence::PreparedFrame;
 use egui::{DragValue, Grid, Label, RichText, ScrollArea, Ui};
 
@@ -28,13 +28,19 @@ pub fn statistics_ui(ui: &mut Ui, state: &mut State) {
 
 fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(6.0);
-    ui.label(RichText::new(name).strong().size(14.5));
+    ui.label(RichText::new(text).strong().size(14.5));
+}
+
+fn section(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
+    heading(ui, name);
     Grid::new(name)
         .num_columns(2)
-        .striped(false)
-        .spacing([14.0, 3.0])
-        .show(ui, add);
-    ui.add_space(4.0);
+        .min_col_width(NAME_WIDTH)
+        .spacing([10.0, 4.0])
+        .show(ui, |ui| {
+            ui.spacing_mut().interact_size.y = 16.0;
+            add(ui);
+        });
 }
 
 fn row(ui: &mut Ui, name: &str, value: impl Into<String>, tooltip: &str) {
@@ -80,7 +86,7 @@ fn frame_times(ui: &mut Ui, state: &State) {
             gpu,
             "The last measured picture on the GPU, by timestamp queries",
         );
-        let held = state.player.as_ref().and_then(|player| player.fps_held());
+        let held = state.player.as_ref().and_then(Player::fps_held);
         let held = held.map_or_else(|| "paused".to_owned(), |fps| format!("{fps:.1} fps"));
         row(
             ui,

@@ -8,8 +8,8 @@ use crate::app::{Run, State};
 use crate::scene::Scene;
 use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, Slot};
 use egui::{
-    Align, Color32, ComboBox, DragValue, Layout, Painter, Rect, Response, RichText, Role, Sense,
-    Stroke, Ui, WidgetInfo, pos2, vec2,
+    Align, Color32, ComboBox, DragValue, Label, Layout, Painter, Rect, Response, RichText, Role,
+    Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 
 /// Height of the bar, points.
@@ -32,10 +32,15 @@ pub fn timeline_ui(ui: &mut Ui, state: &mut State) {
     scrub_bar(ui, state);
     ui.add_space(4.0);
     ui.horizontal(|ui| {
-        transport(ui, state);
-        ui.add_space(6.0);
-        place(ui, state);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| pace(ui, state));
+        // From the right, so that a narrow window cuts the name of the file and nothing else.
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            pace(ui, state);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                transport(ui, state);
+                ui.add_space(6.0);
+                place(ui, state);
+            });
+        });
     });
 }
 
@@ -217,12 +222,13 @@ fn place(ui: &mut Ui, state: &State) {
     let digits = sequence.len().to_string().len();
     let text = format!("frame {:>digits$}/{}", frame + 1, sequence.len());
     ui.label(RichText::new(text).monospace().strong());
-    if !sequence.is_empty() {
-        ui.label(&sequence.source(frame).name)
-            .on_hover_text(sequence.source(frame).path.display().to_string());
-    }
     if player.waiting_for().is_some() {
         ui.weak("loading…");
+    }
+    if !sequence.is_empty() {
+        let source = sequence.source(frame);
+        ui.add(Label::new(&source.name).truncate())
+            .on_hover_text(source.path.display().to_string());
     }
 }
 

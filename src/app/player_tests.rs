@@ -1,0 +1,204 @@
+use super::*;
+use crate::cloud::{Positions, RawCloud};
+use crate::sequence::Source;
+use std::collections::BTreeSet;
+use std::sync::{Condvar, Mutex};
+use std::time::Instant;
+
+/// Of a frame at 24 a second; rounded up like the clock's deadlines.
+const FRAME: Duration = Duration::from_nanos(41_666_667);
+
+/// Lets the decoder have frames one by one: the disk of these tests is as slow as they want.
+#[derive(Debug, Default)]
+struct Gate {
+    open: Mutex<BTreeSet<u64>>,
+    changed: Condvar,
+}
+
+impl Gate {
+    fn let_through(&self, frames: impl IntoIterator<Item = u64>) {
+        self.open.lock().unwrap().extend(frames);
+        self.changed.notify_all();
+    }
+
+    fn pass(&self, frame: u64) {
+        let open = self.open.lock().unwrap();
+        drop(
+            self.changed
+                .wait_while(open, |open| !open.contains(&frame))
+                .unwrap(),
+        );
+    }
+}
+
+struct Fixture {
+    gate: Arc<Gate>,
+    player: Player,
+    settings: Settings,
+}
+
+impl Drop for Fixture {
+    /// The loader joins its threads, which must not wait for the gate then.
+    fn drop(&mut self) {
+        self.gate.let_through(0..1000);
+    }
+}
+
+impl Fixture {
+    fn new(play: bool) -> Self {
+        let gate = Arc::new(Gate::default());
+        let waiting = Arc::clone(&gate);
+        let sources = (0..10).map(|number| Source {
+            number: Some(number),
+            ..Source::file(format!("frame_{number}.ply"))
+        });
+        let sequence = Sequence::with_decoder(sources.collect(), move |source| {
+            waiting.pass(source.number.unwrap_or(0));
+            Ok(RawCloud::from_positions(Positions::F32(vec![
+                [0.0; 3], [1.0; 3],
+            ])))
+        });
+        let player = Player::new(Arc::new(sequence), LoaderOptions::default(), play).unwrap();
+        let settings = Settings {
+            primitive: Primitive::Point,
+            ..Settings::default()
+        };
+        Self {
+            gate,
+            player,
+            settings,
+        }
+    }
+
+    fn update(&mut self, now: Duration) -> Option<usize> {
+        self.player.update(now, &self.settings);
+        self.player.shown().map(|frame| frame.index)
+    }
+
+    /// Lets `frames` through and waits until the loader has them.
+    fn load(&mut self, frames: std::ops::Range<u64>) {
+        self.gate.let_through(frames.clone());
+        let needs = Scene::needs(&self.settings);
+        let begin = Instant::now();
+        for frame in frames {
+            while matches!(
+                self.player.loader.get(frame as usize, &needs),
+                Slot::Pending
+            ) {
+                assert!(
+                    begin.elapsed() < Duration::from_secs(20),
+                    "frame {frame} does not come"
+                );
+                std::thread::yield_now();
+            }
+        }
+    }
+}
+
+#[test]
+fn playing_begins_with_the_first_picture() {
+    let mut fixture = Fixture::new(true);
+    assert_eq!(fixture.update(Duration::ZERO), None);
+    assert_eq!(fixture.update(Duration::from_secs(7)), None);
+    assert_eq!(
+        fixture.player.next_deadline(),
+        None,
+        "only the loader can bring something"
+    );
+    fixture.load(0..3);
+    assert_eq!(fixture.update(Duration::from_secs(8)), Some(0));
+    assert_eq!(
+        fixture.player.next_deadline(),
+        Some(Duration::from_secs(8) + FRAME)
+    );
+    assert_eq!(fixture.update(Duration::from_secs(8) + FRAME), Some(1));
+}
+
+#[test]
+fn a_slow_disk_holds_the_clock_and_loses_no_frame() {
+    let mut fixture = Fixture::new(true);
+    fixture.update(Duration::ZERO);
+    fixture.load(0..1);
+    let mut now = Duration::ZERO;
+    assert_eq!(fixture.update(now), Some(0));
+    for frame in 1..6 {
+        now += FRAME;
+        assert_eq!(
+            fixture.update(now),
+            Some(frame - 1),
+            "frame {frame} is not there yet"
+        );
+        assert_eq!(fixture.player.waiting_for(), Some(frame));
+        now += Duration::from_secs(1);
+        fixture.load(frame as u64..frame as u64 + 1);
+        assert_eq!(fixture.update(now), Some(frame));
+    }
+    assert_eq!(fixture.player.clock().skipped(), 0);
+    assert_eq!(fixture.player.frames_shown(), 6);
+}
+
+#[test]
+fn a_slow_screen_skips_frames_and_counts_them() {
+    let mut fixture = Fixture::new(true);
+    fixture.update(Duration::ZERO);
+    fixture.load(0..10);
+    assert_eq!(fixture.update(Duration::ZERO), Some(0));
+    assert_eq!(fixture.update(4 * FRAME + FRAME / 2), Some(4));
+    assert_eq!(fixture.player.clock().skipped(), 3);
+}
+
+#[test]
+fn the_rate_held_is_measured() {
+    let mut fixture = Fixture::new(true);
+    fixture.update(Duration::ZERO);
+    fixture.load(0..10);
+    for half in 0..100 {
+        fixture.update(half * 2 * FRAME);
+    }
+    let held = fixture.player.fps_held().unwrap();
+    assert!((held - 12.0).abs() < 0.1, "{held}");
+    fixture.player.toggle(200 * FRAME);
+    assert_eq!(fixture.player.fps_held(), None);
+}
+
+#[test]
+fn pausing_and_seeking_while_waiting_stay_where_they_were_asked_to() {
+    let mut fixture = Fixture::new(true);
+    fixture.update(Duration::ZERO);
+    fixture.load(0..1);
+    fixture.update(Duration::ZERO);
+    fixture.update(FRAME);
+    assert_eq!(fixture.player.waiting_for(), Some(1));
+    fixture.player.toggle(Duration::from_secs(5));
+    assert!(!fixture.player.is_playing());
+    fixture.update(Duration::from_secs(6));
+    assert_eq!(
+        fixture.player.clock().frame(),
+        1,
+        "not where the clock would have run to"
+    );
+    fixture.player.seek(8, Duration::from_secs(7));
+    fixture.update(Duration::from_secs(7));
+    assert_eq!(fixture.player.waiting_for(), Some(8));
+    fixture.load(1..9);
+    assert_eq!(fixture.update(Duration::from_secs(8)), Some(8));
+    assert_eq!(fixture.update(Duration::from_secs(99)), Some(8));
+}
+
+#[test]
+fn waiting_for_the_last_frame_of_a_sequence_that_does_not_loop_ends_there() {
+    let mut fixture = Fixture::new(false);
+    fixture.player.set_loop_mode(LoopMode::Off, Duration::ZERO);
+    fixture.update(Duration::ZERO);
+    fixture.load(0..9);
+    fixture.player.seek(8, Duration::ZERO);
+    assert_eq!(fixture.update(Duration::ZERO), Some(8));
+    fixture.player.toggle(Duration::ZERO);
+    assert_eq!(fixture.update(FRAME), Some(8));
+    assert_eq!(fixture.player.waiting_for(), Some(9));
+    assert!(fixture.player.is_playing());
+    fixture.load(9..10);
+    assert_eq!(fixture.update(Duration::from_secs(2)), Some(9));
+    assert_eq!(fixture.update(Duration::from_secs(9)), Some(9));
+    assert!(!fixture.player.is_playing());
+}
