@@ -390,3 +390,79 @@ fn clouds_of_no_and_of_one_point() {
     }
     assert_eq!(read("a.xyz", b"x y z\n").positions.len(), 0);
 }
+
+#[test]
+fn files_of_every_format_hold_the_same_cube() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let signs = || (0..8).map(|corner| [0, 1, 2].map(|axis| f32::from((corner >> axis & 1) as u8)));
+    let corners: Vec<[f64; 3]> = signs()
+        .map(|sign| sign.map(|positive| f64::from(positive) - 0.5))
+        .collect();
+    let colors: Vec<[u8; 4]> = signs()
+        .map(|sign| sign.map(|positive| (255.0 * positive) as u8))
+        .map(|[red, green, blue]| [red, green, blue, 255])
+        .collect();
+    let normals: Vec<[f32; 3]> = signs()
+        .map(|sign| sign.map(|positive| (2.0 * positive - 1.0) * 0.577_350_26))
+        .collect();
+    let intensities: Vec<f32> = (0..8u8).map(|corner| 10.0 * f32::from(corner)).collect();
+
+    let mut read = 0;
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if name == "README.md" {
+            continue;
+        }
+        let cloud = io::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(positions(&cloud), corners, "{name}");
+        assert_eq!(cloud.colors.as_ref(), Some(&colors), "{name}");
+        let has_normals = name != "cube.pts";
+        assert_eq!(
+            cloud.normals.as_ref(),
+            has_normals.then_some(&normals),
+            "{name}"
+        );
+        let has_intensities = name != "cube.xyz";
+        assert_eq!(
+            cloud.scalars.as_ref(),
+            has_intensities.then_some(&intensities),
+            "{name}"
+        );
+        read += 1;
+    }
+    assert_eq!(read, 9);
+}
+
+#[test]
+fn names_of_cloudcompare_and_white_space_in_headers_do_no_harm() {
+    let file = "ply\r\nformat ascii 1.0\r\n\r\n  element vertex 1\r\nproperty float x\r\n\
+                property float scalar_C2C_distances_(mm)\r\nproperty float y\r\nproperty float z\r\n end_header\r\n\
+                1 99 2 3\r\n";
+    assert_eq!(
+        positions(&read("a.ply", file.as_bytes())),
+        [[1.0, 2.0, 3.0]]
+    );
+}
+
+#[test]
+fn dark_channels_are_scaled_like_bright_ones() {
+    let properties = [
+        ("float", "x"),
+        ("float", "y"),
+        ("float", "z"),
+        ("float", "red"),
+        ("float", "green"),
+        ("float", "blue"),
+    ];
+    let rows = [
+        vec![1.0, 2.0, 3.0, 1.0, 0.0, 200.0],
+        vec![1.0, 2.0, 3.0, 0.0, 1.0, 100.0],
+    ];
+    let expected = Some(vec![[1, 0, 200, 255], [0, 1, 100, 255]]);
+    for (encoding, file) in plys(&properties, &rows) {
+        assert_eq!(read("a.ply", &file).colors, expected, "{encoding}");
+    }
+    let text = "1 2 3 1 0 200\n1 2 3 0 1 100\n";
+    assert_eq!(read("a.xyz", text.as_bytes()).colors, expected);
+}

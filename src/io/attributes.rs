@@ -99,9 +99,11 @@ pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fa
 /// PCL packs colours as 0xAARRGGBB, into an unsigned integer or into the bits of a float. `rgb` leaves alpha at 0.
 fn packed_colors(column: &Column<'_>, count: usize) -> Vec<[u8; 4]> {
     let has_alpha = column.name.eq_ignore_ascii_case("rgba");
-    let mut colors: Vec<[u8; 4]> = (0..count)
-        .map(|index| {
-            let [blue, green, red, alpha] = column.bits(index).to_le_bytes();
+    let mut colors: Vec<[u8; 4]> = column
+        .bits(count)
+        .into_iter()
+        .map(|bits| {
+            let [blue, green, red, alpha] = bits.to_le_bytes();
             [red, green, blue, if has_alpha { alpha } else { 255 }]
         })
         .collect();

@@ -27,15 +27,18 @@ impl Scalar {
         }
     }
 
-    /// The largest value, for colours: integers run from 0 to it, floats from 0 to 1.
-    fn full_scale(self) -> f64 {
+    /// What is full intensity in colours of which `largest` is the brightest channel: told by the type, but writers put
+    /// 0 to 255 into 16 bits and into floats, too, and 16 bits into wider types.
+    fn full_scale(self, largest: f64) -> f64 {
+        const BYTE: f64 = u8::MAX as f64;
+        const WORD: f64 = u16::MAX as f64;
         match self {
             Self::I8 => f64::from(i8::MAX),
+            Self::U8 => BYTE,
+            Self::F32 | Self::F64 if largest <= 1.0 => 1.0,
+            _ if largest <= BYTE => BYTE,
             Self::I16 => f64::from(i16::MAX),
-            Self::U16 => f64::from(u16::MAX),
-            // Integers wider than 16 bits hold 8-bit colours in every file that was seen.
-            Self::U8 | Self::I32 | Self::U32 | Self::I64 | Self::U64 => f64::from(u8::MAX),
-            Self::F32 | Self::F64 => 1.0,
+            _ => WORD,
         }
     }
 
@@ -159,66 +162,54 @@ impl Column<'_> {
         numbers
     }
 
-    /// The four bytes of number `index` as they are in the file, for colours packed into one number.
-    pub(super) fn bits(&self, index: usize) -> u32 {
-        let mut bits = 0;
-        // The bits of a float must not be touched: a NaN is a colour like any other.
-        let is_float = self.scalar == Scalar::F32;
+    /// The four bytes of `count` numbers as they are in the file, for colours packed into one number.
+    pub(super) fn bits(&self, count: usize) -> Vec<u32> {
         match &self.values {
             Values::Packed {
                 bytes,
                 start,
                 step,
                 big_endian,
-            } if is_float => {
-                let at = start + index * step;
-                let mut raw = [0; 4];
-                raw.copy_from_slice(&bytes[at..at + 4]);
-                bits = if *big_endian {
-                    u32::from_be_bytes(raw)
-                } else {
-                    u32::from_le_bytes(raw)
-                };
+            } if self.scalar.byte_size() == 4 => (0..count)
+                .map(|index| {
+                    let at = start + index * step;
+                    let mut raw = [0; 4];
+                    raw.copy_from_slice(&bytes[at..at + 4]);
+                    if *big_endian {
+                        u32::from_be_bytes(raw)
+                    } else {
+                        u32::from_le_bytes(raw)
+                    }
+                })
+                .collect(),
+            Values::Parsed(values) if self.scalar == Scalar::F32 => values
+                .iter()
+                .take(count)
+                .map(|&value| (value as f32).to_bits())
+                .collect(),
+            // Negative integers hold the same 32 bits, wider ones the same value.
+            _ => {
+                let mut bits = vec![0; count];
+                self.for_each_f64(0..count, |index, value| bits[index] = value as i64 as u32);
+                bits
             }
-            Values::Parsed(values) if is_float => bits = (values[index] as f32).to_bits(),
-            // Signed integers hold the same 32 bits, wider ones the same value.
-            _ => self.for_each_f64(index..index + 1, |_, value| bits = value as i64 as u32),
         }
-        bits
+    }
+
+    /// The largest of `count` numbers.
+    fn largest(&self, count: usize) -> f64 {
+        let mut largest = f64::NEG_INFINITY;
+        // f64::max takes the other operand for NaN.
+        self.for_each_f64(0..count, |_, value| largest = largest.max(value));
+        largest
     }
 
     /// Writes the column into one of the four channels of `colors`, as 8 bits.
-    pub(super) fn write_channel(&self, colors: &mut [[u8; 4]], channel: usize) {
-        let all = 0..colors.len();
-        match &self.values {
-            Values::Packed {
-                bytes, start, step, ..
-            } if self.scalar == Scalar::U8 => {
-                for (index, color) in colors.iter_mut().enumerate() {
-                    color[channel] = bytes[start + index * step];
-                }
-            }
-            _ => {
-                let scale = 255.0 / self.full_scale(colors.len());
-                self.for_each_f64(all, |index, value| {
-                    colors[index][channel] = (value * scale).round() as u8;
-                });
-            }
-        }
-    }
-
-    /// What is full intensity: told by the type, but writers put 0 to 255 into floats and into 16 bits, too.
-    fn full_scale(&self, count: usize) -> f64 {
-        let exceeds = |limit: f64| {
-            let mut largest = f64::NEG_INFINITY;
-            self.for_each_f64(0..count, |_, value| largest = largest.max(value));
-            largest > limit
-        };
-        match self.scalar {
-            Scalar::F32 | Scalar::F64 if exceeds(1.0) => 255.0,
-            Scalar::I16 | Scalar::U16 if !exceeds(255.0) => 255.0,
-            other => other.full_scale(),
-        }
+    fn write_channel(&self, colors: &mut [[u8; 4]], channel: usize, full_scale: f64) {
+        let scale = 255.0 / full_scale;
+        self.for_each_f64(0..colors.len(), |index, value| {
+            colors[index][channel] = (value * scale).round() as u8;
+        });
     }
 }
 
@@ -272,14 +263,20 @@ pub(super) fn colors(
             .map(|[red, green, blue]| [red, green, blue, 255])
             .collect()
     } else {
+        // One channel may be dark, all three tell what is bright.
+        let largest = channels
+            .map(|column| column.largest(count))
+            .into_iter()
+            .fold(f64::NEG_INFINITY, f64::max);
         let mut colors = vec![[255; 4]; count];
         for (channel, column) in channels.into_iter().enumerate() {
-            column.write_channel(&mut colors, channel);
+            column.write_channel(&mut colors, channel, column.scalar.full_scale(largest));
         }
         colors
     };
     if let Some(alpha) = alpha {
-        alpha.write_channel(&mut colors, 3);
+        let full_scale = alpha.scalar.full_scale(alpha.largest(count));
+        alpha.write_channel(&mut colors, 3, full_scale);
     }
     colors
 }
@@ -337,4 +334,143 @@ pub(super) fn vectors_f64(columns: [&Column<'_>; 3], count: usize) -> Vec<[f64; 
         }
     }
     vectors
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn packed(
+        bytes: &[u8],
+        scalar: Scalar,
+        start: usize,
+        step: usize,
+        big_endian: bool,
+    ) -> Column<'_> {
+        Column {
+            name: "c".to_owned(),
+            scalar,
+            values: Values::Packed {
+                bytes,
+                start,
+                step,
+                big_endian,
+            },
+        }
+    }
+
+    fn parsed(values: &[f64], scalar: Scalar) -> Column<'static> {
+        Column {
+            name: "c".to_owned(),
+            scalar,
+            values: Values::Parsed(values.to_vec()),
+        }
+    }
+
+    #[test]
+    fn gaps_and_byte_orders_make_no_difference() {
+        let expected = [[1.0f32, -2.0, 3.5], [f32::MAX, 0.0, -0.125]];
+        for big_endian in [false, true] {
+            for (pad, gap) in [(0, 0), (3, 0), (0, 2), (1, 5)] {
+                let mut bytes = Vec::new();
+                for vector in expected {
+                    bytes.extend(vec![0xee; pad]);
+                    for component in vector {
+                        bytes.extend(if big_endian {
+                            component.to_be_bytes()
+                        } else {
+                            component.to_le_bytes()
+                        });
+                        bytes.extend(vec![0xee; gap]);
+                    }
+                }
+                let step = bytes.len() / 2;
+                let columns = [0, 1, 2]
+                    .map(|i| packed(&bytes, Scalar::F32, pad + i * (4 + gap), step, big_endian));
+                let columns = columns.each_ref();
+                assert_eq!(
+                    vectors_f32(columns, 2),
+                    expected,
+                    "{pad} {gap} {big_endian}"
+                );
+                let wide = expected.map(|vector| vector.map(f64::from));
+                assert_eq!(vectors_f64(columns, 2), wide, "{pad} {gap} {big_endian}");
+            }
+        }
+    }
+
+    #[test]
+    fn blocks_cover_every_row_once() {
+        for count in [0, 1, BLOCK_ROWS - 1, BLOCK_ROWS, 3 * BLOCK_ROWS + 7] {
+            assert!(blocks(count).flatten().eq(0..count), "{count}");
+        }
+    }
+
+    #[test]
+    fn channels_are_scaled_by_type_and_by_the_brightest_of_them() {
+        for (color, scalar, expected) in [
+            ([0.0, 1.0, 255.0], Scalar::U8, [0, 1, 255, 255]),
+            ([0.0, 0.5, 1.0], Scalar::F32, [0, 128, 255, 255]),
+            ([1.0, 127.6, 255.0], Scalar::F32, [1, 128, 255, 255]),
+            ([0.0, 32768.0, 65535.0], Scalar::U16, [0, 128, 255, 255]),
+            ([1.0, 32768.0, 65535.0], Scalar::F64, [0, 128, 255, 255]),
+            ([0.0, 7.0, 255.0], Scalar::U16, [0, 7, 255, 255]),
+            ([0.0, 7.0, 255.0], Scalar::I32, [0, 7, 255, 255]),
+            (
+                [f64::NAN, -1.0, f64::INFINITY],
+                Scalar::F64,
+                [0, 0, 255, 255],
+            ),
+        ] {
+            let columns = color.map(|channel| parsed(&[channel], scalar));
+            assert_eq!(
+                colors(columns.each_ref(), None, 1),
+                [expected],
+                "{color:?} {scalar:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn alpha_has_a_scale_of_its_own() {
+        let channels = [9.0, 8.0, 255.0].map(|channel| parsed(&[channel], Scalar::F32));
+        let alpha = parsed(&[0.5], Scalar::F32);
+        assert_eq!(
+            colors(channels.each_ref(), Some(&alpha), 1),
+            [[9, 8, 255, 128]]
+        );
+        let rows = [1, 2, 3, 4, 0, 5, 6, 7, 8, 0];
+        let columns = [0, 1, 2, 3].map(|start| packed(&rows, Scalar::U8, start, 5, false));
+        let [red, green, blue, alpha] = columns.each_ref();
+        let together = colors([red, green, blue], Some(alpha), 2);
+        assert_eq!(together, [[1, 2, 3, 4], [5, 6, 7, 8]]);
+        let reversed = colors([blue, green, red], None, 2);
+        assert_eq!(reversed, [[3, 2, 1, 255], [7, 6, 5, 255]]);
+    }
+
+    #[test]
+    fn packed_colors_keep_their_bits_whatever_type_carries_them() {
+        // 0xffc00001 is a NaN as a float, a negative number as an integer.
+        let bits = 0xffc0_0001_u32;
+        for scalar in [Scalar::U32, Scalar::I32, Scalar::F32] {
+            assert_eq!(
+                packed(&bits.to_le_bytes(), scalar, 0, 4, false).bits(1),
+                [bits]
+            );
+            assert_eq!(
+                packed(&bits.to_be_bytes(), scalar, 0, 4, true).bits(1),
+                [bits]
+            );
+        }
+        assert_eq!(parsed(&[f64::from(bits)], Scalar::U32).bits(1), [bits]);
+        assert_eq!(
+            parsed(&[f64::from(bits as i32)], Scalar::I32).bits(1),
+            [bits]
+        );
+        let float = f32::from_bits(0x00ff_8000);
+        assert_eq!(
+            parsed(&[f64::from(float)], Scalar::F32).bits(1),
+            [0x00ff_8000]
+        );
+    }
 }

@@ -60,3 +60,28 @@ impl fmt::Display for Format {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_bytes_count_more_than_names() {
+        let detect = |name: &str, bytes: &[u8]| Format::detect(Path::new(name), bytes);
+        for name in ["a.ply", "a.txt", "a.pcd", "a.las", "a"] {
+            assert_eq!(detect(name, b"ply\r\nformat"), Some(Format::Ply), "{name}");
+            assert_eq!(
+                detect(name, b"# .PCD v.7\n\nVERSION .7\n"),
+                Some(Format::Pcd),
+                "{name}"
+            );
+        }
+        // Columns of text have no magic; words that only begin like one are text.
+        assert_eq!(detect("a.XYZ", b"1 2 3"), Some(Format::Xyz));
+        assert_eq!(detect("a.txt", b"plyometrics\n1 2 3"), Some(Format::Xyz));
+        assert_eq!(detect("a.txt", b"VERSIONS\n"), Some(Format::Xyz));
+        for name in ["a.las", "a.e57", "a.glb", "a", ".ply"] {
+            assert_eq!(detect(name, b"LASF"), None, "{name}");
+        }
+    }
+}

@@ -17,8 +17,6 @@ pub use error::{IoError, Place};
 pub use format::{Format, supported_extensions};
 
 use crate::cloud::RawCloud;
-use std::fs::File;
-use std::io::Read as _;
 use std::path::Path;
 
 /// Reads the cloud in the file at `path`: by its first bytes, else by its extension.
@@ -34,10 +32,8 @@ pub fn read(path: &Path) -> Result<RawCloud, IoError> {
             path: path.to_owned(),
         });
     }
-    let mut bytes = Vec::with_capacity(usize::try_from(metadata.len()).unwrap_or(0));
-    File::open(path)
-        .and_then(|mut file| file.read_to_end(&mut bytes))
-        .map_err(failed)?;
+    // One allocation of the file's length, refused by an error where there is no memory for it.
+    let bytes = std::fs::read(path).map_err(failed)?;
     read_bytes(path, &bytes)
 }
 

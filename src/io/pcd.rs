@@ -14,7 +14,10 @@ use pcd_rs::{DataKind, PcdMeta, ValueKind};
 const MAX_HEADER_BYTES: usize = 1 << 20;
 
 /// LZF stores at most 264 bytes in three.
-const MAX_LZF_RATIO: usize = 264;
+const MAX_LZF_RATIO: usize = 88;
+
+/// The crate counts the bytes of a block in an i32.
+const MAX_LZF_BYTES: usize = i32::MAX as usize;
 
 pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let (header, payload_start) = header_text(bytes)?;
@@ -56,7 +59,7 @@ fn header_text(bytes: &[u8]) -> Result<(Vec<u8>, usize), Fault> {
             );
             text.push(b'\n');
         }
-        if content.starts_with(b"DATA") {
+        if content.len() >= 4 && content[..4].eq_ignore_ascii_case(b"DATA") {
             return Ok((text, end));
         }
     }
@@ -193,7 +196,7 @@ impl Table {
             )));
         };
         let needed = self.check_claim(self.row_bytes, unpacked)?;
-        if unpacked > packed.saturating_mul(MAX_LZF_RATIO) {
+        if unpacked > packed.saturating_mul(MAX_LZF_RATIO).min(MAX_LZF_BYTES) {
             return Err(fault(format!(
                 "{packed} bytes cannot unpack to the claimed {unpacked}"
             )));

@@ -15,7 +15,7 @@ use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::numbers::{parse_number, quoted};
-use crate::cloud::RawCloud;
+use crate::cloud::{Positions, RawCloud};
 
 /// Columns that are looked at.
 const MAX_COLUMNS: usize = 64;
@@ -27,18 +27,20 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
         rows.read_line(line.trim_ascii(), index + 1)?;
     }
     let Some(column_count) = rows.column_count else {
-        return match rows.names {
-            // A header alone is a cloud of no points.
-            Some(_) => Ok(RawCloud::from_positions(crate::cloud::Positions::F64(
-                Vec::new(),
-            ))),
-            None => Err(Fault::new(
+        return match (rows.claimed, rows.names) {
+            (Some(claimed), _) if claimed > 0 => Err(cut_short(claimed, 0)),
+            // A header or a count of none alone is a cloud of no points.
+            (Some(_), _) | (_, Some(_)) => Ok(RawCloud::from_positions(Positions::F64(Vec::new()))),
+            (None, None) => Err(Fault::new(
                 Place::Line(1),
                 "there is no line with numbers: expected x y z in columns",
             )),
         };
     };
     let count = rows.values.len() / column_count;
+    if let Some(claimed) = rows.claimed.filter(|&claimed| claimed > count) {
+        return Err(cut_short(claimed, count));
+    }
     let column = |index: usize| {
         (0..count)
             .map(|row| rows.values[row * column_count + index])
@@ -55,21 +57,21 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let columns: Vec<Column<'_>> = names
         .into_iter()
         .zip(columns)
-        .map(|(name, values)| {
-            // Whole numbers above 1 are 8-bit channels, fractions are channels from 0 to 1.
-            let scalar = if is_color(&name) && looks_like_bytes(&values) {
-                Scalar::U8
-            } else {
-                Scalar::F64
-            };
-            Column {
-                name,
-                scalar,
-                values: Values::Parsed(values),
-            }
+        .map(|(name, values)| Column {
+            name,
+            scalar: Scalar::F64,
+            values: Values::Parsed(values),
         })
         .collect();
     attributes::cloud(&columns, count)
+}
+
+fn cut_short(claimed: usize, count: usize) -> Fault {
+    Fault::entry(
+        "point",
+        count,
+        format!("the file ends here, but its first line counts {claimed} points: it is truncated"),
+    )
 }
 
 #[derive(Default)]
@@ -78,8 +80,8 @@ struct Rows {
     column_count: Option<usize>,
     /// Row after row.
     values: Vec<f64>,
-    /// The only number of the first line: `.pts` files count their points there.
-    leading_count: bool,
+    /// Points of the scans so far by the lone number before each: `.pts` files count their points there.
+    claimed: Option<usize>,
 }
 
 impl Rows {
@@ -121,8 +123,8 @@ impl Rows {
         }
         let found = self.values.len() - before;
         match self.column_count {
-            None if found == 1 && !self.leading_count => {
-                self.leading_count = true;
+            _ if found == 1 && self.is_scan_start(self.values[before]) => {
+                self.claimed = Some(self.claimed.unwrap_or(0) + self.values[before] as usize);
                 self.values.truncate(before);
                 Ok(())
             }
@@ -144,6 +146,20 @@ impl Rows {
         }
     }
 
+    /// True for the count of points before the first one, and behind the last one of a scan.
+    fn is_scan_start(&self, count: f64) -> bool {
+        /// More would not fit into any memory.
+        const MOST_POINTS: f64 = 1e12;
+        let points = self
+            .column_count
+            .map_or(0, |columns| self.values.len() / columns);
+        let is_due = match self.claimed {
+            None => points == 0,
+            Some(claimed) => points > 0 && points == claimed,
+        };
+        is_due && count.fract() == 0.0 && (0.0..=MOST_POINTS).contains(&count)
+    }
+
     fn take_names<'a>(&mut self, tokens: impl Iterator<Item = &'a [u8]>) {
         let names: Vec<String> = tokens
             .take(MAX_COLUMNS)
@@ -163,17 +179,6 @@ fn has_coordinates(names: &[String]) -> bool {
     ["x", "y", "z"]
         .iter()
         .all(|axis| names.iter().any(|name| name == axis))
-}
-
-fn is_color(name: &str) -> bool {
-    ["red", "green", "blue", "r", "g", "b"].contains(&name)
-}
-
-fn looks_like_bytes(values: &[f64]) -> bool {
-    values
-        .iter()
-        .all(|value| value.fract() == 0.0 && (0.0..=255.0).contains(value))
-        && values.iter().any(|&value| value > 1.0)
 }
 
 fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
@@ -225,4 +230,68 @@ fn is_unit_length(columns: &[Vec<f64>]) -> bool {
             .sqrt();
         (length - 1.0).abs() < TOLERANCE
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names of the columns of `text`, a line of which is a point.
+    fn names(text: &str) -> Vec<String> {
+        let rows: Vec<Vec<f64>> = text
+            .lines()
+            .map(|line| {
+                line.split(' ')
+                    .map(|token| token.parse().unwrap())
+                    .collect()
+            })
+            .collect();
+        let columns: Vec<Vec<f64>> = (0..rows[0].len())
+            .map(|column| rows.iter().map(|row| row[column]).collect())
+            .collect();
+        guessed_names(&columns)
+    }
+
+    #[test]
+    fn columns_without_names_are_told_by_their_values() {
+        for (text, expected) in [
+            ("1 2 3", "x y z"),
+            ("1 2 3 4", "x y z scalar"),
+            ("1 2 3 4 5", "x y z unknown unknown"),
+            ("1 2 3 255 0 1", "x y z red green blue"),
+            ("1 2 3 0.5 0.25 0.5", "x y z red green blue"),
+            ("1 2 3 0.6 0 -0.8", "x y z nx ny nz"),
+            // One point that is red, and one normal along x: eight bits are the better guess.
+            ("1 2 3 1 0 0", "x y z red green blue"),
+            ("1 2 3 -900 255 0 1", "x y z scalar red green blue"),
+            ("1 2 3 255 0 1 0.5", "x y z red green blue scalar"),
+            ("1 2 3 255 0 1 0 0 1", "x y z red green blue nx ny nz"),
+            ("1 2 3 0 0.6 0.8 255 0 1", "x y z nx ny nz red green blue"),
+        ] {
+            assert_eq!(names(text).join(" "), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_leading_count_is_held_against_the_points() {
+        for (text, points) in [
+            ("0\n", 0),
+            ("2\n1 2 3\n4 5 6\n", 2),
+            ("1\n1 2 3\n4 5 6\n", 2),
+            ("1\n1 2 3\n2\n4 5 6\n7 8 9\n", 3),
+        ] {
+            let cloud =
+                decode(text.as_bytes()).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"));
+            assert_eq!(cloud.positions.len(), points, "{text:?}");
+        }
+        for text in [
+            "2\n1 2 3\n",
+            "1\n",
+            "1\n1 2 3\n5\n4 5 6\n",
+            "1.5\n1 2 3\n",
+            "2\n1 2 3\n1\n",
+        ] {
+            assert!(decode(text.as_bytes()).is_err(), "{text:?}");
+        }
+    }
 }

@@ -1,0 +1,132 @@
+//! Rows of numbers as the machine has them, of either byte order.
+//!
+//! Rows without lists are of one length: their columns are left where they are, and nothing is copied. Others are
+//! walked one by one.
+
+use super::super::column::{Column, Scalar, Values};
+use super::super::error::Fault;
+use super::header::{Element, Kind, Property};
+use super::{KeptColumns, POINTS};
+
+/// The columns of `vertex` in `payload`, where the elements of `before` come first.
+pub(super) fn columns<'a>(
+    payload: &'a [u8],
+    big_endian: bool,
+    before: &[Element],
+    vertex: &Element,
+) -> Result<Vec<Column<'a>>, Fault> {
+    let mut cursor = Cursor {
+        bytes: payload,
+        at: 0,
+        big_endian,
+    };
+    for element in before {
+        cursor.skip(element)?;
+    }
+    let Some(row_bytes) = vertex.fixed_row_bytes() else {
+        return walked_columns(&mut cursor, vertex);
+    };
+    vertex.check_claim(row_bytes, cursor.rest().len())?;
+    let mut start = 0;
+    let mut columns = Vec::with_capacity(vertex.properties.len());
+    for property in &vertex.properties {
+        if let Kind::Scalar(scalar) = property.kind {
+            columns.push(Column {
+                name: property.name.clone(),
+                scalar,
+                values: Values::Packed {
+                    bytes: cursor.rest(),
+                    start,
+                    step: row_bytes,
+                    big_endian: cursor.big_endian,
+                },
+            });
+            start += scalar.byte_size();
+        }
+    }
+    Ok(columns)
+}
+
+/// Points that own lists have rows of different lengths: they are walked one by one.
+fn walked_columns<'a>(cursor: &mut Cursor<'a>, vertex: &Element) -> Result<Vec<Column<'a>>, Fault> {
+    vertex.check_claim(vertex.least_row_bytes(), cursor.rest().len())?;
+    let mut kept = KeptColumns::new(vertex);
+    for row in 0..vertex.count {
+        for (index, property) in vertex.properties.iter().enumerate() {
+            if let Some(value) = cursor.step(property, POINTS, row)? {
+                kept.push(index, value);
+            }
+        }
+    }
+    Ok(kept.columns)
+}
+
+/// A place in a binary payload.
+struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    big_endian: bool,
+}
+
+impl<'a> Cursor<'a> {
+    fn rest(&self) -> &'a [u8] {
+        &self.bytes[self.at.min(self.bytes.len())..]
+    }
+
+    /// Steps over all rows of an element.
+    fn skip(&mut self, element: &Element) -> Result<(), Fault> {
+        if let Some(row_bytes) = element.fixed_row_bytes() {
+            element.check_claim(row_bytes, self.rest().len())?;
+            self.at += element.count * row_bytes;
+            return Ok(());
+        }
+        element.check_claim(element.least_row_bytes(), self.rest().len())?;
+        for row in 0..element.count {
+            for property in &element.properties {
+                self.step(property, &element.name, row)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Steps over a property of a row; the value, if it is no list.
+    fn step(&mut self, property: &Property, list: &str, row: usize) -> Result<Option<f64>, Fault> {
+        match property.kind {
+            Kind::Scalar(scalar) => self.number(scalar, list, row).map(Some),
+            Kind::List { length, item } => {
+                let length = self.number(length, list, row)?;
+                if length < 0.0 || length.fract() != 0.0 {
+                    return Err(Fault::entry(
+                        list,
+                        row,
+                        format!("a list cannot have {length} items"),
+                    ));
+                }
+                let bytes = (length as usize)
+                    .checked_mul(item.byte_size())
+                    .filter(|&bytes| bytes <= self.rest().len());
+                self.at += bytes.ok_or_else(|| {
+                    Fault::entry(
+                        list,
+                        row,
+                        format!("a list of {length} items goes beyond the end of the file"),
+                    )
+                })?;
+                Ok(None)
+            }
+        }
+    }
+
+    fn number(&mut self, scalar: Scalar, list: &str, row: usize) -> Result<f64, Fault> {
+        let rest = self.rest();
+        if rest.len() < scalar.byte_size() {
+            return Err(Fault::entry(
+                list,
+                row,
+                "the file ends here: it is truncated, or its header is wrong",
+            ));
+        }
+        self.at += scalar.byte_size();
+        Ok(scalar.read(rest, self.big_endian))
+    }
+}
