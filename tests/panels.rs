@@ -1,4 +1,5 @@
 //! The window's panels without a window: by role and label, with a time of the test's own.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use egui::{Key, Modifiers, PointerButton, accesskit::Role, pos2, vec2};
 use egui_kittest::Harness;
