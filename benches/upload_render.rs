@@ -32,7 +32,10 @@ fn sphere(primitive: Primitive, strategy: Strategy) -> ScenePacket {
     });
     let points = directions.clone().map(|direction| PointRecord {
         position: direction.to_array(),
-        color: ((direction + 1.0) * 127.5).extend(255.0).to_array().map(|channel| channel as u8),
+        color: ((direction + 1.0) * 127.5)
+            .extend(255.0)
+            .to_array()
+            .map(|channel| channel as u8),
     });
     let spacing = (4.0 * std::f32::consts::PI / POINTS as f32).sqrt();
     let shapes = directions.map(|direction| ShapeRecord {
@@ -41,13 +44,20 @@ fn sphere(primitive: Primitive, strategy: Strategy) -> ScenePacket {
         ellipse: 0,
         scalar: 0.0,
     });
-    let bounds = Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE };
+    let bounds = Aabb {
+        min: Vec3::NEG_ONE,
+        max: Vec3::ONE,
+    };
     let mut camera = Camera::framing(&bounds, DVec3::ZERO, UpAxis::Y);
     camera.distance = 2.7;
     ScenePacket {
         viewport_px: SIZE_PX,
         view: camera.transform(DVec3::ZERO, SIZE_PX),
-        settings: Settings { primitive, strategy, ..Settings::default() },
+        settings: Settings {
+            primitive,
+            strategy,
+            ..Settings::default()
+        },
         points: Arc::new(points.collect()),
         shapes: (primitive == Primitive::Surfel).then(|| Arc::new(shapes.collect())),
         voxels: None,
@@ -59,13 +69,18 @@ fn sphere(primitive: Primitive, strategy: Strategy) -> ScenePacket {
 fn copy(packet: &ScenePacket) -> ScenePacket {
     ScenePacket {
         points: Arc::new(packet.points.to_vec()),
-        shapes: packet.shapes.as_ref().map(|shapes| Arc::new(shapes.to_vec())),
+        shapes: packet
+            .shapes
+            .as_ref()
+            .map(|shapes| Arc::new(shapes.to_vec())),
         ..packet.clone()
     }
 }
 
 fn upload(renderer: &mut GpuRenderer, packet: &ScenePacket) {
-    renderer.prepare(packet).expect("the packet can be uploaded");
+    renderer
+        .prepare(packet)
+        .expect("the packet can be uploaded");
     // Copies out of mapped memory are carried out with the next submission.
     renderer.context().queue.submit([]);
     renderer.context().wait().expect("the adapter answers");
@@ -73,11 +88,17 @@ fn upload(renderer: &mut GpuRenderer, packet: &ScenePacket) {
 
 fn draw(renderer: &mut GpuRenderer, packet: &ScenePacket) {
     renderer.invalidate();
-    renderer.prepare(packet).expect("the packet can be uploaded");
+    renderer
+        .prepare(packet)
+        .expect("the packet can be uploaded");
     renderer.render().expect("the packet can be drawn");
     renderer.context().wait().expect("the adapter answers");
 }
 
+#[expect(
+    clippy::print_stdout,
+    reason = "a time means nothing without its adapter"
+)]
 fn strategies(criterion: &mut Criterion) {
     let context = Context::headless(&ContextOptions::default()).expect("an adapter");
     println!("adapter: {}", context.adapter_summary());
@@ -85,19 +106,25 @@ fn strategies(criterion: &mut Criterion) {
         for what in ["upload", "draw"] {
             let mut group = criterion.benchmark_group(format!("{what}/{primitive}"));
             group.throughput(Throughput::Elements(POINTS as u64));
-            group.sample_size(20).warm_up_time(Duration::from_secs(1)).measurement_time(Duration::from_secs(3));
+            group
+                .sample_size(20)
+                .warm_up_time(Duration::from_secs(1))
+                .measurement_time(Duration::from_secs(3));
             for &strategy in Strategy::ALL {
                 let packet = sphere(primitive, strategy);
                 let mut renderer = GpuRenderer::new(Arc::clone(&context)).expect("a renderer");
                 draw(&mut renderer, &packet);
-                group.bench_function(BenchmarkId::from_parameter(strategy), |bencher| match what {
-                    "upload" => bencher.iter_batched_ref(
-                        || copy(&packet),
-                        |fresh| upload(&mut renderer, fresh),
-                        BatchSize::PerIteration,
-                    ),
-                    _ => bencher.iter(|| draw(&mut renderer, &packet)),
-                });
+                group.bench_function(
+                    BenchmarkId::from_parameter(strategy),
+                    |bencher| match what {
+                        "upload" => bencher.iter_batched_ref(
+                            || copy(&packet),
+                            |fresh| upload(&mut renderer, fresh),
+                            BatchSize::PerIteration,
+                        ),
+                        _ => bencher.iter(|| draw(&mut renderer, &packet)),
+                    },
+                );
             }
             group.finish();
         }

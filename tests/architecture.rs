@@ -1,5 +1,7 @@
 //! Imports go one way: a module never names one to its right. See the table in `src/lib.rs`.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,10 @@
 //! Each benchmark suite runs on the demo, in small, and says the same in its table, JSON and CSV.
 
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
 mod common;
 
 use pointreel::bench::{BenchError, BenchOptions, Cell, Progress, Report, Suite, run};

@@ -2,6 +2,12 @@
 //!
 //! The files lie beside the project, not in it; without them there is nothing to compare with, which is said.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(
+    clippy::print_stdout,
+    reason = "what was compared, and the score, is for who runs the test"
+)]
+
 use pointreel::cloud::RawCloud;
 use pointreel::io;
 use serde_json::Value;

@@ -76,15 +76,17 @@ fn pcd(points: &str, data: &str, payload: &[u8]) -> Vec<u8> {
 
 const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
 
-#[test]
-fn what_is_wrong_is_said_with_file_and_place() {
+/// What is wrong, the file's name, its bytes, and a part of the message.
+type Case = (&'static str, &'static str, Vec<u8>, &'static str);
+
+/// Points that no file here has.
+const CLAIM: &str = "1000000000000";
+
+fn wrong_plys() -> Vec<Case> {
     let lists = format!("{XYZ}property list int uchar names\n");
     let negative_list = [[0u8; 12].as_slice(), &(-1i32).to_le_bytes()].concat();
     let huge_list = [[0u8; 12].as_slice(), &i32::MAX.to_le_bytes()].concat();
-    let claim = "1000000000000";
-    let packed =
-        |packed: u32, unpacked: u32| [packed.to_le_bytes(), unpacked.to_le_bytes()].concat();
-    let cases: Vec<(&str, &str, Vec<u8>, &str)> = vec![
+    vec![
         ("empty", "a.ply", Vec::new(), "is empty"),
         (
             "wrong magic",
@@ -132,19 +134,19 @@ fn what_is_wrong_is_said_with_file_and_place() {
         (
             "claim, binary",
             "a.ply",
-            ply("binary_little_endian", claim, XYZ, &[0; 100]),
+            ply("binary_little_endian", CLAIM, XYZ, &[0; 100]),
             "vertex 8: the file ends here",
         ),
         (
             "claim, ascii",
             "a.ply",
-            ply("ascii", claim, XYZ, b"1 2 3\n"),
+            ply("ascii", CLAIM, XYZ, b"1 2 3\n"),
             "truncated",
         ),
         (
             "claim of nothing",
             "a.ply",
-            ply("ascii", claim, "", b""),
+            ply("ascii", CLAIM, "", b""),
             "expected x, y and z, found nothing",
         ),
         (
@@ -189,22 +191,29 @@ fn what_is_wrong_is_said_with_file_and_place() {
             ply("binary_little_endian", "1", &lists, &huge_list),
             "beyond the end",
         ),
+    ]
+}
+
+fn wrong_pcds() -> Vec<Case> {
+    let packed =
+        |packed: u32, unpacked: u32| [packed.to_le_bytes(), unpacked.to_le_bytes()].concat();
+    vec![
         (
             "claim, PCD",
             "a.pcd",
-            pcd(claim, "binary", &[0; 100]),
+            pcd(CLAIM, "binary", &[0; 100]),
             "point 6: the file ends here",
         ),
         (
             "claim, ascii PCD",
             "a.pcd",
-            pcd(claim, "ascii", b"1 2 3 4\n"),
+            pcd(CLAIM, "ascii", b"1 2 3 4\n"),
             "truncated",
         ),
         (
             "claim, packed PCD",
             "a.pcd",
-            pcd(claim, "binary_compressed", &packed(0, 0)),
+            pcd(CLAIM, "binary_compressed", &packed(0, 0)),
             "truncated",
         ),
         (
@@ -245,6 +254,11 @@ fn what_is_wrong_is_said_with_file_and_place() {
             b"VERSION .7\nFIELDS x y z\nDATA ascii\n".to_vec(),
             "header is not understood",
         ),
+    ]
+}
+
+fn wrong_texts() -> Vec<Case> {
+    vec![
         (
             "words, text",
             "a.xyz",
@@ -269,8 +283,12 @@ fn what_is_wrong_is_said_with_file_and_place() {
             vec![0xff; 300],
             "no line with numbers",
         ),
-    ];
-    for (what, name, bytes, expected) in cases {
+    ]
+}
+
+#[test]
+fn what_is_wrong_is_said_with_file_and_place() {
+    for (what, name, bytes, expected) in [wrong_plys(), wrong_pcds(), wrong_texts()].concat() {
         let message = match read(name, &bytes) {
             Ok(cloud) => panic!("{what}: read {} points", cloud.positions.len()),
             Err(error) => error.to_string(),

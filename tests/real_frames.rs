@@ -1,5 +1,7 @@
 //! The per-frame engine on real scans: an animated body, an RGB-D camera with holes, a laser scanner, and the demo.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use glam::DVec3;
 use pointreel::{
     analysis::estimate_surface,

@@ -1,5 +1,7 @@
 //! Every shader permutation, validated without a GPU; and every layout that Rust and WGSL share, by reflection.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use pointreel::render::gpu::gpu_data::{PointRecord, ShapeRecord, SplatVertex, ViewUniform};
 use pointreel::render::gpu::shaders::{Amplification, Permutation};

@@ -1,5 +1,7 @@
 //! The counters prove that work is skipped: what is resident is not uploaded, what is unchanged is not drawn.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod common;
 
 use common::{camera_at, plain, sphere, surfels, voxels};

@@ -61,7 +61,13 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         ..BenchOptions::new(arguments.suite)
     };
     let context = Headless::open_adapter()?;
-    let report = bench::run(&inputs, &options, &context, &show_progress, &AtomicBool::new(false));
+    let report = bench::run(
+        &inputs,
+        &options,
+        &context,
+        &show_progress,
+        &AtomicBool::new(false),
+    );
     clear_progress();
     let report = report?;
     answer(report.to_table().trim_end());
@@ -75,8 +81,14 @@ fn sequence_name(input: &Path) -> String {
         return "demo".to_owned();
     }
     let absolute = std::path::absolute(input).unwrap_or_else(|_| input.to_owned());
-    let name = if absolute.is_dir() { absolute.file_name() } else { absolute.file_stem() };
-    name.unwrap_or(input.as_os_str()).to_string_lossy().into_owned()
+    let name = if absolute.is_dir() {
+        absolute.file_name()
+    } else {
+        absolute.file_stem()
+    };
+    name.unwrap_or(input.as_os_str())
+        .to_string_lossy()
+        .into_owned()
 }
 
 fn write(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
@@ -105,7 +117,10 @@ fn clear_progress() {
 }
 
 fn count(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|&count| count > 0).ok_or_else(|| "expected a whole number from 1 up".to_owned())
+    text.parse()
+        .ok()
+        .filter(|&count| count > 0)
+        .ok_or_else(|| "expected a whole number from 1 up".to_owned())
 }
 
 #[cfg(test)]

@@ -13,19 +13,35 @@ impl Report {
             text.push_str(&align(&self.paper_layout()));
         }
         text.push('\n');
-        let titles = self.columns().iter().map(|column| column.title.to_owned()).collect();
+        let titles = self
+            .columns()
+            .iter()
+            .map(|column| column.title.to_owned())
+            .collect();
         let rows = self.rows.iter().map(|row| self.cells(row));
-        text.push_str(&align(&std::iter::once(titles).chain(rows).collect::<Vec<_>>()));
+        text.push_str(&align(
+            &std::iter::once(titles).chain(rows).collect::<Vec<_>>(),
+        ));
         text
     }
 
     /// What a reader must know before reading a number.
     pub fn header(&self) -> String {
-        let BenchOptions { suite, viewport_px: [width, height], viewpoints, warmup, repeat, .. } =
-            self.options;
+        let BenchOptions {
+            suite,
+            viewport_px: [width, height],
+            viewpoints,
+            warmup,
+            repeat,
+            ..
+        } = self.options;
         let environment = &self.environment;
         let mut lines = vec![
-            format!("pointreel {} bench {suite}: {}", environment.version, suite.description()),
+            format!(
+                "pointreel {} bench {suite}: {}",
+                environment.version,
+                suite.description()
+            ),
             format!("adapter   {}", environment.adapter),
             format!(
                 "machine   {}, {} threads, {}",
@@ -75,7 +91,9 @@ impl Report {
             ));
         }
         if environment.is_debug_build {
-            lines.push("note      this program has debug assertions: measure a release build".to_owned());
+            lines.push(
+                "note      this program has debug assertions: measure a release build".to_owned(),
+            );
         }
         lines.extend(self.notes.iter().map(|note| format!("note      {note}")));
         lines.join("\n") + "\n"
@@ -87,8 +105,12 @@ impl Report {
         let mut lines: Vec<Vec<String>> = Vec::new();
         for row in &self.rows {
             let cells = self.cells(row);
-            let [sequence, strategy, ..] = cells.as_slice() else { continue };
-            let median = self.value(row, self.headline()).and_then(super::Cell::number);
+            let [sequence, strategy, ..] = cells.as_slice() else {
+                continue;
+            };
+            let median = self
+                .value(row, self.headline())
+                .and_then(super::Cell::number);
             let median = median.map_or_else(|| "–".to_owned(), |median| format!("{median:.3}"));
             if !head.contains(strategy) {
                 head.push(strategy.clone());
@@ -108,7 +130,11 @@ fn align(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns)
         .map(|column| {
-            rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+            rows.iter()
+                .filter_map(|row| row.get(column))
+                .map(|cell| cell.chars().count())
+                .max()
+                .unwrap_or(0)
         })
         .collect();
     let mut text = String::new();
@@ -135,7 +161,10 @@ mod tests {
     fn columns_stand_under_each_other() {
         let rows = [["sequence", "δ"], ["a", "2 %"], ["long name", "10 %"]];
         let rows = rows.map(|row| row.map(str::to_owned).to_vec());
-        assert_eq!(align(&rows), "sequence      δ\na           2 %\nlong name  10 %\n");
+        assert_eq!(
+            align(&rows),
+            "sequence      δ\na           2 %\nlong name  10 %\n"
+        );
         assert_eq!(align(&[]), "");
     }
 }

@@ -4,9 +4,9 @@
 //! meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
 //! and timed, warm-up rounds are drawn, then the rounds that count.
 
+use super::{Run, Subject, mean};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::{BenchError, Quantiles, Suite};
-use super::{Run, Subject, mean};
 use crate::scene::{Primitive, Scene, ScenePacket, Settings, Splatting, Strategy};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
@@ -75,8 +75,16 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             }
         };
         point_counts.push(frame.points.len() as f64);
-        depths.extend(frame.octree.as_ref().map(|octree| f64::from(octree.depth())));
-        run.begin_step(format!("{} frame {index}: placing viewpoints", subject.name))?;
+        depths.extend(
+            frame
+                .octree
+                .as_ref()
+                .map(|octree| f64::from(octree.depth())),
+        );
+        run.begin_step(format!(
+            "{} frame {index}: placing viewpoints",
+            subject.name
+        ))?;
         let viewpoints = run.viewpoints(subject, &frame, &settings, &mut distance)?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         // The pictures whose coverage was counted left the streams on the adapter; a renderer takes a copy for another
@@ -93,13 +101,18 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         }
     }
     if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
-        return Err(BenchError::NoFrame { sequence: subject.name.to_owned(), reason });
+        return Err(BenchError::NoFrame {
+            sequence: subject.name.to_owned(),
+            reason,
+        });
     }
     let depth = (!depths.is_empty()).then(|| mean(&depths));
     let rows = Strategy::ALL
         .iter()
         .zip(&samples)
-        .map(|(strategy, samples)| samples.row(subject.name, *strategy, mean(&point_counts), depth));
+        .map(|(strategy, samples)| {
+            samples.row(subject.name, *strategy, mean(&point_counts), depth)
+        });
     run.finish(subject, &point_counts, &coverages, rows);
     Ok(())
 }
@@ -107,7 +120,11 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
 /// What the paper's tables draw: two-pass enlarged splatting (2x) for Table II; for Table IV the default δ and 1 px.
 fn settings(suite: Suite) -> Settings {
     Settings {
-        primitive: if suite == Suite::Voxels { Primitive::Voxel } else { Primitive::Surfel },
+        primitive: if suite == Suite::Voxels {
+            Primitive::Voxel
+        } else {
+            Primitive::Surfel
+        },
         splatting: Splatting::TwoPassEnlarged,
         enlargement: 2.0,
         ..Settings::default()
@@ -135,7 +152,10 @@ fn measure_strategy(
     let packets: Vec<ScenePacket> = packets
         .iter()
         .map(|packet| ScenePacket {
-            settings: Settings { strategy, ..packet.settings },
+            settings: Settings {
+                strategy,
+                ..packet.settings
+            },
             ..packet.clone()
         })
         .collect();

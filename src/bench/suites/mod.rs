@@ -62,7 +62,10 @@ impl<'a> Run<'a> {
     }
 
     /// The sequences with the frames chosen from each. A run has `steps_per_frame` steps a frame.
-    pub(super) fn subjects(&mut self, steps_per_frame: usize) -> Result<Vec<Subject<'a>>, BenchError> {
+    pub(super) fn subjects(
+        &mut self,
+        steps_per_frame: usize,
+    ) -> Result<Vec<Subject<'a>>, BenchError> {
         let wanted = self.options.frames.unwrap_or(BenchOptions::DEFAULT_FRAMES);
         let mut subjects = Vec::new();
         for (name, sequence) in self.inputs {
@@ -71,7 +74,11 @@ impl<'a> Run<'a> {
                 return Err(BenchError::Nothing(format!("{name} has no frames")));
             }
             self.steps_total += steps_per_frame * chosen.len();
-            subjects.push(Subject { name, sequence, chosen });
+            subjects.push(Subject {
+                name,
+                sequence,
+                chosen,
+            });
         }
         Ok(subjects)
     }
@@ -84,7 +91,11 @@ impl<'a> Run<'a> {
     /// Says what comes next.
     pub(super) fn begin_step(&mut self, label: String) -> Result<(), BenchError> {
         self.check_cancelled()?;
-        (self.progress)(Progress { done: self.steps_done, total: self.steps_total, label });
+        (self.progress)(Progress {
+            done: self.steps_done,
+            total: self.steps_total,
+            label,
+        });
         self.steps_done += 1;
         Ok(())
     }
@@ -102,13 +113,21 @@ impl<'a> Run<'a> {
             Ok(frame) if frame.is_empty() => Err(format!("frame {index} has no points")),
             Ok(frame) => {
                 let needs = needs(&frame);
-                Ok(prepare(index, Arc::new(frame), 0.0, &needs, &PrepareCounters::default()))
+                Ok(prepare(
+                    index,
+                    Arc::new(frame),
+                    0.0,
+                    &needs,
+                    &PrepareCounters::default(),
+                ))
             }
             Err(error) => Err(error.to_string()),
         };
         if let Err(reason) = &loaded {
             self.steps_done += steps_per_frame - 1;
-            self.report.notes.push(format!("{}: skipped: {reason}", subject.name));
+            self.report
+                .notes
+                .push(format!("{}: skipped: {reason}", subject.name));
         }
         Ok(loaded)
     }
@@ -127,18 +146,31 @@ impl<'a> Run<'a> {
         let mut viewpoints = Vec::new();
         for (azimuth_deg, elevation_deg) in scenario::directions(self.options.viewpoints) {
             let distance_now = distance.unwrap_or(framing.distance);
-            let start = Camera { azimuth_deg, elevation_deg, distance: distance_now, ..framing };
+            let start = Camera {
+                azimuth_deg,
+                elevation_deg,
+                distance: distance_now,
+                ..framing
+            };
             let viewpoint = scenario::place(start, framing.distance, |camera| {
                 self.check_cancelled()?;
                 let mut on_background = |background| {
-                    let settings = Settings { background: Background::solid(background), ..*settings };
+                    let settings = Settings {
+                        background: Background::solid(background),
+                        ..*settings
+                    };
                     let viewport_px = self.options.viewport_px;
-                    self.runner.image(&scene.packet(frame, origin, camera, &settings, viewport_px))
+                    self.runner
+                        .image(&scene.packet(frame, origin, camera, &settings, viewport_px))
                 };
                 let [first, second] = COVERAGE_BACKGROUNDS;
                 let pictures = [on_background(first)?, on_background(second)?];
                 let [on_first, on_second] = &pictures;
-                Ok::<_, BenchError>(scenario::covered_share(on_first, on_second, COVERAGE_BACKGROUNDS))
+                Ok::<_, BenchError>(scenario::covered_share(
+                    on_first,
+                    on_second,
+                    COVERAGE_BACKGROUNDS,
+                ))
             })?;
             *distance = Some(viewpoint.camera.distance);
             viewpoints.push(viewpoint);

@@ -3,10 +3,10 @@
 //! Builds and traversals run on one thread, the calling one, as the paper's do. Each traversal fills memory that the one before
 //! it left, as playing does; the viewpoints are those from which voxels cover 25 to 85 % of the picture.
 
+use super::{Run, Subject, mean};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::milliseconds_since;
 use crate::bench::{BenchError, Quantiles};
-use super::{Run, Subject, mean};
 use crate::octree::{Octree, SelectView, StopCriterion};
 use crate::scene::{Camera, Primitive, Scene, Settings};
 use crate::sequence::{ColorSource, Needs, PreparedFrame};
@@ -65,7 +65,10 @@ pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 }
 
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), BenchError> {
-    let settings = Settings { primitive: Primitive::Voxel, ..Settings::default() };
+    let settings = Settings {
+        primitive: Primitive::Voxel,
+        ..Settings::default()
+    };
     let mut samples: Vec<Samples> = DELTAS.iter().map(|_| Samples::default()).collect();
     let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
     let mut distance = None;
@@ -87,18 +90,31 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             }
         };
         point_counts.push(frame.points.len() as f64);
-        run.begin_step(format!("{} frame {index}: placing viewpoints", subject.name))?;
+        run.begin_step(format!(
+            "{} frame {index}: placing viewpoints",
+            subject.name
+        ))?;
         let viewpoints = run.viewpoints(subject, &frame, &settings, &mut distance)?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
-        let cameras: Vec<Camera> = viewpoints.iter().map(|viewpoint| viewpoint.camera).collect();
+        let cameras: Vec<Camera> = viewpoints
+            .iter()
+            .map(|viewpoint| viewpoint.camera)
+            .collect();
         for (delta, samples) in DELTAS.into_iter().zip(&mut samples) {
-            run.begin_step(format!("{} frame {index}: δ {} %", subject.name, percent(delta)))?;
+            run.begin_step(format!(
+                "{} frame {index}: δ {} %",
+                subject.name,
+                percent(delta)
+            ))?;
             let octree = measure_build(run, &frame, delta, samples)?;
             measure_traversal(run, subject, &octree, &cameras, &settings, samples)?;
         }
     }
     if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
-        return Err(BenchError::NoFrame { sequence: subject.name.to_owned(), reason });
+        return Err(BenchError::NoFrame {
+            sequence: subject.name.to_owned(),
+            reason,
+        });
     }
     let rows = DELTAS
         .iter()
@@ -117,7 +133,13 @@ fn measure_build(
 ) -> Result<Octree, BenchError> {
     let positions = frame.frame.positions();
     let colors: Vec<[u8; 4]> = frame.points.iter().map(|point| point.color).collect();
-    let build = || Octree::build(black_box(positions), black_box(&colors), StopCriterion::Loss(delta));
+    let build = || {
+        Octree::build(
+            black_box(positions),
+            black_box(&colors),
+            StopCriterion::Loss(delta),
+        )
+    };
     let mut octree = build();
     for round in 0..(run.options.warmup + run.options.repeat) * run.options.viewpoints {
         run.check_cancelled()?;
