@@ -1,4 +1,8 @@
 //! The real window of the real program under Xvfb: real keys go in, the root window's pixels come out.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a helper of a test that cannot go on fails the test"
+)]
 #![cfg(all(unix, not(target_os = "macos")))]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
