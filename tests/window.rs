@@ -4,7 +4,6 @@
     reason = "a helper of a test that cannot go on fails the test"
 )]
 #![cfg(all(unix, not(target_os = "macos")))]
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
