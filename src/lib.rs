@@ -13,7 +13,7 @@
 //! | [`scene`] | camera, settings, and the [`scene::ScenePacket`] that holds all that one picture needs |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
-//! | [`bench`] | the paper's tables, measured here |
+//! | [`mod@bench`] | the paper's tables, measured here |
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
 

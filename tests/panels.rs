@@ -1,4 +1,8 @@
 //! The window's panels without a window: by role and label, with a time of the test's own.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a helper of a test that cannot go on fails the test"
+)]
 
 use egui::{Key, Modifiers, PointerButton, accesskit::Role, pos2, vec2};
 use egui_kittest::Harness;

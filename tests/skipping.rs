@@ -8,7 +8,10 @@ use common::{camera_at, plain, sphere, surfels, voxels};
 use pointreel::cloud::VoxelRecord;
 use pointreel::render::gpu::GpuRenderer;
 use pointreel::render::{RenderError, RenderStats, Renderer};
-use pointreel::scene::{Primitive, ScenePacket, Settings, Splatting, Strategy};
+use pointreel::scene::{
+    Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting, Strategy,
+};
+use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
 
 /// Draws and returns what was done for it.
@@ -137,6 +140,62 @@ fn what_is_gone_leaves_the_gpu() {
             renderer.stats().resident_bytes
         );
     }
+}
+
+#[test]
+fn the_octree_is_traversed_only_when_the_answer_can_differ() {
+    let sequence = Sequence::demo();
+    let settings = Settings {
+        primitive: Primitive::Voxel,
+        ..plain()
+    };
+    let frame = prepare(
+        0,
+        Arc::new(sequence.frame(0).unwrap()),
+        0.0,
+        &Scene::needs(&settings),
+        &PrepareCounters::default(),
+    );
+    let mut scene = Scene::default();
+    let mut traversals = |camera: &Camera, settings: &Settings, size| {
+        let packet = scene.packet(&frame, sequence.origin(), camera, settings, size);
+        (scene.stats().traversals, packet.voxels)
+    };
+    let camera = camera_at(3.0);
+    let (count, first) = traversals(&camera, &settings, [64, 64]);
+    assert_eq!(count, 1);
+    let (count, again) = traversals(&camera, &settings, [64, 64]);
+    assert_eq!(count, 1, "untouched");
+    assert!(Arc::ptr_eq(
+        &first.unwrap().records,
+        &again.unwrap().records
+    ));
+    let lit = Settings {
+        lighting: Lighting::PerFragment,
+        ..settings
+    };
+    assert_eq!(traversals(&camera, &lit, [64, 64]).0, 1, "light");
+    let as_points = Settings {
+        primitive: Primitive::Point,
+        ..settings
+    };
+    let (count, voxels) = traversals(&camera, &as_points, [64, 64]);
+    assert!(count == 1 && voxels.is_none(), "points need no octree");
+    assert_eq!(
+        traversals(&camera_at(2.0), &settings, [64, 64]).0,
+        2,
+        "camera"
+    );
+    let coarse = Settings {
+        lod_px: 8.0,
+        ..settings
+    };
+    assert_eq!(traversals(&camera_at(2.0), &coarse, [64, 64]).0, 3, "LOD");
+    assert_eq!(
+        traversals(&camera_at(2.0), &coarse, [64, 32]).0,
+        4,
+        "viewport"
+    );
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! All instancing strategies draw the same picture, byte for byte, from the same packet.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod common;
 
 use common::{camera_at, draw_with, plain, software, sphere, surfels, voxels};
@@ -8,8 +10,11 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Background, Camera, Lighting, Primitive, ScenePacket, Settings, Splatting, Strategy,
+    Background, Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting, Strategy,
+    UpAxis,
 };
+use pointreel::sequence::{PrepareCounters, Sequence, prepare};
+use std::sync::Arc;
 
 /// Draws `packet` with every strategy and asserts that the pictures are equal and not empty.
 fn assert_agreement(renderer: &mut GpuRenderer, packet: &ScenePacket, what: &str) {
@@ -81,6 +86,41 @@ fn surfels_in_all_modes_and_lights() {
                 &format!("{splatting}, light {lighting}"),
             );
         }
+    }
+}
+
+#[test]
+fn a_real_frame_in_every_mode_and_primitive() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let sequence = Sequence::demo();
+    let frame = Arc::new(sequence.frame(9).unwrap());
+    let mut scene = Scene::default();
+    let mut agree = |settings: Settings, what: &str| {
+        let needs = Scene::needs(&settings);
+        let frame = prepare(
+            9,
+            Arc::clone(&frame),
+            0.0,
+            &needs,
+            &PrepareCounters::default(),
+        );
+        let camera = Camera::framing(&frame.frame.bounds(), sequence.origin(), UpAxis::Y);
+        let packet = scene.packet(&frame, sequence.origin(), &camera, &settings, [160, 200]);
+        assert_agreement(&mut renderer, &packet, what);
+    };
+    for &splatting in Splatting::ALL {
+        let settings = Settings {
+            splatting,
+            ..Settings::default()
+        };
+        agree(settings, &format!("demo, {splatting}"));
+    }
+    for primitive in [Primitive::Voxel, Primitive::Point] {
+        let settings = Settings {
+            primitive,
+            ..Settings::default()
+        };
+        agree(settings, &format!("demo, {primitive}"));
     }
 }
 

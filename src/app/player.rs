@@ -112,7 +112,7 @@ impl Player {
         self.clock.is_playing() || self.play_on_arrival
     }
 
-    /// Runs of frames with the same state, as of the last [`Player::refresh_runs`].
+    /// Runs of frames with the same state, as of the last `refresh_runs`.
     pub fn runs(&self) -> &[Run] {
         &self.runs
     }
@@ -171,7 +171,7 @@ impl Player {
         self.loader.set_loop_mode(loop_mode);
     }
 
-    /// When [`Player::update`] has something to do by itself; `None` if only the loader can bring it.
+    /// When `update` has something to do by itself; `None` if only the loader can bring it.
     pub fn next_deadline(&self) -> Option<Duration> {
         self.clock.next_deadline()
     }
@@ -292,7 +292,7 @@ impl Player {
         }
     }
 
-    /// True if [`Player::refresh_runs`] would look again.
+    /// True if `refresh_runs` would look again.
     pub(super) fn runs_are_old(&self) -> bool {
         self.runs_revision != Some(self.loader.revision())
     }

@@ -42,6 +42,8 @@ pub struct Options {
     pub sequence: Option<Arc<Sequence>>,
     /// What it was found by, for the list of recent files.
     pub inputs: Vec<PathBuf>,
+    /// What went wrong before there was a window to say it in.
+    pub warnings: Vec<String>,
     /// Size of the window in pixels.
     pub size_px: Option<[u32; 2]>,
     /// Write the 3-D picture to this file and end.
@@ -131,8 +133,11 @@ impl App {
         let mut state = State::new(options.state.clone());
         let demo = || Arc::new(Sequence::demo());
         state.open(options.sequence.take().unwrap_or_else(demo));
-        if let Err(problem) = state.recent.add(&options.inputs) {
-            state.notices.warn(problem);
+        options
+            .warnings
+            .extend(state.recent.add(&options.inputs).err());
+        for warning in options.warnings.drain(..) {
+            state.notices.warn(warning);
         }
         Self {
             state,

@@ -1,11 +1,11 @@
 //! `pointreel view`: the window.
 
-use super::arguments::{PictureArgs, open_sequence, size_px};
+use super::arguments::{DEMO_INPUT, PictureArgs, open_sequence, size_px};
 use crate::app::{Options, Recent, StateOptions};
 use crate::scene::UpAxis;
 use anyhow::Context as _;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What to show and how.
@@ -55,9 +55,6 @@ pub(super) struct ViewArgs {
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let sequence = open_sequence(&args.inputs)?;
     let (recent, problem) = Recent::load();
-    if let Some(problem) = problem {
-        log::warn!("{problem}");
-    }
     let options = Options {
         state: StateOptions {
             settings: args.picture.settings(),
@@ -69,7 +66,14 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             ..StateOptions::default()
         },
         sequence: Some(Arc::new(sequence)),
-        inputs: args.inputs.clone(),
+        // The demo is in the menu, not among the recent files.
+        inputs: args
+            .inputs
+            .iter()
+            .filter(|input| input.as_path() != Path::new(DEMO_INPUT))
+            .cloned()
+            .collect(),
+        warnings: problem.into_iter().collect(),
         size_px: args.size,
         screenshot: args.screenshot.clone(),
         after_frames: args.after_frames,
