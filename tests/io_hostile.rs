@@ -233,6 +233,16 @@ fn wrong_pcds() -> Vec<Case> {
             "cannot unpack",
         ),
         (
+            "more than LZF can hold, packed PCD",
+            "a.pcd",
+            pcd(
+                "1",
+                "binary_compressed",
+                &[packed(4, 4 * 88 + 1), vec![0; 4]].concat(),
+            ),
+            "cannot unpack",
+        ),
+        (
             "noise, packed PCD",
             "a.pcd",
             pcd(
@@ -278,6 +288,12 @@ fn wrong_texts() -> Vec<Case> {
             "line 1: found 2 numbers",
         ),
         (
+            "cut, counted text",
+            "a.pts",
+            b"3\n1 2 3\n4 5 6\n".to_vec(),
+            "point 2: the file ends here, but its first line counts 3 points",
+        ),
+        (
             "noise, text",
             "a.xyz",
             vec![0xff; 300],
@@ -310,6 +326,12 @@ fn what_cannot_be_read_is_said() {
     assert!(missing.to_string().contains("missing.ply"), "{missing}");
     let folder = io::read(folder.path()).unwrap_err();
     assert!(matches!(folder, IoError::NotAFile { .. }), "{folder}");
+    // Would never end.
+    #[cfg(unix)]
+    {
+        let device = io::read(Path::new("/dev/zero")).unwrap_err();
+        assert!(matches!(device, IoError::NotAFile { .. }), "{device}");
+    }
 }
 
 /// Small valid files of every format and encoding.

@@ -239,14 +239,14 @@ pub(super) fn vectors_f32(columns: [&Column<'_>; 3], count: usize) -> Vec<[f32; 
     for rows in blocks(count) {
         for (component, column) in columns.iter().enumerate() {
             column.for_each_f32(rows.clone(), |index, value| {
-                vectors[index][component] = value
+                vectors[index][component] = value;
             });
         }
     }
     vectors
 }
 
-#[inline(always)]
+#[inline]
 fn components(raw: &[u8; 12], read: impl Fn([u8; 4]) -> f32) -> [f32; 3] {
     let (parts, _) = raw.as_chunks::<4>();
     [read(parts[0]), read(parts[1]), read(parts[2])]
@@ -329,7 +329,7 @@ pub(super) fn vectors_f64(columns: [&Column<'_>; 3], count: usize) -> Vec<[f64; 
     for rows in blocks(count) {
         for (component, column) in columns.iter().enumerate() {
             column.for_each_f64(rows.clone(), |index, value| {
-                vectors[index][component] = value
+                vectors[index][component] = value;
             });
         }
     }
