@@ -104,7 +104,7 @@ pub struct BenchOptions {
 
 impl BenchOptions {
     /// Frames of each sequence when none are asked for.
-    pub const DEFAULT_FRAMES: usize = 4;
+    pub const DEFAULT_FRAMES: usize = 3;
 
     /// Viewpoints that the protocol asks for.
     pub const PROTOCOL_VIEWPOINTS: usize = 8;
@@ -180,7 +180,10 @@ pub fn run(
         ("viewpoints", options.viewpoints),
         ("repetitions", options.repeat),
         ("frames", options.frames.unwrap_or(1)),
-        ("pixels", options.viewport_px.into_iter().min().unwrap_or(0) as usize),
+        (
+            "pixels",
+            options.viewport_px.into_iter().min().unwrap_or(0) as usize,
+        ),
     ];
     if let Some((name, _)) = at_least_1.into_iter().find(|&(_, value)| value == 0) {
         return Err(BenchError::ZeroOption(name));
@@ -214,6 +217,9 @@ mod tests {
             assert_eq!(suite.name().parse(), Ok(suite));
         }
         let error = "disks".parse::<Suite>().unwrap_err();
-        assert_eq!(error.to_string(), "`disks` is no suite: expected surfels, octree or voxels");
+        assert_eq!(
+            error.to_string(),
+            "`disks` is no suite: expected surfels, octree or voxels"
+        );
     }
 }

@@ -36,7 +36,9 @@ pub(super) struct Runner {
 
 impl Runner {
     pub(super) fn new(context: Arc<Context>) -> Result<Self, RenderError> {
-        Ok(Self { renderer: GpuRenderer::new(context)? })
+        Ok(Self {
+            renderer: GpuRenderer::new(context)?,
+        })
     }
 
     /// Makes everything that pictures like `packet` share (pipelines, targets) by drawing a single record of it.
@@ -54,7 +56,10 @@ impl Runner {
         context.queue.submit([]);
         context.wait()?;
         let wall_ms = milliseconds_since(start);
-        Ok(Upload { wall_ms, bytes: self.renderer.stats().uploaded_bytes - before })
+        Ok(Upload {
+            wall_ms,
+            bytes: self.renderer.stats().uploaded_bytes - before,
+        })
     }
 
     /// Draws `packet`, also when it was drawn last.
@@ -66,7 +71,10 @@ impl Runner {
         self.renderer.render()?;
         context.wait()?;
         let wall_ms = milliseconds_since(start);
-        Ok(DrawTime { wall_ms, gpu_ms: self.renderer.wait_gpu_ms() })
+        Ok(DrawTime {
+            wall_ms,
+            gpu_ms: self.renderer.wait_gpu_ms(),
+        })
     }
 
     /// The picture of `packet`.
@@ -90,10 +98,10 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
     ScenePacket {
         points: first(&packet.points),
         shapes: packet.shapes.as_ref().map(first),
-        voxels: packet
-            .voxels
-            .as_ref()
-            .map(|voxels| Voxels { records: first(&voxels.records), cube_edge: voxels.cube_edge }),
+        voxels: packet.voxels.as_ref().map(|voxels| Voxels {
+            records: first(&voxels.records),
+            cube_edge: voxels.cube_edge,
+        }),
         ..packet.clone()
     }
 }

@@ -32,9 +32,9 @@ const ELEVATIONS_DEG: [f64; 4] = [0.0, 25.0, -15.0, 45.0];
 
 /// Azimuth and elevation of `count` viewpoints, degrees.
 pub(super) fn directions(count: usize) -> impl Iterator<Item = (f64, f64)> {
-    (0..count).zip(ELEVATIONS_DEG.into_iter().cycle()).map(move |(index, elevation_deg)| {
-        (360.0 * index as f64 / count as f64, elevation_deg)
-    })
+    (0..count)
+        .zip(ELEVATIONS_DEG.into_iter().cycle())
+        .map(move |(index, elevation_deg)| (360.0 * index as f64 / count as f64, elevation_deg))
 }
 
 /// A camera with the share of pixels that it sees covered.
@@ -75,16 +75,25 @@ pub(super) fn place<E>(
         camera.distance = distance;
     }
     // The loop measures at least once.
-    Ok(best.unwrap_or(Viewpoint { camera, coverage: 0.0 }))
+    Ok(best.unwrap_or(Viewpoint {
+        camera,
+        coverage: 0.0,
+    }))
 }
 
 fn distance_to_band(coverage: f64) -> f64 {
-    (COVERAGE_BAND.start() - coverage).max(coverage - COVERAGE_BAND.end()).max(0.0)
+    (COVERAGE_BAND.start() - coverage)
+        .max(coverage - COVERAGE_BAND.end())
+        .max(0.0)
 }
 
 /// Share of pixels that differ between the background and the drawn object, from the same picture on two backgrounds:
 /// a pixel is free only where it shows both of them, so no colour of the object can pass for background.
-pub(super) fn covered_share(on_first: &RgbaImage, on_second: &RgbaImage, backgrounds: [[u8; 3]; 2]) -> f64 {
+pub(super) fn covered_share(
+    on_first: &RgbaImage,
+    on_second: &RgbaImage,
+    backgrounds: [[u8; 3]; 2],
+) -> f64 {
     let pixels = on_first.pixels().len().max(1);
     let free = on_first
         .pixels()
@@ -117,7 +126,10 @@ impl Coverage {
             min: quantiles.min,
             mean: quantiles.mean,
             max: quantiles.max,
-            outside: shares.iter().filter(|share| !COVERAGE_BAND.contains(share)).count(),
+            outside: shares
+                .iter()
+                .filter(|share| !COVERAGE_BAND.contains(share))
+                .count(),
             count: quantiles.count,
         })
     }
@@ -133,7 +145,10 @@ mod tests {
     use std::convert::Infallible;
 
     fn camera() -> Camera {
-        let unit = Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
+        let unit = Aabb {
+            min: Vec3::splat(-1.0),
+            max: Vec3::splat(1.0),
+        };
         Camera::framing(&unit, DVec3::ZERO, UpAxis::Y)
     }
 
@@ -149,8 +164,14 @@ mod tests {
         for share_when_framed in [0.01, 0.08, 0.3, 0.9, 1.0, 4.0] {
             let area = share_when_framed * framed * framed;
             let viewpoint = place(start, framed, disk(area)).unwrap();
-            assert!(COVERAGE_BAND.contains(&viewpoint.coverage), "{share_when_framed}: {viewpoint:?}");
-            assert_eq!(viewpoint.coverage, (area / viewpoint.camera.distance.powi(2)).min(1.0));
+            assert!(
+                COVERAGE_BAND.contains(&viewpoint.coverage),
+                "{share_when_framed}: {viewpoint:?}"
+            );
+            assert_eq!(
+                viewpoint.coverage,
+                (area / viewpoint.camera.distance.powi(2)).min(1.0)
+            );
         }
     }
 
@@ -162,7 +183,13 @@ mod tests {
             measured += 1;
             Ok::<_, Infallible>(0.26)
         });
-        assert_eq!(viewpoint.unwrap(), Viewpoint { camera: start, coverage: 0.26 });
+        assert_eq!(
+            viewpoint.unwrap(),
+            Viewpoint {
+                camera: start,
+                coverage: 0.26
+            }
+        );
         assert_eq!(measured, 1);
     }
 

@@ -29,20 +29,38 @@ pub struct Column {
 
 impl Column {
     pub(super) const fn text(key: &'static str, title: &'static str) -> Self {
-        Self { key, title, is_shown: true, format: Format::Text }
+        Self {
+            key,
+            title,
+            is_shown: true,
+            format: Format::Text,
+        }
     }
 
     pub(super) const fn number(key: &'static str, title: &'static str, decimals: usize) -> Self {
-        Self { key, title, is_shown: true, format: Format::Number { decimals } }
+        Self {
+            key,
+            title,
+            is_shown: true,
+            format: Format::Number { decimals },
+        }
     }
 
     /// A share of 1 that people see in percent.
     pub(super) const fn percent(key: &'static str, title: &'static str, decimals: usize) -> Self {
-        Self { key, title, is_shown: true, format: Format::Percent { decimals } }
+        Self {
+            key,
+            title,
+            is_shown: true,
+            format: Format::Percent { decimals },
+        }
     }
 
     pub(super) const fn hidden(self) -> Self {
-        Self { is_shown: false, ..self }
+        Self {
+            is_shown: false,
+            ..self
+        }
     }
 
     /// True for labels, false for numbers.
@@ -126,8 +144,10 @@ pub struct SequenceSummary {
     pub measured_frames: usize,
     /// Mean number of points of these.
     pub mean_points: f64,
-    /// Coverage of all viewpoints of all of these.
+    /// Coverage by surfels of all viewpoints of all of these, which is how they were placed.
     pub coverage: Option<Coverage>,
+    /// Coverage of the same viewpoints by voxels, where these are drawn.
+    pub voxel_coverage: Option<Coverage>,
 }
 
 /// The answer of a run.
@@ -147,7 +167,13 @@ pub struct Report {
 
 impl Report {
     pub(super) fn new(options: BenchOptions, environment: Environment) -> Self {
-        Self { options, environment, sequences: Vec::new(), rows: Vec::new(), notes: Vec::new() }
+        Self {
+            options,
+            environment,
+            sequences: Vec::new(),
+            rows: Vec::new(),
+            notes: Vec::new(),
+        }
     }
 
     /// Which suite it is of.
@@ -177,7 +203,10 @@ impl Report {
 
     /// The value of `row` in the column with this key.
     pub fn value<'a>(&self, row: &'a Row, key: &str) -> Option<&'a Cell> {
-        let index = self.all_columns().iter().position(|column| column.key == key)?;
+        let index = self
+            .all_columns()
+            .iter()
+            .position(|column| column.key == key)?;
         row.cells.get(index)
     }
 
@@ -195,7 +224,10 @@ impl Report {
             .iter()
             .filter_map(|row| {
                 let labels: Vec<String> = self.cells(row).into_iter().take(2).collect();
-                Some((labels.join(" "), self.value(row, self.headline())?.number()?))
+                Some((
+                    labels.join(" "),
+                    self.value(row, self.headline())?.number()?,
+                ))
             })
             .collect()
     }
@@ -242,10 +274,17 @@ impl Report {
 
     /// Columns for people with their place in a row.
     fn shown(&self) -> impl Iterator<Item = (usize, &'static Column)> {
-        self.all_columns().iter().enumerate().filter(|&(index, column)| {
-            let is_filled = |row: &Row| row.cells.get(index).is_some_and(|cell| *cell != Cell::Missing);
-            column.is_shown && self.rows.iter().any(is_filled)
-        })
+        self.all_columns()
+            .iter()
+            .enumerate()
+            .filter(|&(index, column)| {
+                let is_filled = |row: &Row| {
+                    row.cells
+                        .get(index)
+                        .is_some_and(|cell| *cell != Cell::Missing)
+                };
+                column.is_shown && self.rows.iter().any(is_filled)
+            })
     }
 }
 
@@ -261,8 +300,11 @@ impl Serialize for Report {
                 map.end()
             }
         }
-        let rows: Vec<RowObject<'_>> =
-            self.rows.iter().map(|row| RowObject(self.all_columns(), row)).collect();
+        let rows: Vec<RowObject<'_>> = self
+            .rows
+            .iter()
+            .map(|row| RowObject(self.all_columns(), row))
+            .collect();
         let mut report = serializer.serialize_struct("Report", 6)?;
         report.serialize_field("suite", &self.suite())?;
         report.serialize_field("environment", &self.environment)?;

@@ -1,7 +1,7 @@
 //! A report for the terminal: how it was measured, what that does not include, and aligned tables.
 
 use super::{Report, Suite};
-use crate::bench::{BenchOptions, COVERAGE_BAND};
+use crate::bench::{BenchOptions, COVERAGE_BAND, Coverage};
 use std::fmt::Write as _;
 
 impl Report {
@@ -13,19 +13,35 @@ impl Report {
             text.push_str(&align(&self.paper_layout()));
         }
         text.push('\n');
-        let titles = self.columns().iter().map(|column| column.title.to_owned()).collect();
+        let titles = self
+            .columns()
+            .iter()
+            .map(|column| column.title.to_owned())
+            .collect();
         let rows = self.rows.iter().map(|row| self.cells(row));
-        text.push_str(&align(&std::iter::once(titles).chain(rows).collect::<Vec<_>>()));
+        text.push_str(&align(
+            &std::iter::once(titles).chain(rows).collect::<Vec<_>>(),
+        ));
         text
     }
 
     /// What a reader must know before reading a number.
     pub fn header(&self) -> String {
-        let BenchOptions { suite, viewport_px: [width, height], viewpoints, warmup, repeat, .. } =
-            self.options;
+        let BenchOptions {
+            suite,
+            viewport_px: [width, height],
+            viewpoints,
+            warmup,
+            repeat,
+            ..
+        } = self.options;
         let environment = &self.environment;
         let mut lines = vec![
-            format!("pointreel {} bench {suite}: {}", environment.version, suite.description()),
+            format!(
+                "pointreel {} bench {suite}: {}",
+                environment.version,
+                suite.description()
+            ),
             format!("adapter   {}", environment.adapter),
             format!(
                 "machine   {}, {} threads, {}",
@@ -50,24 +66,19 @@ impl Report {
         };
         lines.push(format!("measured  {measured}"));
         lines.push(format!("not       {not_measured}"));
-        lines.extend(self.sequences.iter().map(|sequence| {
-            let coverage = sequence.coverage.map_or_else(String::new, |coverage| {
-                format!(
-                    "; covered {:.0} to {:.0} % of the pixels, mean {:.0} %, {} of {} viewpoints outside {:.0} to {:.0} %",
-                    coverage.min * 100.0,
-                    coverage.max * 100.0,
-                    coverage.mean * 100.0,
-                    coverage.outside,
-                    coverage.count,
-                    COVERAGE_BAND.start() * 100.0,
-                    COVERAGE_BAND.end() * 100.0,
-                )
-            });
-            format!(
-                "sequence  {}: {} of {} frames, {:.0} points{coverage}",
+        for sequence in &self.sequences {
+            lines.push(format!(
+                "sequence  {}: {} of {} frames, {:.0} points",
                 sequence.name, sequence.measured_frames, sequence.frames, sequence.mean_points
-            )
-        }));
+            ));
+            let coverages = [
+                ("surfels", sequence.coverage),
+                ("voxels", sequence.voxel_coverage),
+            ];
+            for (what, coverage) in coverages {
+                lines.extend(coverage.map(|coverage| coverage_line(what, &coverage)));
+            }
+        }
         if viewpoints < BenchOptions::PROTOCOL_VIEWPOINTS {
             lines.push(format!(
                 "note      the protocol wants at least {} viewpoints",
@@ -75,7 +86,9 @@ impl Report {
             ));
         }
         if environment.is_debug_build {
-            lines.push("note      this program has debug assertions: measure a release build".to_owned());
+            lines.push(
+                "note      this program has debug assertions: measure a release build".to_owned(),
+            );
         }
         lines.extend(self.notes.iter().map(|note| format!("note      {note}")));
         lines.join("\n") + "\n"
@@ -87,8 +100,12 @@ impl Report {
         let mut lines: Vec<Vec<String>> = Vec::new();
         for row in &self.rows {
             let cells = self.cells(row);
-            let [sequence, strategy, ..] = cells.as_slice() else { continue };
-            let median = self.value(row, self.headline()).and_then(super::Cell::number);
+            let [sequence, strategy, ..] = cells.as_slice() else {
+                continue;
+            };
+            let median = self
+                .value(row, self.headline())
+                .and_then(super::Cell::number);
             let median = median.map_or_else(|| "–".to_owned(), |median| format!("{median:.3}"));
             if !head.contains(strategy) {
                 head.push(strategy.clone());
@@ -103,12 +120,31 @@ impl Report {
     }
 }
 
+/// How much of the pictures is covered.
+fn coverage_line(what: &str, coverage: &Coverage) -> String {
+    let percent = |share: f64| format!("{:.0}", share * 100.0);
+    format!(
+        "covered   {} to {} % by {what}, mean {} %; {} of {} viewpoints outside {} to {} %",
+        percent(coverage.min),
+        percent(coverage.max),
+        percent(coverage.mean),
+        coverage.outside,
+        coverage.count,
+        percent(*COVERAGE_BAND.start()),
+        percent(*COVERAGE_BAND.end()),
+    )
+}
+
 /// Pads cells to columns: the first to the left, others to the right.
 fn align(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns)
         .map(|column| {
-            rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+            rows.iter()
+                .filter_map(|row| row.get(column))
+                .map(|cell| cell.chars().count())
+                .max()
+                .unwrap_or(0)
         })
         .collect();
     let mut text = String::new();
@@ -135,7 +171,10 @@ mod tests {
     fn columns_stand_under_each_other() {
         let rows = [["sequence", "δ"], ["a", "2 %"], ["long name", "10 %"]];
         let rows = rows.map(|row| row.map(str::to_owned).to_vec());
-        assert_eq!(align(&rows), "sequence      δ\na           2 %\nlong name  10 %\n");
+        assert_eq!(
+            align(&rows),
+            "sequence      δ\na           2 %\nlong name  10 %\n"
+        );
         assert_eq!(align(&[]), "");
     }
 }

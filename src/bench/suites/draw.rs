@@ -4,11 +4,11 @@
 //! meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
 //! and timed, warm-up rounds are drawn, then the rounds that count.
 
+use super::{Coverages, Run, Subject, mean, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::{BenchError, Quantiles, Suite};
-use super::{Run, Subject, mean};
-use crate::scene::{Primitive, Scene, ScenePacket, Settings, Splatting, Strategy};
-use crate::sequence::PreparedFrame;
+use crate::scene::{Primitive, Scene, ScenePacket, Settings, Strategy};
+use crate::sequence::{Needs, PreparedFrame};
 use std::sync::Arc;
 
 /// One step to prepare a frame, one to place its viewpoints, one for each strategy.
@@ -61,12 +61,18 @@ pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), BenchError> {
     let settings = settings(run.options.suite);
+    let needs = Needs {
+        // Viewpoints are placed by surfels.
+        shapes: true,
+        ..Scene::needs(&settings)
+    };
     let mut samples: Vec<Samples> = Strategy::ALL.iter().map(|_| Samples::default()).collect();
-    let (mut point_counts, mut depths, mut coverages) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut point_counts, mut depths) = (Vec::new(), Vec::new());
+    let mut coverages = Coverages::default();
     let mut distance = None;
     let mut first_failure = None;
     for &index in &subject.chosen {
-        let loaded = run.load(subject, index, STEPS_PER_FRAME, |_| Scene::needs(&settings))?;
+        let loaded = run.load(subject, index, STEPS_PER_FRAME, &needs)?;
         let mut frame = match loaded {
             Ok(frame) => frame,
             Err(reason) => {
@@ -75,10 +81,26 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             }
         };
         point_counts.push(frame.points.len() as f64);
-        depths.extend(frame.octree.as_ref().map(|octree| f64::from(octree.depth())));
-        run.begin_step(format!("{} frame {index}: placing viewpoints", subject.name))?;
-        let viewpoints = run.viewpoints(subject, &frame, &settings, &mut distance)?;
-        coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
+        depths.extend(
+            frame
+                .octree
+                .as_ref()
+                .map(|octree| f64::from(octree.depth())),
+        );
+        run.begin_step(format!(
+            "{} frame {index}: placing viewpoints",
+            subject.name
+        ))?;
+        let viewpoints = run.viewpoints(subject, &frame, &mut distance)?;
+        coverages
+            .placed
+            .extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
+        if settings.primitive == Primitive::Voxel {
+            for viewpoint in &viewpoints {
+                let share = run.covered_share(subject, &frame, &viewpoint.camera, &settings)?;
+                coverages.voxels.push(share);
+            }
+        }
         // The pictures whose coverage was counted left the streams on the adapter; a renderer takes a copy for another
         // cloud, so that its upload can be measured.
         frame.points = Arc::new(frame.points.to_vec());
@@ -93,24 +115,30 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         }
     }
     if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
-        return Err(BenchError::NoFrame { sequence: subject.name.to_owned(), reason });
+        return Err(BenchError::NoFrame {
+            sequence: subject.name.to_owned(),
+            reason,
+        });
     }
     let depth = (!depths.is_empty()).then(|| mean(&depths));
     let rows = Strategy::ALL
         .iter()
         .zip(&samples)
-        .map(|(strategy, samples)| samples.row(subject.name, *strategy, mean(&point_counts), depth));
-    run.finish(subject, &point_counts, &coverages, rows);
+        .map(|(strategy, samples)| {
+            samples.row(subject.name, *strategy, mean(&point_counts), depth)
+        });
+    run.finish(subject, &point_counts, coverages, rows);
     Ok(())
 }
 
-/// What the paper's tables draw: two-pass enlarged splatting (2x) for Table II; for Table IV the default δ and 1 px.
+/// What the paper's tables draw; for Table IV cells of the default δ, down to a pixel.
 fn settings(suite: Suite) -> Settings {
-    Settings {
-        primitive: if suite == Suite::Voxels { Primitive::Voxel } else { Primitive::Surfel },
-        splatting: Splatting::TwoPassEnlarged,
-        enlargement: 2.0,
-        ..Settings::default()
+    match suite {
+        Suite::Voxels => Settings {
+            primitive: Primitive::Voxel,
+            ..Settings::default()
+        },
+        Suite::Surfels | Suite::Octree => surfel_settings(),
     }
 }
 
@@ -135,7 +163,10 @@ fn measure_strategy(
     let packets: Vec<ScenePacket> = packets
         .iter()
         .map(|packet| ScenePacket {
-            settings: Settings { strategy, ..packet.settings },
+            settings: Settings {
+                strategy,
+                ..packet.settings
+            },
             ..packet.clone()
         })
         .collect();
