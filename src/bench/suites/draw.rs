@@ -127,7 +127,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         .map(|(strategy, samples)| {
             samples.row(subject.name, *strategy, mean(&point_counts), depth)
         });
-    run.finish(subject, &point_counts, coverages, rows);
+    run.finish(subject, &point_counts, &coverages, rows);
     Ok(())
 }
 

@@ -208,7 +208,7 @@ impl<'a> Run<'a> {
         &mut self,
         subject: &Subject<'_>,
         point_counts: &[f64],
-        coverages: Coverages,
+        coverages: &Coverages,
         rows: impl IntoIterator<Item = Row>,
     ) {
         self.report.sequences.push(SequenceSummary {

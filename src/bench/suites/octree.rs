@@ -113,7 +113,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         .iter()
         .zip(&samples)
         .map(|(&delta, samples)| samples.row(subject.name, delta, mean(&point_counts)));
-    run.finish(subject, &point_counts, coverages, rows);
+    run.finish(subject, &point_counts, &coverages, rows);
     Ok(())
 }
 
