@@ -6,12 +6,14 @@ struct Varyings {
     @location(0) quad: vec2f,
     @location(1) light: vec2f,
     @location(2) @interpolate(flat) color: u32,
-    @location(3) @interpolate(flat) normal: u32,
+    // In view space. Unpacked here: a splat has four vertices and hundreds of fragments.
+    @location(3) @interpolate(flat) normal: vec3f,
 }
 
 fn varyings(instance: Instance) -> Varyings {
     let vertex = amplified_vertex(instance);
-    return Varyings(vertex.clip, quad_corner(instance.vertex & 3u), vertex.light, vertex.color, vertex.normal);
+    let normal = rotate_to_view(oct_decode(vertex.normal));
+    return Varyings(vertex.clip, quad_corner(instance.vertex & 3u), vertex.light, vertex.color, normal);
 }
 
 fn shaded(in: Varyings) -> vec3f {

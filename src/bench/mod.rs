@@ -104,7 +104,7 @@ pub struct BenchOptions {
 
 impl BenchOptions {
     /// Frames of each sequence when none are asked for.
-    pub const DEFAULT_FRAMES: usize = 4;
+    pub const DEFAULT_FRAMES: usize = 3;
 
     /// Viewpoints that the protocol asks for.
     pub const PROTOCOL_VIEWPOINTS: usize = 8;

@@ -144,8 +144,10 @@ pub struct SequenceSummary {
     pub measured_frames: usize,
     /// Mean number of points of these.
     pub mean_points: f64,
-    /// Coverage of all viewpoints of all of these.
+    /// Coverage by surfels of all viewpoints of all of these, which is how they were placed.
     pub coverage: Option<Coverage>,
+    /// Coverage of the same viewpoints by voxels, where these are drawn.
+    pub voxel_coverage: Option<Coverage>,
 }
 
 /// The answer of a run.

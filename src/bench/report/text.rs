@@ -1,7 +1,7 @@
 //! A report for the terminal: how it was measured, what that does not include, and aligned tables.
 
 use super::{Report, Suite};
-use crate::bench::{BenchOptions, COVERAGE_BAND};
+use crate::bench::{BenchOptions, COVERAGE_BAND, Coverage};
 use std::fmt::Write as _;
 
 impl Report {
@@ -66,24 +66,19 @@ impl Report {
         };
         lines.push(format!("measured  {measured}"));
         lines.push(format!("not       {not_measured}"));
-        lines.extend(self.sequences.iter().map(|sequence| {
-            let coverage = sequence.coverage.map_or_else(String::new, |coverage| {
-                format!(
-                    "; covered {:.0} to {:.0} % of the pixels, mean {:.0} %, {} of {} viewpoints outside {:.0} to {:.0} %",
-                    coverage.min * 100.0,
-                    coverage.max * 100.0,
-                    coverage.mean * 100.0,
-                    coverage.outside,
-                    coverage.count,
-                    COVERAGE_BAND.start() * 100.0,
-                    COVERAGE_BAND.end() * 100.0,
-                )
-            });
-            format!(
-                "sequence  {}: {} of {} frames, {:.0} points{coverage}",
+        for sequence in &self.sequences {
+            lines.push(format!(
+                "sequence  {}: {} of {} frames, {:.0} points",
                 sequence.name, sequence.measured_frames, sequence.frames, sequence.mean_points
-            )
-        }));
+            ));
+            let coverages = [
+                ("surfels", sequence.coverage),
+                ("voxels", sequence.voxel_coverage),
+            ];
+            for (what, coverage) in coverages {
+                lines.extend(coverage.map(|coverage| coverage_line(what, &coverage)));
+            }
+        }
         if viewpoints < BenchOptions::PROTOCOL_VIEWPOINTS {
             lines.push(format!(
                 "note      the protocol wants at least {} viewpoints",
@@ -123,6 +118,21 @@ impl Report {
         }
         std::iter::once(head).chain(lines).collect()
     }
+}
+
+/// How much of the pictures is covered.
+fn coverage_line(what: &str, coverage: &Coverage) -> String {
+    let percent = |share: f64| format!("{:.0}", share * 100.0);
+    format!(
+        "covered   {} to {} % by {what}, mean {} %; {} of {} viewpoints outside {} to {} %",
+        percent(coverage.min),
+        percent(coverage.max),
+        percent(coverage.mean),
+        coverage.outside,
+        coverage.count,
+        percent(*COVERAGE_BAND.start()),
+        percent(*COVERAGE_BAND.end()),
+    )
 }
 
 /// Pads cells to columns: the first to the left, others to the right.

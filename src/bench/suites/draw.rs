@@ -4,11 +4,11 @@
 //! meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
 //! and timed, warm-up rounds are drawn, then the rounds that count.
 
-use super::{Run, Subject, mean};
+use super::{Coverages, Run, Subject, mean, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::{BenchError, Quantiles, Suite};
-use crate::scene::{Primitive, Scene, ScenePacket, Settings, Splatting, Strategy};
-use crate::sequence::PreparedFrame;
+use crate::scene::{Primitive, Scene, ScenePacket, Settings, Strategy};
+use crate::sequence::{Needs, PreparedFrame};
 use std::sync::Arc;
 
 /// One step to prepare a frame, one to place its viewpoints, one for each strategy.
@@ -61,12 +61,18 @@ pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), BenchError> {
     let settings = settings(run.options.suite);
+    let needs = Needs {
+        // Viewpoints are placed by surfels.
+        shapes: true,
+        ..Scene::needs(&settings)
+    };
     let mut samples: Vec<Samples> = Strategy::ALL.iter().map(|_| Samples::default()).collect();
-    let (mut point_counts, mut depths, mut coverages) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut point_counts, mut depths) = (Vec::new(), Vec::new());
+    let mut coverages = Coverages::default();
     let mut distance = None;
     let mut first_failure = None;
     for &index in &subject.chosen {
-        let loaded = run.load(subject, index, STEPS_PER_FRAME, |_| Scene::needs(&settings))?;
+        let loaded = run.load(subject, index, STEPS_PER_FRAME, &needs)?;
         let mut frame = match loaded {
             Ok(frame) => frame,
             Err(reason) => {
@@ -85,8 +91,16 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             "{} frame {index}: placing viewpoints",
             subject.name
         ))?;
-        let viewpoints = run.viewpoints(subject, &frame, &settings, &mut distance)?;
-        coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
+        let viewpoints = run.viewpoints(subject, &frame, &mut distance)?;
+        coverages
+            .placed
+            .extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
+        if settings.primitive == Primitive::Voxel {
+            for viewpoint in &viewpoints {
+                let share = run.covered_share(subject, &frame, &viewpoint.camera, &settings)?;
+                coverages.voxels.push(share);
+            }
+        }
         // The pictures whose coverage was counted left the streams on the adapter; a renderer takes a copy for another
         // cloud, so that its upload can be measured.
         frame.points = Arc::new(frame.points.to_vec());
@@ -117,17 +131,14 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
     Ok(())
 }
 
-/// What the paper's tables draw: two-pass enlarged splatting (2x) for Table II; for Table IV the default δ and 1 px.
+/// What the paper's tables draw; for Table IV cells of the default δ, down to a pixel.
 fn settings(suite: Suite) -> Settings {
-    Settings {
-        primitive: if suite == Suite::Voxels {
-            Primitive::Voxel
-        } else {
-            Primitive::Surfel
+    match suite {
+        Suite::Voxels => Settings {
+            primitive: Primitive::Voxel,
+            ..Settings::default()
         },
-        splatting: Splatting::TwoPassEnlarged,
-        enlargement: 2.0,
-        ..Settings::default()
+        Suite::Surfels | Suite::Octree => surfel_settings(),
     }
 }
 

@@ -7,9 +7,8 @@ use super::report::{Row, SequenceSummary};
 use super::runner::Runner;
 use super::scenario::{self, Coverage, Viewpoint};
 use super::{BenchError, BenchOptions, Environment, Progress, Report, check_cancelled};
-use crate::cloud::Frame;
 use crate::render::gpu::Context;
-use crate::scene::{Background, Camera, Scene, Settings, UpAxis};
+use crate::scene::{Background, Camera, Primitive, Scene, Settings, Splatting, UpAxis};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, prepare};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -29,12 +28,31 @@ pub(super) struct Run<'a> {
     steps_total: usize,
 }
 
+/// How Table II draws, and how viewpoints are placed.
+fn surfel_settings() -> Settings {
+    Settings {
+        primitive: Primitive::Surfel,
+        splatting: Splatting::TwoPassEnlarged,
+        enlargement: 2.0,
+        ..Settings::default()
+    }
+}
+
 /// One sequence of a run.
 pub(super) struct Subject<'a> {
     pub(super) name: &'a str,
     pub(super) sequence: &'a Sequence,
     /// Indices of the frames to measure.
     pub(super) chosen: Vec<usize>,
+}
+
+/// Covered shares of all viewpoints of a sequence.
+#[derive(Default)]
+pub(super) struct Coverages {
+    /// By surfels.
+    pub(super) placed: Vec<f64>,
+    /// By voxels, where they are drawn.
+    pub(super) voxels: Vec<f64>,
 }
 
 impl<'a> Run<'a> {
@@ -106,20 +124,14 @@ impl<'a> Run<'a> {
         subject: &Subject<'_>,
         index: usize,
         steps_per_frame: usize,
-        needs: impl FnOnce(&Frame) -> Needs,
+        needs: &Needs,
     ) -> Result<Result<PreparedFrame, String>, BenchError> {
         self.begin_step(format!("{} frame {index}: preparing", subject.name))?;
         let loaded = match subject.sequence.frame(index) {
             Ok(frame) if frame.is_empty() => Err(format!("frame {index} has no points")),
             Ok(frame) => {
-                let needs = needs(&frame);
-                Ok(prepare(
-                    index,
-                    Arc::new(frame),
-                    0.0,
-                    &needs,
-                    &PrepareCounters::default(),
-                ))
+                let counters = PrepareCounters::default();
+                Ok(prepare(index, Arc::new(frame), 0.0, needs, &counters))
             }
             Err(error) => Err(error.to_string()),
         };
@@ -133,44 +145,29 @@ impl<'a> Run<'a> {
     }
 
     /// Viewpoints around `frame`, each with its measured coverage. `distance` is where the last viewpoint before stood.
+    ///
+    /// All suites place them by surfels, which close the surface, so that their tables are about the same views: cells
+    /// finer than the spacing of the points leave gaps, and no distance would close these.
     pub(super) fn viewpoints(
         &mut self,
         subject: &Subject<'_>,
         frame: &PreparedFrame,
-        settings: &Settings,
         distance: &mut Option<f64>,
     ) -> Result<Vec<Viewpoint>, BenchError> {
+        let settings = surfel_settings();
         let origin = subject.sequence.origin();
-        let framing = Camera::framing(&frame.frame.bounds(), origin, UpAxis::guess(&frame.frame));
-        let mut scene = Scene::default();
+        let up = UpAxis::guess(&frame.frame);
+        let framing = Camera::framing(&frame.frame.bounds(), origin, up);
         let mut viewpoints = Vec::new();
         for (azimuth_deg, elevation_deg) in scenario::directions(self.options.viewpoints) {
-            let distance_now = distance.unwrap_or(framing.distance);
             let start = Camera {
                 azimuth_deg,
                 elevation_deg,
-                distance: distance_now,
+                distance: distance.unwrap_or(framing.distance),
                 ..framing
             };
             let viewpoint = scenario::place(start, framing.distance, |camera| {
-                self.check_cancelled()?;
-                let mut on_background = |background| {
-                    let settings = Settings {
-                        background: Background::solid(background),
-                        ..*settings
-                    };
-                    let viewport_px = self.options.viewport_px;
-                    self.runner
-                        .image(&scene.packet(frame, origin, camera, &settings, viewport_px))
-                };
-                let [first, second] = COVERAGE_BACKGROUNDS;
-                let pictures = [on_background(first)?, on_background(second)?];
-                let [on_first, on_second] = &pictures;
-                Ok::<_, BenchError>(scenario::covered_share(
-                    on_first,
-                    on_second,
-                    COVERAGE_BACKGROUNDS,
-                ))
+                self.covered_share(subject, frame, camera, &settings)
             })?;
             *distance = Some(viewpoint.camera.distance);
             viewpoints.push(viewpoint);
@@ -178,12 +175,40 @@ impl<'a> Run<'a> {
         Ok(viewpoints)
     }
 
+    /// The share of pixels that `frame` covers.
+    pub(super) fn covered_share(
+        &mut self,
+        subject: &Subject<'_>,
+        frame: &PreparedFrame,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<f64, BenchError> {
+        self.check_cancelled()?;
+        let origin = subject.sequence.origin();
+        let mut scene = Scene::default();
+        let mut on_background = |background| {
+            let settings = Settings {
+                background: Background::solid(background),
+                ..*settings
+            };
+            let packet = scene.packet(frame, origin, camera, &settings, self.options.viewport_px);
+            self.runner.image(&packet)
+        };
+        let [first, second] = COVERAGE_BACKGROUNDS;
+        let [on_first, on_second] = [on_background(first)?, on_background(second)?];
+        Ok(scenario::covered_share(
+            &on_first,
+            &on_second,
+            COVERAGE_BACKGROUNDS,
+        ))
+    }
+
     /// Adds what was measured of a sequence.
     pub(super) fn finish(
         &mut self,
         subject: &Subject<'_>,
         point_counts: &[f64],
-        coverages: &[f64],
+        coverages: &Coverages,
         rows: impl IntoIterator<Item = Row>,
     ) {
         self.report.sequences.push(SequenceSummary {
@@ -191,7 +216,8 @@ impl<'a> Run<'a> {
             frames: subject.sequence.len(),
             measured_frames: point_counts.len(),
             mean_points: mean(point_counts),
-            coverage: Coverage::of(coverages),
+            coverage: Coverage::of(&coverages.placed),
+            voxel_coverage: Coverage::of(&coverages.voxels),
         });
         self.report.rows.extend(rows);
     }

@@ -1,15 +1,15 @@
 //! Table III: what an octree of an acceptable loss δ looks like, and what building and traversing it takes.
 //!
 //! Builds and traversals run on one thread, the calling one, as the paper's do. Each traversal fills memory that the one before
-//! it left, as playing does; the viewpoints are those from which voxels cover 25 to 85 % of the picture.
+//! it left, as playing does; the viewpoints are those from which surfels cover 25 to 85 % of the picture.
 
-use super::{Run, Subject, mean};
+use super::{Coverages, Run, Subject, mean, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::milliseconds_since;
 use crate::bench::{BenchError, Quantiles};
 use crate::octree::{Octree, SelectView, StopCriterion};
-use crate::scene::{Camera, Primitive, Scene, Settings};
-use crate::sequence::{ColorSource, Needs, PreparedFrame};
+use crate::scene::{Camera, Scene, Settings};
+use crate::sequence::PreparedFrame;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -65,23 +65,14 @@ pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 }
 
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), BenchError> {
-    let settings = Settings {
-        primitive: Primitive::Voxel,
-        ..Settings::default()
-    };
+    // What placing viewpoints needs; octrees are built by the clock.
+    let needs = Scene::needs(&surfel_settings());
     let mut samples: Vec<Samples> = DELTAS.iter().map(|_| Samples::default()).collect();
-    let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
+    let (mut point_counts, mut coverages) = (Vec::new(), Coverages::default());
     let mut distance = None;
     let mut first_failure = None;
     for &index in &subject.chosen {
-        let loaded = run.load(subject, index, STEPS_PER_FRAME, |frame| Needs {
-            // Which colours are averaged makes no difference; estimating normals for them would.
-            colors: match frame.colors() {
-                Some(_) => ColorSource::File,
-                None => ColorSource::Uniform,
-            },
-            ..Scene::needs(&settings)
-        })?;
+        let loaded = run.load(subject, index, STEPS_PER_FRAME, &needs)?;
         let frame = match loaded {
             Ok(frame) => frame,
             Err(reason) => {
@@ -94,8 +85,10 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             "{} frame {index}: placing viewpoints",
             subject.name
         ))?;
-        let viewpoints = run.viewpoints(subject, &frame, &settings, &mut distance)?;
-        coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
+        let viewpoints = run.viewpoints(subject, &frame, &mut distance)?;
+        coverages
+            .placed
+            .extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         let cameras: Vec<Camera> = viewpoints
             .iter()
             .map(|viewpoint| viewpoint.camera)
@@ -107,7 +100,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
                 percent(delta)
             ))?;
             let octree = measure_build(run, &frame, delta, samples)?;
-            measure_traversal(run, subject, &octree, &cameras, &settings, samples)?;
+            measure_traversal(run, subject, &octree, &cameras, samples)?;
         }
     }
     if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
@@ -164,7 +157,6 @@ fn measure_traversal(
     subject: &Subject<'_>,
     octree: &Octree,
     cameras: &[Camera],
-    settings: &Settings,
     samples: &mut Samples,
 ) -> Result<(), BenchError> {
     let origin = subject.sequence.origin();
@@ -178,7 +170,7 @@ fn measure_traversal(
                 frustum: view.frustum_in_frame(),
                 eye: view.eye_high,
                 pixels_per_unit_at_1: view.pixels_per_unit_at_1,
-                lod_px: settings.lod_px,
+                lod_px: Settings::default().lod_px,
             };
             let selected = octree.select(&select_view, black_box(&mut voxels));
             let traverse_ms = milliseconds_since(start);

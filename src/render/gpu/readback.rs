@@ -63,7 +63,8 @@ pub(super) fn map_and_read<T>(
             let _ = sender.send(result);
         });
     context.wait()?;
-    match receiver.try_recv() {
+    // Another thread that waits on this device may have taken the callback and still be about to call it.
+    match receiver.recv() {
         Ok(Ok(())) => {
             let result = buffer
                 .slice(..)
