@@ -1,8 +1,8 @@
 //! Reading point clouds that other programs wrote.
 //!
 //! Well-kept crates read the headers (`ply-rs-bw`, `pcd-rs`), decompress (`lzf`) and read numbers in text
-//! (`fast-float2`). The payload is ours: the crates' readers make a value a property or a row, which takes 40 and more
-//! times as long, and one of them allocates what a header merely claims. Here every size is checked against the bytes
+//! (`fast-float2`). The payload is ours: the crates' readers make a value a property or a row, which takes about 40
+//! times as long or more, and one of them allocates what a header merely claims. Here every size is checked against the bytes
 //! there are before anything is allocated for it.
 
 mod attributes;
