@@ -2,6 +2,7 @@
 //!
 //! Nothing here depends on timing or on the number of threads in rayon's pool: the same points give the same bits.
 
+mod bucket_search;
 mod colors;
 mod neighbours;
 mod normals;

@@ -13,7 +13,7 @@
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Points a bucket: four SIMD registers of four.
+/// Points a bucket: two SIMD registers of eight.
 pub(super) const BUCKET: usize = 16;
 
 /// Below this many points a split is not worth handing to another thread.
@@ -31,47 +31,47 @@ pub(super) struct PointTree {
     pub(super) buckets: Vec<Bucket>,
     /// Boxes of the nodes; those of leaves start at [`PointTree::first_leaf`]. Beyond the last bucket boxes are empty.
     pub(super) nodes: Vec<NodeBox>,
+    /// The smallest file index in each node, to decide between equal distances.
+    pub(super) min_file_index: Vec<u32>,
     /// Scene units of one scaled unit: a power of two.
     unit: f32,
 }
 
-/// The points of 16 slots with one register for each coordinate of four of them. Places without a point are NaN, which
-/// compares false with any bound.
+/// The coordinates of 16 slots. Places without a point are so far away that the square of their distance is infinite.
 #[derive(Debug, Clone)]
 pub(super) struct Bucket {
-    pub(super) x: [Vec4; BUCKET / 4],
-    pub(super) y: [Vec4; BUCKET / 4],
-    pub(super) z: [Vec4; BUCKET / 4],
-    pub(super) file_index: [u32; BUCKET],
+    pub(super) x: [f32; BUCKET],
+    pub(super) y: [f32; BUCKET],
+    pub(super) z: [f32; BUCKET],
 }
 
-/// The box of a node, and the smallest file index in it (to decide between equal distances).
+/// The box of a node: two SIMD registers, of which the last lane is 0.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NodeBox {
-    pub(super) min: Vec3,
-    pub(super) min_file_index: u32,
-    pub(super) max: Vec3,
+    pub(super) min: Vec4,
+    pub(super) max: Vec4,
 }
 
 impl NodeBox {
     const EMPTY: Self = Self {
-        min: Vec3::INFINITY,
-        min_file_index: u32::MAX,
-        max: Vec3::NEG_INFINITY,
+        min: Vec4::new(f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.0),
+        max: Vec4::new(f32::NEG_INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY, 0.0),
     };
 
-    fn of(points: &[SlotPoint]) -> Self {
-        points.iter().fold(Self::EMPTY, |node, point| Self {
-            min: node.min.min(point.position),
-            min_file_index: node.min_file_index.min(point.file_index),
-            max: node.max.max(point.position),
-        })
+    /// The box around some points.
+    pub(super) fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
+        points
+            .into_iter()
+            .map(|point| point.extend(0.0))
+            .fold(Self::EMPTY, |node, point| Self {
+                min: node.min.min(point),
+                max: node.max.max(point),
+            })
     }
 
     fn union(&self, other: &Self) -> Self {
         Self {
             min: self.min.min(other.min),
-            min_file_index: self.min_file_index.min(other.min_file_index),
             max: self.max.max(other.max),
         }
     }
@@ -81,6 +81,15 @@ impl NodeBox {
 struct SlotPoint {
     position: Vec3,
     file_index: u32,
+}
+
+fn box_of(points: &[SlotPoint]) -> NodeBox {
+    NodeBox::around(points.iter().map(|point| point.position))
+}
+
+fn min_file_index_of(points: &[SlotPoint]) -> u32 {
+    let indices = points.iter().map(|point| point.file_index);
+    indices.min().unwrap_or(u32::MAX)
 }
 
 impl PointTree {
@@ -112,7 +121,16 @@ impl PointTree {
             file_index: points.iter().map(|point| point.file_index).collect(),
             slot,
             buckets: points.chunks(BUCKET).map(Bucket::new).collect(),
-            nodes: node_boxes(&points, bucket_count),
+            nodes: bottom_up(
+                points.chunks(BUCKET).map(box_of),
+                NodeBox::EMPTY,
+                NodeBox::union,
+            ),
+            min_file_index: bottom_up(
+                points.chunks(BUCKET).map(min_file_index_of),
+                u32::MAX,
+                |&a, &b| a.min(b),
+            ),
             unit,
         }
     }
@@ -168,36 +186,31 @@ impl PointTree {
 
 impl Bucket {
     fn new(points: &[SlotPoint]) -> Self {
-        let lane = |place: usize, axis: usize| {
-            points
-                .get(place)
-                .map_or(f32::NAN, |point| point.position[axis])
-        };
-        let registers = |axis: usize| {
-            std::array::from_fn(|register| {
-                Vec4::from_array(std::array::from_fn(|i| lane(4 * register + i, axis)))
+        let axis = |axis: usize| {
+            std::array::from_fn(|place| {
+                points
+                    .get(place)
+                    .map_or(f32::MAX, |point| point.position[axis])
             })
         };
         Self {
-            x: registers(0),
-            y: registers(1),
-            z: registers(2),
-            file_index: std::array::from_fn(|place| {
-                points.get(place).map_or(u32::MAX, |point| point.file_index)
-            }),
+            x: axis(0),
+            y: axis(1),
+            z: axis(2),
         }
     }
 }
 
 /// Splits `points` at `half` (a power of two of buckets, and at least half of them) and both parts again.
 fn split(points: &mut [SlotPoint], half: usize) {
-    if half < BUCKET {
+    // Halves of a bucket are close together, too: they search on their own (see bucket_search).
+    if half < BUCKET / 2 {
         return;
     }
     if points.len() <= half {
         return split(points, half / 2);
     }
-    let node = NodeBox::of(points);
+    let node = box_of(points);
     let axis = (node.max - node.min).max_position();
     points.select_nth_unstable_by(half, |a, b| a.position[axis].total_cmp(&b.position[axis]));
     let parallel = points.len() > PARALLEL_SPLIT;
@@ -210,14 +223,19 @@ fn split(points: &mut [SlotPoint], half: usize) {
     }
 }
 
-fn node_boxes(points: &[SlotPoint], bucket_count: usize) -> Vec<NodeBox> {
-    let first_leaf = bucket_count.next_power_of_two();
-    let mut nodes = vec![NodeBox::EMPTY; 2 * first_leaf];
-    for (node, bucket) in nodes[first_leaf..].iter_mut().zip(points.chunks(BUCKET)) {
-        *node = NodeBox::of(bucket);
+/// Values of all nodes from those of the buckets: `join` of two children is that of their parent.
+fn bottom_up<T: Copy>(
+    buckets: impl ExactSizeIterator<Item = T>,
+    of_nothing: T,
+    join: impl Fn(&T, &T) -> T,
+) -> Vec<T> {
+    let first_leaf = buckets.len().next_power_of_two();
+    let mut nodes = vec![of_nothing; 2 * first_leaf];
+    for (node, bucket) in nodes[first_leaf..].iter_mut().zip(buckets) {
+        *node = bucket;
     }
     for index in (1..first_leaf).rev() {
-        nodes[index] = nodes[2 * index].union(&nodes[2 * index + 1]);
+        nodes[index] = join(&nodes[2 * index], &nodes[2 * index + 1]);
     }
     nodes
 }
@@ -263,13 +281,10 @@ mod tests {
                 assert_eq!(tree.slot_of(tree.file_index[slot]), slot as u32);
                 let mut node = tree.first_leaf() + slot / BUCKET;
                 while node > 0 {
-                    let NodeBox {
-                        min,
-                        max,
-                        min_file_index,
-                    } = tree.nodes[node];
-                    assert!(min.cmple(*position).all() && max.cmpge(*position).all());
-                    assert!(min_file_index <= tree.file_index[slot]);
+                    let NodeBox { min, max } = tree.nodes[node];
+                    let place = position.extend(0.0);
+                    assert!(min.cmple(place).all() && max.cmpge(place).all());
+                    assert!(tree.min_file_index[node] <= tree.file_index[slot]);
                     node /= 2;
                 }
             }

@@ -4,7 +4,7 @@
 //! Voronoi cell of its own point, the disks cover the surface. So the neighbours are projected onto the tangent plane, and
 //! the cell is measured along 32 directions. The line midway to a neighbour at `q` is `|q|² / 2 q·d` away in direction `d`;
 //! the cell ends at the nearest of these lines, which is the largest of the `w·d` with `w = 2 q / |q|²`. That needs neither
-//! branches nor sorting, and four directions are one SIMD operation. Where the cell reaches farthest there is a corner; the
+//! branches nor sorting, and eight directions are one SIMD operation. Where the cell reaches farthest there is a corner; the
 //! radius is the distance to the farthest corner, with some overlap for those between two directions. This is about the
 //! smallest radius with which a point need not rely on the disks of others.
 //!
@@ -19,7 +19,8 @@
 //! large for all others.
 
 use super::{neighbours::Neighbours, point_tree::PointTree};
-use glam::{Vec3, Vec4};
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Radius, in scene units, when no two points are apart: a single point, or points that all coincide.
@@ -42,23 +43,32 @@ pub(super) fn closing_radii(
     normals: &[Vec3],
 ) -> Vec<f32> {
     let directions = Directions::new();
-    let raw: Vec<f32> = (0..tree.len())
-        .into_par_iter()
-        .with_min_len(1 << 9)
-        .map(|slot| {
-            directions.cell_radius(tree.positions(), slot, neighbours.of(slot), normals[slot])
-        })
-        .collect();
+    let level = Level::new();
+    let mut raw = vec![0.0; tree.len()];
+    raw.par_chunks_mut(POINTS_PER_TASK)
+        .enumerate()
+        .for_each(|(task, raw)| {
+            let cells = Cells {
+                directions: &directions,
+                positions: tree.positions(),
+                neighbours,
+                normals,
+            };
+            dispatch!(level, simd => cells.measure(simd, POINTS_PER_TASK * task, raw));
+        });
     let median = median_of_positive(&raw);
+    let inverse: Vec<f32> = raw
+        .iter()
+        .map(|&radius| if radius > 0.0 { 1.0 / radius } else { 0.0 })
+        .collect();
+    let largest = MAX_OF_CLOUD * median;
     (0..tree.len())
         .into_par_iter()
-        .with_min_len(1 << 10)
+        .with_min_len(POINTS_PER_TASK)
         .map(|slot| {
             let own = if raw[slot] > 0.0 { raw[slot] } else { median };
-            let capped = own
-                .min(MAX_OF_NEIGHBOURS * harmonic_mean(&raw, neighbours.of(slot)))
-                .min(MAX_OF_CLOUD * median);
-            let radius = OVERLAP * capped * tree.unit();
+            let of_neighbours = MAX_OF_NEIGHBOURS * harmonic_mean(&inverse, neighbours.of(slot));
+            let radius = OVERLAP * own.min(of_neighbours).min(largest) * tree.unit();
             if radius > 0.0 {
                 radius.min(f32::MAX)
             } else {
@@ -68,85 +78,124 @@ pub(super) fn closing_radii(
         .collect()
 }
 
+/// Points that are worth handing to another thread.
+const POINTS_PER_TASK: usize = 1 << 10;
+
 /// Share of the inverse distance to the last neighbour below which the cell is open.
 const OPEN: f32 = 0.5;
 
 /// Directions in the tangent plane along which a cell is measured.
 const DIRECTIONS: usize = 32;
 
+/// One number for each of eight directions, or of eight neighbours.
+type Row = [f32; 8];
+
 /// Cosines and sines of evenly spaced directions.
 struct Directions {
-    cosines: [Vec4; DIRECTIONS / 4],
-    sines: [Vec4; DIRECTIONS / 4],
+    cosines: [Row; DIRECTIONS / 8],
+    sines: [Row; DIRECTIONS / 8],
 }
 
 impl Directions {
     fn new() -> Self {
-        let registers = |f: fn(f64) -> f64| {
-            std::array::from_fn(|register| {
-                Vec4::from_array(std::array::from_fn(|lane| {
-                    let turn = (4 * register + lane) as f64 / DIRECTIONS as f64;
+        let rows = |f: fn(f64) -> f64| {
+            std::array::from_fn(|row| {
+                std::array::from_fn(|lane| {
+                    let turn = (8 * row + lane) as f64 / DIRECTIONS as f64;
                     f(turn * std::f64::consts::TAU) as f32
-                }))
+                })
             })
         };
         Self {
-            cosines: registers(f64::cos),
-            sines: registers(f64::sin),
+            cosines: rows(f64::cos),
+            sines: rows(f64::sin),
+        }
+    }
+}
+
+/// What the cells of a cloud are measured from.
+struct Cells<'a> {
+    directions: &'a Directions,
+    positions: &'a [Vec3],
+    neighbours: &'a Neighbours,
+    normals: &'a [Vec3],
+}
+
+impl Cells<'_> {
+    /// Writes the radii of the cells of consecutive points. Inlined, so that it is compiled for each level of SIMD.
+    #[inline(always)]
+    fn measure<S: Simd>(&self, simd: S, first_slot: usize, radii: &mut [f32]) {
+        for (radius, slot) in radii.iter_mut().zip(first_slot..) {
+            *radius = self.cell_radius(simd, slot);
         }
     }
 
     /// Distance from a point to the farthest corner of its Voronoi cell in its tangent plane; 0 without neighbours apart.
-    fn cell_radius(
-        &self,
-        positions: &[Vec3],
-        slot: usize,
-        neighbours: &[u32],
-        normal: Vec3,
-    ) -> f32 {
-        let point = positions[slot];
-        let (u, v) = normal.any_orthonormal_pair();
+    #[inline(always)]
+    fn cell_radius<S: Simd>(&self, simd: S, slot: usize) -> f32 {
+        let point = self.positions[slot];
+        let (u, v) = self.normals[slot].any_orthonormal_pair();
         // One over the distance to the end of the cell in each direction.
-        let mut inverse = [Vec4::ZERO; DIRECTIONS / 4];
-        let mut reach_squared: f32 = 0.0;
-        for &neighbour in neighbours {
-            let offset = positions[neighbour as usize] - point;
-            let (x, y) = (offset.dot(u), offset.dot(v));
+        let mut inverse = [f32x8::splat(simd, 0.0); DIRECTIONS / 8];
+        let mut reach_squared = f32x8::splat(simd, 0.0);
+        for chunk in self.neighbours.of(slot).chunks(8) {
+            // Lanes without a neighbour stay zero.
+            let (mut x, mut y) = ([0.0; 8], [0.0; 8]);
+            for (lane, &neighbour) in chunk.iter().enumerate() {
+                let offset = self.positions[neighbour as usize] - point;
+                (x[lane], y[lane]) = (offset.dot(u), offset.dot(v));
+            }
+            let (x, y) = (f32x8::from_slice(simd, &x), f32x8::from_slice(simd, &y));
             let squared = x * x + y * y;
             reach_squared = reach_squared.max(squared);
             // A neighbour right above or below has no line midway.
-            let scale = if squared > 0.0 { 2.0 / squared } else { 0.0 };
-            let (wx, wy) = (Vec4::splat(x * scale), Vec4::splat(y * scale));
-            for (inverse, (cosine, sine)) in
-                inverse.iter_mut().zip(self.cosines.iter().zip(&self.sines))
-            {
-                *inverse = inverse.max(wx * *cosine + wy * *sine);
+            let zero = f32x8::splat(simd, 0.0);
+            let is_apart = squared.simd_gt(zero);
+            let scale = simd.select_f32x8(is_apart, f32x8::splat(simd, 2.0) / squared, zero);
+            let (wx, wy): (Row, Row) = ((x * scale).into(), (y * scale).into());
+            for lane in 0..chunk.len() {
+                let (wx, wy) = (f32x8::splat(simd, wx[lane]), f32x8::splat(simd, wy[lane]));
+                for (row, inverse) in inverse.iter_mut().enumerate() {
+                    let cosines = f32x8::from_slice(simd, &self.directions.cosines[row]);
+                    let sines = f32x8::from_slice(simd, &self.directions.sines[row]);
+                    *inverse = inverse.max(wx * cosines + wy * sines);
+                }
             }
         }
         // What is extreme along the circle is a corner or the middle of a side. Beyond the last neighbour nothing is
         // known, so a corner there is taken to be no farther than it, and twice as far out the cell counts as open.
-        let known = 1.0 / reach_squared.sqrt();
-        let open = OPEN * known;
-        let inverse: [f32; DIRECTIONS] = bytemuck::cast(inverse);
-        let mut smallest = f32::INFINITY;
-        for place in 0..DIRECTIONS {
-            let before = inverse[(place + DIRECTIONS - 1) % DIRECTIONS];
-            let after = inverse[(place + 1) % DIRECTIONS];
-            let here = inverse[place];
-            let is_extreme = (here - before) * (here - after) >= 0.0;
-            let counts = is_extreme && here >= open;
-            smallest = smallest.min(if counts { here } else { f32::INFINITY });
+        let known = 1.0 / largest_of(reach_squared.into()).sqrt();
+        let open = f32x8::splat(simd, OPEN * known);
+        let nowhere = f32x8::splat(simd, f32::INFINITY);
+        let mut smallest = nowhere;
+        for row in 0..inverse.len() {
+            let here = inverse[row];
+            let before = inverse[(row + inverse.len() - 1) % inverse.len()].slide::<7>(here);
+            let after = here.slide::<1>(inverse[(row + 1) % inverse.len()]);
+            let turns = (here - before) * (here - after);
+            let is_extreme = turns.simd_ge(f32x8::splat(simd, 0.0));
+            let counts = simd.select_f32x8(is_extreme, here, nowhere);
+            let counts = simd.select_f32x8(here.simd_ge(open), counts, nowhere);
+            smallest = smallest.min(counts);
         }
-        1.0 / smallest.max(known)
+        1.0 / smallest_of(smallest.into()).max(known)
     }
 }
 
-/// The harmonic mean of the neighbours' radii as far as they are positive; not finite if none is.
-fn harmonic_mean(raw: &[f32], neighbours: &[u32]) -> f32 {
+fn largest_of(row: Row) -> f32 {
+    row.into_iter().fold(0.0, f32::max)
+}
+
+fn smallest_of(row: Row) -> f32 {
+    row.into_iter().fold(f32::INFINITY, f32::min)
+}
+
+/// The harmonic mean of the neighbours' radii as far as they are positive, from their inverses (0 for those that are not);
+/// not finite if none is.
+fn harmonic_mean(inverse: &[f32], neighbours: &[u32]) -> f32 {
     let inverse_sum: f32 = neighbours
         .iter()
-        .map(|&neighbour| raw[neighbour as usize])
-        .map(|radius| if radius > 0.0 { 1.0 / radius } else { 0.0 })
+        .map(|&neighbour| inverse[neighbour as usize])
         .sum();
     neighbours.len() as f32 / inverse_sum
 }
