@@ -106,8 +106,8 @@ impl<'a> BucketSearch<'a> {
             }
             return;
         }
-        // The nearer child is taken first: it tightens the bound for the other. Of
-        // two equally near ones, that with the lowest index is.
+        // The nearer child is taken first: it tightens the bound for the other. Of two equally near ones, that with the
+        // lowest index is.
         let [low, high] = [2 * node, 2 * node + 1];
         let distance_to =
             |child: usize| box_distance_squared(&self.around, &self.tree.nodes[child]);

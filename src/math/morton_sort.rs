@@ -15,7 +15,11 @@
 //! When it wins: at 11 levels the cells of a scanned surface hold one point or two, so half of the passes that a sort of
 //! all 63 bits makes would move nothing. A digit in which all items agree costs no pass either.
 //!
+//! Halves of many codes, parted by the highest digit, are sorted by two threads.
+//!
 //! The sort is stable: equal codes stay in the order of their indices. Nothing depends on timing or threads.
+
+use rayon::prelude::*;
 
 /// Codes in ascending order, and where each came from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,18 +58,64 @@ pub fn sort_codes(codes: &[u64]) -> SortedCodes {
         .map(|(code, index)| code >> LOW_BITS << INDEX_BITS | index)
         .collect();
     let mut scratch = vec![0; items.len()];
-    sort_items(&mut items, &mut scratch);
-    for run in items.chunk_by_mut(|a, b| a >> INDEX_BITS == b >> INDEX_BITS) {
-        sort_run(run, codes, &mut scratch);
+    if items.len() < 2 * PARALLEL_CODES || rayon::current_num_threads() == 1 {
+        sort_part(&mut items, &mut scratch, codes);
+    } else {
+        let middle = partition_near_half(&items, &mut scratch);
+        std::mem::swap(&mut items, &mut scratch);
+        let (low, high) = items.split_at_mut(middle);
+        let (low_scratch, high_scratch) = scratch.split_at_mut(middle);
+        rayon::join(
+            || sort_part(low, low_scratch, codes),
+            || sort_part(high, high_scratch, codes),
+        );
     }
+    let order: Vec<u32> = items
+        .par_iter()
+        .with_min_len(PARALLEL_CODES)
+        .map(|&item| index_of(item) as u32)
+        .collect();
     // The items' memory becomes the sorted codes.
-    let order: Vec<u32> = items.iter().map(|item| index_of(*item) as u32).collect();
-    for item in &mut items {
-        *item = codes[index_of(*item)];
-    }
+    items
+        .par_iter_mut()
+        .with_min_len(PARALLEL_CODES)
+        .for_each(|item| *item = codes[index_of(*item)]);
     SortedCodes {
         codes: items,
         order,
+    }
+}
+
+/// Below this, codes are not shared out among threads.
+const PARALLEL_CODES: usize = 1 << 14;
+
+/// Writes `items` to `to`, first those with a small highest digit, then the others, both in their order; how many come
+/// first: about half, as far as whole digits allow.
+fn partition_near_half(items: &[u64], to: &mut [u64]) -> usize {
+    let mut counts = [0u32; DIGIT_VALUES];
+    for &item in items {
+        counts[digit_of(item, DIGITS - 1)] += 1;
+    }
+    let mut middle = 0;
+    let mut first_high = 0;
+    while middle < items.len() / 2 {
+        middle += counts[first_high] as usize;
+        first_high += 1;
+    }
+    let mut next = [0, middle];
+    for &item in items {
+        let place = &mut next[usize::from(digit_of(item, DIGITS - 1) >= first_high)];
+        to[*place] = item;
+        *place += 1;
+    }
+    middle
+}
+
+/// Sorts `items` by the whole codes that their indices name, stably.
+fn sort_part(items: &mut [u64], scratch: &mut [u64], codes: &[u64]) {
+    sort_items(items, scratch);
+    for run in items.chunk_by_mut(|a, b| a >> INDEX_BITS == b >> INDEX_BITS) {
+        sort_run(run, codes, scratch);
     }
 }
 
@@ -171,6 +221,24 @@ mod tests {
             .map(|i| (mixed(i) & 0x3f) << 40 | mixed(i + 7) & 0xff)
             .collect();
         assert_sorted_like_std(&codes);
+    }
+
+    /// Many enough to be parted: evenly, and where all but one share the highest digit or none is in the lower half.
+    #[test]
+    fn halves_by_any_number_of_threads() {
+        let even: Vec<u64> = (0..70_000).map(|i| mixed(i) >> 1).collect();
+        let mut low: Vec<u64> = even.iter().map(|code| code >> 12).collect();
+        low[69_999] = (1 << 63) - 1;
+        let mut high: Vec<u64> = even.iter().map(|code| code >> 12 | 0x7ff << 52).collect();
+        high[69_999] = 0;
+        for threads in [1, 2, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| {
+                for codes in [&even, &low, &high] {
+                    assert_sorted_like_std(codes);
+                }
+            });
+        }
     }
 
     proptest! {

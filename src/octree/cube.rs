@@ -4,6 +4,7 @@ use crate::math::{
     Aabb,
     morton::{self, FINEST_CELLS},
 };
+use fearless_simd::{Level, dispatch};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -74,13 +75,16 @@ impl Cube {
     /// which belong to the last cells.
     pub(super) fn codes(&self, points: &[Vec3]) -> Vec<u64> {
         let quantizer = Quantizer::new(self);
+        let level = Level::new();
         let mut codes = vec![0; points.len()];
         // Coordinates are taken apart a block at a time: the same operation on neighbouring numbers is one SIMD instruction.
         codes
             .par_chunks_mut(BLOCK)
             .zip(points.par_chunks(BLOCK))
             .with_min_len(BLOCKS_PER_TASK)
-            .for_each(|(codes, points)| quantizer.add_codes(points, codes));
+            .for_each(|(codes, points)| {
+                dispatch!(level, _simd => quantizer.add_codes(points, codes));
+            });
         codes
     }
 }
@@ -117,6 +121,7 @@ impl Quantizer {
     }
 
     /// Writes the codes of at most [`BLOCK`] points over zeros.
+    #[inline(always)]
     fn add_codes(&self, points: &[Vec3], codes: &mut [u64]) {
         for axis in 0..3 {
             let mut offsets = [0.0; BLOCK];
@@ -130,6 +135,7 @@ impl Quantizer {
     }
 
     /// The index of the cell at a distance of `offset` from the lower face, which must not be negative.
+    #[inline(always)]
     fn index(&self, offset: f64) -> u64 {
         let rounded = (offset * self.cells_per_unit).min(f64::from(FINEST_CELLS)) + ROUNDING;
         let border = rounded - ROUNDING;
