@@ -188,6 +188,20 @@ fn voxels_are_measured_with_every_strategy() {
             .iter()
             .all(|&depth| depth > 3.0)
     );
+    // By voxels, not by surfels, which are drawn from elsewhere.
+    let coverage = report.sequences[0].coverage.unwrap();
+    assert_eq!(coverage.count, 4);
+    assert!(
+        coverage.min >= 0.15 && coverage.max <= 0.85,
+        "a sparse cloud fills the picture as far as it can: {coverage:?}"
+    );
+    // Who is outside is named.
+    assert_eq!(
+        coverage.outside > 0,
+        report.notes.iter().any(|note| note.contains("in the band")),
+        "{:?}",
+        report.notes
+    );
 }
 
 #[test]
@@ -285,11 +299,15 @@ fn broken_frames_are_skipped_and_said() {
     )
     .unwrap();
     assert_eq!(report.sequences[0].measured_frames, 1);
-    assert_eq!(report.notes.len(), 1);
+    let skipped: Vec<&String> = report
+        .notes
+        .iter()
+        .filter(|note| note.contains("skipped"))
+        .collect();
     assert!(
-        report.notes[0].contains("scan_0.xyz"),
-        "{}",
-        report.notes[0]
+        skipped.len() == 1 && skipped[0].contains("scan_0.xyz"),
+        "{:?}",
+        report.notes
     );
 
     std::fs::write(folder.path().join("scan_1.xyz"), "also not\n").unwrap();

@@ -1,7 +1,7 @@
 //! What was opened lately, kept between runs in a small JSON file.
 
+use super::kept;
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Entries that are kept.
@@ -9,9 +9,6 @@ const MAX_ENTRIES: usize = 10;
 
 /// An entry of more files than this is not kept: it is a selection, not a place.
 const MAX_INPUTS: usize = 100;
-
-/// A list beyond this size was not written by this program.
-const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// The inputs of sequences, latest first.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -28,9 +25,7 @@ struct Stored {
 impl Recent {
     /// The list of this person. `Err` is a text for a notice; the list is then empty and is written anew.
     pub fn load() -> (Self, Option<String>) {
-        let file = directories::ProjectDirs::from("", "", "pointreel")
-            .map(|folders| folders.config_dir().join("recent.json"));
-        match file {
+        match kept::place_of("recent.json") {
             Some(file) => Self::load_from(file),
             None => (Self::default(), None),
         }
@@ -91,7 +86,7 @@ impl Recent {
         };
         let written = serde_json::to_vec_pretty(&stored)
             .map_err(std::io::Error::other)
-            .and_then(|bytes| replace(file, &bytes));
+            .and_then(|bytes| kept::replace(file, &bytes));
         written.map_err(|reason| {
             format!(
                 "the list of recent files could not be written to {} ({reason})",
@@ -101,26 +96,10 @@ impl Recent {
     }
 }
 
-/// A file that is never half written: the new one takes the place of the old one.
-fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    if let Some(folder) = file.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    let new = file.with_extension(format!("{}.new", std::process::id()));
-    fs::write(&new, bytes)?;
-    fs::rename(&new, file)
-}
-
 fn read(file: &Path) -> Result<Vec<Vec<PathBuf>>, String> {
-    let size = match fs::metadata(file) {
-        Ok(metadata) => metadata.len(),
-        Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(reason) => return Err(reason.to_string()),
+    let Some(bytes) = kept::read(file)? else {
+        return Ok(Vec::new());
     };
-    if size > MAX_FILE_BYTES {
-        return Err(format!("it has {size} bytes"));
-    }
-    let bytes = fs::read(file).map_err(|reason| reason.to_string())?;
     let stored: Stored = serde_json::from_slice(&bytes).map_err(|reason| reason.to_string())?;
     let mut entries = stored.recent;
     entries.retain(|entry| !entry.is_empty() && entry.len() <= MAX_INPUTS);
@@ -142,6 +121,7 @@ pub(super) fn entry_name(inputs: &[PathBuf]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn the_list_is_bounded_latest_first_and_survives() {

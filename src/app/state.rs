@@ -8,11 +8,12 @@ use super::benchmark::Benchmark;
 use super::fly::Fly;
 use super::notices::Notices;
 use super::player::{Player, can_draw};
+use super::preferences::Preferences;
 use super::recent::Recent;
 use super::tasks::{Tasks, Wake};
 use crate::render::RenderStats;
 use crate::scene::{Camera, Primitive, Scene, ScenePacket, SceneStats, Settings, UpAxis};
-use crate::sequence::{LoaderOptions, Sequence};
+use crate::sequence::{Clock, LoaderOptions, LoopMode, Sequence};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,6 +23,12 @@ use std::time::Duration;
 pub struct StateOptions {
     /// How pictures are asked for.
     pub settings: Settings,
+    /// What happens at the ends of a sequence.
+    pub loop_mode: LoopMode,
+    /// How fast it plays.
+    pub speed: f64,
+    /// Open panels.
+    pub panels: OpenPanels,
     /// Which axis is up; guessed for each sequence if `None`.
     pub up: Option<UpAxis>,
     /// Frames a second, where the sequence's own rate is not wanted.
@@ -40,6 +47,9 @@ impl Default for StateOptions {
     fn default() -> Self {
         Self {
             settings: Settings::default(),
+            loop_mode: LoopMode::default(),
+            speed: 1.0,
+            panels: OpenPanels::default(),
             up: None,
             fps: None,
             paused: false,
@@ -201,7 +211,7 @@ impl State {
             camera: Camera::framing(&nothing, glam::DVec3::ZERO, options.up.unwrap_or_default()),
             settings: options.settings,
             notices: Notices::default(),
-            panels: OpenPanels::default(),
+            panels: options.panels,
             benchmark: Benchmark::default(),
             recent: options.recent.clone(),
             viewport: Viewport::default(),
@@ -236,7 +246,25 @@ impl State {
         self.scene.stats()
     }
 
-    /// Shows `sequence` in place of what was open. Settings stay.
+    /// What is kept between runs; the window adds its size.
+    pub fn preferences(&self) -> Preferences {
+        let clock = self.player.as_ref().map(Player::clock);
+        Preferences {
+            settings: self.settings,
+            loop_mode: clock.map_or(self.options.loop_mode, Clock::loop_mode),
+            // A sequence that was left while it played backward is not what the next one is to begin with.
+            speed: clock.map_or(self.options.speed, Clock::speed).abs(),
+            panels: OpenPanels {
+                settings: self.panels.settings,
+                statistics: self.panels.statistics,
+                ..OpenPanels::default()
+            },
+            window_size: None,
+        }
+    }
+
+    /// Shows `sequence` in place of what was open. Settings, loop mode and speed stay: they are choices of the person, not of
+    /// the sequence.
     pub fn open(&mut self, sequence: Arc<Sequence>) {
         let mut loader_options = LoaderOptions {
             wake: self.wake(),
@@ -252,8 +280,13 @@ impl State {
         if let Some(fps) = self.options.fps {
             player.set_fps(fps, self.now);
         }
+        let (loop_mode, speed) = match &self.player {
+            Some(before) => (before.clock().loop_mode(), before.clock().speed()),
+            None => (self.options.loop_mode, self.options.speed),
+        };
+        player.set_loop_mode(loop_mode, self.now);
+        player.set_speed(speed, self.now);
         if let Some(before) = self.player.replace(player) {
-            player_settings_kept(&before, self.player.as_mut(), self.now);
             // Its threads end after the frame they are on; nobody waits for that here.
             super::tasks::close(before);
         }
@@ -359,13 +392,5 @@ impl State {
             .into_iter()
             .flatten()
             .min()
-    }
-}
-
-/// Loop mode and speed are choices of the person, not of the sequence.
-fn player_settings_kept(before: &Player, player: Option<&mut Player>, now: Duration) {
-    if let Some(player) = player {
-        player.set_loop_mode(before.clock().loop_mode(), now);
-        player.set_speed(before.clock().speed(), now);
     }
 }

@@ -3,6 +3,7 @@
 use super::graphics::Graphics;
 use super::notices::Severity;
 use super::panels::window_ui;
+use super::preferences::{Preferences, PreferencesFile};
 use super::state::{State, StateOptions, WindowRequest};
 use super::tasks::save_png;
 use super::theme::apply_theme;
@@ -44,7 +45,11 @@ pub struct Options {
     pub inputs: Vec<PathBuf>,
     /// What went wrong before there was a window to say it in.
     pub warnings: Vec<String>,
-    /// Size of the window in pixels.
+    /// Where changes of settings are kept; nowhere by default.
+    pub preferences_file: PreferencesFile,
+    /// Size of the window in logical pixels, as it was left.
+    pub window_size: Option<[f64; 2]>,
+    /// Size of the window in pixels, which goes before the one that was left.
     pub size_px: Option<[u32; 2]>,
     /// Write the 3-D picture to this file and end.
     pub screenshot: Option<PathBuf>,
@@ -116,6 +121,8 @@ struct App {
     /// When marks and figures that changed in the background are shown.
     news_at: Option<Duration>,
     last_redraw: Duration,
+    /// The size of the window that was looked at last for the preferences.
+    noted_size: Option<PhysicalSize<u32>>,
     rebuilt_at: Vec<Duration>,
     end: Result<(), AppError>,
 }
@@ -150,6 +157,7 @@ impl App {
             repaint_at: None,
             news_at: None,
             last_redraw: Duration::ZERO,
+            noted_size: None,
             rebuilt_at: Vec::new(),
             end: Ok(()),
         }
@@ -165,9 +173,10 @@ impl App {
             .with_min_inner_size(MIN_SIZE)
             // An alpha visual stays black on software adapters under a bare X server.
             .with_transparent(false);
+        let left = self.options.window_size.map(LogicalSize::<f64>::from);
         let attributes = match self.options.size_px {
             Some([width, height]) => attributes.with_inner_size(PhysicalSize::new(width, height)),
-            None => attributes.with_inner_size(DEFAULT_SIZE),
+            None => attributes.with_inner_size(left.unwrap_or(DEFAULT_SIZE)),
         };
         event_loop
             .create_window(attributes)
@@ -284,6 +293,7 @@ impl App {
             self.state.save_picture(image, path);
         }
         self.set_title(screen);
+        self.note_preferences(&screen.window);
         self.state.graphics.render = screen.graphics.stats();
         self.state.graphics.frame_ms =
             begin.elapsed().saturating_sub(painted.waited).as_secs_f64() * 1e3;
@@ -318,6 +328,25 @@ impl App {
             }
         }
         pictures
+    }
+
+    /// Takes notice of what is to be kept.
+    fn note_preferences(&mut self, window: &Window) {
+        let size = window.inner_size();
+        // Being maximised is asked of the window system: only when it may be another answer.
+        if self.noted_size != Some(size) {
+            self.noted_size = Some(size);
+            if window.fullscreen().is_none() && !window.is_maximized() {
+                let size: LogicalSize<f64> = size.to_logical(window.scale_factor());
+                self.options.window_size = Some(size.into());
+            }
+        }
+        let preferences = Preferences {
+            window_size: self.options.window_size,
+            ..self.state.preferences()
+        };
+        let now = self.now();
+        self.options.preferences_file.note(preferences, now);
     }
 
     fn set_title(&self, screen: &mut Screen) {
@@ -471,13 +500,21 @@ impl ApplicationHandler<Wakened> for App {
             .flatten()
             .min();
         redraw |= due.is_some_and(|due| due <= now);
-        let asleep = match due {
-            Some(due) if !redraw && !self.hidden => ControlFlow::WaitUntil(self.begin + due),
-            _ => ControlFlow::Wait,
-        };
-        event_loop.set_control_flow(asleep);
+        self.options.preferences_file.write_if_due(now);
+        let wake_at = [
+            due.filter(|_| !redraw && !self.hidden),
+            self.options.preferences_file.next_deadline(),
+        ];
+        let wake_at = wake_at.into_iter().flatten().min();
+        event_loop.set_control_flow(wake_at.map_or(ControlFlow::Wait, |due| {
+            ControlFlow::WaitUntil(self.begin + due)
+        }));
         if let Some(screen) = self.screen.as_ref().filter(|_| redraw && !self.hidden) {
             screen.window.request_redraw();
         }
+    }
+
+    fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
+        self.options.preferences_file.write();
     }
 }

@@ -7,10 +7,11 @@
 //! | [`Suite::Octree`] | Table III | sequence × δ of 2, 10, 50 %: loss, depth, nodes, leaves, build, traverse |
 //! | [`Suite::Voxels`] | Table IV | sequence × instancing strategy: drawing the visible set |
 //!
-//! `scenario` places the viewpoints, `runner` holds the clocks, `suites` are the loops, `report` the answer. The
+//! `scenario` places the viewpoints by what the suite draws (the octree's by surfels) and `cover` counts their pixels, `runner` holds the clocks, `suites` are the loops, `report` the answer. The
 //! command line and the window's benchmark menu both call [`run`]; nothing else of the program runs meanwhile: frames
 //! are prepared on the calling thread before they are measured, since a loader's workers would take its cores.
 
+mod cover;
 mod environment;
 pub mod report;
 mod runner;

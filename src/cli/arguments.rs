@@ -18,7 +18,7 @@ pub(super) fn open_sequence(inputs: &[PathBuf]) -> Result<Sequence, SequenceErro
     }
 }
 
-/// How a picture looks; what is not given is as in a new window.
+/// How a picture looks; what is not given is as usual: in a window as it was left, else as in a new one.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct PictureArgs {
     /// What points become: surfel, voxel or point
@@ -71,15 +71,15 @@ pub(super) struct PictureArgs {
 }
 
 impl PictureArgs {
-    pub(super) fn settings(&self) -> Settings {
-        let default = Settings::default();
+    /// `default`, but for what is given.
+    pub(super) fn settings_over(&self, default: Settings) -> Settings {
         Settings {
             primitive: self.primitive.unwrap_or(default.primitive),
             splatting: self.splatting.unwrap_or(default.splatting),
             strategy: self.instancing.unwrap_or(default.strategy),
             splat_scale: self.splat_scale.unwrap_or(default.splat_scale),
             enlargement: self.enlargement.unwrap_or(default.enlargement),
-            cull_back_faces: !self.two_sided,
+            cull_back_faces: default.cull_back_faces && !self.two_sided,
             lighting: self.lighting.unwrap_or(default.lighting),
             background: self.background.unwrap_or(default.background),
             colors: self.colors.unwrap_or(default.colors),

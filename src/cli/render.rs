@@ -100,7 +100,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
             sequence.len()
         );
     }
-    let settings = arguments.picture.settings();
+    let settings = arguments.picture.settings_over(Settings::default());
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
     let mut headless = Headless::new(Arc::clone(&sequence), loader, Headless::open_adapter()?)?;
     let mut stats = Stats {

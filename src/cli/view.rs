@@ -1,7 +1,7 @@
 //! `pointreel view`: the window.
 
 use super::arguments::{DEMO_INPUT, PictureArgs, open_sequence, size_px};
-use crate::app::{Options, Recent, StateOptions};
+use crate::app::{Options, Preferences, PreferencesFile, Recent, StateOptions};
 use crate::scene::UpAxis;
 use anyhow::Context as _;
 use clap::Args;
@@ -55,9 +55,18 @@ pub(super) struct ViewArgs {
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let sequence = open_sequence(&args.inputs)?;
     let (recent, problem) = Recent::load();
+    // A picture that a script asks for does not depend on who looked at what before.
+    let (preferences_file, preferences) = if args.screenshot.is_some() {
+        (PreferencesFile::default(), Preferences::default())
+    } else {
+        PreferencesFile::load()
+    };
     let options = Options {
         state: StateOptions {
-            settings: args.picture.settings(),
+            settings: args.picture.settings_over(preferences.settings),
+            loop_mode: preferences.loop_mode,
+            speed: preferences.speed,
+            panels: preferences.panels,
             up: args.up,
             fps: args.fps,
             paused: args.paused,
@@ -74,6 +83,8 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             .cloned()
             .collect(),
         warnings: problem.into_iter().collect(),
+        preferences_file,
+        window_size: preferences.window_size,
         size_px: args.size,
         screenshot: args.screenshot.clone(),
         after_frames: args.after_frames,

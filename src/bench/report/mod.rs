@@ -144,10 +144,8 @@ pub struct SequenceSummary {
     pub measured_frames: usize,
     /// Mean number of points of these.
     pub mean_points: f64,
-    /// Coverage by surfels of all viewpoints of all of these, which is how they were placed.
+    /// Coverage of all viewpoints of all of these, by what the suite draws; by surfels where it draws nothing.
     pub coverage: Option<Coverage>,
-    /// Coverage of the same viewpoints by voxels, where these are drawn.
-    pub voxel_coverage: Option<Coverage>,
 }
 
 /// The answer of a run.

@@ -71,13 +71,12 @@ impl Report {
                 "sequence  {}: {} of {} frames, {:.0} points",
                 sequence.name, sequence.measured_frames, sequence.frames, sequence.mean_points
             ));
-            let coverages = [
-                ("surfels", sequence.coverage),
-                ("voxels", sequence.voxel_coverage),
-            ];
-            for (what, coverage) in coverages {
-                lines.extend(coverage.map(|coverage| coverage_line(what, &coverage)));
-            }
+            let what = match suite {
+                Suite::Voxels => "voxels",
+                Suite::Surfels | Suite::Octree => "surfels",
+            };
+            let coverage = sequence.coverage.as_ref();
+            lines.extend(coverage.map(|coverage| coverage_line(what, coverage)));
         }
         if viewpoints < BenchOptions::PROTOCOL_VIEWPOINTS {
             lines.push(format!(

@@ -4,11 +4,11 @@
 //! meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
 //! and timed, warm-up rounds are drawn, then the rounds that count.
 
-use super::{Coverages, Run, Subject, mean, surfel_settings};
+use super::{Run, Subject, mean, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::{BenchError, Quantiles, Suite};
 use crate::scene::{Primitive, Scene, ScenePacket, Settings, Strategy};
-use crate::sequence::{Needs, PreparedFrame};
+use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
 /// One step to prepare a frame, one to place its viewpoints, one for each strategy.
@@ -61,15 +61,10 @@ pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), BenchError> {
     let settings = settings(run.options.suite);
-    let needs = Needs {
-        // Viewpoints are placed by surfels.
-        shapes: true,
-        ..Scene::needs(&settings)
-    };
+    let needs = Scene::needs(&settings);
     let mut samples: Vec<Samples> = Strategy::ALL.iter().map(|_| Samples::default()).collect();
     let (mut point_counts, mut depths) = (Vec::new(), Vec::new());
-    let mut coverages = Coverages::default();
-    let mut distance = None;
+    let mut coverages = Vec::new();
     let mut first_failure = None;
     for &index in &subject.chosen {
         let loaded = run.load(subject, index, STEPS_PER_FRAME, &needs)?;
@@ -91,16 +86,8 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             "{} frame {index}: placing viewpoints",
             subject.name
         ))?;
-        let viewpoints = run.viewpoints(subject, &frame, &mut distance)?;
-        coverages
-            .placed
-            .extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
-        if settings.primitive == Primitive::Voxel {
-            for viewpoint in &viewpoints {
-                let share = run.covered_share(subject, &frame, &viewpoint.camera, &settings)?;
-                coverages.voxels.push(share);
-            }
-        }
+        let viewpoints = run.viewpoints(subject, &frame, &settings)?;
+        coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         // The pictures whose coverage was counted left the streams on the adapter; a renderer takes a copy for another
         // cloud, so that its upload can be measured.
         frame.points = Arc::new(frame.points.to_vec());

@@ -3,6 +3,7 @@
 pub(super) mod draw;
 pub(super) mod octree;
 
+use super::cover::Cover;
 use super::report::{Row, SequenceSummary};
 use super::runner::Runner;
 use super::scenario::{self, Coverage, Viewpoint};
@@ -10,6 +11,7 @@ use super::{BenchError, BenchOptions, Environment, Progress, Report, check_cance
 use crate::render::gpu::Context;
 use crate::scene::{Background, Camera, Primitive, Scene, Settings, Splatting, UpAxis};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, prepare};
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -28,7 +30,7 @@ pub(super) struct Run<'a> {
     steps_total: usize,
 }
 
-/// How Table II draws, and how viewpoints are placed.
+/// How Table II draws, and by what the viewpoints of Table III are placed, which draws nothing.
 fn surfel_settings() -> Settings {
     Settings {
         primitive: Primitive::Surfel,
@@ -44,15 +46,6 @@ pub(super) struct Subject<'a> {
     pub(super) sequence: &'a Sequence,
     /// Indices of the frames to measure.
     pub(super) chosen: Vec<usize>,
-}
-
-/// Covered shares of all viewpoints of a sequence.
-#[derive(Default)]
-pub(super) struct Coverages {
-    /// By surfels.
-    pub(super) placed: Vec<f64>,
-    /// By voxels, where they are drawn.
-    pub(super) voxels: Vec<f64>,
 }
 
 impl<'a> Run<'a> {
@@ -144,45 +137,63 @@ impl<'a> Run<'a> {
         Ok(loaded)
     }
 
-    /// Viewpoints around `frame`, each with its measured coverage. `distance` is where the last viewpoint before stood.
-    ///
-    /// All suites place them by surfels, which close the surface, so that their tables are about the same views: cells
-    /// finer than the spacing of the points leave gaps, and no distance would close these.
+    /// Viewpoints around `frame`, each with the share of pixels that it covers when drawn by `settings`. A note names those
+    /// that could not be brought into the band.
     pub(super) fn viewpoints(
         &mut self,
         subject: &Subject<'_>,
         frame: &PreparedFrame,
-        distance: &mut Option<f64>,
+        settings: &Settings,
     ) -> Result<Vec<Viewpoint>, BenchError> {
-        let settings = surfel_settings();
         let origin = subject.sequence.origin();
         let up = UpAxis::guess(&frame.frame);
-        let framing = Camera::framing(&frame.frame.bounds(), origin, up);
+        let framing = Camera {
+            target_in_world: origin + mean_position(frame.frame.positions()),
+            ..Camera::framing(&frame.frame.bounds(), origin, up)
+        };
+        let height_px = f64::from(self.options.viewport_px[1]);
         let mut viewpoints = Vec::new();
         for (azimuth_deg, elevation_deg) in scenario::directions(self.options.viewpoints) {
             let start = Camera {
                 azimuth_deg,
                 elevation_deg,
-                distance: distance.unwrap_or(framing.distance),
                 ..framing
             };
-            let viewpoint = scenario::place(start, framing.distance, |camera| {
-                self.covered_share(subject, frame, camera, &settings)
-            })?;
-            *distance = Some(viewpoint.camera.distance);
-            viewpoints.push(viewpoint);
+            viewpoints.push(scenario::place(start, height_px, |camera| {
+                self.cover(subject, frame, camera, settings)
+            })?);
+        }
+        let outside: Vec<String> = viewpoints
+            .iter()
+            .filter(|viewpoint| !viewpoint.is_in_band())
+            .map(|Viewpoint { camera, coverage }| {
+                format!(
+                    "{:.0} % from azimuth {}°, elevation {}°",
+                    coverage * 100.0,
+                    camera.azimuth_deg,
+                    camera.elevation_deg
+                )
+            })
+            .collect();
+        if !outside.is_empty() {
+            self.report.notes.push(format!(
+                "{} frame {}: no distance and aim was found at which coverage is in the band: {}",
+                subject.name,
+                frame.index,
+                outside.join("; ")
+            ));
         }
         Ok(viewpoints)
     }
 
-    /// The share of pixels that `frame` covers.
-    pub(super) fn covered_share(
+    /// The pixels that `frame` covers.
+    fn cover(
         &mut self,
         subject: &Subject<'_>,
         frame: &PreparedFrame,
         camera: &Camera,
         settings: &Settings,
-    ) -> Result<f64, BenchError> {
+    ) -> Result<Cover, BenchError> {
         self.check_cancelled()?;
         let origin = subject.sequence.origin();
         let mut scene = Scene::default();
@@ -196,11 +207,7 @@ impl<'a> Run<'a> {
         };
         let [first, second] = COVERAGE_BACKGROUNDS;
         let [on_first, on_second] = [on_background(first)?, on_background(second)?];
-        Ok(scenario::covered_share(
-            &on_first,
-            &on_second,
-            COVERAGE_BACKGROUNDS,
-        ))
+        Ok(Cover::of(&on_first, &on_second, COVERAGE_BACKGROUNDS))
     }
 
     /// Adds what was measured of a sequence.
@@ -208,7 +215,7 @@ impl<'a> Run<'a> {
         &mut self,
         subject: &Subject<'_>,
         point_counts: &[f64],
-        coverages: &Coverages,
+        coverages: &[f64],
         rows: impl IntoIterator<Item = Row>,
     ) {
         self.report.sequences.push(SequenceSummary {
@@ -216,8 +223,7 @@ impl<'a> Run<'a> {
             frames: subject.sequence.len(),
             measured_frames: point_counts.len(),
             mean_points: mean(point_counts),
-            coverage: Coverage::of(&coverages.placed),
-            voxel_coverage: Coverage::of(&coverages.voxels),
+            coverage: Coverage::of(coverages),
         });
         self.report.rows.extend(rows);
     }
@@ -229,6 +235,12 @@ fn spread(count: usize, wanted: usize) -> Vec<usize> {
     (0..chosen).map(|index| index * count / chosen).collect()
 }
 
+/// Middle of the mass of points; the origin without points.
+fn mean_position(positions: &[Vec3]) -> DVec3 {
+    let sum: DVec3 = positions.iter().map(|position| position.as_dvec3()).sum();
+    sum / positions.len().max(1) as f64
+}
+
 /// Arithmetic mean; 0 without values.
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
@@ -237,6 +249,13 @@ fn mean(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_middle_of_mass_is_where_most_points_are() {
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::X, Vec3::new(2.0, 4.0, 0.0)];
+        assert_eq!(mean_position(&positions), DVec3::new(1.0, 1.0, 0.0));
+        assert_eq!(mean_position(&[]), DVec3::ZERO);
+    }
 
     #[test]
     fn frames_are_spread_evenly() {

@@ -3,7 +3,7 @@
 //! Builds and traversals run on one thread, the calling one, as the paper's do. Each traversal fills memory that the one before
 //! it left, as playing does; the viewpoints are those from which surfels cover 25 to 85 % of the picture.
 
-use super::{Coverages, Run, Subject, mean, surfel_settings};
+use super::{Run, Subject, mean, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::milliseconds_since;
 use crate::bench::{BenchError, Quantiles};
@@ -68,8 +68,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
     // What placing viewpoints needs; octrees are built by the clock.
     let needs = Scene::needs(&surfel_settings());
     let mut samples: Vec<Samples> = DELTAS.iter().map(|_| Samples::default()).collect();
-    let (mut point_counts, mut coverages) = (Vec::new(), Coverages::default());
-    let mut distance = None;
+    let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
     let mut first_failure = None;
     for &index in &subject.chosen {
         let loaded = run.load(subject, index, STEPS_PER_FRAME, &needs)?;
@@ -85,10 +84,8 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             "{} frame {index}: placing viewpoints",
             subject.name
         ))?;
-        let viewpoints = run.viewpoints(subject, &frame, &mut distance)?;
-        coverages
-            .placed
-            .extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
+        let viewpoints = run.viewpoints(subject, &frame, &surfel_settings())?;
+        coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         let cameras: Vec<Camera> = viewpoints
             .iter()
             .map(|viewpoint| viewpoint.camera)

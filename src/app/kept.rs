@@ -1,0 +1,81 @@
+//! Files that are kept between runs, in the person's folder for settings: small, and never half written.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// A file beyond this size was not written by this program.
+const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// Where `name` is kept; `None` where the system has no such folder.
+pub(super) fn place_of(name: &str) -> Option<PathBuf> {
+    directories::ProjectDirs::from("", "", "pointreel")
+        .map(|folders| folders.config_dir().join(name))
+}
+
+/// The bytes of `file`; `None` if it is not there yet. `Err` says why it cannot be read.
+pub(super) fn read(file: &Path) -> Result<Option<Vec<u8>>, String> {
+    let size = match fs::metadata(file) {
+        Ok(metadata) if metadata.is_file() => metadata.len(),
+        Ok(_) => return Err("it is no file".to_owned()),
+        Err(reason) if reason.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(reason) => return Err(reason.to_string()),
+    };
+    if size > MAX_FILE_BYTES {
+        return Err(format!("it has {size} bytes"));
+    }
+    fs::read(file)
+        .map(Some)
+        .map_err(|reason| reason.to_string())
+}
+
+/// Writes a new file, which then takes the place of the old one.
+pub(super) fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    if let Some(folder) = file.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    let new = file.with_extension(format!("{}.new", std::process::id()));
+    let replaced = fs::write(&new, bytes).and_then(|()| fs::rename(&new, file));
+    if replaced.is_err() {
+        // What is left of it would stay for ever; that it may not be there is no further problem.
+        let _ = fs::remove_file(&new);
+    }
+    replaced
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_as_a_whole_and_leaves_nothing_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("new/folder/list.json");
+        assert_eq!(read(&file), Ok(None));
+        replace(&file, b"a longer first").unwrap();
+        replace(&file, b"second").unwrap();
+        assert_eq!(read(&file), Ok(Some(b"second".to_vec())));
+        let beside = fs::read_dir(file.parent().unwrap()).unwrap().count();
+        assert_eq!(beside, 1);
+    }
+
+    #[test]
+    fn what_cannot_be_replaced_leaves_nothing_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let taken = folder.path().join("taken");
+        fs::create_dir_all(taken.join("by a folder")).unwrap();
+        assert!(read(&taken).is_err());
+        assert!(replace(&taken, b"bytes").is_err());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_huge_file_is_not_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("huge");
+        fs::File::create(&file)
+            .and_then(|created| created.set_len(MAX_FILE_BYTES + 1))
+            .unwrap();
+        assert_eq!(read(&file), Err("it has 1048577 bytes".to_owned()));
+    }
+}

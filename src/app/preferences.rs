@@ -1,0 +1,450 @@
+//! What a person chose, kept between runs in a small JSON file.
+//!
+//! **How it works.** [`Preferences`] are the part of the window's state that outlives it. The file holds them by the words
+//! of the command line, under a version number, and is taken as a whole or not at all: a file that is damaged, of another
+//! version, or has a value that the window does not offer is left aside with a warning in the log. It is written a moment
+//! after something was changed, so that a program that is killed has lost nothing, and never by a run in which
+//! nothing was changed.
+
+use super::kept;
+use super::state::{OpenPanels, POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+use crate::scene::{Background, Settings};
+use crate::sequence::{ColorSource, LoopMode, MAX_SPEED, MIN_SPEED};
+use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::Duration;
+
+/// Changes with every change of [`Stored`] that older programs, or newer ones, would misread.
+const VERSION: u32 = 1;
+
+/// A slider that is being dragged is not written at each of its steps.
+const WRITE_DELAY: Duration = Duration::from_secs(1);
+
+/// Further factor of the enlarged passes, from the slider or the command line.
+const ENLARGEMENT_RANGE: RangeInclusive<f32> = 0.01..=100.0;
+
+/// Level-of-detail threshold, pixels.
+const LOD_RANGE_PX: RangeInclusive<f32> = 0.0..=4096.0;
+
+/// Edges of a window, logical pixels.
+const WINDOW_EDGE_RANGE: RangeInclusive<f64> = 100.0..=16_384.0;
+
+/// What the window remembers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Preferences {
+    /// How pictures are asked for.
+    pub settings: Settings,
+    /// What happens at the ends of a sequence.
+    pub loop_mode: LoopMode,
+    /// How fast it plays, forward: [`MIN_SPEED`] to [`MAX_SPEED`].
+    pub speed: f64,
+    /// Which panels are open; windows above them are not remembered.
+    pub panels: OpenPanels,
+    /// Size of the window in logical pixels, when it was neither maximised nor full screen.
+    pub window_size: Option<[f64; 2]>,
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        Self {
+            settings: Settings::default(),
+            loop_mode: LoopMode::default(),
+            speed: 1.0,
+            panels: OpenPanels::default(),
+            window_size: None,
+        }
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Stored {
+    version: u32,
+    primitive: String,
+    splatting: String,
+    strategy: String,
+    splat_scale: f32,
+    enlargement: f32,
+    cull_back_faces: bool,
+    lighting: String,
+    background: String,
+    colors: String,
+    point_size_px: f32,
+    delta: f32,
+    lod_px: f32,
+    loop_mode: String,
+    speed: f64,
+    settings_panel: bool,
+    statistics_panel: bool,
+    window_size: Option<[f64; 2]>,
+}
+
+/// Looked at first: the rest of a file of another version may be anything.
+#[derive(Deserialize)]
+struct Version {
+    version: u32,
+}
+
+impl Preferences {
+    /// The text of the file.
+    fn to_json(self) -> serde_json::Result<Vec<u8>> {
+        let Settings {
+            primitive,
+            splatting,
+            strategy,
+            splat_scale,
+            enlargement,
+            cull_back_faces,
+            lighting,
+            background,
+            colors,
+            point_size_px,
+            delta,
+            lod_px,
+        } = self.settings;
+        serde_json::to_vec_pretty(&Stored {
+            version: VERSION,
+            primitive: primitive.to_string(),
+            splatting: splatting.to_string(),
+            strategy: strategy.to_string(),
+            splat_scale,
+            enlargement,
+            cull_back_faces,
+            lighting: lighting.to_string(),
+            background: format!("{}-{}", hex(background.top), hex(background.bottom)),
+            colors: color_name(colors).to_owned(),
+            point_size_px,
+            delta,
+            lod_px,
+            loop_mode: loop_name(self.loop_mode).to_owned(),
+            speed: self.speed,
+            settings_panel: self.panels.settings,
+            statistics_panel: self.panels.statistics,
+            window_size: self.window_size,
+        })
+    }
+
+    /// Reads the text of a file; `Err` says what is wrong with it.
+    fn from_json(bytes: &[u8]) -> Result<Self, String> {
+        let Version { version } = parse_json(bytes)?;
+        if version != VERSION {
+            return Err(format!("it has version {version} instead of {VERSION}"));
+        }
+        let stored: Stored = parse_json(bytes)?;
+        let settings = Settings {
+            primitive: word(&stored.primitive)?,
+            splatting: word(&stored.splatting)?,
+            strategy: word(&stored.strategy)?,
+            splat_scale: within("splat_scale", stored.splat_scale, SPLAT_SCALE_RANGE)?,
+            enlargement: within("enlargement", stored.enlargement, ENLARGEMENT_RANGE)?,
+            cull_back_faces: stored.cull_back_faces,
+            lighting: word(&stored.lighting)?,
+            background: word::<Background>(&stored.background)?,
+            colors: named(&stored.colors, &ColorSource::ALL, color_name)?,
+            point_size_px: within("point_size_px", stored.point_size_px, POINT_SIZE_RANGE_PX)?,
+            delta: within("delta", stored.delta, 0.0..=Settings::MAX_DELTA)?,
+            lod_px: within("lod_px", stored.lod_px, LOD_RANGE_PX)?,
+        };
+        if let Some(size) = stored.window_size {
+            for edge in size {
+                within("window_size", edge, WINDOW_EDGE_RANGE)?;
+            }
+        }
+        Ok(Self {
+            settings,
+            loop_mode: named(&stored.loop_mode, &LoopMode::ALL, loop_name)?,
+            speed: within("speed", stored.speed, MIN_SPEED..=MAX_SPEED)?,
+            panels: OpenPanels {
+                settings: stored.settings_panel,
+                statistics: stored.statistics_panel,
+                ..OpenPanels::default()
+            },
+            window_size: stored.window_size,
+        })
+    }
+}
+
+fn parse_json<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, String> {
+    serde_json::from_slice(bytes).map_err(|reason| reason.to_string())
+}
+
+fn word<T: FromStr<Err: ToString>>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|reason: T::Err| reason.to_string())
+}
+
+fn named<T: Copy>(text: &str, all: &[T], name: impl Fn(T) -> &'static str) -> Result<T, String> {
+    let found = all.iter().copied().find(|&choice| name(choice) == text);
+    found.ok_or_else(|| format!("`{text}` is no choice of this program"))
+}
+
+fn within<T>(name: &str, value: T, range: RangeInclusive<T>) -> Result<T, String>
+where
+    T: PartialOrd + std::fmt::Display,
+{
+    if range.contains(&value) {
+        return Ok(value);
+    }
+    let (start, end) = (range.start(), range.end());
+    Err(format!("{name} is {value}, not within {start} to {end}"))
+}
+
+fn hex([red, green, blue]: [u8; 3]) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+fn color_name(colors: ColorSource) -> &'static str {
+    match colors {
+        ColorSource::Auto => "auto",
+        ColorSource::File => "file",
+        ColorSource::Normal => "normal",
+        ColorSource::Scalar => "scalar",
+        ColorSource::Uniform => "uniform",
+    }
+}
+
+fn loop_name(loop_mode: LoopMode) -> &'static str {
+    match loop_mode {
+        LoopMode::Off => "off",
+        LoopMode::Loop => "loop",
+        LoopMode::PingPong => "ping-pong",
+    }
+}
+
+/// The file of the preferences, and when it is to be written next.
+#[derive(Debug, Clone, Default)]
+pub struct PreferencesFile {
+    file: Option<PathBuf>,
+    /// What the window began with or was last written: nothing to do while it stays.
+    settled: Option<Preferences>,
+    /// What is written once it has stayed for a while, and since when it is so.
+    changed: Option<(Preferences, Duration)>,
+}
+
+impl PreferencesFile {
+    /// This person's file, and what is in it.
+    pub fn load() -> (Self, Preferences) {
+        kept::place_of("settings.json").map_or_else(Default::default, Self::load_from)
+    }
+
+    /// What is in `file`, which need not be there yet. A file that cannot be used is told of in the log.
+    pub fn load_from(file: PathBuf) -> (Self, Preferences) {
+        let preferences = read(&file).unwrap_or_else(|reason| {
+            log::warn!(
+                "the settings in {} cannot be used ({reason}): the window opens with its own",
+                file.display()
+            );
+            Preferences::default()
+        });
+        let this = Self {
+            file: Some(file),
+            ..Self::default()
+        };
+        (this, preferences)
+    }
+
+    /// Notes how things are at `now`. What the first call is told is how the window began.
+    pub(super) fn note(&mut self, preferences: Preferences, now: Duration) {
+        let settled = *self.settled.get_or_insert(preferences);
+        if preferences == settled {
+            self.changed = None;
+        } else if self.changed.is_none_or(|(before, _)| before != preferences) {
+            self.changed = Some((preferences, now));
+        }
+    }
+
+    /// When [`PreferencesFile::write_if_due`] has something to do.
+    pub(super) fn next_deadline(&self) -> Option<Duration> {
+        self.file.as_ref()?;
+        self.changed.map(|(_, since)| since + WRITE_DELAY)
+    }
+
+    /// Writes what was changed long enough before `now`.
+    pub(super) fn write_if_due(&mut self, now: Duration) {
+        if self.next_deadline().is_some_and(|due| due <= now) {
+            self.write();
+        }
+    }
+
+    /// Writes what was changed. A file that cannot be written is told of in the log.
+    pub(super) fn write(&mut self) {
+        let (Some(file), Some((preferences, _))) = (&self.file, self.changed.take()) else {
+            return;
+        };
+        // Also after a failure: it would be the same each second.
+        self.settled = Some(preferences);
+        let written = preferences
+            .to_json()
+            .map_err(std::io::Error::other)
+            .and_then(|bytes| kept::replace(file, &bytes));
+        if let Err(reason) = written {
+            log::warn!(
+                "the settings could not be written to {} ({reason})",
+                file.display()
+            );
+        }
+    }
+}
+
+fn read(file: &Path) -> Result<Preferences, String> {
+    match kept::read(file)? {
+        Some(bytes) => Preferences::from_json(&bytes),
+        None => Ok(Preferences::default()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Lighting, Primitive, Splatting, Strategy};
+    use std::fs;
+
+    /// Nothing in it is as in a new window.
+    fn unusual() -> Preferences {
+        Preferences {
+            settings: Settings {
+                primitive: Primitive::Voxel,
+                splatting: Splatting::NoDepth,
+                strategy: Strategy::Compute,
+                splat_scale: 1.25,
+                enlargement: 3.5,
+                cull_back_faces: false,
+                lighting: Lighting::PerVertex,
+                background: Background {
+                    top: [1, 2, 250],
+                    bottom: [0, 16, 255],
+                },
+                colors: ColorSource::Scalar,
+                point_size_px: 7.0,
+                delta: 0.31,
+                lod_px: 2.5,
+            },
+            loop_mode: LoopMode::PingPong,
+            speed: 0.25,
+            panels: OpenPanels {
+                settings: false,
+                statistics: true,
+                ..OpenPanels::default()
+            },
+            window_size: Some([900.5, 700.0]),
+        }
+    }
+
+    fn at(seconds: u64) -> Duration {
+        Duration::from_secs(seconds)
+    }
+
+    /// Begins with `first`, is told of `then` and written.
+    fn write(file: &Path, first: Preferences, then: Preferences) {
+        let (mut kept, _) = PreferencesFile::load_from(file.to_owned());
+        kept.note(first, at(0));
+        kept.note(then, at(1));
+        kept.write();
+    }
+
+    #[test]
+    fn all_choices_survive() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("not yet/settings.json");
+        assert_eq!(
+            PreferencesFile::load_from(file.clone()).1,
+            Preferences::default()
+        );
+        write(&file, Preferences::default(), unusual());
+        assert_eq!(PreferencesFile::load_from(file).1, unusual());
+        for (colors, loop_mode) in ColorSource::ALL
+            .into_iter()
+            .zip(LoopMode::ALL.into_iter().cycle())
+        {
+            let mut preferences = unusual();
+            preferences.settings.colors = colors;
+            preferences.loop_mode = loop_mode;
+            let json = preferences.to_json().unwrap();
+            assert_eq!(Preferences::from_json(&json), Ok(preferences));
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_left_aside_and_written_anew() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("settings.json");
+        let good = String::from_utf8(unusual().to_json().unwrap()).unwrap();
+        assert!(Preferences::from_json(good.as_bytes()).is_ok());
+        let damaged = [
+            String::new(),
+            "{".to_owned(),
+            "[]".to_owned(),
+            good[..good.len() / 2].to_owned(),
+            good.replace("\"version\": 1", "\"version\": 0"),
+            good.replace("\"version\": 1,", ""),
+            good.replace("\"voxel\"", "\"cone\""),
+            good.replace("\"scalar\"", "\"sound\""),
+            good.replace("0.31", "0.61"),
+            good.replace("0.31", "-1e39"),
+            good.replace("0.25", "0.0"),
+            good.replace("900.5", "1e9"),
+            good.replace("\"delta\"", "\"epsilon\""),
+        ];
+        for damaged in damaged {
+            assert_ne!(damaged, good, "nothing was damaged");
+            fs::write(&file, &damaged).unwrap();
+            assert!(read(&file).is_err(), "{damaged}");
+            let (_, preferences) = PreferencesFile::load_from(file.clone());
+            assert_eq!(preferences, Preferences::default(), "{damaged}");
+            write(&file, preferences, unusual());
+            assert_eq!(read(&file), Ok(unusual()));
+        }
+    }
+
+    #[test]
+    fn a_change_is_written_once_it_has_settled() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("settings.json");
+        let (mut kept, begun) = PreferencesFile::load_from(file.clone());
+        kept.note(begun, at(0));
+        assert_eq!(kept.next_deadline(), None);
+        kept.write();
+        assert!(!file.exists(), "nothing was changed");
+
+        let mut dragged = begun;
+        for (seconds, delta) in [(10, 0.1), (11, 0.2), (12, 0.3)] {
+            dragged.settings.delta = delta;
+            kept.note(dragged, at(seconds));
+            assert_eq!(kept.next_deadline(), Some(at(seconds) + WRITE_DELAY));
+        }
+        kept.note(dragged, at(13));
+        assert_eq!(
+            kept.next_deadline(),
+            Some(at(12) + WRITE_DELAY),
+            "unchanged since"
+        );
+        kept.write_if_due(at(12));
+        assert!(!file.exists(), "too early");
+        kept.write_if_due(at(13));
+        assert_eq!(read(&file), Ok(dragged));
+        assert_eq!(kept.next_deadline(), None);
+
+        // There and back again is no change.
+        kept.note(unusual(), at(20));
+        kept.note(dragged, at(20));
+        assert_eq!(kept.next_deadline(), None);
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_tried_once() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("file"), "").unwrap();
+        let (mut kept, begun) =
+            PreferencesFile::load_from(folder.path().join("file/settings.json"));
+        kept.note(begun, at(0));
+        kept.note(unusual(), at(1));
+        kept.write_if_due(at(9));
+        assert_eq!(kept.next_deadline(), None);
+        // Without a file nothing is ever due.
+        let mut nowhere = PreferencesFile::default();
+        nowhere.note(begun, at(0));
+        nowhere.note(unusual(), at(1));
+        assert_eq!(nowhere.next_deadline(), None);
+    }
+}
