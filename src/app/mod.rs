@@ -15,6 +15,7 @@ mod benchmark;
 mod command;
 mod fly;
 mod graphics;
+mod grip;
 mod kept;
 mod marks;
 mod notices;
