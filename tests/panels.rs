@@ -545,6 +545,99 @@ fn the_mouse_moves_the_camera_on_the_picture_only() {
     }
 }
 
+#[test]
+fn a_drag_between_two_passes_moves_the_camera_as_a_slow_one_does() {
+    let by = vec2(100.0, 30.0);
+    for button in [
+        PointerButton::Primary,
+        PointerButton::Middle,
+        PointerButton::Secondary,
+    ] {
+        let [mut slow, mut fast] = [window(), window()];
+        let from = slow.state().viewport.rect.center();
+        drag(&mut slow, button, Modifiers::NONE, from, by);
+
+        fast.hover_at(from);
+        fast.run();
+        let before = fast.state().camera;
+        let event = |pos, pressed| egui::Event::PointerButton {
+            pos,
+            button,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        fast.input_mut().events.extend([
+            event(from, true),
+            egui::Event::PointerMoved(from + 0.5 * by),
+            egui::Event::PointerMoved(from + by),
+            event(from + by, false),
+        ]);
+        fast.step();
+        let (slow, fast) = (slow.state().camera, fast.state().camera);
+        assert_ne!(fast, before, "{button:?}");
+        let apart = (slow.target_in_world - fast.target_in_world).length()
+            + (slow.azimuth_deg - fast.azimuth_deg).abs()
+            + (slow.elevation_deg - fast.elevation_deg).abs();
+        assert!(apart < 1e-3, "{button:?}: {slow:?} {fast:?}");
+    }
+}
+
+#[test]
+fn a_drag_on_a_window_above_the_picture_is_not_the_camera_s() {
+    let mut harness = window();
+    press(&mut harness, Modifiers::NONE, Key::F1);
+    let before = harness.state().camera;
+    let from = harness.get_by_label("Ten frames on").rect().center();
+    assert!(
+        harness.state().viewport.rect.contains(from),
+        "the list of keys lies above the picture"
+    );
+    for button in [PointerButton::Primary, PointerButton::Secondary] {
+        drag(
+            &mut harness,
+            button,
+            Modifiers::NONE,
+            from,
+            vec2(-250.0, -40.0),
+        );
+        assert_eq!(harness.state().camera, before);
+    }
+}
+
+#[test]
+fn what_a_person_chose_is_how_the_next_window_begins() {
+    let mut harness = window();
+    click(&mut harness, "Next frame");
+    press(&mut harness, Modifiers::NONE, Key::L);
+    press(&mut harness, Modifiers::NONE, Key::CloseBracket);
+    let state = harness.state_mut();
+    state.settings.delta = 0.2;
+    state.panels.settings = false;
+    state.panels.help = true;
+    let kept = state.preferences();
+    assert_eq!(kept.loop_mode, LoopMode::PingPong);
+    assert_eq!(kept.speed, 1.5);
+
+    let next = window_on(
+        sequence(&[]),
+        StateOptions {
+            settings: kept.settings,
+            loop_mode: kept.loop_mode,
+            speed: kept.speed,
+            panels: kept.panels,
+            ..options()
+        },
+    );
+    assert_eq!(next.state().preferences(), kept);
+    assert!(!next.state().panels.help, "the list of keys is not kept");
+    assert!(next.query_by_label("Background").is_none());
+
+    // Played backward when it was left: the next begins forward.
+    let mut harness = window();
+    harness.state_mut().run(Command::Reverse);
+    assert_eq!(harness.state().preferences().speed, 1.0);
+}
+
 fn scroll(harness: &mut Harness<'_, State>, at: egui::Pos2, delta: f32) {
     harness.hover_at(at);
     harness.step();

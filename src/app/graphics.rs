@@ -1,10 +1,11 @@
-//! Everything of the window that touches the GPU: its surface, egui's painter and the renderer of the 3-D picture.
+//! Everything of the window that touches the GPU: its surface (`surface`), egui's painter and the renderer of the 3-D picture.
 //!
 //! **How it works.** The renderer draws a packet into its own `Rgba8Unorm` texture, which egui's painter shows as an image
 //! without filtering or conversion: both hold display-referred values, and so does the surface, for which a format
 //! without sRGB conversion is chosen. The picture is drawn only when there is a new packet; panels are painted over it as
 //! often as they ask.
 
+use super::surface::{WindowSurface, acquire};
 use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
 use crate::render::{RenderError, RenderStats, Renderer};
 use crate::scene::ScenePacket;
@@ -14,15 +15,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::window::Window;
 
-/// One frame may wait while the next is drawn: smooth, and not late.
-const FRAMES_IN_FLIGHT: u32 = 2;
-
 /// The GPU's side of the window.
 pub(super) struct Graphics {
-    window: Arc<Window>,
     context: Arc<Context>,
-    surface: wgpu::Surface<'static>,
-    config: wgpu::SurfaceConfiguration,
+    surface: WindowSurface,
     painter: egui_wgpu::Renderer,
     renderer: GpuRenderer,
     texture: TextureId,
@@ -41,17 +37,16 @@ pub(super) struct Painted {
 impl Graphics {
     /// Opens the adapter that shows on `window`.
     pub(super) fn new(window: Arc<Window>) -> Result<Self, RenderError> {
-        let instance = Context::instance();
-        let surface = create_surface(&instance, &window)?;
-        let context = Context::for_window(instance, &surface, &ContextOptions::default())?;
-        let config = surface_config(&context, &surface, &window)?;
-        surface.configure(&context.device, &config);
+        let surface = WindowSurface::open(window, |instance, surface| {
+            Context::for_window(instance, surface, &ContextOptions::default())
+        })?;
+        let context = Arc::clone(surface.context());
         let options = RendererOptions {
             // It would be added to the picture too, which is to be shown as it is.
             dithering: false,
             ..RendererOptions::default()
         };
-        let mut painter = egui_wgpu::Renderer::new(&context.device, config.format, options);
+        let mut painter = egui_wgpu::Renderer::new(&context.device, surface.format(), options);
         let texture = painter.register_native_texture(
             &context.device,
             &empty_picture(&context.device),
@@ -59,10 +54,8 @@ impl Graphics {
         );
         let renderer = GpuRenderer::new(Arc::clone(&context))?;
         Ok(Self {
-            window,
             context,
             surface,
-            config,
             painter,
             renderer,
             texture,
@@ -87,12 +80,7 @@ impl Graphics {
 
     /// Follows the window's size.
     pub(super) fn resize(&mut self) {
-        let [width, height] = surface_size(&self.context, &self.window);
-        if width > 0 && height > 0 && [width, height] != [self.config.width, self.config.height] {
-            self.config.width = width;
-            self.config.height = height;
-            self.surface.configure(&self.context.device, &self.config);
-        }
+        self.surface.resize();
     }
 
     /// Draws the 3-D picture.
@@ -148,7 +136,7 @@ impl Graphics {
         pixels_per_point: f32,
     ) -> Result<Painted, RenderError> {
         let begin = Instant::now();
-        let frame = self.acquire()?;
+        let frame = acquire(&mut self.surface)?;
         let waited = begin.elapsed();
         let Some(frame) = frame else {
             return Ok(Painted {
@@ -158,7 +146,7 @@ impl Graphics {
         };
         let (device, queue) = (&self.context.device, &self.context.queue);
         let screen = ScreenDescriptor {
-            size_in_pixels: [self.config.width, self.config.height],
+            size_in_pixels: self.surface.size_px(),
             pixels_per_point,
         };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
@@ -187,7 +175,7 @@ impl Graphics {
             .render(&mut pass.forget_lifetime(), primitives, &screen);
         commands.push(encoder.finish());
         queue.submit(commands);
-        self.window.pre_present_notify();
+        self.surface.window().pre_present_notify();
         let begin = Instant::now();
         queue.present(frame);
         Ok(Painted {
@@ -195,89 +183,6 @@ impl Graphics {
             waited: waited + begin.elapsed(),
         })
     }
-
-    /// The next image of the surface; `None` if there is none now. A surface that no longer fits is made anew once.
-    fn acquire(&mut self) -> Result<Option<wgpu::SurfaceTexture>, RenderError> {
-        use wgpu::CurrentSurfaceTexture as Current;
-        for _ in 0..2 {
-            match self.surface.get_current_texture() {
-                Current::Success(frame) => return Ok(Some(frame)),
-                Current::Suboptimal(frame) => {
-                    // Still shown; the size that fits is set with the resize event that follows.
-                    return Ok(Some(frame));
-                }
-                Current::Timeout | Current::Occluded => return Ok(None),
-                Current::Outdated | Current::Validation => {
-                    let [width, height] = surface_size(&self.context, &self.window);
-                    if width == 0 || height == 0 {
-                        return Ok(None);
-                    }
-                    self.config.width = width;
-                    self.config.height = height;
-                    self.surface.configure(&self.context.device, &self.config);
-                }
-                Current::Lost => {
-                    self.context.check_alive()?;
-                    self.surface = create_surface(&self.context.instance, &self.window)?;
-                    self.surface.configure(&self.context.device, &self.config);
-                }
-            }
-        }
-        Ok(None)
-    }
-}
-
-fn create_surface(
-    instance: &wgpu::Instance,
-    window: &Arc<Window>,
-) -> Result<wgpu::Surface<'static>, RenderError> {
-    instance
-        .create_surface(Arc::clone(window))
-        .map_err(|error| RenderError::NoAdapter {
-            reason: format!("the window has no surface: {error}"),
-        })
-}
-
-/// The window's size in pixels, within what the adapter can show; zero while it is minimised.
-fn surface_size(context: &Context, window: &Window) -> [u32; 2] {
-    let size = window.inner_size();
-    [size.width, size.height].map(|edge| edge.min(context.max_edge_px()))
-}
-
-fn surface_config(
-    context: &Context,
-    surface: &wgpu::Surface<'_>,
-    window: &Window,
-) -> Result<wgpu::SurfaceConfiguration, RenderError> {
-    let capabilities = surface.get_capabilities(&context.adapter);
-    let [width, height] = surface_size(context, window).map(|edge| edge.max(1));
-    let mut config = surface
-        .get_default_config(&context.adapter, width, height)
-        .ok_or_else(|| RenderError::NoAdapter {
-            reason: format!("{} cannot show on this window", context.adapter_summary()),
-        })?;
-    let preferred = [
-        wgpu::TextureFormat::Bgra8Unorm,
-        wgpu::TextureFormat::Rgba8Unorm,
-    ];
-    if let Some(format) = preferred
-        .into_iter()
-        .find(|format| capabilities.formats.contains(format))
-    {
-        config.format = format;
-    }
-    // Fifo is the one mode that every adapter has.
-    config.present_mode = wgpu::PresentMode::Fifo;
-    config.desired_maximum_frame_latency = FRAMES_IN_FLIGHT;
-    config.alpha_mode = if capabilities
-        .alpha_modes
-        .contains(&wgpu::CompositeAlphaMode::Opaque)
-    {
-        wgpu::CompositeAlphaMode::Opaque
-    } else {
-        wgpu::CompositeAlphaMode::Auto
-    };
-    Ok(config)
 }
 
 /// Shown until there is a picture.

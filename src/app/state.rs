@@ -6,6 +6,7 @@ pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 
 use super::benchmark::Benchmark;
 use super::fly::Fly;
+use super::grip::Grip;
 use super::notices::Notices;
 use super::player::{Player, can_draw};
 use super::preferences::Preferences;
@@ -182,6 +183,8 @@ pub struct State {
     pub counters: Counters,
     /// True while the window fills the screen.
     pub full_screen: bool,
+    /// The picture in the hand.
+    pub(super) grip: Option<Grip>,
     /// True between the first and the last move of the playhead by the mouse.
     pub(super) scrubbing: Scrubbing,
     pub(super) tasks: Tasks,
@@ -219,6 +222,7 @@ impl State {
             fly: Fly::default(),
             counters: Counters::default(),
             full_screen: false,
+            grip: None,
             scrubbing: Scrubbing::default(),
             tasks: Tasks::new(Arc::clone(&options.wake)),
             now: Duration::ZERO,

@@ -2,6 +2,7 @@
 
 use super::graphics::Graphics;
 use super::notices::Severity;
+use super::pacing::Agenda;
 use super::panels::window_ui;
 use super::preferences::{Preferences, PreferencesFile};
 use super::state::{State, StateOptions, WindowRequest};
@@ -115,7 +116,8 @@ struct App {
     /// Set by the first wake since the last look, so that a busy loader does not fill the queue.
     wake_is_queued: Arc<AtomicBool>,
     woken: bool,
-    hidden: bool,
+    is_occluded: bool,
+    has_no_area: bool,
     /// When egui wants to be run again.
     repaint_at: Option<Duration>,
     /// When marks and figures that changed in the background are shown.
@@ -153,7 +155,8 @@ impl App {
             begin: Instant::now(),
             wake_is_queued,
             woken: false,
-            hidden: false,
+            is_occluded: false,
+            has_no_area: false,
             repaint_at: None,
             news_at: None,
             last_redraw: Duration::ZERO,
@@ -165,6 +168,11 @@ impl App {
 
     fn now(&self) -> Duration {
         self.begin.elapsed()
+    }
+
+    /// True while nobody can see the window: covered, or minimised, when it has no area.
+    fn is_hidden(&self) -> bool {
+        self.is_occluded || self.has_no_area
     }
 
     fn open_window(&self, event_loop: &ActiveEventLoop) -> Result<Arc<Window>, AppError> {
@@ -285,7 +293,7 @@ impl App {
         );
         drawn?;
         let painted = painted?;
-        if !painted.presented && !self.hidden {
+        if !painted.presented && !self.is_occluded {
             self.repaint_at = Some(now + NEWS_INTERVAL);
         }
         for path in pictures {
@@ -318,12 +326,11 @@ impl App {
                 WindowRequest::Quit => event_loop.exit(),
                 WindowRequest::Screenshot(path) => pictures.push(path),
                 WindowRequest::FullScreen => {
-                    self.state.full_screen ^= true;
-                    let full = self
-                        .state
-                        .full_screen
-                        .then_some(Fullscreen::Borderless(None));
-                    screen.window.set_fullscreen(full);
+                    // The window system may have ended it meanwhile: the window itself knows.
+                    let full = screen.window.fullscreen().is_none();
+                    let full_screen = full.then_some(Fullscreen::Borderless(None));
+                    screen.window.set_fullscreen(full_screen);
+                    self.state.full_screen = full;
                 }
             }
         }
@@ -470,13 +477,18 @@ impl ApplicationHandler<Wakened> for App {
         let response = screen.input.on_window_event(&screen.window, &event);
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
-            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
+            WindowEvent::Resized(size) => {
+                self.has_no_area = size.width == 0 || size.height == 0;
                 screen.graphics.resize();
                 screen.window.request_redraw();
             }
-            WindowEvent::Occluded(hidden) => {
-                self.hidden = hidden;
-                if !hidden {
+            WindowEvent::ScaleFactorChanged { .. } => {
+                screen.graphics.resize();
+                screen.window.request_redraw();
+            }
+            WindowEvent::Occluded(is_occluded) => {
+                self.is_occluded = is_occluded;
+                if !is_occluded {
                     screen.window.request_redraw();
                 }
             }
@@ -488,28 +500,26 @@ impl ApplicationHandler<Wakened> for App {
     /// Sleeps until something is due.
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         let now = self.now();
-        let mut redraw = false;
+        let mut is_changed = false;
         if std::mem::take(&mut self.woken) {
-            redraw = self.state.update(now);
-            if !redraw && self.state.has_news() {
+            is_changed = self.state.update(now);
+            if !is_changed && self.state.has_news() {
                 self.news_at.get_or_insert(self.last_redraw + NEWS_INTERVAL);
             }
         }
-        let due = [self.state.next_deadline(), self.repaint_at, self.news_at]
-            .into_iter()
-            .flatten()
-            .min();
-        redraw |= due.is_some_and(|due| due <= now);
         self.options.preferences_file.write_if_due(now);
-        let wake_at = [
-            due.filter(|_| !redraw && !self.hidden),
-            self.options.preferences_file.next_deadline(),
-        ];
-        let wake_at = wake_at.into_iter().flatten().min();
-        event_loop.set_control_flow(wake_at.map_or(ControlFlow::Wait, |due| {
+        let draw_at = [self.state.next_deadline(), self.repaint_at, self.news_at];
+        let agenda = Agenda {
+            is_changed,
+            draw_at: draw_at.into_iter().flatten().min(),
+            unseen_at: self.options.preferences_file.next_deadline(),
+            is_hidden: self.is_hidden(),
+        };
+        let pace = agenda.pace(now);
+        event_loop.set_control_flow(pace.wake_at.map_or(ControlFlow::Wait, |due| {
             ControlFlow::WaitUntil(self.begin + due)
         }));
-        if let Some(screen) = self.screen.as_ref().filter(|_| redraw && !self.hidden) {
+        if let Some(screen) = self.screen.as_ref().filter(|_| pace.redraw) {
             screen.window.request_redraw();
         }
     }

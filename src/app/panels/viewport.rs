@@ -2,10 +2,11 @@
 
 use crate::app::State;
 use crate::app::command::Command;
+use crate::app::grip::{Grip, Pull};
 use crate::app::theme::{ACCENT, ODD};
 use egui::{
-    Align2, Color32, FontId, Modifiers, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke,
-    Ui, Vec2, WidgetInfo, pos2, vec2,
+    Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use glam::Vec3;
 
@@ -49,13 +50,12 @@ fn on_pixels(rect: Rect, scale: f32) -> Rect {
 }
 
 fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
+    let pulls = pulls(ui, response, &mut state.grip);
     let height = f64::from(response.rect.height().max(1.0));
-    let modifiers = ui.input(|input| input.modifiers);
     let camera = &mut state.camera;
-    let drag = response.drag_delta();
-    let (dx, dy) = (f64::from(drag.x), f64::from(drag.y));
-    if response.dragged() && drag != Vec2::ZERO {
-        match drag_of(response, modifiers) {
+    for pull in &pulls {
+        let (dx, dy) = (f64::from(pull.by.x), f64::from(pull.by.y));
+        match drag_of(pull) {
             Drag::Orbit => camera.orbit(
                 -dx / height * ORBIT_DEG_PER_HEIGHT,
                 dy / height * ORBIT_DEG_PER_HEIGHT,
@@ -77,7 +77,7 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
     if response.double_clicked() {
         state.frame_cloud();
     }
-    if response.clicked() || response.dragged() {
+    if response.clicked() || !pulls.is_empty() {
         // A text field that was left by a click elsewhere must give the keys back.
         ui.memory_mut(|memory| {
             if let Some(focused) = memory.focused() {
@@ -87,16 +87,32 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
     }
 }
 
+/// What was dragged since the last pass.
+fn pulls(ui: &Ui, response: &Response, grip: &mut Option<Grip>) -> Vec<Pull> {
+    let ctx = ui.ctx();
+    if ctx.dragged_id().is_some_and(|id| id != response.id) {
+        // The edge of a panel can be taken hold of from the picture's side.
+        *grip = None;
+        return Vec::new();
+    }
+    let is_on_picture = |place: Pos2| {
+        let layer = ctx.layer_id_at(place);
+        response.rect.contains(place) && layer.is_none_or(|layer| layer == response.layer_id)
+    };
+    let (events, modifiers) = ui.input(|input| (input.raw.events.clone(), input.modifiers));
+    Grip::follow(grip, &events, modifiers, is_on_picture)
+}
+
 enum Drag {
     Orbit,
     Look,
     Pan,
 }
 
-fn drag_of(response: &Response, modifiers: Modifiers) -> Drag {
-    if !response.dragged_by(PointerButton::Primary) || modifiers.shift {
+fn drag_of(pull: &Pull) -> Drag {
+    if pull.button != PointerButton::Primary || pull.modifiers.shift {
         Drag::Pan
-    } else if modifiers.command || modifiers.ctrl {
+    } else if pull.modifiers.command || pull.modifiers.ctrl {
         Drag::Look
     } else {
         Drag::Orbit

@@ -1,0 +1,89 @@
+//! When the event loop draws and how long it sleeps: one decision, made each time all events are handled.
+
+use std::time::Duration;
+
+/// What may be due.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Agenda {
+    /// Something that can be seen has changed.
+    pub(super) is_changed: bool,
+    /// When the picture or a panel has to be drawn next.
+    pub(super) draw_at: Option<Duration>,
+    /// When something is to be done that is not seen.
+    pub(super) unseen_at: Option<Duration>,
+    /// The window is covered or minimised.
+    pub(super) is_hidden: bool,
+}
+
+/// What to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Pace {
+    /// Draw now.
+    pub(super) redraw: bool,
+    /// Sleep until then at the latest; until an event if `None`.
+    pub(super) wake_at: Option<Duration>,
+}
+
+impl Agenda {
+    /// Decides at `now`. A hidden window draws nothing, and nothing of it is waited for: it is drawn when it is seen again.
+    pub(super) fn pace(&self, now: Duration) -> Pace {
+        let is_due = self.draw_at.is_some_and(|due| due <= now);
+        let redraw = (self.is_changed || is_due) && !self.is_hidden;
+        let draw_at = self.draw_at.filter(|_| !redraw && !self.is_hidden);
+        Pace {
+            redraw,
+            wake_at: [draw_at, self.unseen_at].into_iter().flatten().min(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(seconds: u64) -> Duration {
+        Duration::from_secs(seconds)
+    }
+
+    #[test]
+    fn a_window_at_rest_sleeps_until_an_event() {
+        let pace = Agenda::default().pace(at(5));
+        assert_eq!((pace.redraw, pace.wake_at), (false, None));
+    }
+
+    #[test]
+    fn what_is_due_is_drawn_and_what_is_not_is_waited_for() {
+        let due = |seconds| Agenda {
+            draw_at: Some(at(seconds)),
+            ..Agenda::default()
+        };
+        let early = due(7).pace(at(5));
+        assert_eq!((early.redraw, early.wake_at), (false, Some(at(7))));
+        // Drawing says anew when to draw next.
+        let late = due(5).pace(at(5));
+        assert_eq!((late.redraw, late.wake_at), (true, None));
+        let changed = Agenda {
+            is_changed: true,
+            ..due(7)
+        };
+        assert!(changed.pace(at(5)).redraw);
+    }
+
+    #[test]
+    fn a_hidden_window_neither_draws_nor_wakes() {
+        let hidden = Agenda {
+            is_changed: true,
+            draw_at: Some(at(1)),
+            unseen_at: None,
+            is_hidden: true,
+        };
+        let pace = hidden.pace(at(5));
+        assert_eq!((pace.redraw, pace.wake_at), (false, None), "it would spin");
+        // Settings are still written.
+        let unseen = Agenda {
+            unseen_at: Some(at(6)),
+            ..hidden
+        };
+        assert_eq!(unseen.pace(at(5)).wake_at, Some(at(6)));
+    }
+}
