@@ -14,6 +14,7 @@
 mod benchmark;
 mod command;
 mod fly;
+mod focus;
 mod graphics;
 mod grip;
 mod kept;

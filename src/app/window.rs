@@ -1,5 +1,6 @@
 //! The event loop: winit's events to egui, deadlines and wakes to redraws, redraws to the GPU.
 
+use super::focus;
 use super::graphics::Graphics;
 use super::notices::Severity;
 use super::pacing::Agenda;
@@ -118,6 +119,8 @@ struct App {
     woken: bool,
     is_occluded: bool,
     has_no_area: bool,
+    /// Something has been presented.
+    has_been_shown: bool,
     /// When egui wants to be run again.
     repaint_at: Option<Duration>,
     /// When marks and figures that changed in the background are shown.
@@ -157,6 +160,7 @@ impl App {
             woken: false,
             is_occluded: false,
             has_no_area: false,
+            has_been_shown: false,
             repaint_at: None,
             news_at: None,
             last_redraw: Duration::ZERO,
@@ -293,6 +297,9 @@ impl App {
         );
         drawn?;
         let painted = painted?;
+        if painted.presented && !std::mem::replace(&mut self.has_been_shown, true) {
+            focus::take_if_unmanaged(&screen.window);
+        }
         if !painted.presented && !self.is_occluded {
             self.repaint_at = Some(now + NEWS_INTERVAL);
         }

@@ -1,0 +1,53 @@
+//! The keyboard where nobody hands it out.
+//!
+//! Under X11 it is the window manager that gives a new window the keyboard. On a bare server (a kiosk, a virtual screen, `xinit`
+//! with a single program) there is none, and asking for the keyboard by way of one, as `Window::focus_window` does, asks
+//! nobody. Such a window takes the keyboard itself, once, when it has come onto the screen. A window manager is whoever has
+//! the right to redirect the root window's children, which the server grants once; where there is one, nothing is done.
+
+use winit::window::Window;
+
+/// Gives the keyboard to `window` where no window manager does. Failing is no problem of the program's: it is in the log.
+#[cfg(all(unix, not(target_os = "macos")))]
+pub(super) fn take_if_unmanaged(window: &Window) {
+    use winit::raw_window_handle::{HasWindowHandle as _, RawWindowHandle};
+    let id = match window.window_handle().map(|handle| handle.as_raw()) {
+        // The ids of windows have 29 bits.
+        Ok(RawWindowHandle::Xlib(handle)) => handle.window as u32,
+        Ok(RawWindowHandle::Xcb(handle)) => handle.window.get(),
+        _ => return,
+    };
+    match x11::take_if_unmanaged(id) {
+        Ok(true) => log::debug!("no window manager: the window took the keyboard itself"),
+        Ok(false) => {}
+        Err(reason) => log::debug!("the keyboard could not be taken: {reason}"),
+    }
+}
+
+/// Other systems hand out the keyboard themselves.
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+pub(super) fn take_if_unmanaged(_window: &Window) {}
+
+#[cfg(all(unix, not(target_os = "macos")))]
+mod x11 {
+    use x11rb::connection::Connection as _;
+    use x11rb::protocol::xproto::{ConnectionExt as _, EventMask, InputFocus, MapState, Window};
+
+    /// Looks and acts on a connection of its own to the display that the window is on. True if it took the keyboard.
+    pub(super) fn take_if_unmanaged(window: Window) -> Result<bool, Box<dyn std::error::Error>> {
+        let (connection, screen) = x11rb::connect(None)?;
+        let root = connection.setup().roots[screen].root;
+        let of_root = connection.get_window_attributes(root)?.reply()?;
+        let is_managed = of_root
+            .all_event_masks
+            .contains(EventMask::SUBSTRUCTURE_REDIRECT);
+        let of_window = connection.get_window_attributes(window)?.reply()?;
+        if is_managed || of_window.map_state != MapState::VIEWABLE {
+            return Ok(false);
+        }
+        connection
+            .set_input_focus(InputFocus::PARENT, window, x11rb::CURRENT_TIME)?
+            .check()?;
+        Ok(true)
+    }
+}
