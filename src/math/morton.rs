@@ -21,13 +21,11 @@ pub const fn encode(cell: [u32; 3]) -> u64 {
 }
 
 /// The cell of a code: the inverse of [`encode`].
-#[inline(always)]
 pub const fn decode(code: u64) -> [u32; 3] {
     [gather(code), gather(code >> 1), gather(code >> 2)]
 }
 
 /// The first level (1 to 21) at which two codes of the finest level lie in different cells, or [`NEVER_PART`].
-#[inline(always)]
 pub const fn parting_level(a: u64, b: u64) -> u8 {
     match (a ^ b).checked_ilog2() {
         Some(highest_bit) => (LEVELS - highest_bit / 3) as u8,
@@ -41,6 +39,7 @@ pub const fn parting_level(a: u64, b: u64) -> u8 {
 /// 16 | 5 bits      --------- 20..16 ----------------------------- 15..0 ------
 /// blocks of 8, then 4, then 2, then 1: every bit with two empty places above it
 /// ```
+// Compiled for the SIMD level of the caller.
 #[inline(always)]
 pub(crate) const fn spread(coordinate: u64) -> u64 {
     let mut bits = coordinate & 0x001f_ffff;
@@ -52,7 +51,6 @@ pub(crate) const fn spread(coordinate: u64) -> u64 {
 }
 
 /// The inverse of [`spread`], ignoring the bits between.
-#[inline(always)]
 const fn gather(code: u64) -> u32 {
     let mut bits = code & 0x1249_2492_4924_9249;
     bits = (bits | bits >> 2) & 0x10c3_0c30_c30c_30c3;

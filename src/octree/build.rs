@@ -5,15 +5,17 @@
 //! 2. For each code the level at which it *parts* from the one before it is noted: it is the first point of its cell there
 //!    and on every deeper level. A histogram of these levels, summed up, counts the occupied cells of every level,
 //!    so one scan answers the stop criterion for all depths, and says where each level begins in the breadth-first array.
-//! 3. One walk over the points writes all levels at once. Where a code parts at level p, the nodes of the levels from the
-//!    leaves up to p are complete: each is written behind the last one of its level and adds its colours to its parent.
-//!    Then as many new nodes are opened. What is in the making is one node a level, which stays in the nearest cache.
+//! 3. The leaves are the points that part at the leaf level or above. Each coarser level follows from the finer one in the
+//!    same way: the nodes that part at this level or above begin a new parent. Colours are added up as it goes.
+//! 4. Steps like 3 stream through memory once for each level. So they are taken for a *block* of a thousand points at a
+//!    time, made of whole cells of some middle level: all levels of a block stay in the nearest cache. What is above the
+//!    middle level is little, and done at the end.
 //!
-//! Halves of a large cloud are walked by two threads: the scan of step 2 over one half tells where the other's nodes
-//! begin. They cut it between cells of some *middle* level; what is above that is little, and a walk over these cells
-//! instead of points.
+//! Halves of a large cloud are written by two threads: the scan of step 2 over one half tells where the other's nodes begin.
 //!
-//! When it wins: no node is searched for, allocated or visited twice, and each level is written in ascending order.
+//! When it wins: no node is searched for, allocated or visited twice, and each level is written in ascending order. Inner
+//! loops select instead of branching: whether a node is the first child of its parent is a coin toss that a branch
+//! predictor loses.
 
 use super::{Cube, Octree, StopCriterion, stop::OccupiedCells};
 use crate::{
@@ -23,8 +25,7 @@ use crate::{
         sort_codes,
     },
 };
-use fearless_simd::{Level, dispatch};
-use glam::{Vec3, Vec4};
+use glam::{BVec4A, Vec3, Vec4};
 use rayon::prelude::*;
 
 impl Octree {
@@ -65,14 +66,12 @@ impl Octree {
 
         let mut tree =
             Self::with_levels(cube, positions.len(), occupied[..=depth as usize].to_vec());
+        let middle = middle_level(&occupied, depth, positions.len());
         let mut upper = LevelWriter::new(&mut tree);
-        if positions.len() < 2 * PARALLEL_POINTS || rayon::current_num_threads() == 1 {
-            upper.write_points(points);
-        } else {
-            let lower = upper.split_off(middle_level(&occupied, depth, positions.len()));
-            let first_root = lower.levels[0].first;
-            upper.write_above(&lower.share_points(points), first_root);
-        }
+        let lower = upper.split_off(middle);
+        let first_root = lower.levels[0].next;
+        let mut roots = lower.write_points(points);
+        upper.write_parents(first_root, &mut roots);
         tree
     }
 
@@ -88,24 +87,22 @@ impl Octree {
             level_counts,
             masks: vec![0; internal_count],
             first_child,
-            // Zero pages of the system; a vector of records would be filled with zeros.
-            voxels: bytemuck::zeroed_vec(node_count),
+            voxels: vec![bytemuck::Zeroable::zeroed(); node_count],
         }
     }
 }
 
 /// The level at which each sorted code parts from the one before it; 0 for the first.
 fn parting_levels(codes: &[u64]) -> Vec<u8> {
-    let mut partings = vec![0; codes.len()];
-    dispatch!(Level::new(), _simd => write_partings(codes, &mut partings));
-    partings
-}
-
-#[inline(always)]
-fn write_partings(codes: &[u64], partings: &mut [u8]) {
-    for (pair, parting) in codes.windows(2).zip(partings.iter_mut().skip(1)) {
-        *parting = morton::parting_level(pair[0], pair[1]);
-    }
+    let first = codes.first().map(|_| 0);
+    first
+        .into_iter()
+        .chain(
+            codes
+                .windows(2)
+                .map(|pair| morton::parting_level(pair[0], pair[1])),
+        )
+        .collect()
 }
 
 /// Cells of every level that hold a point: one for each code that parted there or above.
@@ -121,19 +118,19 @@ fn occupied_cells(partings: &[u8]) -> OccupiedCells {
     })
 }
 
-/// Below this, points are not shared out among threads.
-const PARALLEL_POINTS: usize = 1 << 14;
+/// Points that a block should have: all its levels together take 100 KiB at most.
+const BLOCK_POINTS: usize = 1024;
 
-/// Points that a cell of the middle level should hold: small against what a thread takes, and many for one cell.
-const MIDDLE_POINTS: usize = 512;
-
-/// The deepest level whose cells still hold that many on average.
+/// The deepest level whose cells still hold half a block on average.
 fn middle_level(occupied: &OccupiedCells, depth: u32, point_count: usize) -> u32 {
     (0..=depth)
         .rev()
-        .find(|&level| occupied[level as usize] * MIDDLE_POINTS <= point_count)
+        .find(|&level| occupied[level as usize] * BLOCK_POINTS / 2 <= point_count)
         .unwrap_or(0)
 }
+
+/// Below this, points are not shared out among threads.
+const PARALLEL_POINTS: usize = 16 * BLOCK_POINTS;
 
 /// A run of points in Morton order.
 #[derive(Debug, Clone, Copy)]
@@ -174,45 +171,154 @@ impl SortedPoints<'_> {
     }
 }
 
+/// Some nodes of one level, in Morton order.
+#[derive(Debug, Default)]
+struct LevelNodes {
+    /// Integer coordinates of the cell on its level. The last lane is zero and makes this one SIMD register.
+    cells: Vec<[u32; 4]>,
+    /// Level at which the node parts from the one before it.
+    partings: Vec<u8>,
+    /// Red, green, blue and the number of points, summed over the points inside: exact up to 2¹⁶ points a cell, then
+    /// rounded to 24 bits.
+    sums: Vec<Vec4>,
+    /// While merging: the first child of each parent, and what the sums will be.
+    starts: Vec<u32>,
+    parent_sums: Vec<Vec4>,
+}
+
+impl LevelNodes {
+    fn len(&self) -> usize {
+        self.partings.len()
+    }
+
+    /// How many cells of `level` begin with one of the nodes.
+    fn count_begun(&self, level: u32) -> usize {
+        self.partings
+            .iter()
+            .filter(|&&parting| u32::from(parting) <= level)
+            .count()
+    }
+
+    /// Writes what is drawn for each node of `level`.
+    fn write_voxels(&self, cube: &Cube, level: u32, voxels: &mut [VoxelRecord]) {
+        let edge = cube.cell_edge(level);
+        let min = cube.min.extend(0.0);
+        for ((voxel, &cell), &sum) in voxels.iter_mut().zip(&self.cells).zip(&self.sums) {
+            // Below 2²¹, so that a signed conversion, which is one instruction, is exact.
+            let cell = Vec4::from_array(cell.map(|coordinate| coordinate as i32 as f32));
+            let [x, y, z, _] = (min + (cell + 0.5) * edge).to_array();
+            *voxel = VoxelRecord {
+                center: [x, y, z],
+                color: rounded_bytes(sum / sum.w),
+                level: level as u8,
+            };
+        }
+    }
+
+    fn resize(&mut self, count: usize) {
+        self.cells.resize(count, [0; 4]);
+        self.partings.resize(count, 0);
+        self.sums.resize(count, Vec4::ZERO);
+    }
+
+    fn append(&mut self, other: &Self) {
+        self.cells.extend_from_slice(&other.cells);
+        self.partings.extend_from_slice(&other.partings);
+        self.sums.extend_from_slice(&other.sums);
+    }
+
+    /// Becomes the occupied cells of `level`, from sorted points.
+    fn set_leaves(&mut self, level: u32, points: SortedPoints<'_>) {
+        self.resize(points.len());
+        let shift = 3 * (LEVELS - level);
+        let mut count = 0;
+        let mut sum = [0; 4];
+        let colored = points.partings.iter().zip(points.colors);
+        for (&code, (&parting, &[red, green, blue, _])) in points.codes.iter().zip(colored) {
+            if u32::from(parting) <= level {
+                let [x, y, z] = morton::decode(code >> shift);
+                self.cells[count] = [x, y, z, 0];
+                self.partings[count] = parting;
+                count += 1;
+                sum = [0; 4];
+            }
+            if sum[3] < MOST_SUMMED {
+                for (sum, add) in sum.iter_mut().zip([red, green, blue, 1]) {
+                    *sum += i32::from(add);
+                }
+            }
+            self.sums[count - 1] = Vec4::from_array(sum.map(|sum| sum as f32));
+        }
+        self.resize(count);
+    }
+
+    /// Replaces the nodes by their parents on `level`, and writes the masks of these and the numbers of their first
+    /// children, counted from `next_child`.
+    fn merge_into_parents(
+        &mut self,
+        level: u32,
+        next_child: u32,
+        masks: &mut [u8],
+        first_child: &mut [u32],
+    ) {
+        // Three loops over few arrays each: one over all of them would run out of registers.
+        self.starts.resize(self.partings.len(), 0);
+        let mut parents = 0;
+        for (&parting, child) in self.partings.iter().zip(0u32..) {
+            // Overwritten until a child that begins a parent moves on.
+            self.starts[parents] = child;
+            parents += usize::from(u32::from(parting) <= level);
+        }
+        let mut parent = 0;
+        let mut mask = 0;
+        let mut sum = Vec4::ZERO;
+        self.parent_sums.resize(parents, Vec4::ZERO);
+        for ((&parting, &cell), &child_sum) in self.partings.iter().zip(&self.cells).zip(&self.sums)
+        {
+            let is_first = u32::from(parting) <= level;
+            parent += usize::from(is_first);
+            mask = if is_first { 0 } else { mask } | 1 << octant(cell);
+            sum = Vec4::select(BVec4A::splat(is_first), Vec4::ZERO, sum) + child_sum;
+            // Written for every child: the last one leaves what is right. The first child of all begins a parent.
+            masks[parent - 1] = mask;
+            self.parent_sums[parent - 1] = sum;
+        }
+        std::mem::swap(&mut self.sums, &mut self.parent_sums);
+        for ((parent, &start), first_child) in
+            self.starts[..parents].iter().enumerate().zip(first_child)
+        {
+            *first_child = next_child + start;
+            self.cells[parent] = self.cells[start as usize].map(|coordinate| coordinate >> 1);
+            self.partings[parent] = self.partings[start as usize];
+        }
+        self.resize(parents);
+    }
+}
+
 /// Points of one leaf whose colours are averaged: as many as can be summed in 31 bits. (The others would not be seen.)
 const MOST_SUMMED: i32 = 1 << 23;
 
-/// A node whose points are not all known yet.
-#[derive(Debug, Clone, Copy)]
-struct OpenNode {
-    /// Red, green, blue and the number of points, summed over what is complete: exact up to 2¹⁶ points, then rounded to
-    /// 24 bits.
-    sum: Vec4,
-    mask: u8,
+/// The octant of a cell in its parent: the lowest bits of its coordinates, moved to where signs are to be picked up.
+fn octant(cell: [u32; 4]) -> u32 {
+    Vec4::from_array(cell.map(|coordinate| f32::from_bits(coordinate << 31))).is_negative_bitmask()
 }
 
-/// A node of the middle level, written already, for its ancestors.
-#[derive(Debug, Clone, Copy)]
-struct Root {
-    code: u64,
-    parting: u8,
-    sum: Vec4,
-}
-
-/// Consecutive nodes of one level, to be written in order. Masks and children are empty for leaves.
+/// Consecutive nodes of one level that are still to be written. Masks and children are empty for leaves.
 #[derive(Debug)]
 struct LevelPart<'a> {
     /// Number of the first of them.
-    first: u32,
-    /// How many are written.
-    written: usize,
+    next: u32,
     masks: &'a mut [u8],
     first_child: &'a mut [u32],
     voxels: &'a mut [VoxelRecord],
 }
 
 impl<'a> LevelPart<'a> {
-    /// Takes the first `count` nodes away. Precondition: none is written.
+    /// Takes the first `count` nodes away.
     fn take(&mut self, count: usize) -> LevelPart<'a> {
         let internal = count.min(self.masks.len());
         let taken = LevelPart {
-            first: self.first,
-            written: 0,
+            next: self.next,
             masks: self.masks.split_off_mut(..internal).unwrap_or_default(),
             first_child: self
                 .first_child
@@ -220,32 +326,8 @@ impl<'a> LevelPart<'a> {
                 .unwrap_or_default(),
             voxels: self.voxels.split_off_mut(..count).unwrap_or_default(),
         };
-        self.first += count as u32;
+        self.next += count as u32;
         taken
-    }
-
-    /// Number of the node that is written next.
-    #[inline(always)]
-    fn next(&self) -> u32 {
-        self.first + self.written as u32
-    }
-
-    /// Notes where the children of the next node begin.
-    #[inline(always)]
-    fn begin(&mut self, first_child: u32) {
-        if let Some(place) = self.first_child.get_mut(self.written) {
-            *place = first_child;
-        }
-    }
-
-    /// Writes the next node.
-    #[inline(always)]
-    fn write(&mut self, mask: u8, voxel: VoxelRecord) {
-        if let Some(place) = self.masks.get_mut(self.written) {
-            *place = mask;
-        }
-        self.voxels[self.written] = voxel;
-        self.written += 1;
     }
 }
 
@@ -262,8 +344,7 @@ impl<'a> LevelWriter<'a> {
     fn new(tree: &'a mut Octree) -> Self {
         let internal_count = tree.masks.len();
         let mut rest = LevelPart {
-            first: 0,
-            written: 0,
+            next: 0,
             masks: &mut tree.masks,
             first_child: &mut tree.first_child[..internal_count],
             voxels: &mut tree.voxels,
@@ -299,184 +380,58 @@ impl<'a> LevelWriter<'a> {
         }
     }
 
-    /// Writes the nodes of points that are whole cells of the top level, on several threads; these cells.
-    fn share_points(mut self, points: SortedPoints<'_>) -> Vec<Root> {
+    /// Writes the nodes of points that are whole cells of the top level; these cells.
+    fn write_points(mut self, points: SortedPoints<'_>) -> LevelNodes {
         if points.len() >= 2 * PARALLEL_POINTS {
             let (low, high) = points.split_after(points.len() / 2, self.top);
             if high.len() > 0 {
                 let low_writer = self.split_points(low);
                 let (mut roots, high_roots) =
-                    rayon::join(|| low_writer.share_points(low), || self.share_points(high));
-                roots.extend(high_roots);
+                    rayon::join(|| low_writer.write_points(low), || self.write_points(high));
+                roots.append(&high_roots);
                 return roots;
             }
         }
-        self.write_points(points)
-    }
-
-    /// [`Self::share_points`] on this thread.
-    fn write_points(self, points: SortedPoints<'_>) -> Vec<Root> {
-        dispatch!(Level::new(), _simd => Walk::new(self).over_points(points))
-    }
-
-    /// Writes the levels above `roots`, which are written and numbered from `first_root`.
-    fn write_above(self, roots: &[Root], first_root: u32) {
-        if !self.levels.is_empty() {
-            Walk::new(self).over_roots(roots, first_root);
+        let leaf_level = self.top + self.levels.len() as u32 - 1;
+        let mut roots = LevelNodes::default();
+        let mut nodes = LevelNodes::default();
+        let mut rest = points;
+        while rest.len() > 0 {
+            let block;
+            (block, rest) = rest.split_after(BLOCK_POINTS, self.top);
+            nodes.set_leaves(leaf_level, block);
+            let leaves = self.take(leaf_level, nodes.len());
+            nodes.write_voxels(&self.cube, leaf_level, leaves.voxels);
+            self.merge_up(leaf_level, leaves.next, &mut nodes);
+            roots.append(&nodes);
         }
+        roots
+    }
+
+    /// Writes all levels above `nodes`, whose first is number `first_node`.
+    fn write_parents(mut self, first_node: u32, nodes: &mut LevelNodes) {
+        self.merge_up(self.top + self.levels.len() as u32, first_node, nodes);
+    }
+
+    /// Merges nodes of `level`, written already, up to the top level, writing each on the way.
+    fn merge_up(&mut self, level: u32, mut first_node: u32, nodes: &mut LevelNodes) {
+        for level in (self.top..level).rev() {
+            let count = nodes.count_begun(level);
+            let parents = self.take(level, count);
+            nodes.merge_into_parents(level, first_node, parents.masks, parents.first_child);
+            nodes.write_voxels(&self.cube, level, parents.voxels);
+            first_node = parents.next;
+        }
+    }
+
+    fn take(&mut self, level: u32, count: usize) -> LevelPart<'a> {
+        self.levels[(level - self.top) as usize].take(count)
     }
 }
 
-/// A walk over sorted points or nodes that writes the levels above them.
-struct Walk<'a> {
-    cube: Cube,
-    top: usize,
-    bottom: usize,
-    levels: Vec<LevelPart<'a>>,
-    /// One for each level, counted from the root's.
-    open: [OpenNode; LEVELS as usize + 1],
-    edges: [f32; LEVELS as usize + 1],
-    /// The last code, and where its top cell parted from the one before.
-    code: u64,
-    top_parting: u8,
-    /// First child of the bottom node that is opened next; leaves have none.
-    child_of_bottom: u32,
-    roots: Vec<Root>,
-}
-
-// Inlined, so that the walk over points is compiled for each level of SIMD.
-impl<'a> Walk<'a> {
-    fn new(writer: LevelWriter<'a>) -> Self {
-        let cube = writer.cube;
-        Self {
-            cube,
-            top: writer.top as usize,
-            bottom: writer.top as usize + writer.levels.len() - 1,
-            roots: Vec::with_capacity(writer.levels[0].voxels.len()),
-            levels: writer.levels,
-            open: [OpenNode {
-                sum: Vec4::ZERO,
-                mask: 0,
-            }; LEVELS as usize + 1],
-            edges: std::array::from_fn(|level| cube.cell_edge(level as u32)),
-            code: 0,
-            top_parting: 0,
-            child_of_bottom: 0,
-        }
-    }
-
-    #[inline(always)]
-    fn over_points(mut self, points: SortedPoints<'_>) -> Vec<Root> {
-        let mut sum = [0; 4];
-        let colored = points.partings.iter().zip(points.colors);
-        for (index, (&code, (&parting, color))) in points.codes.iter().zip(colored).enumerate() {
-            if index == 0 {
-                self.begin(parting, code);
-            } else if usize::from(parting) <= self.bottom {
-                self.open[self.bottom].sum = Vec4::from_array(sum.map(|sum| sum as f32));
-                self.move_on(parting, code);
-                sum = [0; 4];
-            }
-            if sum[3] < MOST_SUMMED {
-                let [red, green, blue, _] = *color;
-                for (sum, add) in sum.iter_mut().zip([red, green, blue, 1]) {
-                    *sum += i32::from(add);
-                }
-            }
-        }
-        self.open[self.bottom].sum = Vec4::from_array(sum.map(|sum| sum as f32));
-        self.move_on(0, self.code);
-        self.roots
-    }
-
-    fn over_roots(mut self, roots: &[Root], first_root: u32) {
-        for (root, number) in roots.iter().zip(first_root..) {
-            if usize::from(root.parting) <= self.bottom {
-                self.child_of_bottom = number;
-            }
-            if number == first_root {
-                self.begin(root.parting, root.code);
-            } else if usize::from(root.parting) <= self.bottom {
-                self.move_on(root.parting, root.code);
-            }
-            let parent = &mut self.open[self.bottom];
-            parent.mask |= 1 << octant(root.code, self.bottom + 1);
-            parent.sum += root.sum;
-        }
-        self.move_on(0, self.code);
-    }
-
-    /// Opens the first node of every level, which `code` lies in.
-    fn begin(&mut self, parting: u8, code: u64) {
-        (self.top_parting, self.code) = (parting, code);
-        for level in (self.top..=self.bottom).rev() {
-            self.open_node(level, code);
-        }
-    }
-
-    /// Writes the open nodes from the bottom up to level `parting` and opens those that `code` is the first of: in one
-    /// loop, as its length is what the processor cannot guess.
-    #[inline(always)]
-    fn move_on(&mut self, parting: u8, code: u64) {
-        let [x, y, z] = morton::decode(self.code);
-        let cell = [x, y, z, 0];
-        let min = self.cube.min.extend(0.0);
-        let top = usize::from(parting).max(self.top);
-        for level in (top..=self.bottom).rev() {
-            let OpenNode { sum, mask } = self.open[level];
-            // Below 2²¹, so that a signed conversion, which is one instruction, is exact.
-            let cell = cell.map(|c| (c >> (LEVELS as usize - level)) as i32 as f32);
-            let center = min + (Vec4::from_array(cell) + 0.5) * self.edges[level];
-            let voxel = voxel_record(center, sum / sum.w, level as u32);
-            self.levels[level - self.top].write(mask, voxel);
-            if level > self.top {
-                self.open[level - 1].sum += sum;
-            } else {
-                self.roots.push(Root {
-                    code: self.code,
-                    parting: self.top_parting,
-                    sum,
-                });
-                self.top_parting = parting;
-            }
-            self.open_node(level, code);
-        }
-        if top > self.top {
-            self.open[top - 1].mask |= 1 << octant(code, top);
-        }
-        self.code = code;
-    }
-
-    /// Opens a node of `level`; that of the level below, its first child, is open.
-    #[inline(always)]
-    fn open_node(&mut self, level: usize, code: u64) {
-        let (mask, first_child) = match self.levels.get(level + 1 - self.top) {
-            Some(below) => (1 << octant(code, level + 1), below.next()),
-            None => (0, self.child_of_bottom),
-        };
-        self.open[level] = OpenNode {
-            sum: Vec4::ZERO,
-            mask,
-        };
-        self.levels[level - self.top].begin(first_child);
-    }
-}
-
-/// The octant in its parent of the cell of `level` that a finest cell lies in.
-#[inline(always)]
-fn octant(code: u64, level: usize) -> u64 {
-    code >> (3 * (LEVELS as usize - level)) & 7
-}
-
-/// The record of a cell, put together as one register of 16 bytes: `color` has numbers in 0..=255, to be rounded.
-#[inline(always)]
-fn voxel_record(center: Vec4, color: Vec4, level: u32) -> VoxelRecord {
-    // At 2²³ the last bit of an f32 is worth 1: sums are rounded there.
-    let rounded = (color + 8_388_608.0) - 8_388_608.0;
-    // Three bytes side by side are an integer below 2²⁴, exact in f32.
-    let packed = rounded.dot(Vec4::new(1.0, 256.0, 65_536.0, 0.0)) as i32 as u32;
-    // As the bytes of the record lie in memory, whatever the processor's order.
-    let color_and_level = f32::from_bits(u32::from_ne_bytes((packed | level << 24).to_le_bytes()));
-    let [x, y, z, _] = center.to_array();
-    bytemuck::cast([x, y, z, color_and_level])
+/// The first three of four numbers in 0..=255, rounded.
+fn rounded_bytes(values: Vec4) -> [u8; 3] {
+    // At 2²³ the last bit of an f32 is worth 1: the sum is rounded there, and its low byte is the number.
+    let [red, green, blue, _] = (values + 8_388_608.0).to_array();
+    [red, green, blue].map(|value| value.to_bits() as u8)
 }
