@@ -605,6 +605,52 @@ fn a_drag_on_a_window_above_the_picture_is_not_the_camera_s() {
 }
 
 #[test]
+fn the_picture_follows_the_scale_factor() {
+    let mut harness = window();
+    let [width, height] = harness.state().viewport.size_px;
+    assert!(harness.state_mut().next_packet().is_some());
+    for (scale, factor) in [(2.0, 2.0), (1.5, 1.5), (1.0, 1.0)] {
+        let root = harness.input_mut().viewports.entry(egui::ViewportId::ROOT);
+        root.or_default().native_pixels_per_point = Some(scale);
+        harness.run();
+        let size_px = harness.state().viewport.size_px;
+        // As many points of the window, more pixels.
+        for (edge, before) in size_px.iter().zip([width, height]) {
+            let expected = f64::from(before) * factor;
+            assert!(
+                (f64::from(*edge) - expected).abs() <= 2.0,
+                "{scale}: {size_px:?}"
+            );
+        }
+        let packet = harness.state_mut().next_packet();
+        assert_eq!(packet.unwrap().viewport_px, size_px);
+        harness.run();
+        assert!(harness.state_mut().next_packet().is_none(), "once");
+    }
+}
+
+#[test]
+fn a_window_without_room_draws_nothing() {
+    let mut harness = window();
+    assert!(harness.state_mut().next_packet().is_some());
+    let pictures = harness.state().counters.pictures;
+    for size in [vec2(0.0, 0.0), vec2(1.0, 1.0), vec2(300.0, 0.0)] {
+        harness.set_size(size);
+        harness.run_ok();
+        let has_room = !harness.state().viewport.size_px.contains(&0);
+        assert_eq!(
+            harness.state_mut().next_packet().is_some(),
+            has_room,
+            "{size}"
+        );
+    }
+    assert!(harness.state().counters.pictures <= pictures + 1);
+    harness.set_size(vec2(1280.0, 800.0));
+    harness.run();
+    assert!(!harness.state().viewport.size_px.contains(&0));
+}
+
+#[test]
 fn what_a_person_chose_is_how_the_next_window_begins() {
     let mut harness = window();
     click(&mut harness, "Next frame");

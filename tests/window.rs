@@ -21,6 +21,8 @@ const PATIENCE: Duration = Duration::from_mins(1);
 const SPACE: u32 = 0x20;
 const P: u32 = 0x70;
 const RIGHT: u32 = 0xff53;
+const L: u32 = 0x6c;
+const F11: u32 = 0xffc8;
 
 /// A process that ends with the test.
 struct Process(Child);
@@ -161,8 +163,8 @@ impl Screen {
         }
     }
 
-    /// Gives the keyboard to the program's window, which a window manager would do.
-    fn focus_window(&self) {
+    /// The program's window, once it is on the screen.
+    fn window(&self) -> xproto::Window {
         let begin = Instant::now();
         loop {
             let children = self
@@ -184,18 +186,38 @@ impl Screen {
                     && geometry.is_ok_and(|geometry| geometry.width > 100)
             });
             if let Some(window) = viewable {
-                self.connection
-                    .set_input_focus(
-                        xproto::InputFocus::POINTER_ROOT,
-                        window,
-                        x11rb::CURRENT_TIME,
-                    )
-                    .unwrap()
-                    .check()
-                    .unwrap();
-                return;
+                return window;
             }
             assert!(begin.elapsed() < PATIENCE, "no window was opened");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Gives the window another size, as its edge drawn by the mouse would.
+    fn resize(&self, window: xproto::Window, width: u32, height: u32) {
+        let size = xproto::ConfigureWindowAux::new()
+            .width(width)
+            .height(height);
+        self.connection
+            .configure_window(window, &size)
+            .unwrap()
+            .check()
+            .unwrap();
+    }
+
+    /// Waits until the window has the keyboard, which it takes itself: there is no window manager.
+    fn wait_for_keyboard(&self, window: xproto::Window) {
+        let begin = Instant::now();
+        while self
+            .connection
+            .get_input_focus()
+            .unwrap()
+            .reply()
+            .unwrap()
+            .focus
+            != window
+        {
+            assert!(begin.elapsed() < PATIENCE, "the window has no keyboard");
             std::thread::sleep(Duration::from_millis(50));
         }
     }
@@ -284,7 +306,7 @@ fn the_demo_plays_pauses_and_is_photographed() {
     );
     screen.wait_for("the demo does not play", |picture| *picture != first);
 
-    screen.focus_window();
+    screen.wait_for_keyboard(screen.window());
     screen.key(SPACE);
     let paused = screen.wait_for_rest("the demo does not pause");
     std::thread::sleep(Duration::from_secs(1));
@@ -322,6 +344,77 @@ fn the_demo_plays_pauses_and_is_photographed() {
         program.0.try_wait().unwrap().is_none(),
         "the window went on"
     );
+}
+
+#[test]
+fn a_window_of_any_size_goes_on() {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    let program = server
+        .program(home.path())
+        .args(["view", "--size", "1000x700", "--paused"])
+        .spawn()
+        .unwrap();
+    let mut program = Process(program);
+    let screen = Screen::of(&server);
+    screen.wait_for("the window stays without a picture", has_a_cloud);
+    let window = screen.window();
+    screen.wait_for_keyboard(window);
+    for (width, height) in [(1, 1), (3, 700), (1000, 2), (200, 120), (4000, 3000)] {
+        screen.resize(window, width, height);
+        std::thread::sleep(Duration::from_millis(400));
+        let status = program.0.try_wait().unwrap();
+        assert!(status.is_none(), "{width}x{height}: {status:?}");
+    }
+    screen.resize(window, 1000, 700);
+    screen.wait_for("the picture does not come back", has_a_cloud);
+    let before = screen.wait_for_rest("the paused window does not rest");
+    assert!(has_a_cloud(&before));
+
+    // Nobody carries out full screen here; asking for it and back must do no harm.
+    for _ in 0..2 {
+        screen.key(F11);
+        std::thread::sleep(Duration::from_millis(400));
+    }
+    screen.wait_for("full screen and back is another picture", |picture| {
+        *picture == before
+    });
+    screen.key(RIGHT);
+    screen.wait_for("the window does not listen any more", |picture| {
+        *picture != before
+    });
+    assert!(program.0.try_wait().unwrap().is_none());
+}
+
+#[test]
+fn settings_are_kept_for_the_next_window() {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    let file = home.path().join("config/pointreel/settings.json");
+    // From looping on: the second window goes on where the first one was left.
+    for expected in ["ping-pong", "off"] {
+        let program = server
+            .program(home.path())
+            .args(["view", "--paused", "--primitive", "point"])
+            .spawn()
+            .unwrap();
+        let _program = Process(program);
+        let screen = Screen::of(&server);
+        screen.wait_for("the window stays without a picture", has_a_cloud);
+        screen.wait_for_keyboard(screen.window());
+        screen.key(L);
+        let begin = Instant::now();
+        // Half a file would not be read.
+        let loop_mode = || {
+            let text = std::fs::read(&file).ok()?;
+            let stored: serde_json::Value = serde_json::from_slice(&text).unwrap();
+            Some(stored["loop_mode"].as_str()?.to_owned())
+        };
+        while loop_mode().as_deref() != Some(expected) {
+            assert!(begin.elapsed() < PATIENCE, "{expected}: {:?}", loop_mode());
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
 }
 
 #[test]

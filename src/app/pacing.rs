@@ -2,6 +2,27 @@
 
 use std::time::Duration;
 
+/// Why a window may not be seen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Sight {
+    /// Other windows cover it, or it is on another desktop.
+    pub(super) is_occluded: bool,
+    /// It is minimised.
+    pub(super) has_no_area: bool,
+}
+
+impl Sight {
+    /// True while nobody can see the window.
+    pub(super) fn is_hidden(self) -> bool {
+        self.is_occluded || self.has_no_area
+    }
+
+    /// Takes notice of the window's size, pixels.
+    pub(super) fn note_size(&mut self, size_px: [u32; 2]) {
+        self.has_no_area = size_px.contains(&0);
+    }
+}
+
 /// What may be due.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Agenda {
@@ -67,6 +88,19 @@ mod tests {
             ..due(7)
         };
         assert!(changed.pace(at(5)).redraw);
+    }
+
+    #[test]
+    fn a_window_is_seen_when_it_is_neither_covered_nor_minimised() {
+        let mut sight = Sight::default();
+        assert!(!sight.is_hidden());
+        sight.note_size([0, 0]);
+        sight.is_occluded = true;
+        assert!(sight.is_hidden());
+        sight.note_size([640, 480]);
+        assert!(sight.is_hidden(), "still covered");
+        sight.is_occluded = false;
+        assert!(!sight.is_hidden());
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub struct Preferences {
     pub speed: f64,
     /// Which panels are open; windows above them are not remembered.
     pub panels: OpenPanels,
-    /// Size of the window in logical pixels, when it was neither maximised nor full screen.
+    /// Size of the window in whole logical pixels, when it was neither maximised nor full screen.
     pub window_size: Option<[f64; 2]>,
 }
 
@@ -88,6 +88,30 @@ struct Version {
 }
 
 impl Preferences {
+    /// Within what the window offers, so that it is taken when it is read: the command line lets more through, and a
+    /// window can be squeezed to nothing.
+    fn offered(self) -> Self {
+        let clamp =
+            |value: f32, range: RangeInclusive<f32>| value.clamp(*range.start(), *range.end());
+        let settings = self.settings;
+        Self {
+            settings: Settings {
+                splat_scale: clamp(settings.splat_scale, SPLAT_SCALE_RANGE),
+                enlargement: clamp(settings.enlargement, ENLARGEMENT_RANGE),
+                point_size_px: clamp(settings.point_size_px, POINT_SIZE_RANGE_PX),
+                delta: clamp(settings.delta, 0.0..=Settings::MAX_DELTA),
+                lod_px: clamp(settings.lod_px, LOD_RANGE_PX),
+                ..settings
+            },
+            speed: self.speed.clamp(MIN_SPEED, MAX_SPEED),
+            window_size: self
+                .window_size
+                .map(|size| size.map(f64::round))
+                .filter(|size| size.iter().all(|edge| WINDOW_EDGE_RANGE.contains(edge))),
+            ..self
+        }
+    }
+
     /// The text of the file.
     fn to_json(self) -> serde_json::Result<Vec<u8>> {
         let Settings {
@@ -246,6 +270,7 @@ impl PreferencesFile {
 
     /// Notes how things are at `now`. What the first call is told is how the window began.
     pub(super) fn note(&mut self, preferences: Preferences, now: Duration) {
+        let preferences = preferences.offered();
         let settled = *self.settled.get_or_insert(preferences);
         if preferences == settled {
             self.changed = None;
@@ -298,6 +323,7 @@ fn read(file: &Path) -> Result<Preferences, String> {
 mod tests {
     use super::*;
     use crate::scene::{Lighting, Primitive, Splatting, Strategy};
+    use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
     use std::fs;
 
     /// Nothing in it is as in a new window.
@@ -327,7 +353,7 @@ mod tests {
                 statistics: true,
                 ..OpenPanels::default()
             },
-            window_size: Some([900.5, 700.0]),
+            window_size: Some([900.0, 700.0]),
         }
     }
 
@@ -345,6 +371,11 @@ mod tests {
 
     #[test]
     fn all_choices_survive() {
+        assert_eq!(
+            unusual().offered(),
+            unusual(),
+            "what the window offers is left alone"
+        );
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("not yet/settings.json");
         assert_eq!(
@@ -362,6 +393,23 @@ mod tests {
             preferences.loop_mode = loop_mode;
             let json = preferences.to_json().unwrap();
             assert_eq!(Preferences::from_json(&json), Ok(preferences));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_the_command_line_lets_through_is_read_again(
+            sizes in prop::array::uniform4(prop_oneof![0f32..50.0, 0f32..=f32::MAX, Just(f32::INFINITY)]),
+            speed_percent in 0u32..100_000,
+            window_size in prop::option::of(prop::array::uniform2(0f64..1e5)),
+        ) {
+            let speed = f64::from(speed_percent) / 100.0;
+            let mut preferences = Preferences { speed, window_size, ..unusual() };
+            let [splat_scale, enlargement, point_size_px, lod_px] = sizes;
+            preferences.settings = Settings { splat_scale, enlargement, point_size_px, lod_px, ..preferences.settings };
+            let offered = preferences.offered();
+            prop_assert_eq!(Preferences::from_json(&offered.to_json().unwrap()), Ok(offered));
+            prop_assert_eq!(offered.offered(), offered);
         }
     }
 
@@ -383,7 +431,7 @@ mod tests {
             good.replace("0.31", "0.61"),
             good.replace("0.31", "-1e39"),
             good.replace("0.25", "0.0"),
-            good.replace("900.5", "1e9"),
+            good.replace("900.0", "1e9"),
             good.replace("\"delta\"", "\"epsilon\""),
         ];
         for damaged in damaged {

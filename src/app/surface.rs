@@ -265,23 +265,35 @@ mod tests {
     fn every_answer_has_its_consequence() {
         use Answer::{Image, Lost, NotNow, Outdated};
         let (fit, anew) = ("reconfigure [640, 480]", "recreate [640, 480]");
-        let cases: &[(&[Answer<&'static str>], Option<&str>, &[&str])] = &[
-            (&[Image("a")], Some("a"), &["next"]),
-            (&[NotNow], None, &["next"]),
-            (&[Outdated, Image("a")], Some("a"), &["next", fit, "next"]),
-            (&[Lost, Image("a")], Some("a"), &["next", anew, "next"]),
-            (&[Outdated, NotNow], None, &["next", fit, "next"]),
+        let cases = [
+            (vec![Image("a")], Some("a"), vec!["next"]),
+            (vec![NotNow], None, vec!["next"]),
+            (
+                vec![Outdated, Image("a")],
+                Some("a"),
+                vec!["next", fit, "next"],
+            ),
+            (
+                vec![Lost, Image("a")],
+                Some("a"),
+                vec!["next", anew, "next"],
+            ),
+            (vec![Outdated, NotNow], None, vec!["next", fit, "next"]),
             // Made anew while the window changes its size.
-            (&[Lost, Outdated], None, &["next", anew, "next", fit]),
+            (vec![Lost, Outdated], None, vec!["next", anew, "next", fit]),
             // Repairs that do not help come to an end.
-            (&[Outdated, Outdated], None, &["next", fit, "next", fit]),
-            (&[Lost, Lost], None, &["next", anew, "next", anew]),
+            (
+                vec![Outdated, Outdated],
+                None,
+                vec!["next", fit, "next", fit],
+            ),
+            (vec![Lost, Lost], None, vec!["next", anew, "next", anew]),
         ];
         for (answers, image, done) in cases {
-            let mut target = Scripted::new(answers);
+            let mut target = Scripted::new(&answers);
             let acquired = acquire(&mut target).unwrap();
-            assert_eq!(acquired, *image, "{answers:?}");
-            assert_eq!(target.done, *done, "{answers:?}");
+            assert_eq!(acquired, image, "{answers:?}");
+            assert_eq!(target.done, done, "{answers:?}");
         }
     }
 

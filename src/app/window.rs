@@ -3,7 +3,7 @@
 use super::focus;
 use super::graphics::Graphics;
 use super::notices::Severity;
-use super::pacing::Agenda;
+use super::pacing::{Agenda, Sight};
 use super::panels::window_ui;
 use super::preferences::{Preferences, PreferencesFile};
 use super::state::{State, StateOptions, WindowRequest};
@@ -117,8 +117,7 @@ struct App {
     /// Set by the first wake since the last look, so that a busy loader does not fill the queue.
     wake_is_queued: Arc<AtomicBool>,
     woken: bool,
-    is_occluded: bool,
-    has_no_area: bool,
+    sight: Sight,
     /// Something has been presented.
     has_been_shown: bool,
     /// When egui wants to be run again.
@@ -158,8 +157,7 @@ impl App {
             begin: Instant::now(),
             wake_is_queued,
             woken: false,
-            is_occluded: false,
-            has_no_area: false,
+            sight: Sight::default(),
             has_been_shown: false,
             repaint_at: None,
             news_at: None,
@@ -172,11 +170,6 @@ impl App {
 
     fn now(&self) -> Duration {
         self.begin.elapsed()
-    }
-
-    /// True while nobody can see the window: covered, or minimised, when it has no area.
-    fn is_hidden(&self) -> bool {
-        self.is_occluded || self.has_no_area
     }
 
     fn open_window(&self, event_loop: &ActiveEventLoop) -> Result<Arc<Window>, AppError> {
@@ -300,7 +293,7 @@ impl App {
         if painted.presented && !std::mem::replace(&mut self.has_been_shown, true) {
             focus::take_if_unmanaged(&screen.window);
         }
-        if !painted.presented && !self.is_occluded {
+        if !painted.presented && !self.sight.is_occluded {
             self.repaint_at = Some(now + NEWS_INTERVAL);
         }
         for path in pictures {
@@ -485,7 +478,7 @@ impl ApplicationHandler<Wakened> for App {
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             WindowEvent::Resized(size) => {
-                self.has_no_area = size.width == 0 || size.height == 0;
+                self.sight.note_size(size.into());
                 screen.graphics.resize();
                 screen.window.request_redraw();
             }
@@ -494,7 +487,7 @@ impl ApplicationHandler<Wakened> for App {
                 screen.window.request_redraw();
             }
             WindowEvent::Occluded(is_occluded) => {
-                self.is_occluded = is_occluded;
+                self.sight.is_occluded = is_occluded;
                 if !is_occluded {
                     screen.window.request_redraw();
                 }
@@ -520,7 +513,7 @@ impl ApplicationHandler<Wakened> for App {
             is_changed,
             draw_at: draw_at.into_iter().flatten().min(),
             unseen_at: self.options.preferences_file.next_deadline(),
-            is_hidden: self.is_hidden(),
+            is_hidden: self.sight.is_hidden(),
         };
         let pace = agenda.pace(now);
         event_loop.set_control_flow(pace.wake_at.map_or(ControlFlow::Wait, |due| {
