@@ -78,7 +78,7 @@ impl<'a> BucketSearch<'a> {
             node /= 2;
         }
         let k = self.halves[0].k;
-        for (half, lists) in self.halves.iter().zip(slots.chunks_mut(LANES * k)) {
+        for (half, lists) in self.halves.iter_mut().zip(slots.chunks_mut(LANES * k)) {
             half.write_lists(lists, &mut self.scratch);
         }
     }
@@ -166,6 +166,8 @@ struct Half<'a> {
     nearest: Vec<Row>,
     /// The largest of the k-th.
     bound: f32,
+    /// Candidates of one searching point, where they have to be put in order.
+    candidates: Vec<Candidate>,
 }
 
 impl<'a> Half<'a> {
@@ -181,6 +183,7 @@ impl<'a> Half<'a> {
             slots: Vec::new(),
             nearest: vec![[f32::INFINITY; LANES]; k],
             bound: f32::INFINITY,
+            candidates: Vec::new(),
         }
     }
 
@@ -247,12 +250,12 @@ impl<'a> Half<'a> {
         let mut limit = 0;
         let mut kept = vec![false; self.row_count];
         for lane in 0..self.count {
-            let nearest = self.in_order(lane);
-            for candidate in &nearest {
+            self.put_in_order(lane);
+            for candidate in &self.candidates {
                 kept[candidate.row] = true;
             }
             if self.nearest[self.k - 1][lane] == bound {
-                let kth = nearest.get(self.k - 1);
+                let kth = self.candidates.get(self.k - 1);
                 limit = limit.max(kth.map_or(u32::MAX, |kth| kth.file_index));
             }
         }
@@ -265,11 +268,11 @@ impl<'a> Half<'a> {
         limit
     }
 
-    /// The k nearest candidates of the searching point in a lane, or as many as there are, in order.
-    fn in_order(&self, lane: usize) -> Vec<Candidate> {
+    /// Sets `candidates` to the k nearest of the searching point in a lane, or as many as there are, in order.
+    fn put_in_order(&mut self, lane: usize) {
         // Places without a point are infinitely far.
         let kth = self.nearest[self.k - 1][lane].min(f32::MAX);
-        let mut within: Vec<Candidate> = self.rows[..self.row_count]
+        let within = self.rows[..self.row_count]
             .iter()
             .map(|distances_squared| distances_squared[lane])
             .enumerate()
@@ -278,19 +281,19 @@ impl<'a> Half<'a> {
                 distance_squared,
                 file_index: self.tree.file_index_of(self.slots[row]),
                 row,
-            })
-            .collect();
-        within.sort_unstable_by(|a, b| {
+            });
+        self.candidates.clear();
+        self.candidates.extend(within);
+        self.candidates.sort_unstable_by(|a, b| {
             let by_distance = a.distance_squared.total_cmp(&b.distance_squared);
             by_distance.then(a.file_index.cmp(&b.file_index))
         });
-        within.truncate(self.k);
-        within
+        self.candidates.truncate(self.k);
     }
 
     /// Writes the k nearest candidates of each searching point, as slots.
     #[inline(always)]
-    fn write_lists(&self, lists: &mut [u32], scratch: &mut [u32]) {
+    fn write_lists(&mut self, lists: &mut [u32], scratch: &mut [u32]) {
         let kth = self.nearest[self.k - 1];
         for (lane, list) in lists.chunks_exact_mut(self.k).enumerate() {
             let mut found = 0;
@@ -302,7 +305,8 @@ impl<'a> Half<'a> {
             }
             list.copy_from_slice(&scratch[..self.k]);
             if found > self.k {
-                for (slot, candidate) in list.iter_mut().zip(self.in_order(lane)) {
+                self.put_in_order(lane);
+                for (slot, candidate) in list.iter_mut().zip(&self.candidates) {
                     *slot = self.slots[candidate.row];
                 }
             }

@@ -41,7 +41,9 @@ pub fn nearest_neighbours(positions: &[Vec3], k: usize) -> Neighbours {
             .par_chunks_mut(per_point)
             .zip(0..positions.len() as u32)
             .with_min_len(1 << 10)
-            .for_each(|(list, index)| tree.write_in_order(index, &by_slot, list));
+            .for_each_init(Vec::new, |order, (list, index)| {
+                tree.write_in_order(index, &by_slot, order, list);
+            });
     }
     Neighbours { per_point, indices }
 }
@@ -71,20 +73,24 @@ impl PointTree {
     }
 
     /// Writes the neighbours of a point of the file as points of the file, nearest first, equally near ones by index.
-    fn write_in_order(&self, file_index: u32, by_slot: &Neighbours, list: &mut [u32]) {
+    /// `order` is scratch.
+    fn write_in_order(
+        &self,
+        file_index: u32,
+        by_slot: &Neighbours,
+        order: &mut Vec<(f32, u32)>,
+        list: &mut [u32],
+    ) {
         let slot = self.slot_of(file_index) as usize;
         let point = self.positions()[slot];
-        let mut order: Vec<(f32, u32)> = by_slot
-            .of(slot)
-            .iter()
-            .map(|&other| {
-                let distance_squared = squared(self.positions()[other as usize] - point);
-                (distance_squared, self.file_index_of(other))
-            })
-            .collect();
+        order.clear();
+        order.extend(by_slot.of(slot).iter().map(|&other| {
+            let distance_squared = squared(self.positions()[other as usize] - point);
+            (distance_squared, self.file_index_of(other))
+        }));
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        for (index, (_, found)) in list.iter_mut().zip(order) {
-            *index = found;
+        for (index, (_, found)) in list.iter_mut().zip(order.iter()) {
+            *index = *found;
         }
     }
 }
