@@ -168,7 +168,7 @@ impl<'a> Run<'a> {
             .filter(|viewpoint| !viewpoint.is_in_band())
             .map(|Viewpoint { camera, coverage }| {
                 format!(
-                    "{:.0} % from azimuth {}°, elevation {}°",
+                    "{:.1} % from azimuth {}°, elevation {}°",
                     coverage * 100.0,
                     camera.azimuth_deg,
                     camera.elevation_deg
