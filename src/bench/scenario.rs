@@ -6,12 +6,12 @@
 //! 1/distance². Too little, and [`Cover::closer_view`] finds the part of the picture that is covered as wanted, at which the
 //! camera then aims and to which it comes closer. A move that does not help is taken back and tried by half.
 //!
-//! Voxels of a sparse cloud do not close its surface (at δ = 5 % a cell is about as large as a point's share of the surface,
-//! and less where the LOD threshold allows it), so that coming closer helps only until the object fills the picture.
-//! The paper's own do neither: at the depths of its Table IV, which are those of δ = 5 %, 85,000 leaves of edge 1/1024 have
-//! 8 % of the area of a face of the cube. Such viewpoints therefore show a part of the object. δ and LOD threshold stay the
-//! paper's, and what cannot be brought into the band (a thin sweep seen from the side) is measured where it came closest and
-//! named in the report.
+//! Voxels of a sparse cloud do not close its surface: at δ = 5 % nearly every point has a cell of its own, much smaller than the
+//! point's share of the surface. Coming closer therefore helps only until the object fills the picture. By its own figures
+//! the paper's do not close it either: the depths of its Table IV are those that Table III gives for δ = 5 %, and 85,000
+//! leaves of edge 1/1024 have 8 % of the area of a face of the cube. How its 25 % were reached it does not say. δ and LOD
+//! threshold stay the paper's here, viewpoints of voxels show a part of the object, and what cannot be brought into the band (a
+//! LiDAR sweep, a thinned cloud) is measured where it came closest and named in the report.
 
 use super::cover::Cover;
 use crate::scene::Camera;
