@@ -11,7 +11,7 @@
 //! the paper's do not close it either: the depths of its Table IV are those that Table III gives for δ = 5 %, and 85,000
 //! leaves of edge 1/1024 have 8 % of the area of a face of the cube. How its 25 % were reached it does not say. δ and LOD
 //! threshold stay the paper's here, viewpoints of voxels show a part of the object, and what cannot be brought into the band (a
-//! LiDAR sweep, a thinned cloud) is measured where it came closest and named in the report.
+//! laser sweep, a thinned cloud) is measured where it came closest and named in the report.
 
 use super::cover::Cover;
 use crate::scene::Camera;
