@@ -12,12 +12,17 @@
 //! PLY in well under 5 ms; the other two rows say how far from the floor that is.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use mimalloc::MiMalloc;
 use pointreel::io;
 use std::f32::consts::TAU;
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Duration;
+
+// As in the program.
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 const POINTS: usize = 100_000;
 

@@ -1,6 +1,6 @@
 //! Building the octree of one frame (paper 000, Table III, column *build*).
 //!
-//! Measured: `Octree::build` from positions and colours in memory, on one thread, at δ = 2, 10 and 50 %, with everything it
+//! Measured: `Octree::build` from positions and colours in memory, on all cores, at δ = 2, 10 and 50 %, with everything it
 //! allocates; and beside it, in the same run, a textbook radix sort of the same 63-bit Morton codes (eight passes of eight
 //! bits), alone and with the point indices that a build needs. Times vary between machines; the ratio to the sort does not.
 //!

@@ -8,11 +8,16 @@
 //! of 100 frames within 0.5 s of opening. Criterion's `thrpt` is frames a second.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use mimalloc::MiMalloc;
 use pointreel::sequence::{Direction, Loader, LoaderOptions, Needs, PreparedFrame, Sequence};
 use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
+
+// As in the program.
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 const POINTS: usize = 100_000;
 const SURFELS: Needs = Needs {

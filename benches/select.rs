@@ -1,8 +1,8 @@
 //! Traversing the octree of one frame into its visible set (paper 000, Table III, column *traverse*).
 //!
-//! Measured: `Octree::select` on one thread into a `Vec` that has its memory, for a tree seen whole, filling the image, and
+//! Measured: `Octree::select` on all cores into a `Vec` that has its memory, for a tree seen whole, filling the image, and
 //! from within, at LOD thresholds of 0 (all leaves), 1 and 4 pixels at 1280 pixels of height; 88,000 points at δ = 2 % and
-//! 1,000,000 at δ = 2 %. The throughput is visited nodes: tested ones and those copied with a whole subtree.
+//! 1,000,000 at δ = 2 %. The throughput is visited nodes: tested ones and those emitted with a whole subtree.
 //!
 //! Not measured: the build, the upload, drawing.
 

@@ -51,7 +51,8 @@ pub(crate) const fn spread(coordinate: u64) -> u64 {
 }
 
 /// The inverse of [`spread`], ignoring the bits between.
-const fn gather(code: u64) -> u32 {
+#[inline(always)]
+pub(crate) const fn gather(code: u64) -> u32 {
     let mut bits = code & 0x1249_2492_4924_9249;
     bits = (bits | bits >> 2) & 0x10c3_0c30_c30c_30c3;
     bits = (bits | bits >> 4) & 0x100f_00f0_0f00_f00f;

@@ -52,17 +52,15 @@ pub fn sort_codes(codes: &[u64]) -> SortedCodes {
         "indices of {} points do not fit 31 bits",
         codes.len()
     );
-    let mut items: Vec<u64> = codes
-        .iter()
-        .zip(0u64..)
-        .map(|(code, index)| code >> LOW_BITS << INDEX_BITS | index)
-        .collect();
-    let mut scratch = vec![0; items.len()];
-    if items.len() < 2 * PARALLEL_CODES || rayon::current_num_threads() == 1 {
+    let mut items = vec![0; codes.len()];
+    let mut scratch = vec![0; codes.len()];
+    if codes.len() < 2 * PARALLEL_CODES || rayon::current_num_threads() == 1 {
+        for ((item, &code), index) in items.iter_mut().zip(codes).zip(0..) {
+            *item = item_of(code, index);
+        }
         sort_part(&mut items, &mut scratch, codes);
     } else {
-        let middle = partition_near_half(&items, &mut scratch);
-        std::mem::swap(&mut items, &mut scratch);
+        let middle = partition_near_half(codes, &mut items);
         let (low, high) = items.split_at_mut(middle);
         let (low_scratch, high_scratch) = scratch.split_at_mut(middle);
         rayon::join(
@@ -89,25 +87,53 @@ pub fn sort_codes(codes: &[u64]) -> SortedCodes {
 /// Below this, codes are not shared out among threads.
 const PARALLEL_CODES: usize = 1 << 14;
 
-/// Writes `items` to `to`, first those with a small highest digit, then the others, both in their order; how many come
-/// first: about half, as far as whole digits allow.
-fn partition_near_half(items: &[u64], to: &mut [u64]) -> usize {
-    let mut counts = [0u32; DIGIT_VALUES];
-    for &item in items {
-        counts[digit_of(item, DIGITS - 1)] += 1;
-    }
-    let mut middle = 0;
+/// The item of a code.
+fn item_of(code: u64, index: u64) -> u64 {
+    code >> LOW_BITS << INDEX_BITS | index
+}
+
+/// Writes the items of `codes`, first those with a small highest digit, then the others, both in their order; how many
+/// come first: about half, as far as whole digits allow. On two threads, a half of the codes each.
+fn partition_near_half(codes: &[u64], items: &mut [u64]) -> usize {
+    let (front, back) = codes.split_at(codes.len() / 2);
+    let highest_digit = |code: u64| digit_of(item_of(code, 0), DIGITS - 1);
+    let count = |codes: &[u64]| {
+        let mut counts = [0u32; DIGIT_VALUES];
+        for &code in codes {
+            counts[highest_digit(code)] += 1;
+        }
+        counts
+    };
+    let (front_counts, back_counts) = rayon::join(|| count(front), || count(back));
+    let (mut front_low, mut back_low) = (0, 0);
     let mut first_high = 0;
-    while middle < items.len() / 2 {
-        middle += counts[first_high] as usize;
+    while front_low + back_low < codes.len() / 2 {
+        front_low += front_counts[first_high] as usize;
+        back_low += back_counts[first_high] as usize;
         first_high += 1;
     }
-    let mut next = [0, middle];
-    for &item in items {
-        let place = &mut next[usize::from(digit_of(item, DIGITS - 1) >= first_high)];
-        to[*place] = item;
-        *place += 1;
-    }
+    let middle = front_low + back_low;
+    let (low, high) = items.split_at_mut(middle);
+    let (low_of_front, low_of_back) = low.split_at_mut(front_low);
+    let (high_of_front, high_of_back) = high.split_at_mut(front.len() - front_low);
+    let partition = |codes: &[u64], first_index: u64, low: &mut [u64], high: &mut [u64]| {
+        let (mut low_count, mut high_count) = (0, 0);
+        for (&code, index) in codes.iter().zip(first_index..) {
+            let is_high = highest_digit(code) >= first_high;
+            // Written to both, and only one moves on.
+            for (items, count) in [(&mut *low, low_count), (&mut *high, high_count)] {
+                if let Some(item) = items.get_mut(count) {
+                    *item = item_of(code, index);
+                }
+            }
+            low_count += usize::from(!is_high);
+            high_count += usize::from(is_high);
+        }
+    };
+    rayon::join(
+        || partition(front, 0, low_of_front, high_of_front),
+        || partition(back, front.len() as u64, low_of_back, high_of_back),
+    );
     middle
 }
 

@@ -14,31 +14,36 @@ mod select;
 mod stop;
 #[cfg(test)]
 mod tests;
+mod voxels;
 
 pub use byte_code::OctreeError;
 pub use cube::Cube;
 pub use select::{SelectStats, SelectView};
 pub use stop::StopCriterion;
 
-use crate::cloud::VoxelRecord;
+use voxels::ColorSum;
 
 /// A sparse voxel octree with all leaves at one level.
 ///
 /// Nodes are numbered breadth-first, siblings by octant (x is bit 0, y bit 1, z bit 2), so that every level, the children
-/// of a node, and the descendants of a node at any one level are each a contiguous range.
+/// of a node, and the descendants of a node at any one level are each a contiguous range. The points of a node are a
+/// contiguous range in Morton order, and all that is drawn for it follows from them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Octree {
     cube: Cube,
-    point_count: usize,
+    /// Codes of the points, ascending.
+    codes: Vec<u64>,
+    /// Colours summed over the points before each, and over all of them.
+    colors_before: Vec<ColorSum>,
     /// Occupied cells of levels 0 to the depth; empty without points.
     level_counts: Vec<usize>,
+    /// First point of each node, and one 0. The next node's is where its points end; 0 ends a level.
+    first_point: Vec<u32>,
     /// Which octants of each internal node are occupied.
     masks: Vec<u8>,
     /// First child of each internal node, and the number of nodes at the end: `first_child[i]..first_child[i + 1]` are
     /// the children of node `i`.
     first_child: Vec<u32>,
-    /// What is drawn in place of each node, internal or leaf.
-    voxels: Vec<VoxelRecord>,
 }
 
 impl Octree {
@@ -49,7 +54,7 @@ impl Octree {
 
     /// Nodes on all levels, leaves included.
     pub fn node_count(&self) -> usize {
-        self.voxels.len()
+        self.first_point.len() - 1
     }
 
     /// Nodes with children: *nodes* in the paper's Table III.
@@ -64,7 +69,7 @@ impl Octree {
 
     /// Number of points it was built from.
     pub fn point_count(&self) -> usize {
-        self.point_count
+        self.codes.len()
     }
 
     /// Share of the points that have no leaf of their own, `1 − oct(h)/n` at the deepest level h; 0 without points.
@@ -72,10 +77,10 @@ impl Octree {
     /// It can exceed the δ asked for when points share a cell even at level 21: n points that all coincide are one
     /// occupied cell and a loss of `1 − 1/n`.
     pub fn loss(&self) -> f32 {
-        if self.point_count == 0 {
+        if self.codes.is_empty() {
             return 0.0;
         }
-        (1.0 - self.leaf_count() as f64 / self.point_count as f64) as f32
+        (1.0 - self.leaf_count() as f64 / self.point_count() as f64) as f32
     }
 
     /// The cube that the root stands for.
@@ -86,16 +91,6 @@ impl Octree {
     /// Occupied cells of each level, from the root's to the leaves'; empty without points.
     pub fn level_counts(&self) -> &[usize] {
         &self.level_counts
-    }
-
-    /// What stands for the nodes of `level`, in Morton order: all of a level of detail. Empty below the leaves.
-    pub fn level_voxels(&self, level: u32) -> &[VoxelRecord] {
-        let level = level as usize;
-        let Some(&count) = self.level_counts.get(level) else {
-            return &[];
-        };
-        let first: usize = self.level_counts[..level].iter().sum();
-        &self.voxels[first..first + count]
     }
 
     /// One byte for each internal node, breadth-first; bit `o` is set when octant `o` is occupied. Together with the depth
@@ -110,6 +105,8 @@ impl Octree {
             + size_of_val(self.level_counts.as_slice())
             + size_of_val(self.masks.as_slice())
             + size_of_val(self.first_child.as_slice())
-            + size_of_val(self.voxels.as_slice())
+            + size_of_val(self.first_point.as_slice())
+            + size_of_val(self.codes.as_slice())
+            + size_of_val(self.colors_before.as_slice())
     }
 }

@@ -7,7 +7,7 @@
 //! - *Inside mask.* A plane that a sphere is entirely inside of is not tested again below that node.
 //! - *Uniform cuts.* Once no plane is left, the nearest and the farthest distance of a cell bound where all of its
 //!   descendants would stop. When both name the same level, the answer for the whole subtree is all of its nodes on that
-//!   level: a contiguous range of the breadth-first array, found by following first children down and copied at
+//!   level: a contiguous range of the breadth-first array, found by following first children down and emitted at
 //!   once. Only cells that straddle the border of the frustum or of two levels of detail are descended into.
 //!
 //! When it wins: always; at worst (every cell straddles something) it visits what a plain traversal does.
@@ -15,12 +15,13 @@
 //! Distances are to the nearest point of a cell, so a projected edge is never underestimated, and an eye inside a cell
 //! always descends. The output depends on tree and view alone, and a reused `Vec` is not reallocated.
 
-use super::Octree;
+use super::{Octree, voxels::NodeRange};
 use crate::{
     cloud::VoxelRecord,
     math::{Frustum, morton::LEVELS},
 };
 use glam::Vec3;
+use std::ops::Range;
 
 /// What a view needs of the octree. Positions are in the space of the frame (relative to the sequence origin).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +39,7 @@ pub struct SelectView {
 /// What a traversal did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SelectStats {
-    /// Nodes that were tested or copied.
+    /// Nodes that were tested or emitted.
     pub visited_nodes: usize,
     /// Voxels written.
     pub emitted: usize,
@@ -49,8 +50,8 @@ impl Octree {
     ///
     /// They cover every leaf that can be seen, none twice: an emitted node stands for all leaves under it.
     pub fn select(&self, view: &SelectView, out: &mut Vec<VoxelRecord>) -> SelectStats {
-        out.clear();
-        if self.voxels.is_empty() {
+        if self.codes.is_empty() {
+            out.clear();
             return SelectStats::default();
         }
         let mut traversal = Traversal {
@@ -58,10 +59,11 @@ impl Octree {
             view,
             levels: self.level_limits(view),
             slack: self.distance_slack(view.eye),
-            out,
+            emitted: Vec::new(),
             visited_nodes: 0,
         };
-        traversal.visit(0, 0, ALL_PLANES);
+        traversal.visit(0, 0, [0; 3], ALL_PLANES);
+        self.write_voxels(&traversal.emitted, out);
         SelectStats {
             visited_nodes: traversal.visited_nodes,
             emitted: out.len(),
@@ -116,16 +118,15 @@ struct Traversal<'a> {
     view: &'a SelectView,
     levels: [LevelLimits; LEVELS as usize + 1],
     slack: f32,
-    out: &'a mut Vec<VoxelRecord>,
+    emitted: Vec<NodeRange>,
     visited_nodes: usize,
 }
 
 impl Traversal<'_> {
     /// Recursion is bounded by the 21 levels.
-    fn visit(&mut self, node: usize, level: usize, planes: PlaneMask) {
+    fn visit(&mut self, node: usize, level: usize, cell: [u32; 3], planes: PlaneMask) {
         self.visited_nodes += 1;
-        let voxel = self.tree.voxels[node];
-        let center = Vec3::from_array(voxel.center);
+        let center = self.tree.cube.cell_center(level as u32, cell);
         let limits = self.levels[level];
         let Some(planes) = self.planes_left(center, limits.sphere_radius, planes) else {
             return;
@@ -133,15 +134,21 @@ impl Traversal<'_> {
         let distance = (center - self.view.eye).abs();
         let is_leaf = node >= self.tree.masks.len();
         if is_leaf || nearest_squared(distance, limits.half_edge) > limits.stop_beyond_squared {
-            self.out.push(voxel);
+            self.emit(level, node..node + 1);
         } else if planes == 0
             && let Some(cut) = self.uniform_cut(distance, level)
         {
             self.emit_level_below(node, level, cut);
         } else {
-            let [first, end] = self.children(node, node + 1);
-            for child in first..end {
-                self.visit(child, level + 1, planes);
+            let mut octants = self.tree.masks[node];
+            let mut child = self.tree.first_child[node] as usize;
+            while octants != 0 {
+                let octant = octants.trailing_zeros();
+                let cell_of_child =
+                    std::array::from_fn(|axis| 2 * cell[axis] + (octant >> axis & 1));
+                self.visit(child, level + 1, cell_of_child, planes);
+                octants &= octants - 1;
+                child += 1;
             }
         }
     }
@@ -188,9 +195,21 @@ impl Traversal<'_> {
         for _ in level..cut {
             range = self.children(range[0], range[1]);
         }
-        let voxels = &self.tree.voxels[range[0]..range[1]];
-        self.visited_nodes += voxels.len();
-        self.out.extend_from_slice(voxels);
+        self.visited_nodes += range[1] - range[0];
+        self.emit(cut, range[0]..range[1]);
+    }
+
+    /// Emits nodes of `level`; those that follow upon the last emitted ones join them.
+    fn emit(&mut self, level: usize, nodes: Range<usize>) {
+        match self.emitted.last_mut() {
+            Some(last) if last.level == level as u32 && last.nodes.end == nodes.start => {
+                last.nodes.end = nodes.end;
+            }
+            _ => self.emitted.push(NodeRange {
+                level: level as u32,
+                nodes,
+            }),
+        }
     }
 
     /// The range of the children of the internal nodes `first..end` of one level.

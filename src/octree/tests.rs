@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
+use crate::cloud::VoxelRecord;
 use crate::math::{Containment, Frustum, morton};
 use glam::{Mat4, Vec3, Vec4};
 use proptest::prelude::*;
