@@ -1,11 +1,11 @@
-//! The k nearest neighbours of the 16 points of one bucket, found together and exactly.
+//! The k nearest neighbours of the eight points of one bucket, found together and exactly.
 //!
-//! How it works: the points first meet those of their own bucket, which bounds how far their neighbours can be; then the
-//! tree is climbed from the bucket to the root, and at every step the sibling subtree is descended into as far as its boxes
-//! are within the worst of the 16 bounds.
+//! How it works: the points first meet each other and the buckets beside theirs, the nearest first, which bounds how far
+//! their neighbours can be; then the tree is climbed to its top, and at every step the other children are descended into as
+//! far as their boxes are within the worst of the eight bounds.
 //!
-//! A register holds the distances of *eight searching points* to one candidate. Of the candidates that are near enough for
-//! one of the eight, this row is kept, and for each searching point the k smallest distances so far: a candidate is sunk
+//! A register holds the distances of the *eight searching points* to one candidate. Of the candidates that are near enough
+//! for one of the eight, this row is kept, and for each searching point the k smallest distances so far: a candidate is sunk
 //! into the k sorted registers by a smaller and a larger each, without branches, for eight points at a time. Which
 //! candidates the k smallest distances belong to is asked once, at the end, by comparing all rows with the k-th.
 //!
@@ -13,240 +13,250 @@
 //! must they be looked at one by one. Pruning knows about it as well: a box at exactly the bound is entered only if it
 //! holds an index that could still win. Without that, points that all coincide would make every bucket visit every other.
 //!
-//! When it wins: descending is paid once for 16 points, and there is no branch, no index and no heap where most of the time
-//! goes.
+//! When it wins: descending is paid once for eight points, eight boxes are tested at once, and there is no branch, no index
+//! and no heap where most of the time goes.
 //!
 //! Pruning is exact in f32: subtraction, multiplication and addition round monotonically, so the distance to a box, computed
 //! in the same order of operations, never exceeds the computed distance to a point inside.
 
-use super::point_tree::{BUCKET, NodeBox, PointTree};
-use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
-use glam::Vec4;
+use super::point_tree::{BoxRow, LANES, PointTree, Row};
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8, u32x8};
 
-/// Points that search in the lanes of one register.
-const LANES: usize = 8;
+/// Registers that a candidate is sunk through at a time.
+const SUNK_TOGETHER: usize = 4;
 
-/// One number for each of eight searching points.
-type Row = [f32; LANES];
+/// Rows whose answers fit the bits of one lane.
+const ROWS_PER_WORD: usize = u32::BITS as usize;
 
 /// What is kept while the points of one bucket search; reused for the next.
 #[derive(Debug)]
 pub(super) struct BucketSearch<'a> {
     tree: &'a PointTree,
-    /// Box of the searching points.
-    around: NodeBox,
-    halves: [Half<'a>; BUCKET / LANES],
-    /// The worst k-th distance (squared) of all searching points.
-    bound: f32,
-    /// From which file index on points at exactly the bound cannot win; `None` until somebody asks.
-    tie_limit: Option<u32>,
-    /// Nodes to be descended into, with the squared distances of their boxes.
-    stack: Vec<(u32, f32)>,
-    /// One place more than a list has.
-    scratch: Vec<u32>,
-}
-
-impl<'a> BucketSearch<'a> {
-    pub(super) fn new(tree: &'a PointTree, k: usize) -> Self {
-        Self {
-            tree,
-            around: tree.nodes[0],
-            halves: [Half::new(tree, k), Half::new(tree, k)],
-            bound: f32::INFINITY,
-            tie_limit: None,
-            stack: Vec::new(),
-            scratch: vec![0; k + 1],
-        }
-    }
-
-    /// Writes the k neighbours of each point of `bucket`, as slots. Inlined, so that it is compiled for each level of SIMD.
-    #[inline(always)]
-    pub(super) fn run<S: Simd>(&mut self, simd: S, bucket: usize, slots: &mut [u32]) {
-        let leaf = self.tree.first_leaf() + bucket;
-        self.around = self.tree.nodes[leaf];
-        let first_slots = (BUCKET * bucket..).step_by(LANES);
-        for (half, first_slot) in self.halves.iter_mut().zip(first_slots) {
-            half.begin(first_slot);
-        }
-        self.meet(simd, bucket);
-        let mut node = leaf;
-        while node > 1 {
-            self.push(node ^ 1);
-            while let Some((below, distance_squared)) = self.stack.pop() {
-                self.descend(simd, below as usize, distance_squared);
-            }
-            node /= 2;
-        }
-        let k = self.halves[0].k;
-        for (half, lists) in self.halves.iter_mut().zip(slots.chunks_mut(LANES * k)) {
-            half.write_lists(lists, &mut self.scratch);
-        }
-    }
-
-    #[inline(always)]
-    fn push(&mut self, node: usize) {
-        let distance_squared = box_distance_squared(&self.around, &self.tree.nodes[node]);
-        if distance_squared <= self.bound {
-            self.stack.push((node as u32, distance_squared));
-        }
-    }
-
-    #[inline(always)]
-    fn descend<S: Simd>(&mut self, simd: S, node: usize, distance_squared: f32) {
-        if distance_squared > self.bound {
-            return;
-        }
-        if distance_squared == self.bound && self.tree.min_file_index[node] >= self.tie_limit() {
-            return;
-        }
-        let first_leaf = self.tree.first_leaf();
-        if node >= first_leaf {
-            if node - first_leaf < self.tree.buckets.len() {
-                self.meet(simd, node - first_leaf);
-            }
-            return;
-        }
-        // The nearer child is taken first: it tightens the bound for the other. Of two equally near ones, that with the
-        // lowest index is.
-        let [low, high] = [2 * node, 2 * node + 1];
-        let distance_to =
-            |child: usize| box_distance_squared(&self.around, &self.tree.nodes[child]);
-        let (to_low, to_high) = (distance_to(low), distance_to(high));
-        let index_in = |child: usize| self.tree.min_file_index[child];
-        let high_first = to_high < to_low || (to_high == to_low && index_in(high) < index_in(low));
-        let (low, high) = ((low as u32, to_low), (high as u32, to_high));
-        let (first, second) = if high_first { (high, low) } else { (low, high) };
-        self.stack.push(second);
-        self.stack.push(first);
-    }
-
-    /// Offers the points of a bucket to all searching points.
-    #[inline(always)]
-    fn meet<S: Simd>(&mut self, simd: S, bucket: usize) {
-        self.tie_limit = None;
-        self.bound = 0.0;
-        for half in &mut self.halves {
-            half.meet(simd, bucket);
-            self.bound = self.bound.max(half.bound);
-        }
-    }
-
-    /// Of the points at exactly the bound, those from this file index on cannot be among the nearest.
-    #[cold]
-    fn tie_limit(&mut self) -> u32 {
-        if let Some(limit) = self.tie_limit {
-            return limit;
-        }
-        let bound = self.bound;
-        let limits = self.halves.iter_mut().map(|half| half.tie_limit(bound));
-        let limit = limits.max().unwrap_or(u32::MAX);
-        self.tie_limit = Some(limit);
-        limit
-    }
-}
-
-/// Eight searching points.
-#[derive(Debug)]
-struct Half<'a> {
-    tree: &'a PointTree,
     k: usize,
-    /// Slot of the first of them.
-    first_slot: usize,
-    /// How many there really are.
+    /// The bucket that searches, and how many points it has.
+    bucket: usize,
     count: usize,
-    /// Box of them.
-    around: NodeBox,
+    /// Box of the searching points.
+    min: [f32; 3],
+    max: [f32; 3],
     /// Candidates that were near enough for one of them.
     row_count: usize,
     /// Squared distances to each of these candidates. The vectors only grow.
     rows: Vec<Row>,
     /// The slots of these candidates.
     slots: Vec<u32>,
-    /// The k smallest squared distances, ascending.
-    nearest: Vec<Row>,
-    /// The largest of the k-th.
+    /// The k smallest squared distances, ascending; and some more, to fill up whole [`SUNK_TOGETHER`].
+    nearest: Vec<[Row; SUNK_TOGETHER]>,
+    /// The worst k-th distance (squared) of all searching points.
     bound: f32,
+    /// From which file index on points at exactly the bound cannot win; `None` until somebody asks.
+    tie_limit: Option<u32>,
+    /// What is to be descended into.
+    stack: Vec<Child>,
     /// Candidates of one searching point, where they have to be put in order.
     candidates: Vec<Candidate>,
 }
 
-impl<'a> Half<'a> {
-    fn new(tree: &'a PointTree, k: usize) -> Self {
+/// A bucket (level 0) or a row of boxes that may hold neighbours.
+#[derive(Debug, Clone, Copy)]
+struct Child {
+    /// Smaller for what should be taken earlier: bits of the squared distance, then the smallest file index inside.
+    rank: u64,
+    level: u32,
+    index: u32,
+}
+
+impl Child {
+    fn distance_squared(&self) -> f32 {
+        f32::from_bits((self.rank >> 32) as u32)
+    }
+
+    fn min_file_index(&self) -> u32 {
+        self.rank as u32
+    }
+}
+
+/// A candidate of one searching point.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    distance_squared: f32,
+    file_index: u32,
+    row: usize,
+}
+
+impl<'a> BucketSearch<'a> {
+    pub(super) fn new(tree: &'a PointTree, k: usize) -> Self {
         Self {
             tree,
             k,
-            first_slot: 0,
+            bucket: 0,
             count: 0,
-            around: tree.nodes[0],
+            min: [0.0; 3],
+            max: [0.0; 3],
             row_count: 0,
             rows: Vec::new(),
             slots: Vec::new(),
-            nearest: vec![[f32::INFINITY; LANES]; k],
+            nearest: vec![[[f32::INFINITY; LANES]; SUNK_TOGETHER]; k.div_ceil(SUNK_TOGETHER)],
             bound: f32::INFINITY,
+            tie_limit: None,
+            stack: Vec::new(),
             candidates: Vec::new(),
         }
     }
 
-    /// Forgets what was found, for the points from `first_slot` on.
-    fn begin(&mut self, first_slot: usize) {
-        self.first_slot = first_slot;
-        self.count = self.tree.len().saturating_sub(first_slot).min(LANES);
-        let searching = &self.tree.positions()[first_slot.min(self.tree.len())..][..self.count];
-        self.around = NodeBox::around(searching.iter().copied());
+    /// Writes the k neighbours of each point of `bucket`, as slots. Inlined, so that it is compiled for each level of SIMD.
+    #[inline(always)]
+    pub(super) fn run<S: Simd>(&mut self, simd: S, bucket: usize, lists: &mut [u32]) {
+        self.begin(bucket);
+        self.meet(simd, bucket);
+        let mut node = bucket;
+        for (level, rows) in self.tree.levels.iter().enumerate() {
+            let row = node / LANES;
+            self.push(simd, level, row, &rows[row], node % LANES);
+            while let Some(child) = self.stack.pop() {
+                self.descend(simd, child);
+            }
+            node = row;
+        }
+        self.write_lists(simd, lists);
+    }
+
+    /// Forgets what was found.
+    fn begin(&mut self, bucket: usize) {
+        self.bucket = bucket;
+        self.count = (self.tree.len() - LANES * bucket).min(LANES);
+        let boxes = &self.tree.levels[0][bucket / LANES];
+        let lane = bucket % LANES;
+        self.min = boxes.min.map(|row| row[lane]);
+        self.max = boxes.max.map(|row| row[lane]);
         self.row_count = 0;
-        self.nearest.fill([f32::INFINITY; LANES]);
-        self.bound = if self.count == 0 { -1.0 } else { f32::INFINITY };
+        // Lanes without a point want nothing.
+        let nothing_found = std::array::from_fn(|lane| {
+            if lane < self.count {
+                f32::INFINITY
+            } else {
+                -1.0
+            }
+        });
+        self.nearest.fill([nothing_found; SUNK_TOGETHER]);
+        self.bound = f32::INFINITY;
+        self.tie_limit = None;
+    }
+
+    /// Puts those of eight children that are near enough on the stack, the nearest on top; of equally near ones, that with
+    /// the lowest index. Not the one in lane `own`.
+    #[inline(always)]
+    fn push<S: Simd>(&mut self, simd: S, level: usize, row: usize, boxes: &BoxRow, own: usize) {
+        let x = self.gap(simd, boxes, 0);
+        let y = self.gap(simd, boxes, 1);
+        let z = self.gap(simd, boxes, 2);
+        // Added in the order in which the distances of points are.
+        let distances_squared = x * x + y * y + z * z;
+        // Boxes without points are infinitely far.
+        let near = distances_squared.simd_le(f32x8::splat(simd, self.bound.min(f32::MAX)));
+        if !near.any_true() {
+            return;
+        }
+        let distances_squared: Row = distances_squared.into();
+        let mut lanes = bits_of(simd, near) & !(1 << own);
+        let pushed_before = self.stack.len();
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let distance = u64::from(distances_squared[lane].to_bits());
+            self.stack.push(Child {
+                rank: distance << 32 | u64::from(boxes.min_file_index[lane]),
+                level: level as u32,
+                index: (LANES * row + lane) as u32,
+            });
+            let mut place = self.stack.len() - 1;
+            while place > pushed_before && self.stack[place - 1].rank < self.stack[place].rank {
+                self.stack.swap(place - 1, place);
+                place -= 1;
+            }
+        }
+    }
+
+    /// How far the searching points are from eight boxes along an axis, at least.
+    #[inline(always)]
+    fn gap<S: Simd>(&self, simd: S, boxes: &BoxRow, axis: usize) -> f32x8<S> {
+        let above = f32x8::from_slice(simd, &boxes.min[axis]) - self.max[axis];
+        let below = f32x8::splat(simd, self.min[axis]) - f32x8::from_slice(simd, &boxes.max[axis]);
+        above.max(below).max(0.0)
     }
 
     #[inline(always)]
-    fn meet<S: Simd>(&mut self, simd: S, bucket: usize) {
-        let below = &self.tree.nodes[self.tree.first_leaf() + bucket];
-        if box_distance_squared(&self.around, below) > self.bound {
+    fn descend<S: Simd>(&mut self, simd: S, child: Child) {
+        let distance_squared = child.distance_squared();
+        if distance_squared > self.bound {
             return;
         }
-        let lanes = self.first_slot % BUCKET..self.first_slot % BUCKET + LANES;
-        let searching = &self.tree.buckets[self.first_slot / BUCKET];
+        if distance_squared == self.bound && child.min_file_index() >= self.tie_limit() {
+            return;
+        }
+        let index = child.index as usize;
+        match child.level.checked_sub(1) {
+            None => self.meet(simd, index),
+            Some(level) => {
+                let level = level as usize;
+                let boxes = &self.tree.levels[level][index];
+                self.push(simd, level, index, boxes, LANES);
+            }
+        }
+    }
+
+    /// Offers the points of a bucket to the searching points.
+    #[inline(always)]
+    fn meet<S: Simd>(&mut self, simd: S, bucket: usize) {
+        let searching = &self.tree.buckets[self.bucket];
         let candidates = &self.tree.buckets[bucket];
-        let x = f32x8::from_slice(simd, &searching.x[lanes.clone()]);
-        let y = f32x8::from_slice(simd, &searching.y[lanes.clone()]);
-        let z = f32x8::from_slice(simd, &searching.z[lanes]);
-        // Where a candidate's own lane would be, if it is one of the searching points.
-        let first_lane = (BUCKET * bucket).wrapping_sub(self.first_slot);
+        let x = f32x8::from_slice(simd, &searching.x);
+        let y = f32x8::from_slice(simd, &searching.y);
+        let z = f32x8::from_slice(simd, &searching.z);
         // All are written, and those that are near enough stay: whether one is, no processor can guess.
-        if self.rows.len() < self.row_count + BUCKET {
-            self.rows.resize(2 * self.row_count + BUCKET, [0.0; LANES]);
+        if self.rows.len() < self.row_count + LANES {
+            self.rows.resize(2 * self.row_count + LANES, [0.0; LANES]);
             self.slots.resize(self.rows.len(), 0);
         }
-        let rows = &mut self.rows[self.row_count..][..BUCKET];
-        let slots = &mut self.slots[self.row_count..][..BUCKET];
-        let kth = f32x8::from_slice(simd, &self.nearest[self.k - 1]);
+        let rows = &mut self.rows[self.row_count..][..LANES];
+        let slots = &mut self.slots[self.row_count..][..LANES];
+        let kth = f32x8::from_slice(simd, kth_row(&self.nearest, self.k));
+        let is_own = bucket == self.bucket;
         let mut near = 0;
-        for place in 0..BUCKET {
+        for place in 0..LANES {
             let dx = f32x8::splat(simd, candidates.x[place]) - x;
             let dy = f32x8::splat(simd, candidates.y[place]) - y;
             let dz = f32x8::splat(simd, candidates.z[place]) - z;
             let distances = dx * dx + dy * dy + dz * dz;
             distances.store_slice(&mut rows[near]);
-            slots[near] = (BUCKET * bucket + place) as u32;
-            let own_lane = first_lane.wrapping_add(place);
-            if own_lane < LANES {
+            slots[near] = (LANES * bucket + place) as u32;
+            if is_own {
                 // No point is its own neighbour.
-                rows[near][own_lane] = f32::INFINITY;
+                rows[near][place] = f32::INFINITY;
             }
             near += usize::from(distances.simd_le(kth).any_true());
         }
-        for row in &rows[..near] {
-            sink(simd, &mut self.nearest, f32x8::from_slice(simd, row));
+        let mut sinking = [[0.0; LANES]; LANES];
+        sinking[..near].copy_from_slice(&rows[..near]);
+        for nearest in &mut self.nearest {
+            sink(simd, nearest, &mut sinking[..near]);
         }
         self.row_count += near;
-        let kth = &self.nearest[self.k - 1][..self.count];
-        self.bound = kth.iter().copied().fold(0.0, f32::max);
+        let kth = f32x8::from_slice(simd, kth_row(&self.nearest, self.k));
+        let of_halves = kth.max(kth.slide::<4>(kth));
+        let of_quarters = of_halves.max(of_halves.slide::<2>(of_halves));
+        self.bound = of_quarters[0].max(of_quarters[1]);
+        self.tie_limit = None;
     }
 
-    /// See [`BucketSearch::tie_limit`]; 0 if none of the k-th distances is `bound`.
+    /// Of the points at exactly the bound, those from this file index on cannot be among the nearest.
     ///
     /// Keeps only the candidates that count: many at equal distances would otherwise be compared over and over.
-    fn tie_limit(&mut self, bound: f32) -> u32 {
+    #[cold]
+    fn tie_limit(&mut self) -> u32 {
+        if let Some(limit) = self.tie_limit {
+            return limit;
+        }
         let mut limit = 0;
         let mut kept = vec![false; self.row_count];
         for lane in 0..self.count {
@@ -254,7 +264,7 @@ impl<'a> Half<'a> {
             for candidate in &self.candidates {
                 kept[candidate.row] = true;
             }
-            if self.nearest[self.k - 1][lane] == bound {
+            if kth_row(&self.nearest, self.k)[lane] == self.bound {
                 let kth = self.candidates.get(self.k - 1);
                 limit = limit.max(kth.map_or(u32::MAX, |kth| kth.file_index));
             }
@@ -265,13 +275,14 @@ impl<'a> Half<'a> {
             self.slots[self.row_count] = self.slots[row];
             self.row_count += 1;
         }
+        self.tie_limit = Some(limit);
         limit
     }
 
     /// Sets `candidates` to the k nearest of the searching point in a lane, or as many as there are, in order.
     fn put_in_order(&mut self, lane: usize) {
         // Places without a point are infinitely far.
-        let kth = self.nearest[self.k - 1][lane].min(f32::MAX);
+        let kth = kth_row(&self.nearest, self.k)[lane].min(f32::MAX);
         let within = self.rows[..self.row_count]
             .iter()
             .map(|distances_squared| distances_squared[lane])
@@ -293,49 +304,75 @@ impl<'a> Half<'a> {
 
     /// Writes the k nearest candidates of each searching point, as slots.
     #[inline(always)]
-    fn write_lists(&mut self, lists: &mut [u32], scratch: &mut [u32]) {
-        let kth = self.nearest[self.k - 1];
+    fn write_lists<S: Simd>(&mut self, simd: S, lists: &mut [u32]) {
+        let kth = f32x8::from_slice(simd, kth_row(&self.nearest, self.k));
+        let mut words = [[0; LANES]; 2];
+        let rows = &self.rows[..self.row_count];
+        for (words, rows) in words.iter_mut().zip(rows.chunks(ROWS_PER_WORD)) {
+            rows_within(simd, rows, kth).store_slice(words);
+        }
         for (lane, list) in lists.chunks_exact_mut(self.k).enumerate() {
-            let mut found = 0;
-            for (distances_squared, &slot) in self.rows[..self.row_count].iter().zip(&self.slots) {
-                let within = distances_squared[lane] <= kth[lane];
-                // Overwritten until a slot that is within the k-th distance moves on.
-                scratch[found.min(self.k)] = slot;
-                found += usize::from(within);
-            }
-            list.copy_from_slice(&scratch[..self.k]);
-            if found > self.k {
+            let mut rows_within =
+                u64::from(words[0][lane]) | u64::from(words[1][lane]) << ROWS_PER_WORD;
+            if self.row_count > 2 * ROWS_PER_WORD || rows_within.count_ones() as usize != self.k {
                 self.put_in_order(lane);
                 for (slot, candidate) in list.iter_mut().zip(&self.candidates) {
                     *slot = self.slots[candidate.row];
                 }
+                continue;
+            }
+            for slot in list {
+                *slot = self.slots[rows_within.trailing_zeros() as usize];
+                rows_within &= rows_within - 1;
             }
         }
     }
 }
 
-/// A candidate of one searching point.
-#[derive(Debug, Clone, Copy)]
-struct Candidate {
-    distance_squared: f32,
-    file_index: u32,
-    row: usize,
-}
-
-/// Puts `distances` where they belong in the ascending registers `nearest` and drops what is largest.
+/// For each of at most 32 rows one bit, in each lane whether its distance is not above the k-th.
 #[inline(always)]
-fn sink<S: Simd>(simd: S, nearest: &mut [Row], distances: f32x8<S>) {
-    let mut sinking = distances;
-    for row in nearest {
-        let here = f32x8::from_slice(simd, row);
-        here.min(sinking).store_slice(row);
-        sinking = here.max(sinking);
+fn rows_within<S: Simd>(simd: S, rows: &[Row], kth: f32x8<S>) -> u32x8<S> {
+    let zero = u32x8::splat(simd, 0);
+    let mut words = zero;
+    for (bit, row) in rows.iter().enumerate() {
+        let is_within = f32x8::from_slice(simd, row).simd_le(kth);
+        words |= simd.select_u32x8(is_within, u32x8::splat(simd, 1 << bit), zero);
     }
+    words
 }
 
+/// One bit for each lane that is true.
 #[inline(always)]
-fn box_distance_squared(a: &NodeBox, b: &NodeBox) -> f32 {
-    let apart = (b.min - a.max).max(a.min - b.max).max(Vec4::ZERO);
-    // Added in the order in which the distances of points are.
-    apart.x * apart.x + apart.y * apart.y + apart.z * apart.z
+fn bits_of<S: Simd>(simd: S, mask: mask32x8<S>) -> u32 {
+    let lane_bits = u32x8::from_slice(simd, &[1, 2, 4, 8, 16, 32, 64, 128]);
+    let bits = simd.select_u32x8(mask, lane_bits, u32x8::splat(simd, 0));
+    let bits = bits | bits.slide::<4>(bits);
+    let bits = bits | bits.slide::<2>(bits);
+    bits[0] | bits[1]
+}
+
+/// The k-th smallest distances.
+fn kth_row(nearest: &[[Row; SUNK_TOGETHER]], k: usize) -> &Row {
+    &nearest.as_flattened()[k - 1]
+}
+
+/// Puts `distances` where they belong in the ascending registers `nearest`; what is left of them is what came out below.
+#[inline(always)]
+fn sink<S: Simd>(simd: S, nearest: &mut [Row; SUNK_TOGETHER], distances: &mut [Row]) {
+    let mut registers = [f32x8::splat(simd, 0.0); SUNK_TOGETHER];
+    for (register, row) in registers.iter_mut().zip(&*nearest) {
+        *register = f32x8::from_slice(simd, row);
+    }
+    for row in distances {
+        let mut sinking = f32x8::from_slice(simd, row);
+        for here in &mut registers {
+            let larger = here.max(sinking);
+            *here = here.min(sinking);
+            sinking = larger;
+        }
+        sinking.store_slice(row);
+    }
+    for (row, register) in nearest.iter_mut().zip(registers) {
+        register.store_slice(row);
+    }
 }

@@ -4,7 +4,7 @@
 //! put in order for those who ask from outside.
 
 use super::bucket_search::BucketSearch;
-use super::point_tree::{BUCKET, PointTree};
+use super::point_tree::{LANES, PointTree};
 use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -49,7 +49,7 @@ pub fn nearest_neighbours(positions: &[Vec3], k: usize) -> Neighbours {
 }
 
 /// Buckets that one task searches for before it asks for more.
-const BUCKETS_PER_TASK: usize = 32;
+const BUCKETS_PER_TASK: usize = 64;
 
 impl PointTree {
     /// [`nearest_neighbours`] with slots in place of indices, both as position and as value, and in no order.
@@ -59,12 +59,12 @@ impl PointTree {
         if per_point > 0 {
             let level = Level::new();
             indices
-                .par_chunks_mut(BUCKET * per_point * BUCKETS_PER_TASK)
+                .par_chunks_mut(LANES * per_point * BUCKETS_PER_TASK)
                 .enumerate()
                 .for_each(|(task, lists)| {
                     let mut search = BucketSearch::new(self, per_point);
                     let first = task * BUCKETS_PER_TASK;
-                    for (place, lists) in lists.chunks_mut(BUCKET * per_point).enumerate() {
+                    for (place, lists) in lists.chunks_mut(LANES * per_point).enumerate() {
                         dispatch!(level, simd => search.run(simd, first + place, lists));
                     }
                 });

@@ -1,8 +1,10 @@
-//! A k-d tree over points in buckets of 16: the order in which analysis works, and the boxes that searches prune by.
+//! A k-d tree over points in buckets of eight: the order in which analysis works, and the boxes that searches prune by.
 //!
-//! How it works: the points are split at the median of the longest side of their box until 16 are left, with the median
-//! rounded to a whole bucket. So bucket `b` holds the *slots* `16 b .. 16 b + 16`, points that are close in space are
-//! close in memory, and the tree needs no pointers: node `i` has the children `2 i` and `2 i + 1`, the root is 1.
+//! How it works: the points are split at the median of the longest side of their box until eight are left, with the median
+//! rounded to a whole bucket. So bucket `b` holds the *slots* `8 b .. 8 b + 8`, points that are close in space are close in
+//! memory, and the tree needs no pointers. Three splits on top of each other are one [`BoxRow`]: the boxes of eight children,
+//! tested with one register for each side. Row `r` of the lowest level has the buckets `8 r .. 8 r + 8`, row `r` of any other
+//! the rows `8 r .. 8 r + 8` of the level below.
 //!
 //! When it wins: over a uniform grid wherever density varies. A cluster with an outlier a million times its size away,
 //! or a laser scanner's sweep, is split as evenly as a sphere; even points that all coincide are shared out among buckets.
@@ -12,9 +14,13 @@
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
-/// Points a bucket: two SIMD registers of eight.
-pub(super) const BUCKET: usize = 16;
+/// Points a bucket, and boxes a row: one SIMD register.
+pub(super) const LANES: usize = 8;
+
+/// One number for each of eight points or boxes.
+pub(super) type Row = [f32; LANES];
 
 /// Below this many points a split is not worth handing to another thread.
 const PARALLEL_SPLIT: usize = 4096;
@@ -29,51 +35,73 @@ pub(super) struct PointTree {
     /// The slot of each point of the file.
     slot: Vec<u32>,
     pub(super) buckets: Vec<Bucket>,
-    /// Boxes of the nodes; those of leaves start at [`PointTree::first_leaf`]. Beyond the last bucket boxes are empty.
-    pub(super) nodes: Vec<NodeBox>,
-    /// The smallest file index in each node, to decide between equal distances.
-    pub(super) min_file_index: Vec<u32>,
+    /// Boxes of the buckets first, one row at the end; none without points.
+    pub(super) levels: Vec<Vec<BoxRow>>,
     /// Scene units of one scaled unit: a power of two.
     unit: f32,
 }
 
-/// The coordinates of 16 slots. Places without a point are so far away that the square of their distance is infinite.
+/// The coordinates of eight slots. Places without a point are so far away that the square of their distance is infinite.
 #[derive(Debug, Clone)]
 pub(super) struct Bucket {
-    pub(super) x: [f32; BUCKET],
-    pub(super) y: [f32; BUCKET],
-    pub(super) z: [f32; BUCKET],
+    pub(super) x: Row,
+    pub(super) y: Row,
+    pub(super) z: Row,
 }
 
-/// The box of a node: two SIMD registers, of which the last lane is 0.
+/// The boxes of eight children, side by side. Those without points are inside out and infinitely far.
+#[derive(Debug, Clone)]
+pub(super) struct BoxRow {
+    pub(super) min: [Row; 3],
+    pub(super) max: [Row; 3],
+    /// The smallest file index in each, to decide between equal distances.
+    pub(super) min_file_index: [u32; LANES],
+}
+
+impl BoxRow {
+    fn new(children: &[NodeBox]) -> Self {
+        let child = |lane: usize| children.get(lane).copied().unwrap_or(NodeBox::EMPTY);
+        let row = |value: &dyn Fn(NodeBox) -> f32| std::array::from_fn(|lane| value(child(lane)));
+        Self {
+            min: [0, 1, 2].map(|axis| row(&|child| child.min[axis])),
+            max: [0, 1, 2].map(|axis| row(&|child| child.max[axis])),
+            min_file_index: std::array::from_fn(|lane| child(lane).min_file_index),
+        }
+    }
+}
+
+/// The box of some points.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct NodeBox {
-    pub(super) min: Vec4,
-    pub(super) max: Vec4,
+struct NodeBox {
+    min: Vec4,
+    max: Vec4,
+    min_file_index: u32,
 }
 
 impl NodeBox {
     const EMPTY: Self = Self {
-        min: Vec4::new(f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.0),
-        max: Vec4::new(f32::NEG_INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY, 0.0),
+        min: Vec4::INFINITY,
+        max: Vec4::NEG_INFINITY,
+        min_file_index: u32::MAX,
     };
 
-    /// The box around some points.
-    pub(super) fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
-        points
-            .into_iter()
-            .map(|point| point.extend(0.0))
-            .fold(Self::EMPTY, |node, point| Self {
-                min: node.min.min(point),
-                max: node.max.max(point),
-            })
+    fn around(points: &[SlotPoint]) -> Self {
+        points.iter().fold(Self::EMPTY, |node, point| {
+            let place = point.position.extend(0.0);
+            Self {
+                min: node.min.min(place),
+                max: node.max.max(place),
+                min_file_index: node.min_file_index.min(point.file_index),
+            }
+        })
     }
 
-    fn union(&self, other: &Self) -> Self {
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
+    fn union(nodes: &[Self]) -> Self {
+        nodes.iter().fold(Self::EMPTY, |union, node| Self {
+            min: union.min.min(node.min),
+            max: union.max.max(node.max),
+            min_file_index: union.min_file_index.min(node.min_file_index),
+        })
     }
 }
 
@@ -81,15 +109,6 @@ impl NodeBox {
 struct SlotPoint {
     position: Vec3,
     file_index: u32,
-}
-
-fn box_of(points: &[SlotPoint]) -> NodeBox {
-    NodeBox::around(points.iter().map(|point| point.position))
-}
-
-fn min_file_index_of(points: &[SlotPoint]) -> u32 {
-    let indices = points.iter().map(|point| point.file_index);
-    indices.min().unwrap_or(u32::MAX)
 }
 
 impl PointTree {
@@ -109,28 +128,20 @@ impl PointTree {
                 file_index,
             })
             .collect();
-        let bucket_count = points.len().div_ceil(BUCKET);
-        split(&mut points, bucket_count.next_power_of_two() / 2 * BUCKET);
+        let bucket_count = points.len().div_ceil(LANES);
+        split(&mut points, bucket_count.next_power_of_two() / 2 * LANES);
 
         let mut slot = vec![0; points.len()];
         for (point, index) in points.iter().zip(0..) {
             slot[point.file_index as usize] = index;
         }
+        let boxes = points.chunks(LANES).map(NodeBox::around).collect();
         Self {
             positions: points.iter().map(|point| point.position).collect(),
             file_index: points.iter().map(|point| point.file_index).collect(),
             slot,
-            buckets: points.chunks(BUCKET).map(Bucket::new).collect(),
-            nodes: bottom_up(
-                points.chunks(BUCKET).map(box_of),
-                NodeBox::EMPTY,
-                NodeBox::union,
-            ),
-            min_file_index: bottom_up(
-                points.chunks(BUCKET).map(min_file_index_of),
-                u32::MAX,
-                |&a, &b| a.min(b),
-            ),
+            buckets: points.chunks(LANES).map(Bucket::new).collect(),
+            levels: rows_above(boxes),
             unit,
         }
     }
@@ -158,11 +169,6 @@ impl PointTree {
     /// The point of the file in a slot.
     pub(super) fn file_index_of(&self, slot: u32) -> u32 {
         self.file_index[slot as usize]
-    }
-
-    /// Index of the first leaf in `nodes`; bucket `b` is leaf `first_leaf() + b`.
-    pub(super) fn first_leaf(&self) -> usize {
-        self.nodes.len() / 2
     }
 
     /// `values` by slot, rearranged to the order of the file.
@@ -203,16 +209,19 @@ impl Bucket {
 
 /// Splits `points` at `half` (a power of two of buckets, and at least half of them) and both parts again.
 fn split(points: &mut [SlotPoint], half: usize) {
-    // Halves of a bucket are close together, too: they search on their own (see bucket_search).
-    if half < BUCKET / 2 {
+    if half < LANES {
         return;
     }
     if points.len() <= half {
         return split(points, half / 2);
     }
-    let node = box_of(points);
-    let axis = (node.max - node.min).max_position();
-    points.select_nth_unstable_by(half, |a, b| a.position[axis].total_cmp(&b.position[axis]));
+    let node = NodeBox::around(points);
+    let axis = (node.max - node.min).truncate().max_position();
+    match axis {
+        0 => part_at(points, half, |position| position.x),
+        1 => part_at(points, half, |position| position.y),
+        _ => part_at(points, half, |position| position.z),
+    }
     let parallel = points.len() > PARALLEL_SPLIT;
     let (low, high) = points.split_at_mut(half);
     if parallel {
@@ -223,21 +232,23 @@ fn split(points: &mut [SlotPoint], half: usize) {
     }
 }
 
-/// Values of all nodes from those of the buckets: `join` of two children is that of their parent.
-fn bottom_up<T: Copy>(
-    buckets: impl ExactSizeIterator<Item = T>,
-    of_nothing: T,
-    join: impl Fn(&T, &T) -> T,
-) -> Vec<T> {
-    let first_leaf = buckets.len().next_power_of_two();
-    let mut nodes = vec![of_nothing; 2 * first_leaf];
-    for (node, bucket) in nodes[first_leaf..].iter_mut().zip(buckets) {
-        *node = bucket;
+/// Moves the `count` points with the smallest coordinates to the front. Compiled for each axis on its own.
+fn part_at(points: &mut [SlotPoint], count: usize, coordinate: impl Fn(Vec3) -> f32) {
+    points.select_nth_unstable_by(count, |a, b| {
+        // Finite, so there is an order; and where only "less" is asked for, this is one instruction.
+        let order = coordinate(a.position).partial_cmp(&coordinate(b.position));
+        order.unwrap_or(Ordering::Equal)
+    });
+}
+
+/// The rows of all levels above these boxes.
+fn rows_above(mut boxes: Vec<NodeBox>) -> Vec<Vec<BoxRow>> {
+    let mut levels = Vec::new();
+    while !boxes.is_empty() && (levels.is_empty() || boxes.len() > 1) {
+        levels.push(boxes.chunks(LANES).map(BoxRow::new).collect());
+        boxes = boxes.chunks(LANES).map(NodeBox::union).collect();
     }
-    for index in (1..first_leaf).rev() {
-        nodes[index] = join(&nodes[2 * index], &nodes[2 * index + 1]);
-    }
-    nodes
+    levels
 }
 
 /// The smallest power of two not below `value`, kept away from the ends of the f32 range; 1 for 0.
@@ -279,15 +290,19 @@ mod tests {
                     positions[tree.file_index[slot] as usize]
                 );
                 assert_eq!(tree.slot_of(tree.file_index[slot]), slot as u32);
-                let mut node = tree.first_leaf() + slot / BUCKET;
-                while node > 0 {
-                    let NodeBox { min, max } = tree.nodes[node];
-                    let place = position.extend(0.0);
-                    assert!(min.cmple(place).all() && max.cmpge(place).all());
-                    assert!(tree.min_file_index[node] <= tree.file_index[slot]);
-                    node /= 2;
+                let place = position.to_array();
+                for (level, rows) in tree.levels.iter().enumerate() {
+                    let node = slot / LANES.pow(level as u32 + 1);
+                    let (row, lane) = (&rows[node / LANES], node % LANES);
+                    for axis in 0..3 {
+                        assert!(row.min[axis][lane] <= place[axis]);
+                        assert!(row.max[axis][lane] >= place[axis]);
+                    }
+                    assert!(row.min_file_index[lane] <= tree.file_index[slot]);
                 }
             }
+            let top_rows = tree.levels.last().map_or(0, Vec::len);
+            assert_eq!(top_rows, usize::from(count > 0));
             let there_and_back = tree.to_file_order(&tree.to_slot_order(&positions));
             assert_eq!(there_and_back, positions);
         }

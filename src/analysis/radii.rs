@@ -90,10 +90,14 @@ const DIRECTIONS: usize = 32;
 /// One number for each of eight directions, or of eight neighbours.
 type Row = [f32; 8];
 
-/// Cosines and sines of evenly spaced directions.
+/// Rows of directions in one half of the circle. The other half are their opposites, along which everything is as long with
+/// the opposite sign.
+const HALF: usize = DIRECTIONS / 8 / 2;
+
+/// Cosines and sines of the evenly spaced directions of one half.
 struct Directions {
-    cosines: [Row; DIRECTIONS / 8],
-    sines: [Row; DIRECTIONS / 8],
+    cosines: [Row; HALF],
+    sines: [Row; HALF],
 }
 
 impl Directions {
@@ -135,32 +139,46 @@ impl Cells<'_> {
     fn cell_radius<S: Simd>(&self, simd: S, slot: usize) -> f32 {
         let point = self.positions[slot];
         let (u, v) = self.normals[slot].any_orthonormal_pair();
-        // One over the distance to the end of the cell in each direction.
-        let mut inverse = [f32x8::splat(simd, 0.0); DIRECTIONS / 8];
+        let zero = f32x8::splat(simd, 0.0);
+        // One over the distance to the end of the cell in each direction of one half, and minus that in the opposite ones.
+        let mut most = [zero; HALF];
+        let mut least = [zero; HALF];
         let mut reach_squared = f32x8::splat(simd, 0.0);
         for chunk in self.neighbours.of(slot).chunks(8) {
-            // Lanes without a neighbour stay zero.
-            let (mut x, mut y) = ([0.0; 8], [0.0; 8]);
+            // Lanes without a neighbour have the point itself, whose offset is zero.
+            let mut places = [[point.x; 8], [point.y; 8], [point.z; 8]];
             for (lane, &neighbour) in chunk.iter().enumerate() {
-                let offset = self.positions[neighbour as usize] - point;
-                (x[lane], y[lane]) = (offset.dot(u), offset.dot(v));
+                let place = self.positions[neighbour as usize];
+                places[0][lane] = place.x;
+                places[1][lane] = place.y;
+                places[2][lane] = place.z;
             }
-            let (x, y) = (f32x8::from_slice(simd, &x), f32x8::from_slice(simd, &y));
+            let dx = f32x8::from_slice(simd, &places[0]) - point.x;
+            let dy = f32x8::from_slice(simd, &places[1]) - point.y;
+            let dz = f32x8::from_slice(simd, &places[2]) - point.z;
+            let x = dx * u.x + dy * u.y + dz * u.z;
+            let y = dx * v.x + dy * v.y + dz * v.z;
             let squared = x * x + y * y;
             reach_squared = reach_squared.max(squared);
             // A neighbour right above or below has no line midway.
-            let zero = f32x8::splat(simd, 0.0);
             let is_apart = squared.simd_gt(zero);
             let scale = simd.select_f32x8(is_apart, f32x8::splat(simd, 2.0) / squared, zero);
             let (wx, wy): (Row, Row) = ((x * scale).into(), (y * scale).into());
             for lane in 0..chunk.len() {
                 let (wx, wy) = (f32x8::splat(simd, wx[lane]), f32x8::splat(simd, wy[lane]));
-                for (row, inverse) in inverse.iter_mut().enumerate() {
+                for row in 0..HALF {
                     let cosines = f32x8::from_slice(simd, &self.directions.cosines[row]);
                     let sines = f32x8::from_slice(simd, &self.directions.sines[row]);
-                    *inverse = inverse.max(wx * cosines + wy * sines);
+                    let along = wx * cosines + wy * sines;
+                    most[row] = most[row].max(along);
+                    least[row] = least[row].min(along);
                 }
             }
+        }
+        let mut inverse = [zero; 2 * HALF];
+        for row in 0..HALF {
+            inverse[row] = most[row];
+            inverse[HALF + row] = -least[row];
         }
         // What is extreme along the circle is a corner or the middle of a side. Beyond the last neighbour nothing is
         // known, so a corner there is taken to be no farther than it, and twice as far out the cell counts as open.

@@ -95,7 +95,16 @@ impl Loader {
             playhead: 0,
             direction: Direction::Forward,
         };
+        let workers = options.workers.max(1);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(workers)
+            .thread_name(|number| format!("frame stages {number}"))
+            .build()
+            .map_err(|error| SequenceError::NoThread {
+                reason: std::io::Error::other(error),
+            })?;
         let shared = Arc::new(Shared {
+            pool,
             queue: Mutex::new(Queue::new(
                 Arc::clone(&sequence),
                 focus,
@@ -109,10 +118,10 @@ impl Loader {
         });
         let mut loader = Self {
             shared,
-            threads: Vec::with_capacity(options.workers.max(1)),
+            threads: Vec::with_capacity(workers),
             next_ticket: AtomicU64::new(0),
         };
-        for number in 0..options.workers.max(1) {
+        for number in 0..workers {
             let shared = Arc::clone(&loader.shared);
             let started = thread::Builder::new()
                 .name(format!("frame loader {number}"))

@@ -10,6 +10,9 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 /// What the loader shares with its workers.
 pub(super) struct Shared {
+    /// Prepares frames: one on each thread, and where there are fewer frames than threads, stages of one on several. Not
+    /// the pool that draws: a picture must not wait for a frame that is not even in it.
+    pub(super) pool: rayon::ThreadPool,
     pub(super) sequence: Arc<Sequence>,
     pub(super) queue: Mutex<Queue>,
     /// There may be work: a request, a waiter, a finished frame, the end.
@@ -76,20 +79,17 @@ fn next_job(shared: &Shared) -> Option<Job> {
 /// Decodes and prepares; `None` if nobody wants the frame any more.
 fn make(shared: &Shared, job: Job) -> Result<Option<PreparedFrame>, FrameError> {
     if let Some(existing) = job.existing {
-        return Ok(Some(complete(&existing, &job.needs, &shared.counters)));
+        let completed = || complete(&existing, &job.needs, &shared.counters);
+        return Ok(Some(shared.pool.install(completed)));
     }
     let loaded = shared.sequence.load(job.index)?;
     let bytes = expected_bytes(&loaded.frame, &job.needs);
     let Some(needs) = shared.queue().still_wanted(job.index, bytes) else {
         return Ok(None);
     };
-    Ok(Some(prepare(
-        job.index,
-        Arc::new(loaded.frame),
-        loaded.decode_ms,
-        &needs,
-        &shared.counters,
-    )))
+    let frame = Arc::new(loaded.frame);
+    let prepared = || prepare(job.index, frame, loaded.decode_ms, &needs, &shared.counters);
+    Ok(Some(shared.pool.install(prepared)))
 }
 
 /// What `frame` will take when it is prepared, as far as it can be said before: all but the octree.
