@@ -218,9 +218,9 @@ fn split(points: &mut [SlotPoint], half: usize) {
     let node = NodeBox::around(points);
     let axis = (node.max - node.min).truncate().max_position();
     match axis {
-        0 => part_at(points, half, |position| position.x),
-        1 => part_at(points, half, |position| position.y),
-        _ => part_at(points, half, |position| position.z),
+        0 => part_at::<0>(points, half),
+        1 => part_at::<1>(points, half),
+        _ => part_at::<2>(points, half),
     }
     let parallel = points.len() > PARALLEL_SPLIT;
     let (low, high) = points.split_at_mut(half);
@@ -232,12 +232,12 @@ fn split(points: &mut [SlotPoint], half: usize) {
     }
 }
 
-/// Moves the `count` points with the smallest coordinates to the front. Compiled for each axis on its own.
-fn part_at(points: &mut [SlotPoint], count: usize, coordinate: impl Fn(Vec3) -> f32) {
+/// Moves the `count` points with the smallest coordinates along an axis to the front. Compiled for each axis on its own.
+fn part_at<const AXIS: usize>(points: &mut [SlotPoint], count: usize) {
     points.select_nth_unstable_by(count, |a, b| {
         // Finite, so there is an order; and where only "less" is asked for, this is one instruction.
-        let order = coordinate(a.position).partial_cmp(&coordinate(b.position));
-        order.unwrap_or(Ordering::Equal)
+        let [a, b] = [a, b].map(|point| point.position.to_array()[AXIS]);
+        a.partial_cmp(&b).unwrap_or(Ordering::Equal)
     });
 }
 

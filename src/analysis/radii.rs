@@ -4,7 +4,7 @@
 //! Voronoi cell of its own point, the disks cover the surface. So the neighbours are projected onto the tangent plane, and
 //! the cell is measured along 32 directions. The line midway to a neighbour at `q` is `|q|² / 2 q·d` away in direction `d`;
 //! the cell ends at the nearest of these lines, which is the largest of the `w·d` with `w = 2 q / |q|²`. That needs neither
-//! branches nor sorting, and eight directions are one SIMD operation. Where the cell reaches farthest there is a corner; the
+//! branches nor sorting, and eight points are measured in one SIMD register. Where the cell reaches farthest there is a corner; the
 //! radius is the distance to the farthest corner, with some overlap for those between two directions. This is about the
 //! smallest radius with which a point need not rely on the disks of others.
 //!
@@ -18,7 +18,8 @@
 //! When it wins: over multiples of the mean neighbour distance, which are too small for points at the end of a row and too
 //! large for all others.
 
-use super::{neighbours::Neighbours, point_tree::PointTree};
+use super::neighbours::Neighbours;
+use super::point_tree::{LANES, PointTree, Row};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -42,14 +43,13 @@ pub(super) fn closing_radii(
     neighbours: &Neighbours,
     normals: &[Vec3],
 ) -> Vec<f32> {
-    let directions = Directions::new();
     let level = Level::new();
     let mut raw = vec![0.0; tree.len()];
     raw.par_chunks_mut(POINTS_PER_TASK)
         .enumerate()
         .for_each(|(task, raw)| {
             let cells = Cells {
-                directions: &directions,
+                directions: half_circle(),
                 positions: tree.positions(),
                 neighbours,
                 normals,
@@ -87,39 +87,22 @@ const OPEN: f32 = 0.5;
 /// Directions in the tangent plane along which a cell is measured.
 const DIRECTIONS: usize = 32;
 
-/// One number for each of eight directions, or of eight neighbours.
-type Row = [f32; 8];
-
-/// Rows of directions in one half of the circle. The other half are their opposites, along which everything is as long with
-/// the opposite sign.
-const HALF: usize = DIRECTIONS / 8 / 2;
+/// Directions in one half of the circle. The others are their opposites, along which everything is as long with the
+/// opposite sign.
+const HALF: usize = DIRECTIONS / 2;
 
 /// Cosines and sines of the evenly spaced directions of one half.
-struct Directions {
-    cosines: [Row; HALF],
-    sines: [Row; HALF],
-}
-
-impl Directions {
-    fn new() -> Self {
-        let rows = |f: fn(f64) -> f64| {
-            std::array::from_fn(|row| {
-                std::array::from_fn(|lane| {
-                    let turn = (8 * row + lane) as f64 / DIRECTIONS as f64;
-                    f(turn * std::f64::consts::TAU) as f32
-                })
-            })
-        };
-        Self {
-            cosines: rows(f64::cos),
-            sines: rows(f64::sin),
-        }
-    }
+fn half_circle() -> [[f32; 2]; HALF] {
+    std::array::from_fn(|direction| {
+        let turn = direction as f64 / DIRECTIONS as f64;
+        let (sine, cosine) = (turn * std::f64::consts::TAU).sin_cos();
+        [cosine as f32, sine as f32]
+    })
 }
 
 /// What the cells of a cloud are measured from.
 struct Cells<'a> {
-    directions: &'a Directions,
+    directions: [[f32; 2]; HALF],
     positions: &'a [Vec3],
     neighbours: &'a Neighbours,
     normals: &'a [Vec3],
@@ -129,83 +112,93 @@ impl Cells<'_> {
     /// Writes the radii of the cells of consecutive points. Inlined, so that it is compiled for each level of SIMD.
     #[inline(always)]
     fn measure<S: Simd>(&self, simd: S, first_slot: usize, radii: &mut [f32]) {
-        for (radius, slot) in radii.iter_mut().zip(first_slot..) {
-            *radius = self.cell_radius(simd, slot);
+        let mut lines = vec![[[0.0; LANES]; 2]; self.neighbours.per_point()];
+        for (radii, slot) in radii.chunks_mut(LANES).zip((first_slot..).step_by(LANES)) {
+            let measured = self.cell_radii(simd, slot, &mut lines);
+            radii.copy_from_slice(&measured[..radii.len()]);
         }
     }
 
-    /// Distance from a point to the farthest corner of its Voronoi cell in its tangent plane; 0 without neighbours apart.
+    /// Distances from eight points to the farthest corners of their Voronoi cells in their tangent planes; 0 without
+    /// neighbours apart. `lines` is scratch.
     #[inline(always)]
-    fn cell_radius<S: Simd>(&self, simd: S, slot: usize) -> f32 {
-        let point = self.positions[slot];
-        let (u, v) = self.normals[slot].any_orthonormal_pair();
+    fn cell_radii<S: Simd>(&self, simd: S, first_slot: usize, lines: &mut [[Row; 2]]) -> Row {
         let zero = f32x8::splat(simd, 0.0);
-        // One over the distance to the end of the cell in each direction of one half, and minus that in the opposite ones.
-        let mut most = [zero; HALF];
-        let mut least = [zero; HALF];
-        let mut reach_squared = f32x8::splat(simd, 0.0);
-        for chunk in self.neighbours.of(slot).chunks(8) {
-            // Lanes without a neighbour have the point itself, whose offset is zero.
-            let mut places = [[point.x; 8], [point.y; 8], [point.z; 8]];
-            for (lane, &neighbour) in chunk.iter().enumerate() {
-                let place = self.positions[neighbour as usize];
-                places[0][lane] = place.x;
-                places[1][lane] = place.y;
-                places[2][lane] = place.z;
+        // Lanes beyond the last point repeat it.
+        let slots: [usize; LANES] =
+            std::array::from_fn(|lane| (first_slot + lane).min(self.positions.len() - 1));
+        let mut points = [[0.0; LANES]; 3];
+        let mut tangents = [[0.0; LANES]; 3];
+        let mut bitangents = [[0.0; LANES]; 3];
+        for (lane, &slot) in slots.iter().enumerate() {
+            let (u, v) = self.normals[slot].any_orthonormal_pair();
+            scatter(&mut points, lane, self.positions[slot]);
+            scatter(&mut tangents, lane, u);
+            scatter(&mut bitangents, lane, v);
+        }
+        let lists = slots.map(|slot| self.neighbours.of(slot));
+        let mut reach_squared = zero;
+        for (neighbour, line) in lines.iter_mut().enumerate() {
+            let mut places = [[0.0; LANES]; 3];
+            for (lane, list) in lists.iter().enumerate() {
+                scatter(&mut places, lane, self.positions[list[neighbour] as usize]);
             }
-            let dx = f32x8::from_slice(simd, &places[0]) - point.x;
-            let dy = f32x8::from_slice(simd, &places[1]) - point.y;
-            let dz = f32x8::from_slice(simd, &places[2]) - point.z;
-            let x = dx * u.x + dy * u.y + dz * u.z;
-            let y = dx * v.x + dy * v.y + dz * v.z;
+            let (mut x, mut y) = (zero, zero);
+            for axis in 0..3 {
+                let place = f32x8::from_slice(simd, &places[axis]);
+                let offset = place - f32x8::from_slice(simd, &points[axis]);
+                x += offset * f32x8::from_slice(simd, &tangents[axis]);
+                y += offset * f32x8::from_slice(simd, &bitangents[axis]);
+            }
             let squared = x * x + y * y;
             reach_squared = reach_squared.max(squared);
             // A neighbour right above or below has no line midway.
             let is_apart = squared.simd_gt(zero);
             let scale = simd.select_f32x8(is_apart, f32x8::splat(simd, 2.0) / squared, zero);
-            let (wx, wy): (Row, Row) = ((x * scale).into(), (y * scale).into());
-            for lane in 0..chunk.len() {
-                let (wx, wy) = (f32x8::splat(simd, wx[lane]), f32x8::splat(simd, wy[lane]));
-                for row in 0..HALF {
-                    let cosines = f32x8::from_slice(simd, &self.directions.cosines[row]);
-                    let sines = f32x8::from_slice(simd, &self.directions.sines[row]);
-                    let along = wx * cosines + wy * sines;
-                    most[row] = most[row].max(along);
-                    least[row] = least[row].min(along);
-                }
-            }
+            (x * scale).store_slice(&mut line[0]);
+            (y * scale).store_slice(&mut line[1]);
         }
-        let mut inverse = [zero; 2 * HALF];
-        for row in 0..HALF {
-            inverse[row] = most[row];
-            inverse[HALF + row] = -least[row];
+        // One over the distance to the end of the cell in each direction.
+        let mut inverse = [[0.0; LANES]; DIRECTIONS];
+        for (direction, &[cosine, sine]) in self.directions.iter().enumerate() {
+            let (mut most, mut least) = (zero, zero);
+            for line in &*lines {
+                let x = f32x8::from_slice(simd, &line[0]);
+                let y = f32x8::from_slice(simd, &line[1]);
+                let along = x * cosine + y * sine;
+                most = most.max(along);
+                least = least.min(along);
+            }
+            most.store_slice(&mut inverse[direction]);
+            (-least).store_slice(&mut inverse[HALF + direction]);
         }
         // What is extreme along the circle is a corner or the middle of a side. Beyond the last neighbour nothing is
         // known, so a corner there is taken to be no farther than it, and twice as far out the cell counts as open.
-        let known = 1.0 / largest_of(reach_squared.into()).sqrt();
-        let open = f32x8::splat(simd, OPEN * known);
+        let known = f32x8::splat(simd, 1.0) / reach_squared.sqrt();
+        let open = known * OPEN;
         let nowhere = f32x8::splat(simd, f32::INFINITY);
         let mut smallest = nowhere;
-        for row in 0..inverse.len() {
-            let here = inverse[row];
-            let before = inverse[(row + inverse.len() - 1) % inverse.len()].slide::<7>(here);
-            let after = here.slide::<1>(inverse[(row + 1) % inverse.len()]);
+        let mut before = f32x8::from_slice(simd, &inverse[DIRECTIONS - 1]);
+        let mut here = f32x8::from_slice(simd, &inverse[0]);
+        for direction in 0..DIRECTIONS {
+            let after = f32x8::from_slice(simd, &inverse[(direction + 1) % DIRECTIONS]);
             let turns = (here - before) * (here - after);
-            let is_extreme = turns.simd_ge(f32x8::splat(simd, 0.0));
-            let counts = simd.select_f32x8(is_extreme, here, nowhere);
+            let counts = simd.select_f32x8(turns.simd_ge(zero), here, nowhere);
             let counts = simd.select_f32x8(here.simd_ge(open), counts, nowhere);
             smallest = smallest.min(counts);
+            before = here;
+            here = after;
         }
-        1.0 / smallest_of(smallest.into()).max(known)
+        (f32x8::splat(simd, 1.0) / smallest.max(known)).into()
     }
 }
 
-fn largest_of(row: Row) -> f32 {
-    row.into_iter().fold(0.0, f32::max)
-}
-
-fn smallest_of(row: Row) -> f32 {
-    row.into_iter().fold(f32::INFINITY, f32::min)
+/// Puts a vector into one lane of each axis.
+#[inline(always)]
+fn scatter(rows: &mut [Row; 3], lane: usize, vector: Vec3) {
+    rows[0][lane] = vector.x;
+    rows[1][lane] = vector.y;
+    rows[2][lane] = vector.z;
 }
 
 /// The harmonic mean of the neighbours' radii as far as they are positive, from their inverses (0 for those that are not);
