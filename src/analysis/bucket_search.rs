@@ -109,8 +109,9 @@ impl<'a> BucketSearch<'a> {
     pub(super) fn run<S: Simd>(&mut self, simd: S, bucket: usize, lists: &mut [u32]) {
         self.begin(bucket);
         self.meet(simd, bucket);
-        let mut node = bucket;
-        for (level, rows) in self.tree.levels.iter().enumerate() {
+        self.meet_siblings(simd);
+        let mut node = bucket / LANES;
+        for (level, rows) in self.tree.levels.iter().enumerate().skip(1) {
             let row = node / LANES;
             self.push(simd, level, row, &rows[row], node % LANES);
             while let Some(child) = self.stack.pop() {
@@ -143,15 +144,27 @@ impl<'a> BucketSearch<'a> {
         self.tie_limit = None;
     }
 
+    /// Offers the points of the other buckets of the row to the searching points. Buckets whose lanes differ in low bits only
+    /// were split last, so they are near: nothing needs to be put in order while all are within an infinite bound.
+    #[inline(always)]
+    fn meet_siblings<S: Simd>(&mut self, simd: S) {
+        let (row, own) = (self.bucket / LANES, self.bucket % LANES);
+        let boxes = &self.tree.levels[0][row];
+        let distances_squared: Row = self.distances_squared(simd, boxes).into();
+        for difference in 1..LANES {
+            let lane = own ^ difference;
+            // Boxes without points are infinitely far.
+            if distances_squared[lane] <= self.bound.min(f32::MAX) {
+                self.meet(simd, LANES * row + lane);
+            }
+        }
+    }
+
     /// Puts those of eight children that are near enough on the stack, the nearest on top; of equally near ones, that with
     /// the lowest index. Not the one in lane `own`.
     #[inline(always)]
     fn push<S: Simd>(&mut self, simd: S, level: usize, row: usize, boxes: &BoxRow, own: usize) {
-        let x = self.gap(simd, boxes, 0);
-        let y = self.gap(simd, boxes, 1);
-        let z = self.gap(simd, boxes, 2);
-        // Added in the order in which the distances of points are.
-        let distances_squared = x * x + y * y + z * z;
+        let distances_squared = self.distances_squared(simd, boxes);
         // Boxes without points are infinitely far.
         let near = distances_squared.simd_le(f32x8::splat(simd, self.bound.min(f32::MAX)));
         if !near.any_true() {
@@ -175,6 +188,16 @@ impl<'a> BucketSearch<'a> {
                 place -= 1;
             }
         }
+    }
+
+    /// Squared distances from the searching points to eight boxes, at least.
+    #[inline(always)]
+    fn distances_squared<S: Simd>(&self, simd: S, boxes: &BoxRow) -> f32x8<S> {
+        let x = self.gap(simd, boxes, 0);
+        let y = self.gap(simd, boxes, 1);
+        let z = self.gap(simd, boxes, 2);
+        // Added in the order in which the distances of points are.
+        x * x + y * y + z * z
     }
 
     /// How far the searching points are from eight boxes along an axis, at least.
