@@ -23,7 +23,7 @@ use super::point_tree::{BoxRow, LANES, PointTree, Row};
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8, u32x8};
 
 /// Registers that a candidate is sunk through at a time.
-const SUNK_TOGETHER: usize = 4;
+const SUNK_TOGETHER: usize = 6;
 
 /// Rows whose answers fit the bits of one lane.
 const ROWS_PER_WORD: usize = u32::BITS as usize;

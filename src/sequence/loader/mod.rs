@@ -16,7 +16,7 @@ use super::travel::Travel;
 use super::{Direction, FrameError, LoopMode, Needs, PreparedFrame, Sequence, SequenceError};
 use cache::Focus;
 use queue::{Queue, Waiter};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
 use worker::Shared;
@@ -96,15 +96,10 @@ impl Loader {
             direction: Direction::Forward,
         };
         let workers = options.workers.max(1);
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(workers)
-            .thread_name(|number| format!("frame stages {number}"))
-            .build()
-            .map_err(|error| SequenceError::NoThread {
-                reason: std::io::Error::other(error),
-            })?;
+        let pool = worker::pool(workers)?;
         let shared = Arc::new(Shared {
             pool,
+            busy: AtomicUsize::new(0),
             queue: Mutex::new(Queue::new(
                 Arc::clone(&sequence),
                 focus,
@@ -122,10 +117,11 @@ impl Loader {
             next_ticket: AtomicU64::new(0),
         };
         for number in 0..workers {
+            let pool = worker::pool(1)?;
             let shared = Arc::clone(&loader.shared);
             let started = thread::Builder::new()
                 .name(format!("frame loader {number}"))
-                .spawn(move || worker::run(&shared));
+                .spawn(move || pool.install(|| worker::run(&shared)));
             match started {
                 Ok(thread) => loader.threads.push(thread),
                 Err(reason) if loader.threads.is_empty() => {

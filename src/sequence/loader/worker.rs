@@ -4,15 +4,19 @@ use super::queue::{Job, Queue};
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
 use crate::sequence::error::catch_panic;
 use crate::sequence::{
-    FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, complete, lock, prepare,
+    FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError, complete, lock,
+    prepare,
 };
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 /// What the loader shares with its workers.
 pub(super) struct Shared {
-    /// Prepares frames: one on each thread, and where there are fewer frames than threads, stages of one on several. Not
-    /// the pool that draws: a picture must not wait for a frame that is not even in it.
+    /// Where a frame that is made alone has its stages shared out. Not the pool that draws: a picture must not wait for a
+    /// frame that is not even in it.
     pub(super) pool: rayon::ThreadPool,
+    /// Workers that are making a frame.
+    pub(super) busy: AtomicUsize,
     pub(super) sequence: Arc<Sequence>,
     pub(super) queue: Mutex<Queue>,
     /// There may be work: a request, a waiter, a finished frame, the end.
@@ -28,6 +32,18 @@ impl Shared {
         lock(&self.queue)
     }
 
+    /// Runs the stages of one frame. On the worker's own thread while others are busy too: frames side by side waste less
+    /// than stages side by side (measured: 10 %).
+    fn run_stages<T: Send>(&self, stages: impl FnOnce() -> T + Send) -> T {
+        let others = self.busy.fetch_add(1, Ordering::Relaxed);
+        let _done = Done(&self.busy);
+        if others > 0 {
+            stages()
+        } else {
+            self.pool.install(stages)
+        }
+    }
+
     /// Sleeps until `condition` may have changed.
     pub(super) fn sleep<'a>(
         condition: &Condvar,
@@ -39,7 +55,27 @@ impl Shared {
     }
 }
 
-/// Takes jobs until the loader is dropped.
+/// Threads for the stages of frames.
+pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool, SequenceError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|number| format!("frame stages {number}"))
+        .build()
+        .map_err(|error| SequenceError::NoThread {
+            reason: std::io::Error::other(error),
+        })
+}
+
+/// One worker less is busy when this is dropped, also by a panic.
+struct Done<'a>(&'a AtomicUsize);
+
+impl Drop for Done<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Takes jobs until the loader is dropped. Called in a pool of one thread, where what would be shared out stays.
 pub(super) fn run(shared: &Shared) {
     while let Some(job) = next_job(shared) {
         let index = job.index;
@@ -80,7 +116,7 @@ fn next_job(shared: &Shared) -> Option<Job> {
 fn make(shared: &Shared, job: Job) -> Result<Option<PreparedFrame>, FrameError> {
     if let Some(existing) = job.existing {
         let completed = || complete(&existing, &job.needs, &shared.counters);
-        return Ok(Some(shared.pool.install(completed)));
+        return Ok(Some(shared.run_stages(completed)));
     }
     let loaded = shared.sequence.load(job.index)?;
     let bytes = expected_bytes(&loaded.frame, &job.needs);
@@ -89,7 +125,7 @@ fn make(shared: &Shared, job: Job) -> Result<Option<PreparedFrame>, FrameError> 
     };
     let frame = Arc::new(loaded.frame);
     let prepared = || prepare(job.index, frame, loaded.decode_ms, &needs, &shared.counters);
-    Ok(Some(shared.pool.install(prepared)))
+    Ok(Some(shared.run_stages(prepared)))
 }
 
 /// What `frame` will take when it is prepared, as far as it can be said before: all but the octree.
