@@ -259,6 +259,9 @@ impl<'a> BucketSearch<'a> {
             }
             near += usize::from(distances.simd_le(kth).any_true());
         }
+        if near == 0 {
+            return;
+        }
         let mut sinking = [[0.0; LANES]; LANES];
         sinking[..near].copy_from_slice(&rows[..near]);
         for nearest in &mut self.nearest {
