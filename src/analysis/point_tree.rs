@@ -294,10 +294,10 @@ mod tests {
                 for (level, rows) in tree.levels.iter().enumerate() {
                     let node = slot / LANES.pow(level as u32 + 1);
                     let (row, lane) = (&rows[node / LANES], node % LANES);
-                    for axis in 0..3 {
-                        assert!(row.min[axis][lane] <= place[axis]);
-                        assert!(row.max[axis][lane] >= place[axis]);
-                    }
+                    let is_inside = |axis: usize| {
+                        (row.min[axis][lane]..=row.max[axis][lane]).contains(&place[axis])
+                    };
+                    assert!((0..3).all(is_inside));
                     assert!(row.min_file_index[lane] <= tree.file_index[slot]);
                 }
             }
