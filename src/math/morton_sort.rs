@@ -19,8 +19,6 @@
 //!
 //! The sort is stable: equal codes stay in the order of their indices. Nothing depends on timing or threads.
 
-use rayon::prelude::*;
-
 /// Codes in ascending order, and where each came from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SortedCodes {
@@ -54,30 +52,22 @@ pub fn sort_codes(codes: &[u64]) -> SortedCodes {
     );
     let mut items = vec![0; codes.len()];
     let mut scratch = vec![0; codes.len()];
+    let mut order = vec![0; codes.len()];
     if codes.len() < 2 * PARALLEL_CODES || rayon::current_num_threads() == 1 {
         for ((item, &code), index) in items.iter_mut().zip(codes).zip(0..) {
             *item = item_of(code, index);
         }
-        sort_part(&mut items, &mut scratch, codes);
+        sort_part(codes, &mut items, &mut scratch, &mut order);
     } else {
         let middle = partition_near_half(codes, &mut items);
         let (low, high) = items.split_at_mut(middle);
         let (low_scratch, high_scratch) = scratch.split_at_mut(middle);
+        let (low_order, high_order) = order.split_at_mut(middle);
         rayon::join(
-            || sort_part(low, low_scratch, codes),
-            || sort_part(high, high_scratch, codes),
+            || sort_part(codes, low, low_scratch, low_order),
+            || sort_part(codes, high, high_scratch, high_order),
         );
     }
-    let order: Vec<u32> = items
-        .par_iter()
-        .with_min_len(PARALLEL_CODES)
-        .map(|&item| index_of(item) as u32)
-        .collect();
-    // The items' memory becomes the sorted codes.
-    items
-        .par_iter_mut()
-        .with_min_len(PARALLEL_CODES)
-        .for_each(|item| *item = codes[index_of(*item)]);
     SortedCodes {
         codes: items,
         order,
@@ -137,11 +127,16 @@ fn partition_near_half(codes: &[u64], items: &mut [u64]) -> usize {
     middle
 }
 
-/// Sorts `items` by the whole codes that their indices name, stably.
-fn sort_part(items: &mut [u64], scratch: &mut [u64], codes: &[u64]) {
+/// Sorts `items` by the whole codes that their indices name, stably; then takes them apart into `order` and, in their own
+/// memory, the codes.
+fn sort_part(codes: &[u64], items: &mut [u64], scratch: &mut [u64], order: &mut [u32]) {
     sort_items(items, scratch);
     for run in items.chunk_by_mut(|a, b| a >> INDEX_BITS == b >> INDEX_BITS) {
         sort_run(run, codes, scratch);
+    }
+    for (item, index) in items.iter_mut().zip(order) {
+        *index = index_of(*item) as u32;
+        *item = codes[index_of(*item)];
     }
 }
 
