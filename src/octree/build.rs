@@ -42,24 +42,28 @@ impl Octree {
 
     fn build_in_pool(positions: &[Vec3], colors: &[[u8; 4]], stop: StopCriterion) -> Self {
         let Some(cube) = Cube::around(positions) else {
-            return Self::with_levels(Cube::EMPTY, Vec::new(), Vec::new());
+            return Self::with_levels(Cube::EMPTY, Vec::new());
         };
         let sorted = sort_codes(&cube.codes(positions));
-        let partings = parting_levels(&sorted.codes);
-        let occupied = occupied_cells(&partings);
-        let depth = stop.depth(&occupied, positions.len());
-        let middle = middle_level(&occupied, depth, positions.len());
-        let mut tree = Self::with_levels(cube, sorted.codes, occupied[..=depth as usize].to_vec());
-        let ((), colors_before) = rayon::join(
-            || tree.write_nodes(&partings, middle),
-            || voxels::running_sums(sorted.order.iter().map(|&index| colors[index as usize])),
-        );
+        let shape = || {
+            let partings = parting_levels(&sorted.codes);
+            let occupied = occupied_cells(&partings);
+            let depth = stop.depth(&occupied, positions.len());
+            let middle = middle_level(&occupied, depth, positions.len());
+            let level_counts = occupied[..=depth as usize].to_vec();
+            (partings, middle, Self::with_levels(cube, level_counts))
+        };
+        let colors = sorted.order.iter().map(|&index| colors[index as usize]);
+        let ((partings, middle, mut tree), colors_before) =
+            rayon::join(shape, || voxels::running_sums(colors));
+        tree.codes = sorted.codes;
         tree.colors_before = colors_before;
+        tree.write_nodes(&partings, middle);
         tree
     }
 
-    /// A tree of this shape with no nodes written yet.
-    fn with_levels(cube: Cube, codes: Vec<u64>, level_counts: Vec<usize>) -> Self {
+    /// A tree of this shape with nothing else in it yet.
+    fn with_levels(cube: Cube, level_counts: Vec<usize>) -> Self {
         let node_count: usize = level_counts.iter().sum();
         let internal_count = node_count - level_counts.last().copied().unwrap_or(0);
         let mut first_child = vec![0; internal_count + 1];
@@ -70,7 +74,7 @@ impl Octree {
             masks: vec![0; internal_count],
             first_child,
             level_counts,
-            codes,
+            codes: Vec::new(),
             colors_before: Vec::new(),
         }
     }
