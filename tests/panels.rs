@@ -667,10 +667,7 @@ fn what_a_person_chose_is_how_the_next_window_begins() {
     let next = window_on(
         sequence(&[]),
         StateOptions {
-            settings: kept.settings,
-            loop_mode: kept.loop_mode,
-            speed: kept.speed,
-            panels: kept.panels,
+            preferences: kept,
             ..options()
         },
     );

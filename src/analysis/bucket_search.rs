@@ -1,7 +1,7 @@
 //! The k nearest neighbours of the eight points of one bucket, found together and exactly.
 //!
-//! How it works: the points first meet each other and the buckets beside theirs, the nearest first, which bounds how far
-//! their neighbours can be; then the tree is climbed to its top, and at every step the other children are descended into as
+//! How it works: the points first meet each other and the buckets of their row, those split off last first, which bounds how
+//! far their neighbours can be; then the tree is climbed to its top, and at every step the other children are descended into as
 //! far as their boxes are within the worst of the eight bounds.
 //!
 //! A register holds the distances of the *eight searching points* to one candidate. Of the candidates that are near enough

@@ -4,15 +4,15 @@
 //! Voronoi cell of its own point, the disks cover the surface. So the neighbours are projected onto the tangent plane, and
 //! the cell is measured along 32 directions. The line midway to a neighbour at `q` is `|q|² / 2 q·d` away in direction `d`;
 //! the cell ends at the nearest of these lines, which is the largest of the `w·d` with `w = 2 q / |q|²`. That needs neither
-//! branches nor sorting, and eight points are measured in one SIMD register. Where the cell reaches farthest there is a corner; the
-//! radius is the distance to the farthest corner, with some overlap for those between two directions. This is about the
-//! smallest radius with which a point need not rely on the disks of others.
+//! branches nor sorting, and eight points are measured in one SIMD register. Where the cell reaches farthest there is a
+//! corner; the radius is the distance to the farthest corner, with some overlap for those between two directions. This is
+//! about the smallest radius with which a point need not rely on the disks of others.
 //!
 //! Where the cell is open (the rim of a surface, a line of points) it has no farthest place; there, only corners between two
 //! neighbours count, and the lines midway to neighbours.
 //!
-//! Outliers would get disks that hide the scene: a radius is at most a few times the median of its neighbours' radii, which
-//! are small for a stray point near a dense surface but grow along in regions that are sparse throughout; and far
+//! Outliers would get disks that hide the scene: a radius is at most a few times the harmonic mean of its neighbours' radii,
+//! which are small for a stray point near a dense surface but grow along in regions that are sparse throughout; and far
 //! beyond the median of the cloud none may grow.
 //!
 //! When it wins: over multiples of the mean neighbour distance, which are too small for points at the end of a row and too

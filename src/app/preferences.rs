@@ -138,7 +138,7 @@ impl Preferences {
             cull_back_faces,
             lighting: lighting.to_string(),
             background: format!("{}-{}", hex(background.top), hex(background.bottom)),
-            colors: color_name(colors).to_owned(),
+            colors: colors.name().to_owned(),
             point_size_px,
             delta,
             lod_px,
@@ -166,7 +166,7 @@ impl Preferences {
             cull_back_faces: stored.cull_back_faces,
             lighting: word(&stored.lighting)?,
             background: word::<Background>(&stored.background)?,
-            colors: named(&stored.colors, &ColorSource::ALL, color_name)?,
+            colors: named(&stored.colors, &ColorSource::ALL, ColorSource::name)?,
             point_size_px: within("point_size_px", stored.point_size_px, POINT_SIZE_RANGE_PX)?,
             delta: within("delta", stored.delta, 0.0..=Settings::MAX_DELTA)?,
             lod_px: within("lod_px", stored.lod_px, LOD_RANGE_PX)?,
@@ -216,16 +216,6 @@ where
 
 fn hex([red, green, blue]: [u8; 3]) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
-}
-
-fn color_name(colors: ColorSource) -> &'static str {
-    match colors {
-        ColorSource::Auto => "auto",
-        ColorSource::File => "file",
-        ColorSource::Normal => "normal",
-        ColorSource::Scalar => "scalar",
-        ColorSource::Uniform => "uniform",
-    }
 }
 
 fn loop_name(loop_mode: LoopMode) -> &'static str {

@@ -14,7 +14,7 @@ use super::recent::Recent;
 use super::tasks::{Tasks, Wake};
 use crate::render::RenderStats;
 use crate::scene::{Camera, Primitive, Scene, ScenePacket, SceneStats, Settings, UpAxis};
-use crate::sequence::{Clock, LoaderOptions, LoopMode, Sequence};
+use crate::sequence::{Clock, LoaderOptions, Sequence};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,14 +22,8 @@ use std::time::Duration;
 /// How a [`State`] begins.
 #[derive(Clone)]
 pub struct StateOptions {
-    /// How pictures are asked for.
-    pub settings: Settings,
-    /// What happens at the ends of a sequence.
-    pub loop_mode: LoopMode,
-    /// How fast it plays.
-    pub speed: f64,
-    /// Open panels.
-    pub panels: OpenPanels,
+    /// What was chosen before.
+    pub preferences: Preferences,
     /// Which axis is up; guessed for each sequence if `None`.
     pub up: Option<UpAxis>,
     /// Frames a second, where the sequence's own rate is not wanted.
@@ -47,10 +41,7 @@ pub struct StateOptions {
 impl Default for StateOptions {
     fn default() -> Self {
         Self {
-            settings: Settings::default(),
-            loop_mode: LoopMode::default(),
-            speed: 1.0,
-            panels: OpenPanels::default(),
+            preferences: Preferences::default(),
             up: None,
             fps: None,
             paused: false,
@@ -65,7 +56,7 @@ impl std::fmt::Debug for StateOptions {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter
             .debug_struct("StateOptions")
-            .field("settings", &self.settings)
+            .field("preferences", &self.preferences)
             .field("paused", &self.paused)
             .finish_non_exhaustive()
     }
@@ -212,9 +203,9 @@ impl State {
         Self {
             player: None,
             camera: Camera::framing(&nothing, glam::DVec3::ZERO, options.up.unwrap_or_default()),
-            settings: options.settings,
+            settings: options.preferences.settings,
             notices: Notices::default(),
-            panels: options.panels,
+            panels: options.preferences.panels,
             benchmark: Benchmark::default(),
             recent: options.recent.clone(),
             viewport: Viewport::default(),
@@ -255,9 +246,11 @@ impl State {
         let clock = self.player.as_ref().map(Player::clock);
         Preferences {
             settings: self.settings,
-            loop_mode: clock.map_or(self.options.loop_mode, Clock::loop_mode),
+            loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
-            speed: clock.map_or(self.options.speed, Clock::speed).abs(),
+            speed: clock
+                .map_or(self.options.preferences.speed, Clock::speed)
+                .abs(),
             panels: OpenPanels {
                 settings: self.panels.settings,
                 statistics: self.panels.statistics,
@@ -286,7 +279,10 @@ impl State {
         }
         let (loop_mode, speed) = match &self.player {
             Some(before) => (before.clock().loop_mode(), before.clock().speed()),
-            None => (self.options.loop_mode, self.options.speed),
+            None => (
+                self.options.preferences.loop_mode,
+                self.options.preferences.speed,
+            ),
         };
         player.set_loop_mode(loop_mode, self.now);
         player.set_speed(speed, self.now);

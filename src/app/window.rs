@@ -49,9 +49,7 @@ pub struct Options {
     pub warnings: Vec<String>,
     /// Where changes of settings are kept; nowhere by default.
     pub preferences_file: PreferencesFile,
-    /// Size of the window in logical pixels, as it was left.
-    pub window_size: Option<[f64; 2]>,
-    /// Size of the window in pixels, which goes before the one that was left.
+    /// Size of the window in pixels, which goes before the preferred one.
     pub size_px: Option<[u32; 2]>,
     /// Write the 3-D picture to this file and end.
     pub screenshot: Option<PathBuf>,
@@ -178,7 +176,12 @@ impl App {
             .with_min_inner_size(MIN_SIZE)
             // An alpha visual stays black on software adapters under a bare X server.
             .with_transparent(false);
-        let left = self.options.window_size.map(LogicalSize::<f64>::from);
+        let left = self
+            .options
+            .state
+            .preferences
+            .window_size
+            .map(LogicalSize::<f64>::from);
         let attributes = match self.options.size_px {
             Some([width, height]) => attributes.with_inner_size(PhysicalSize::new(width, height)),
             None => attributes.with_inner_size(left.unwrap_or(DEFAULT_SIZE)),
@@ -345,11 +348,11 @@ impl App {
             self.noted_size = Some(size);
             if window.fullscreen().is_none() && !window.is_maximized() {
                 let size: LogicalSize<f64> = size.to_logical(window.scale_factor());
-                self.options.window_size = Some(size.into());
+                self.options.state.preferences.window_size = Some(size.into());
             }
         }
         let preferences = Preferences {
-            window_size: self.options.window_size,
+            window_size: self.options.state.preferences.window_size,
             ..self.state.preferences()
         };
         let now = self.now();

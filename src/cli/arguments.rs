@@ -199,12 +199,8 @@ fn field_of_view(text: &str) -> Result<f64, String> {
 }
 
 fn color_source(text: &str) -> Result<ColorSource, String> {
-    match text {
-        "auto" => Ok(ColorSource::Auto),
-        "file" => Ok(ColorSource::File),
-        "normal" => Ok(ColorSource::Normal),
-        "scalar" => Ok(ColorSource::Scalar),
-        "uniform" => Ok(ColorSource::Uniform),
-        _ => Err("expected auto, file, normal, scalar or uniform".to_owned()),
-    }
+    ColorSource::ALL
+        .into_iter()
+        .find(|source| source.name() == text)
+        .ok_or_else(|| "expected auto, file, normal, scalar or uniform".to_owned())
 }

@@ -63,10 +63,10 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     };
     let options = Options {
         state: StateOptions {
-            settings: args.picture.settings_over(preferences.settings),
-            loop_mode: preferences.loop_mode,
-            speed: preferences.speed,
-            panels: preferences.panels,
+            preferences: Preferences {
+                settings: args.picture.settings_over(preferences.settings),
+                ..preferences
+            },
             up: args.up,
             fps: args.fps,
             paused: args.paused,
@@ -84,7 +84,6 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             .collect(),
         warnings: problem.into_iter().collect(),
         preferences_file,
-        window_size: preferences.window_size,
         size_px: args.size,
         screenshot: args.screenshot.clone(),
         after_frames: args.after_frames,

@@ -29,6 +29,17 @@ impl ColorSource {
         Self::Uniform,
     ];
 
+    /// Its word on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::File => "file",
+            Self::Normal => "normal",
+            Self::Scalar => "scalar",
+            Self::Uniform => "uniform",
+        }
+    }
+
     /// The source that `frame` really has; never [`ColorSource::Auto`].
     #[must_use]
     pub fn resolve(self, frame: &Frame) -> Self {
