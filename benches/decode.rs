@@ -12,8 +12,8 @@
 //! PLY in well under 5 ms; the other two rows say how far from the floor that is.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use mimalloc::MiMalloc;
 use pointreel::io;
+use pointreel::memory::MiMalloc;
 use std::f32::consts::TAU;
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -151,6 +151,7 @@ fn pcd_compressed() -> Vec<u8> {
 }
 
 fn bench(criterion: &mut Criterion) {
+    pointreel::memory::keep_freed_pages();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let files = [
         ("binary.ply", ply_binary(false)),

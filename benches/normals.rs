@@ -16,6 +16,7 @@ mod shapes;
 const POINTS: usize = 100_000;
 
 fn normals(criterion: &mut Criterion) {
+    pointreel::memory::keep_freed_pages();
     let (positions, _) = shapes::bumpy_torus(POINTS);
     let known = estimate_surface(&positions, None).normals;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);

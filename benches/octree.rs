@@ -16,6 +16,7 @@ use std::hint::black_box;
 mod shapes;
 
 fn build(criterion: &mut Criterion) {
+    pointreel::memory::keep_freed_pages();
     for count in [88_000, 1_000_000] {
         let (positions, colors) = shapes::bumpy_torus(count);
         let mut group = criterion.benchmark_group(format!("octree/{count}"));

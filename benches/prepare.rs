@@ -10,7 +10,7 @@
 //! of 100 frames within 0.5 s of opening. Criterion's `thrpt` is frames a second.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use mimalloc::MiMalloc;
+use pointreel::memory::MiMalloc;
 use pointreel::sequence::{Direction, Loader, LoaderOptions, Needs, PreparedFrame, Sequence};
 use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -119,6 +119,7 @@ fn first_frame(folder: &Path) -> (Loader, Arc<PreparedFrame>) {
 }
 
 fn bench(criterion: &mut Criterion) {
+    pointreel::memory::keep_freed_pages();
     let mut group = criterion.benchmark_group("prepare 100k");
     group
         .sample_size(10)

@@ -16,6 +16,7 @@ use pointreel::{
 mod shapes;
 
 fn select(criterion: &mut Criterion) {
+    pointreel::memory::keep_freed_pages();
     for count in [88_000, 1_000_000] {
         let (positions, colors) = shapes::bumpy_torus(count);
         let tree = Octree::build(&positions, &colors, StopCriterion::Loss(0.02));

@@ -100,6 +100,7 @@ fn draw(renderer: &mut GpuRenderer, packet: &ScenePacket) {
     reason = "a time means nothing without its adapter"
 )]
 fn strategies(criterion: &mut Criterion) {
+    pointreel::memory::keep_freed_pages();
     let context = Context::headless(&ContextOptions::default()).expect("an adapter");
     println!("adapter: {}", context.adapter_summary());
     for primitive in [Primitive::Point, Primitive::Surfel] {

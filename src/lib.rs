@@ -16,6 +16,8 @@
 //! | [`mod@bench`] | the paper's tables, measured here |
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
+//!
+//! [`memory`] is about the allocator of the program.
 
 pub mod analysis;
 pub mod app;
@@ -25,6 +27,7 @@ pub mod cloud;
 pub mod headless;
 pub mod io;
 pub mod math;
+pub mod memory;
 pub mod octree;
 pub mod render;
 pub mod scene;

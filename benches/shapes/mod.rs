@@ -1,7 +1,7 @@
 //! The clouds that stage benches run on, the same on every machine, and the allocator that the program has.
 
 use glam::Vec3;
-use mimalloc::MiMalloc;
+use pointreel::memory::MiMalloc;
 
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;

@@ -94,8 +94,8 @@ impl<'a> BucketSearch<'a> {
             min: [0.0; 3],
             max: [0.0; 3],
             row_count: 0,
-            rows: Vec::new(),
-            slots: Vec::new(),
+            rows: vec![[0.0; LANES]; 2 * ROWS_PER_WORD],
+            slots: vec![0; 2 * ROWS_PER_WORD],
             nearest: vec![[[f32::INFINITY; LANES]; SUNK_TOGETHER]; k.div_ceil(SUNK_TOGETHER)],
             bound: f32::INFINITY,
             tie_limit: None,
@@ -337,19 +337,24 @@ impl<'a> BucketSearch<'a> {
         for (words, rows) in words.iter_mut().zip(rows.chunks(ROWS_PER_WORD)) {
             rows_within(simd, rows, kth).store_slice(words);
         }
+        let fits_words = self.row_count <= 2 * ROWS_PER_WORD;
         for (lane, list) in lists.chunks_exact_mut(self.k).enumerate() {
             let mut rows_within =
                 u64::from(words[0][lane]) | u64::from(words[1][lane]) << ROWS_PER_WORD;
-            if self.row_count > 2 * ROWS_PER_WORD || rows_within.count_ones() as usize != self.k {
-                self.put_in_order(lane);
-                for (slot, candidate) in list.iter_mut().zip(&self.candidates) {
-                    *slot = self.slots[candidate.row];
+            match self.slots.first_chunk::<{ 2 * ROWS_PER_WORD }>() {
+                Some(slots) if fits_words && rows_within.count_ones() as usize == self.k => {
+                    for slot in list {
+                        // The remainder tells the compiler that it is one of them.
+                        *slot = slots[rows_within.trailing_zeros() as usize % slots.len()];
+                        rows_within &= rows_within.wrapping_sub(1);
+                    }
                 }
-                continue;
-            }
-            for slot in list {
-                *slot = self.slots[rows_within.trailing_zeros() as usize];
-                rows_within &= rows_within - 1;
+                _ => {
+                    self.put_in_order(lane);
+                    for (slot, candidate) in list.iter_mut().zip(&self.candidates) {
+                        *slot = self.slots[candidate.row];
+                    }
+                }
             }
         }
     }

@@ -65,34 +65,28 @@ impl BoxRow {
         Self {
             min: [0, 1, 2].map(|axis| row(&|child| child.min[axis])),
             max: [0, 1, 2].map(|axis| row(&|child| child.max[axis])),
-            min_file_index: std::array::from_fn(|lane| child(lane).min_file_index),
+            min_file_index: std::array::from_fn(|lane| child(lane).min.w.to_bits()),
         }
     }
 }
 
-/// The box of some points.
+/// The box of some points, and the file indices in it: a [`SlotPoint`] in each corner.
 #[derive(Debug, Clone, Copy)]
 struct NodeBox {
     min: Vec4,
     max: Vec4,
-    min_file_index: u32,
 }
 
 impl NodeBox {
     const EMPTY: Self = Self {
         min: Vec4::INFINITY,
         max: Vec4::NEG_INFINITY,
-        min_file_index: u32::MAX,
     };
 
     fn around(points: &[SlotPoint]) -> Self {
-        points.iter().fold(Self::EMPTY, |node, point| {
-            let place = point.position.extend(0.0);
-            Self {
-                min: node.min.min(place),
-                max: node.max.max(place),
-                min_file_index: node.min_file_index.min(point.file_index),
-            }
+        points.iter().fold(Self::EMPTY, |node, point| Self {
+            min: node.min.min(point.0),
+            max: node.max.max(point.0),
         })
     }
 
@@ -100,15 +94,27 @@ impl NodeBox {
         nodes.iter().fold(Self::EMPTY, |union, node| Self {
             min: union.min.min(node.min),
             max: union.max.max(node.max),
-            min_file_index: union.min_file_index.min(node.min_file_index),
         })
     }
 }
 
+/// A point on its way to its slot: scaled position, and the bits of its file index, in one register of four. As positive
+/// floats, indices have the same order.
 #[derive(Debug, Clone, Copy)]
-struct SlotPoint {
-    position: Vec3,
-    file_index: u32,
+struct SlotPoint(Vec4);
+
+impl SlotPoint {
+    fn new(position: Vec3, file_index: u32) -> Self {
+        Self(position.extend(f32::from_bits(file_index)))
+    }
+
+    fn position(&self) -> Vec3 {
+        self.0.truncate()
+    }
+
+    fn file_index(&self) -> u32 {
+        self.0.w.to_bits()
+    }
 }
 
 impl PointTree {
@@ -123,22 +129,19 @@ impl PointTree {
         let mut points: Vec<SlotPoint> = positions
             .iter()
             .zip(0..)
-            .map(|(&position, file_index)| SlotPoint {
-                position: position / unit,
-                file_index,
-            })
+            .map(|(&position, file_index)| SlotPoint::new(position / unit, file_index))
             .collect();
         let bucket_count = points.len().div_ceil(LANES);
         split(&mut points, bucket_count.next_power_of_two() / 2 * LANES);
 
         let mut slot = vec![0; points.len()];
         for (point, index) in points.iter().zip(0..) {
-            slot[point.file_index as usize] = index;
+            slot[point.file_index() as usize] = index;
         }
         let boxes = points.chunks(LANES).map(NodeBox::around).collect();
         Self {
-            positions: points.iter().map(|point| point.position).collect(),
-            file_index: points.iter().map(|point| point.file_index).collect(),
+            positions: points.iter().map(SlotPoint::position).collect(),
+            file_index: points.iter().map(SlotPoint::file_index).collect(),
             slot,
             buckets: points.chunks(LANES).map(Bucket::new).collect(),
             levels: rows_above(boxes),
@@ -193,11 +196,7 @@ impl PointTree {
 impl Bucket {
     fn new(points: &[SlotPoint]) -> Self {
         let axis = |axis: usize| {
-            std::array::from_fn(|place| {
-                points
-                    .get(place)
-                    .map_or(f32::MAX, |point| point.position[axis])
-            })
+            std::array::from_fn(|place| points.get(place).map_or(f32::MAX, |point| point.0[axis]))
         };
         Self {
             x: axis(0),
@@ -216,11 +215,11 @@ fn split(points: &mut [SlotPoint], half: usize) {
         return split(points, half / 2);
     }
     let node = NodeBox::around(points);
-    let axis = (node.max - node.min).truncate().max_position();
-    match axis {
-        0 => part_at::<0>(points, half),
-        1 => part_at::<1>(points, half),
-        _ => part_at::<2>(points, half),
+    // Compiled for each axis on its own.
+    match (node.max - node.min).truncate().max_position() {
+        0 => part_at(points, half, |point| point.0.x),
+        1 => part_at(points, half, |point| point.0.y),
+        _ => part_at(points, half, |point| point.0.z),
     }
     let parallel = points.len() > PARALLEL_SPLIT;
     let (low, high) = points.split_at_mut(half);
@@ -232,12 +231,13 @@ fn split(points: &mut [SlotPoint], half: usize) {
     }
 }
 
-/// Moves the `count` points with the smallest coordinates along an axis to the front. Compiled for each axis on its own.
-fn part_at<const AXIS: usize>(points: &mut [SlotPoint], count: usize) {
+/// Moves the `count` points with the smallest coordinates to the front.
+#[inline]
+fn part_at(points: &mut [SlotPoint], count: usize, coordinate: impl Fn(&SlotPoint) -> f32) {
     points.select_nth_unstable_by(count, |a, b| {
         // Finite, so there is an order; and where only "less" is asked for, this is one instruction.
-        let [a, b] = [a, b].map(|point| point.position.to_array()[AXIS]);
-        a.partial_cmp(&b).unwrap_or(Ordering::Equal)
+        let order = coordinate(a).partial_cmp(&coordinate(b));
+        order.unwrap_or(Ordering::Equal)
     });
 }
 

@@ -62,20 +62,25 @@ pub(super) fn closing_radii(
         .map(|&radius| if radius > 0.0 { 1.0 / radius } else { 0.0 })
         .collect();
     let largest = MAX_OF_CLOUD * median;
-    (0..tree.len())
-        .into_par_iter()
-        .with_min_len(POINTS_PER_TASK)
-        .map(|slot| {
-            let own = if raw[slot] > 0.0 { raw[slot] } else { median };
-            let of_neighbours = MAX_OF_NEIGHBOURS * harmonic_mean(&inverse, neighbours.of(slot));
-            let radius = OVERLAP * own.min(of_neighbours).min(largest) * tree.unit();
-            if radius > 0.0 {
-                radius.min(f32::MAX)
-            } else {
-                LONE_RADIUS
+    let mut radii = raw;
+    // By chunks, so that one loop is compiled in which points overlap: a sum waits for each of its terms.
+    radii
+        .par_chunks_mut(POINTS_PER_TASK)
+        .enumerate()
+        .for_each(|(task, radii)| {
+            for (radius, slot) in radii.iter_mut().zip(POINTS_PER_TASK * task..) {
+                let own = if *radius > 0.0 { *radius } else { median };
+                let of_neighbours =
+                    MAX_OF_NEIGHBOURS * harmonic_mean(&inverse, neighbours.of(slot));
+                let limited = OVERLAP * own.min(of_neighbours).min(largest) * tree.unit();
+                *radius = if limited > 0.0 {
+                    limited.min(f32::MAX)
+                } else {
+                    LONE_RADIUS
+                };
             }
-        })
-        .collect()
+        });
+    radii
 }
 
 /// Points that are worth handing to another thread.

@@ -35,6 +35,7 @@ enum Verb {
 
 /// Parses the command line, runs the verb and says what went wrong.
 pub fn main() -> ExitCode {
+    crate::memory::keep_freed_pages();
     env_logger::Builder::from_env(
         env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error,rfd=off"),
     )

@@ -1,6 +1,6 @@
 //! A validated pose: finite f32 positions relative to the sequence origin.
 
-use super::RawCloud;
+use super::{Positions, RawCloud};
 use crate::math::Aabb;
 use glam::{DVec3, Vec3};
 
@@ -45,7 +45,7 @@ impl Frame {
         check_length("radius", point_count, raw.radii.as_deref())?;
         check_length("scalar", point_count, raw.scalars.as_deref())?;
 
-        let moved = move_to_origin(&raw, origin);
+        let moved = move_to_origin(raw.positions, origin);
         let keep: Option<Vec<bool>> = moved
             .iter()
             .any(|position| !position.is_finite())
@@ -159,11 +159,9 @@ fn check_length<T>(
 }
 
 /// Positions relative to `origin`: subtracted in f64, narrowed after. Not yet free of NaN and infinities.
-fn move_to_origin(raw: &RawCloud, origin: DVec3) -> Vec<Vec3> {
-    match &raw.positions {
-        super::Positions::F32(positions) if origin == DVec3::ZERO => {
-            bytemuck::cast_slice(positions).to_vec()
-        }
+fn move_to_origin(positions: Positions, origin: DVec3) -> Vec<Vec3> {
+    match positions {
+        Positions::F32(positions) if origin == DVec3::ZERO => bytemuck::cast_vec(positions),
         positions => (0..positions.len())
             .map(|index| (positions.get(index) - origin).as_vec3())
             .collect(),
@@ -182,7 +180,6 @@ fn compact<T>(mut values: Vec<T>, keep: Option<&[bool]>) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cloud::Positions;
 
     #[test]
     fn holes_are_dropped_from_every_array() {
