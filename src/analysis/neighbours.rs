@@ -8,15 +8,44 @@ use super::point_tree::{LANES, PointTree};
 use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Nearest neighbours of every point: equally many for each.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Neighbours {
     per_point: usize,
-    indices: Vec<u32>,
+    /// The lists of [`POINTS_PER_PIECE`] points each, one after the other. One piece for all would be megabytes that are
+    /// filled with zeros before they are written; these never leave the nearest cache in between.
+    pieces: Vec<Vec<u32>>,
 }
 
+/// Points whose lists are written by one task: whole buckets.
+const POINTS_PER_PIECE: usize = 64 * LANES;
+
 impl Neighbours {
+    /// Lists of `point_count` points, of which `write` gets those of some consecutive ones.
+    fn by_pieces(
+        point_count: usize,
+        per_point: usize,
+        write: impl Fn(Range<usize>, &mut [u32]) + Sync,
+    ) -> Self {
+        let pieces = (0..point_count.div_ceil(POINTS_PER_PIECE)).into_par_iter();
+        let pieces = pieces.map(|piece| {
+            let first = piece * POINTS_PER_PIECE;
+            let points = first..point_count.min(first + POINTS_PER_PIECE);
+            let mut lists = vec![0; points.len() * per_point];
+            // A point that is alone has no neighbours.
+            if per_point > 0 {
+                write(points, &mut lists);
+            }
+            lists
+        });
+        Self {
+            per_point,
+            pieces: pieces.collect(),
+        }
+    }
+
     /// Neighbours a point: the k asked for, or as many as there are other points.
     pub fn per_point(&self) -> usize {
         self.per_point
@@ -24,7 +53,8 @@ impl Neighbours {
 
     /// The neighbours of a point, never the point itself.
     pub fn of(&self, index: usize) -> &[u32] {
-        &self.indices[index * self.per_point..(index + 1) * self.per_point]
+        let first = index % POINTS_PER_PIECE * self.per_point;
+        &self.pieces[index / POINTS_PER_PIECE][first..first + self.per_point]
     }
 }
 
@@ -34,42 +64,26 @@ impl Neighbours {
 pub fn nearest_neighbours(positions: &[Vec3], k: usize) -> Neighbours {
     let tree = PointTree::new(positions);
     let by_slot = tree.neighbours(k);
-    let per_point = by_slot.per_point;
-    let mut indices = vec![0; positions.len() * per_point];
-    if per_point > 0 {
-        indices
-            .par_chunks_mut(per_point)
-            .zip(0..positions.len() as u32)
-            .with_min_len(1 << 10)
-            .for_each_init(Vec::new, |order, (list, index)| {
-                tree.write_in_order(index, &by_slot, order, list);
-            });
-    }
-    Neighbours { per_point, indices }
+    Neighbours::by_pieces(positions.len(), by_slot.per_point, |points, lists| {
+        let mut order = Vec::new();
+        for (list, index) in lists.chunks_exact_mut(by_slot.per_point).zip(points) {
+            tree.write_in_order(index as u32, &by_slot, &mut order, list);
+        }
+    })
 }
-
-/// Buckets that one task searches for before it asks for more.
-const BUCKETS_PER_TASK: usize = 64;
 
 impl PointTree {
     /// [`nearest_neighbours`] with slots in place of indices, both as position and as value, and in no order.
     pub(super) fn neighbours(&self, k: usize) -> Neighbours {
         let per_point = k.min(self.len().saturating_sub(1));
-        let mut indices = vec![0; self.len() * per_point];
-        if per_point > 0 {
-            let level = Level::new();
-            indices
-                .par_chunks_mut(LANES * per_point * BUCKETS_PER_TASK)
-                .enumerate()
-                .for_each(|(task, lists)| {
-                    let mut search = BucketSearch::new(self, per_point);
-                    let first = task * BUCKETS_PER_TASK;
-                    for (place, lists) in lists.chunks_mut(LANES * per_point).enumerate() {
-                        dispatch!(level, simd => search.run(simd, first + place, lists));
-                    }
-                });
-        }
-        Neighbours { per_point, indices }
+        let level = Level::new();
+        Neighbours::by_pieces(self.len(), per_point, |slots, lists| {
+            let mut search = BucketSearch::new(self, per_point);
+            let first_bucket = slots.start / LANES;
+            for (place, lists) in lists.chunks_mut(LANES * per_point).enumerate() {
+                dispatch!(level, simd => search.run(simd, first_bucket + place, lists));
+            }
+        })
     }
 
     /// Writes the neighbours of a point of the file as points of the file, nearest first, equally near ones by index.
