@@ -4,6 +4,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
+//! | [`memory`] | the allocator of the program, and how long it keeps what is freed |
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
@@ -16,8 +17,6 @@
 //! | [`mod@bench`] | the paper's tables, measured here |
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
-//!
-//! [`memory`] is about the allocator of the program.
 
 pub mod analysis;
 pub mod app;
