@@ -15,7 +15,7 @@ pub(super) struct Shared {
     /// Where a frame that is made alone has its stages shared out. Not the pool that draws: a picture must not wait for a
     /// frame that is not even in it.
     pub(super) pool: rayon::ThreadPool,
-    /// Workers that are making a frame.
+    /// Workers that are making a frame, decoding included.
     pub(super) busy: AtomicUsize,
     pub(super) sequence: Arc<Sequence>,
     pub(super) queue: Mutex<Queue>,
@@ -35,9 +35,7 @@ impl Shared {
     /// Runs the stages of one frame. On the worker's own thread while others are busy too: frames side by side waste less
     /// than stages side by side (measured: 10 %).
     fn run_stages<T: Send>(&self, stages: impl FnOnce() -> T + Send) -> T {
-        let others = self.busy.fetch_add(1, Ordering::Relaxed);
-        let _done = Done(&self.busy);
-        if others > 0 {
+        if self.busy.load(Ordering::Relaxed) > 1 {
             stages()
         } else {
             self.pool.install(stages)
@@ -66,10 +64,17 @@ pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool, SequenceError> {
         })
 }
 
-/// One worker less is busy when this is dropped, also by a panic.
-struct Done<'a>(&'a AtomicUsize);
+/// A worker that is making a frame, until this is dropped, also by a panic.
+struct Busy<'a>(&'a AtomicUsize);
 
-impl Drop for Done<'_> {
+impl<'a> Busy<'a> {
+    fn new(workers: &'a AtomicUsize) -> Self {
+        workers.fetch_add(1, Ordering::Relaxed);
+        Self(workers)
+    }
+}
+
+impl Drop for Busy<'_> {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::Relaxed);
     }
@@ -114,6 +119,7 @@ fn next_job(shared: &Shared) -> Option<Job> {
 
 /// Decodes and prepares; `None` if nobody wants the frame any more.
 fn make(shared: &Shared, job: Job) -> Result<Option<PreparedFrame>, FrameError> {
+    let _busy = Busy::new(&shared.busy);
     if let Some(existing) = job.existing {
         let completed = || complete(&existing, &job.needs, &shared.counters);
         return Ok(Some(shared.run_stages(completed)));
