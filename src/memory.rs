@@ -7,9 +7,8 @@ pub use mimalloc::MiMalloc;
 
 use std::ffi::c_long;
 
-/// How long freed memory is kept before the system has it back, in milliseconds: a sequence that is played again soon costs
-/// no page faults, and one that was closed does not stay for long. One second, the default, gives back what the next
-/// frames need.
+/// How long freed memory is kept, in milliseconds, before the allocator gives it back to the system, which it does when it
+/// next has something to do. One second, the default, gives back what the next frames need.
 const KEPT_MS: c_long = 10_000;
 
 /// `mi_option_purge_delay` of `mimalloc.h`, which the crate does not name.

@@ -16,7 +16,7 @@ use super::travel::Travel;
 use super::{Direction, FrameError, LoopMode, Needs, PreparedFrame, Sequence, SequenceError};
 use cache::Focus;
 use queue::{Queue, Waiter};
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
 use worker::Shared;
@@ -99,7 +99,6 @@ impl Loader {
         let pool = worker::pool(workers)?;
         let shared = Arc::new(Shared {
             pool,
-            busy: AtomicUsize::new(0),
             queue: Mutex::new(Queue::new(
                 Arc::clone(&sequence),
                 focus,

@@ -7,7 +7,6 @@ use crate::sequence::{
     FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError, complete, lock,
     prepare,
 };
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 /// What the loader shares with its workers.
@@ -15,8 +14,6 @@ pub(super) struct Shared {
     /// Where a frame that is made alone has its stages shared out. Not the pool that draws: a picture must not wait for a
     /// frame that is not even in it.
     pub(super) pool: rayon::ThreadPool,
-    /// Workers that are making a frame, decoding included.
-    pub(super) busy: AtomicUsize,
     pub(super) sequence: Arc<Sequence>,
     pub(super) queue: Mutex<Queue>,
     /// There may be work: a request, a waiter, a finished frame, the end.
@@ -35,10 +32,11 @@ impl Shared {
     /// Runs the stages of one frame. On the worker's own thread while others are busy too: frames side by side waste less
     /// than stages side by side (measured: 10 %).
     fn run_stages<T: Send>(&self, stages: impl FnOnce() -> T + Send) -> T {
-        if self.busy.load(Ordering::Relaxed) > 1 {
-            stages()
-        } else {
+        let is_alone = self.queue().cache.in_flight() <= 1;
+        if is_alone {
             self.pool.install(stages)
+        } else {
+            stages()
         }
     }
 
@@ -62,22 +60,6 @@ pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool, SequenceError> {
         .map_err(|error| SequenceError::NoThread {
             reason: std::io::Error::other(error),
         })
-}
-
-/// A worker that is making a frame, until this is dropped, also by a panic.
-struct Busy<'a>(&'a AtomicUsize);
-
-impl<'a> Busy<'a> {
-    fn new(workers: &'a AtomicUsize) -> Self {
-        workers.fetch_add(1, Ordering::Relaxed);
-        Self(workers)
-    }
-}
-
-impl Drop for Busy<'_> {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
-    }
 }
 
 /// Takes jobs until the loader is dropped. Called in a pool of one thread, where what would be shared out stays.
@@ -119,7 +101,6 @@ fn next_job(shared: &Shared) -> Option<Job> {
 
 /// Decodes and prepares; `None` if nobody wants the frame any more.
 fn make(shared: &Shared, job: Job) -> Result<Option<PreparedFrame>, FrameError> {
-    let _busy = Busy::new(&shared.busy);
     if let Some(existing) = job.existing {
         let completed = || complete(&existing, &job.needs, &shared.counters);
         return Ok(Some(shared.run_stages(completed)));
