@@ -5,9 +5,9 @@
 //! far as their boxes are within the worst of the eight bounds.
 //!
 //! A register holds the distances of the *eight searching points* to one candidate. Of the candidates that are near enough
-//! for one of the eight, this row is kept, and for each searching point the k smallest distances so far: a candidate is sunk
-//! into the k sorted registers by a smaller and a larger each, without branches, for eight points at a time. Which
-//! candidates the k smallest distances belong to is asked once, at the end, by comparing all rows with the k-th.
+//! for one of the eight, this row is kept, and for each searching point the k smallest distances so far
+//! ([`super::smallest_rows`]). Which candidates the k smallest distances belong to is asked once, at the end, by comparing
+//! all rows with the k-th.
 //!
 //! Equal distances are decided by the index in the file. Only where more candidates than k are within the k-th distance
 //! must they be looked at one by one. Pruning knows about it as well: a box at exactly the bound is entered only if it
@@ -20,10 +20,8 @@
 //! in the same order of operations, never exceeds the computed distance to a point inside.
 
 use super::point_tree::{BoxRow, LANES, PointTree, Row};
+use super::smallest_rows::SmallestRows;
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8, u32x8};
-
-/// Registers that a candidate is sunk through at a time.
-const SUNK_TOGETHER: usize = 6;
 
 /// Rows whose answers fit the bits of one lane.
 const ROWS_PER_WORD: usize = u32::BITS as usize;
@@ -45,8 +43,8 @@ pub(super) struct BucketSearch<'a> {
     rows: Vec<Row>,
     /// The slots of these candidates.
     slots: Vec<u32>,
-    /// The k smallest squared distances, ascending; and some more, to fill up whole [`SUNK_TOGETHER`].
-    nearest: Vec<[Row; SUNK_TOGETHER]>,
+    /// The k smallest squared distances of each.
+    nearest: SmallestRows,
     /// The worst k-th distance (squared) of all searching points.
     bound: f32,
     /// From which file index on points at exactly the bound cannot win; `None` until somebody asks.
@@ -96,7 +94,7 @@ impl<'a> BucketSearch<'a> {
             row_count: 0,
             rows: vec![[0.0; LANES]; 2 * ROWS_PER_WORD],
             slots: vec![0; 2 * ROWS_PER_WORD],
-            nearest: vec![[[f32::INFINITY; LANES]; SUNK_TOGETHER]; k.div_ceil(SUNK_TOGETHER)],
+            nearest: SmallestRows::new(k),
             bound: f32::INFINITY,
             tie_limit: None,
             stack: Vec::new(),
@@ -139,7 +137,7 @@ impl<'a> BucketSearch<'a> {
                 -1.0
             }
         });
-        self.nearest.fill([nothing_found; SUNK_TOGETHER]);
+        self.nearest.reset(nothing_found);
         self.bound = f32::INFINITY;
         self.tie_limit = None;
     }
@@ -243,7 +241,7 @@ impl<'a> BucketSearch<'a> {
         }
         let rows = &mut self.rows[self.row_count..][..LANES];
         let slots = &mut self.slots[self.row_count..][..LANES];
-        let kth = f32x8::from_slice(simd, kth_row(&self.nearest, self.k));
+        let kth = f32x8::from_slice(simd, self.nearest.largest());
         let is_own = bucket == self.bucket;
         let mut near = 0;
         for place in 0..LANES {
@@ -262,13 +260,9 @@ impl<'a> BucketSearch<'a> {
         if near == 0 {
             return;
         }
-        let mut sinking = [[0.0; LANES]; LANES];
-        sinking[..near].copy_from_slice(&rows[..near]);
-        for nearest in &mut self.nearest {
-            sink(simd, nearest, &mut sinking[..near]);
-        }
+        self.nearest.offer(simd, rows, near);
         self.row_count += near;
-        let kth = f32x8::from_slice(simd, kth_row(&self.nearest, self.k));
+        let kth = f32x8::from_slice(simd, self.nearest.largest());
         let of_halves = kth.max(kth.slide::<4>(kth));
         let of_quarters = of_halves.max(of_halves.slide::<2>(of_halves));
         self.bound = of_quarters[0].max(of_quarters[1]);
@@ -290,7 +284,7 @@ impl<'a> BucketSearch<'a> {
             for candidate in &self.candidates {
                 kept[candidate.row] = true;
             }
-            if kth_row(&self.nearest, self.k)[lane] == self.bound {
+            if self.nearest.largest()[lane] == self.bound {
                 let kth = self.candidates.get(self.k - 1);
                 limit = limit.max(kth.map_or(u32::MAX, |kth| kth.file_index));
             }
@@ -308,7 +302,7 @@ impl<'a> BucketSearch<'a> {
     /// Sets `candidates` to the k nearest of the searching point in a lane, or as many as there are, in order.
     fn put_in_order(&mut self, lane: usize) {
         // Places without a point are infinitely far.
-        let kth = kth_row(&self.nearest, self.k)[lane].min(f32::MAX);
+        let kth = self.nearest.largest()[lane].min(f32::MAX);
         let within = self.rows[..self.row_count]
             .iter()
             .map(|distances_squared| distances_squared[lane])
@@ -316,7 +310,7 @@ impl<'a> BucketSearch<'a> {
             .filter(|&(_, distance_squared)| distance_squared <= kth)
             .map(|(row, distance_squared)| Candidate {
                 distance_squared,
-                file_index: self.tree.file_index_of(self.slots[row]),
+                file_index: self.tree.points()[self.slots[row] as usize].file_index,
                 row,
             });
         self.candidates.clear();
@@ -331,7 +325,7 @@ impl<'a> BucketSearch<'a> {
     /// Writes the k nearest candidates of each searching point, as slots.
     #[inline(always)]
     fn write_lists<S: Simd>(&mut self, simd: S, lists: &mut [u32]) {
-        let kth = f32x8::from_slice(simd, kth_row(&self.nearest, self.k));
+        let kth = f32x8::from_slice(simd, self.nearest.largest());
         let mut words = [[0; LANES]; 2];
         let rows = &self.rows[..self.row_count];
         for (words, rows) in words.iter_mut().zip(rows.chunks(ROWS_PER_WORD)) {
@@ -380,30 +374,4 @@ fn bits_of<S: Simd>(simd: S, mask: mask32x8<S>) -> u32 {
     let bits = bits | bits.slide::<4>(bits);
     let bits = bits | bits.slide::<2>(bits);
     bits[0] | bits[1]
-}
-
-/// The k-th smallest distances.
-fn kth_row(nearest: &[[Row; SUNK_TOGETHER]], k: usize) -> &Row {
-    &nearest.as_flattened()[k - 1]
-}
-
-/// Puts `distances` where they belong in the ascending registers `nearest`; what is left of them is what came out below.
-#[inline(always)]
-fn sink<S: Simd>(simd: S, nearest: &mut [Row; SUNK_TOGETHER], distances: &mut [Row]) {
-    let mut registers = [f32x8::splat(simd, 0.0); SUNK_TOGETHER];
-    for (register, row) in registers.iter_mut().zip(&*nearest) {
-        *register = f32x8::from_slice(simd, row);
-    }
-    for row in distances {
-        let mut sinking = f32x8::from_slice(simd, row);
-        for here in &mut registers {
-            let larger = here.max(sinking);
-            *here = here.min(sinking);
-            sinking = larger;
-        }
-        sinking.store_slice(row);
-    }
-    for (row, register) in nearest.iter_mut().zip(registers) {
-        register.store_slice(row);
-    }
 }

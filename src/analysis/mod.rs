@@ -9,6 +9,7 @@ mod normals;
 mod orientation;
 mod point_tree;
 mod radii;
+mod smallest_rows;
 #[cfg(test)]
 pub(crate) mod test_shapes;
 #[cfg(test)]

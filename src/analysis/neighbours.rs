@@ -96,11 +96,11 @@ impl PointTree {
         list: &mut [u32],
     ) {
         let slot = self.slot_of(file_index) as usize;
-        let point = self.positions()[slot];
+        let point = self.points()[slot].position;
         order.clear();
         order.extend(by_slot.of(slot).iter().map(|&other| {
-            let distance_squared = squared(self.positions()[other as usize] - point);
-            (distance_squared, self.file_index_of(other))
+            let other = self.points()[other as usize];
+            (squared(other.position - point), other.file_index)
         }));
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (index, (_, found)) in list.iter_mut().zip(order.iter()) {

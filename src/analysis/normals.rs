@@ -7,7 +7,8 @@
 //!
 //! The sign is arbitrary here; [`super::orientation`] decides it.
 
-use super::{neighbours::Neighbours, point_tree::PointTree};
+use super::neighbours::Neighbours;
+use super::point_tree::{PointTree, SlotPoint};
 use crate::math::SymmetricMat3;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -17,7 +18,7 @@ pub(super) fn plane_normals(tree: &PointTree, neighbours: &Neighbours) -> Vec<Ve
     (0..tree.len())
         .into_par_iter()
         .with_min_len(1 << 9)
-        .map(|slot| plane_normal(tree.positions(), slot, neighbours.of(slot)))
+        .map(|slot| plane_normal(tree.points(), slot, neighbours.of(slot)))
         .collect()
 }
 
@@ -25,20 +26,20 @@ pub(super) fn plane_normals(tree: &PointTree, neighbours: &Neighbours) -> Vec<Ve
 pub(super) fn fill_missing(tree: &PointTree, neighbours: &Neighbours, normals: &mut [Vec3]) {
     for (slot, normal) in normals.iter_mut().enumerate() {
         if *normal == Vec3::ZERO {
-            *normal = plane_normal(tree.positions(), slot, neighbours.of(slot));
+            *normal = plane_normal(tree.points(), slot, neighbours.of(slot));
         }
     }
 }
 
 /// The direction of least spread; +Z when there is no spread at all.
-fn plane_normal(positions: &[Vec3], slot: usize, neighbours: &[u32]) -> Vec3 {
-    let point = positions[slot];
+fn plane_normal(points: &[SlotPoint], slot: usize, neighbours: &[u32]) -> Vec3 {
+    let point = points[slot].position;
     // The point itself has offset zero and adds nothing.
     let mut sum = DVec3::ZERO;
     let mut squares = DVec3::ZERO;
     let mut products = DVec3::ZERO;
     for &neighbour in neighbours {
-        let d = (positions[neighbour as usize] - point).as_dvec3();
+        let d = (points[neighbour as usize].position - point).as_dvec3();
         sum += d;
         squares += d * d;
         products += d * DVec3::new(d.y, d.z, d.x);

@@ -19,15 +19,16 @@
 //!
 //! When it wins: it is exact for closed surfaces that are sampled densely enough for neighbours to lie on one sheet.
 
-use super::{neighbours::Neighbours, point_tree::PointTree};
+use super::neighbours::Neighbours;
+use super::point_tree::{PointTree, SlotPoint};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Turns every normal (by slot) to the half-space that `sensor`, in scene units, is in.
 pub(super) fn face_sensor(tree: &PointTree, sensor: Vec3, normals: &mut [Vec3]) {
     let sensor = sensor / tree.unit();
-    for (normal, &position) in normals.iter_mut().zip(tree.positions()) {
-        if normal.dot(sensor - position) < 0.0 {
+    for (normal, point) in normals.iter_mut().zip(tree.points()) {
+        if normal.dot(sensor - point.position) < 0.0 {
             *normal = -*normal;
         }
     }
@@ -35,7 +36,7 @@ pub(super) fn face_sensor(tree: &PointTree, sensor: Vec3, normals: &mut [Vec3]) 
 
 /// Makes normals (by slot) agree over the neighbourhood graph, and every component of it face outwards.
 pub(super) fn face_outwards(tree: &PointTree, neighbours: &Neighbours, normals: &mut [Vec3]) {
-    let edges = weigh_edges(tree.positions(), neighbours, normals);
+    let edges = weigh_edges(tree.points(), neighbours, normals);
     let mut signs = SignForest::new(tree.len());
     join_by_weight(&edges, neighbours, &mut signs);
 
@@ -48,7 +49,7 @@ pub(super) fn face_outwards(tree: &PointTree, neighbours: &Neighbours, normals: 
             *normal = -*normal;
         }
     }
-    let inwards = components_facing_inwards(tree.positions(), &resolved, normals);
+    let inwards = components_facing_inwards(tree.points(), &resolved, normals);
     for (normal, sign) in normals.iter_mut().zip(&resolved) {
         if inwards[sign.root as usize] {
             *normal = -*normal;
@@ -76,9 +77,9 @@ fn disagree(edge: Edge) -> bool {
 }
 
 /// The edges to all neighbours of all points, laid out like the neighbours.
-fn weigh_edges(positions: &[Vec3], neighbours: &Neighbours, normals: &[Vec3]) -> Vec<Edge> {
+fn weigh_edges(points: &[SlotPoint], neighbours: &Neighbours, normals: &[Vec3]) -> Vec<Edge> {
     let per_point = neighbours.per_point();
-    let mut edges = vec![0; positions.len() * per_point];
+    let mut edges = vec![0; points.len() * per_point];
     if per_point == 0 {
         return edges;
     }
@@ -90,7 +91,7 @@ fn weigh_edges(positions: &[Vec3], neighbours: &Neighbours, normals: &[Vec3]) ->
             for (edge, &other) in edges.iter_mut().zip(neighbours.of(slot)) {
                 let other = other as usize;
                 *edge = weigh(
-                    positions[other] - positions[slot],
+                    points[other].position - points[slot].position,
                     normals[slot],
                     normals[other],
                 );
@@ -240,22 +241,22 @@ const UNDECIDED: f32 = 1e-3;
 ///
 /// Components without an inside (a flat sheet along two axes) face the positive side of the last axis they can.
 fn components_facing_inwards(
-    positions: &[Vec3],
+    points: &[SlotPoint],
     resolved: &[Signed],
     normals: &[Vec3],
 ) -> Vec<bool> {
     // Smallest and largest point along each axis, by root; a root is a point of its component.
-    let mut extremes: Vec<[[u32; 2]; 3]> = (0..positions.len() as u32)
+    let mut extremes: Vec<[[u32; 2]; 3]> = (0..points.len() as u32)
         .map(|slot| [[slot; 2]; 3])
         .collect();
     for (sign, slot) in resolved.iter().zip(0u32..) {
         let extremes = &mut extremes[sign.root as usize];
         for (axis, [lowest, highest]) in extremes.iter_mut().enumerate() {
-            let coordinate = positions[slot as usize][axis];
-            if coordinate < positions[*lowest as usize][axis] {
+            let coordinate = points[slot as usize].position[axis];
+            if coordinate < points[*lowest as usize].position[axis] {
                 *lowest = slot;
             }
-            if coordinate > positions[*highest as usize][axis] {
+            if coordinate > points[*highest as usize].position[axis] {
                 *highest = slot;
             }
         }

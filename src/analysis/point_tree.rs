@@ -28,10 +28,7 @@ const PARALLEL_SPLIT: usize = 4096;
 /// Points in slot order, and the boxes above them.
 #[derive(Debug)]
 pub(super) struct PointTree {
-    /// Scaled positions by slot.
-    positions: Vec<Vec3>,
-    /// Which point of the file is in each slot.
-    file_index: Vec<u32>,
+    points: Vec<SlotPoint>,
     /// The slot of each point of the file.
     slot: Vec<u32>,
     pub(super) buckets: Vec<Bucket>,
@@ -85,8 +82,8 @@ impl NodeBox {
 
     fn around(points: &[SlotPoint]) -> Self {
         points.iter().fold(Self::EMPTY, |node, point| Self {
-            min: node.min.min(point.0),
-            max: node.max.max(point.0),
+            min: node.min.min(point.register()),
+            max: node.max.max(point.register()),
         })
     }
 
@@ -98,22 +95,20 @@ impl NodeBox {
     }
 }
 
-/// A point on its way to its slot: scaled position, and the bits of its file index, in one register of four. As positive
-/// floats, indices have the same order.
-#[derive(Debug, Clone, Copy)]
-struct SlotPoint(Vec4);
+/// A point in its slot, or on its way there: what fits one register of four.
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(16))]
+pub(super) struct SlotPoint {
+    /// In scaled units.
+    pub(super) position: Vec3,
+    /// Its index in the file.
+    pub(super) file_index: u32,
+}
 
 impl SlotPoint {
-    fn new(position: Vec3, file_index: u32) -> Self {
-        Self(position.extend(f32::from_bits(file_index)))
-    }
-
-    fn position(&self) -> Vec3 {
-        self.0.truncate()
-    }
-
-    fn file_index(&self) -> u32 {
-        self.0.w.to_bits()
+    /// The position, and the bits of the index, which have the same order as a positive float.
+    pub(super) fn register(&self) -> Vec4 {
+        bytemuck::cast(*self)
     }
 }
 
@@ -129,21 +124,23 @@ impl PointTree {
         let mut points: Vec<SlotPoint> = positions
             .iter()
             .zip(0..)
-            .map(|(&position, file_index)| SlotPoint::new(position / unit, file_index))
+            .map(|(&position, file_index)| SlotPoint {
+                position: position / unit,
+                file_index,
+            })
             .collect();
         let bucket_count = points.len().div_ceil(LANES);
         split(&mut points, bucket_count.next_power_of_two() / 2 * LANES);
 
         let mut slot = vec![0; points.len()];
         for (point, index) in points.iter().zip(0..) {
-            slot[point.file_index() as usize] = index;
+            slot[point.file_index as usize] = index;
         }
         let boxes = points.chunks(LANES).map(NodeBox::around).collect();
         Self {
-            positions: points.iter().map(SlotPoint::position).collect(),
-            file_index: points.iter().map(SlotPoint::file_index).collect(),
-            slot,
             buckets: points.chunks(LANES).map(Bucket::new).collect(),
+            points,
+            slot,
             levels: rows_above(boxes),
             unit,
         }
@@ -151,12 +148,12 @@ impl PointTree {
 
     /// Number of points.
     pub(super) fn len(&self) -> usize {
-        self.positions.len()
+        self.points.len()
     }
 
-    /// Scaled positions by slot.
-    pub(super) fn positions(&self) -> &[Vec3] {
-        &self.positions
+    /// The points by slot.
+    pub(super) fn points(&self) -> &[SlotPoint] {
+        &self.points
     }
 
     /// Scene units of one scaled unit.
@@ -167,11 +164,6 @@ impl PointTree {
     /// The slot of a point of the file.
     pub(super) fn slot_of(&self, file_index: u32) -> u32 {
         self.slot[file_index as usize]
-    }
-
-    /// The point of the file in a slot.
-    pub(super) fn file_index_of(&self, slot: u32) -> u32 {
-        self.file_index[slot as usize]
     }
 
     /// `values` by slot, rearranged to the order of the file.
@@ -185,10 +177,10 @@ impl PointTree {
 
     /// `values` in the order of the file, rearranged by slot.
     pub(super) fn to_slot_order<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
-        self.file_index
+        self.points
             .par_iter()
             .with_min_len(1 << 13)
-            .map(|&index| values[index as usize])
+            .map(|point| values[point.file_index as usize])
             .collect()
     }
 }
@@ -196,7 +188,11 @@ impl PointTree {
 impl Bucket {
     fn new(points: &[SlotPoint]) -> Self {
         let axis = |axis: usize| {
-            std::array::from_fn(|place| points.get(place).map_or(f32::MAX, |point| point.0[axis]))
+            std::array::from_fn(|place| {
+                points
+                    .get(place)
+                    .map_or(f32::MAX, |point| point.position[axis])
+            })
         };
         Self {
             x: axis(0),
@@ -217,9 +213,9 @@ fn split(points: &mut [SlotPoint], half: usize) {
     let node = NodeBox::around(points);
     // Compiled for each axis on its own.
     match (node.max - node.min).truncate().max_position() {
-        0 => part_at(points, half, |point| point.0.x),
-        1 => part_at(points, half, |point| point.0.y),
-        _ => part_at(points, half, |point| point.0.z),
+        0 => part_at(points, half, |point| point.position.x),
+        1 => part_at(points, half, |point| point.position.y),
+        _ => part_at(points, half, |point| point.position.z),
     }
     let parallel = points.len() > PARALLEL_SPLIT;
     let (low, high) = points.split_at_mut(half);
@@ -281,16 +277,14 @@ mod tests {
                 .map(|i| Vec3::new((i * 37 % 101) as f32, (i * 53 % 97) as f32, (i % 13) as f32))
                 .collect();
             let tree = PointTree::new(&positions);
-            let mut seen: Vec<u32> = tree.file_index.clone();
+            let mut seen: Vec<u32> = tree.points().iter().map(|point| point.file_index).collect();
             seen.sort_unstable();
             assert!(seen.into_iter().eq(0..count as u32));
-            for (slot, position) in tree.positions().iter().enumerate() {
-                assert_eq!(
-                    *position * tree.unit(),
-                    positions[tree.file_index[slot] as usize]
-                );
-                assert_eq!(tree.slot_of(tree.file_index[slot]), slot as u32);
-                let place = position.to_array();
+            for (slot, point) in tree.points().iter().enumerate() {
+                let file_index = point.file_index;
+                assert_eq!(point.position * tree.unit(), positions[file_index as usize]);
+                assert_eq!(tree.slot_of(file_index), slot as u32);
+                let place = point.position.to_array();
                 for (level, rows) in tree.levels.iter().enumerate() {
                     let node = slot / LANES.pow(level as u32 + 1);
                     let (row, lane) = (&rows[node / LANES], node % LANES);
@@ -298,7 +292,7 @@ mod tests {
                         (row.min[axis][lane]..=row.max[axis][lane]).contains(&place[axis])
                     };
                     assert!((0..3).all(is_inside));
-                    assert!(row.min_file_index[lane] <= tree.file_index[slot]);
+                    assert!(row.min_file_index[lane] <= file_index);
                 }
             }
             let top_rows = tree.levels.last().map_or(0, Vec::len);

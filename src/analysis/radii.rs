@@ -19,9 +19,9 @@
 //! large for all others.
 
 use super::neighbours::Neighbours;
-use super::point_tree::{LANES, PointTree, Row};
-use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
-use glam::Vec3;
+use super::point_tree::{LANES, PointTree, Row, SlotPoint};
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x4, f32x8};
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Radius, in scene units, when no two points are apart: a single point, or points that all coincide.
@@ -49,35 +49,37 @@ pub(super) fn closing_radii(
         .enumerate()
         .for_each(|(task, raw)| {
             let cells = Cells {
-                directions: half_circle(),
-                positions: tree.positions(),
+                directions: quarter_circle(),
+                points: tree.points(),
                 neighbours,
                 normals,
             };
             dispatch!(level, simd => cells.measure(simd, POINTS_PER_TASK * task, raw));
         });
-    let median = median_of_positive(&raw);
+    let median = median_of_sample(&raw);
     let inverse: Vec<f32> = raw
         .iter()
         .map(|&radius| if radius > 0.0 { 1.0 / radius } else { 0.0 })
         .collect();
     let largest = MAX_OF_CLOUD * median;
     let mut radii = raw;
-    // By chunks, so that one loop is compiled in which points overlap: a sum waits for each of its terms.
     radii
         .par_chunks_mut(POINTS_PER_TASK)
         .enumerate()
         .for_each(|(task, radii)| {
-            for (radius, slot) in radii.iter_mut().zip(POINTS_PER_TASK * task..) {
-                let own = if *radius > 0.0 { *radius } else { median };
-                let of_neighbours =
-                    MAX_OF_NEIGHBOURS * harmonic_mean(&inverse, neighbours.of(slot));
-                let limited = OVERLAP * own.min(of_neighbours).min(largest) * tree.unit();
-                *radius = if limited > 0.0 {
-                    limited.min(f32::MAX)
-                } else {
-                    LONE_RADIUS
-                };
+            let slots = POINTS_PER_TASK * task..;
+            for (radii, first_slot) in radii.chunks_mut(LANES).zip(slots.step_by(LANES)) {
+                let means = harmonic_means(&inverse, neighbours, first_slot, radii.len());
+                for (radius, mean) in radii.iter_mut().zip(means) {
+                    let own = if *radius > 0.0 { *radius } else { median };
+                    let limited =
+                        OVERLAP * own.min(MAX_OF_NEIGHBOURS * mean).min(largest) * tree.unit();
+                    *radius = if limited > 0.0 {
+                        limited.min(f32::MAX)
+                    } else {
+                        LONE_RADIUS
+                    };
+                }
             }
         });
     radii
@@ -92,12 +94,12 @@ const OPEN: f32 = 0.5;
 /// Directions in the tangent plane along which a cell is measured.
 const DIRECTIONS: usize = 32;
 
-/// Directions in one half of the circle. The others are their opposites, along which everything is as long with the
-/// opposite sign.
-const HALF: usize = DIRECTIONS / 2;
+/// Directions in one quarter of the circle, both ends included. Those in the others are their opposites, along which
+/// everything is as long with the opposite sign, and their mirror images, along which the products are the same.
+const QUARTER: usize = DIRECTIONS / 4 + 1;
 
-/// Cosines and sines of the evenly spaced directions of one half.
-fn half_circle() -> [[f32; 2]; HALF] {
+/// Cosines and sines of the evenly spaced directions of one quarter.
+fn quarter_circle() -> [[f32; 2]; QUARTER] {
     std::array::from_fn(|direction| {
         let turn = direction as f64 / DIRECTIONS as f64;
         let (sine, cosine) = (turn * std::f64::consts::TAU).sin_cos();
@@ -107,8 +109,8 @@ fn half_circle() -> [[f32; 2]; HALF] {
 
 /// What the cells of a cloud are measured from.
 struct Cells<'a> {
-    directions: [[f32; 2]; HALF],
-    positions: &'a [Vec3],
+    directions: [[f32; 2]; QUARTER],
+    points: &'a [SlotPoint],
     neighbours: &'a Neighbours,
     normals: &'a [Vec3],
 }
@@ -130,30 +132,25 @@ impl Cells<'_> {
     fn cell_radii<S: Simd>(&self, simd: S, first_slot: usize, lines: &mut [[Row; 2]]) -> Row {
         let zero = f32x8::splat(simd, 0.0);
         // Lanes beyond the last point repeat it.
-        let slots: [usize; LANES] =
-            std::array::from_fn(|lane| (first_slot + lane).min(self.positions.len() - 1));
-        let mut points = [[0.0; LANES]; 3];
-        let mut tangents = [[0.0; LANES]; 3];
-        let mut bitangents = [[0.0; LANES]; 3];
-        for (lane, &slot) in slots.iter().enumerate() {
-            let (u, v) = self.normals[slot].any_orthonormal_pair();
-            scatter(&mut points, lane, self.positions[slot]);
-            scatter(&mut tangents, lane, u);
-            scatter(&mut bitangents, lane, v);
+        let last = self.points.len() - 1;
+        let slot_of = |lane: usize| (first_slot + lane).min(last);
+        let points = axes(simd, |lane| self.points[slot_of(lane)].register());
+        let normals = axes(simd, |lane| self.normals[slot_of(lane)].extend(0.0));
+        let (tangents, bitangents) = orthonormal_pair(simd, normals);
+        let mut lists = [self.neighbours.of(first_slot); LANES];
+        for (lane, list) in lists.iter_mut().enumerate() {
+            *list = self.neighbours.of(slot_of(lane));
         }
-        let lists = slots.map(|slot| self.neighbours.of(slot));
         let mut reach_squared = zero;
         for (neighbour, line) in lines.iter_mut().enumerate() {
-            let mut places = [[0.0; LANES]; 3];
-            for (lane, list) in lists.iter().enumerate() {
-                scatter(&mut places, lane, self.positions[list[neighbour] as usize]);
-            }
+            let places = axes(simd, |lane| {
+                self.points[lists[lane][neighbour] as usize].register()
+            });
             let (mut x, mut y) = (zero, zero);
             for axis in 0..3 {
-                let place = f32x8::from_slice(simd, &places[axis]);
-                let offset = place - f32x8::from_slice(simd, &points[axis]);
-                x += offset * f32x8::from_slice(simd, &tangents[axis]);
-                y += offset * f32x8::from_slice(simd, &bitangents[axis]);
+                let offset = places[axis] - points[axis];
+                x += offset * tangents[axis];
+                y += offset * bitangents[axis];
             }
             let squared = x * x + y * y;
             reach_squared = reach_squared.max(squared);
@@ -167,15 +164,20 @@ impl Cells<'_> {
         let mut inverse = [[0.0; LANES]; DIRECTIONS];
         for (direction, &[cosine, sine]) in self.directions.iter().enumerate() {
             let (mut most, mut least) = (zero, zero);
+            let (mut mirrored_most, mut mirrored_least) = (zero, zero);
             for line in &*lines {
-                let x = f32x8::from_slice(simd, &line[0]);
-                let y = f32x8::from_slice(simd, &line[1]);
-                let along = x * cosine + y * sine;
+                let x = f32x8::from_slice(simd, &line[0]) * cosine;
+                let y = f32x8::from_slice(simd, &line[1]) * sine;
+                let (along, mirrored) = (x + y, x - y);
                 most = most.max(along);
                 least = least.min(along);
+                mirrored_most = mirrored_most.max(mirrored);
+                mirrored_least = mirrored_least.min(mirrored);
             }
             most.store_slice(&mut inverse[direction]);
-            (-least).store_slice(&mut inverse[HALF + direction]);
+            (-least).store_slice(&mut inverse[DIRECTIONS / 2 + direction]);
+            mirrored_most.store_slice(&mut inverse[(DIRECTIONS - direction) % DIRECTIONS]);
+            (-mirrored_least).store_slice(&mut inverse[DIRECTIONS / 2 - direction]);
         }
         // What is extreme along the circle is a corner or the middle of a side. Beyond the last neighbour nothing is
         // known, so a corner there is taken to be no farther than it, and twice as far out the cell counts as open.
@@ -198,31 +200,80 @@ impl Cells<'_> {
     }
 }
 
-/// Puts a vector into one lane of each axis.
+/// The coordinates of eight points, each in a register of its own.
 #[inline(always)]
-fn scatter(rows: &mut [Row; 3], lane: usize, vector: Vec3) {
-    rows[0][lane] = vector.x;
-    rows[1][lane] = vector.y;
-    rows[2][lane] = vector.z;
+fn axes<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x8<S>; 3] {
+    let [low_x, low_y, low_z] = axes_of_four(simd, &point);
+    let [high_x, high_y, high_z] = axes_of_four(simd, |lane| point(4 + lane));
+    [
+        simd.combine_f32x4(low_x, high_x),
+        simd.combine_f32x4(low_y, high_y),
+        simd.combine_f32x4(low_z, high_z),
+    ]
 }
 
-/// The harmonic mean of the neighbours' radii as far as they are positive, from their inverses (0 for those that are not);
-/// not finite if none is.
-fn harmonic_mean(inverse: &[f32], neighbours: &[u32]) -> f32 {
-    let inverse_sum: f32 = neighbours
-        .iter()
-        .map(|&neighbour| inverse[neighbour as usize])
-        .sum();
-    neighbours.len() as f32 / inverse_sum
+#[inline(always)]
+fn axes_of_four<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x4<S>; 3] {
+    let a = f32x4::from_slice(simd, point(0).as_ref());
+    let b = f32x4::from_slice(simd, point(1).as_ref());
+    let c = f32x4::from_slice(simd, point(2).as_ref());
+    let d = f32x4::from_slice(simd, point(3).as_ref());
+    let (xy_even, xy_odd) = (simd.zip_low_f32x4(a, c), simd.zip_low_f32x4(b, d));
+    let (z_even, z_odd) = (simd.zip_high_f32x4(a, c), simd.zip_high_f32x4(b, d));
+    [
+        simd.zip_low_f32x4(xy_even, xy_odd),
+        simd.zip_high_f32x4(xy_even, xy_odd),
+        simd.zip_low_f32x4(z_even, z_odd),
+    ]
 }
 
-/// The median of all positive values; 0 without one.
-fn median_of_positive(values: &[f32]) -> f32 {
-    let mut positive: Vec<f32> = values
-        .iter()
-        .copied()
-        .filter(|&value| value > 0.0)
-        .collect();
+/// Two unit vectors across each of eight and across each other (Duff et al. 2017, *Building an Orthonormal Basis,
+/// Revisited*).
+#[inline(always)]
+fn orthonormal_pair<S: Simd>(simd: S, [x, y, z]: [f32x8<S>; 3]) -> ([f32x8<S>; 3], [f32x8<S>; 3]) {
+    let one = f32x8::splat(simd, 1.0);
+    let sign = one.copysign(z);
+    let a = -one / (sign + z);
+    let b = x * y * a;
+    (
+        [one + sign * x * x * a, sign * b, -sign * x],
+        [b, sign + y * y * a, -y],
+    )
+}
+
+/// The harmonic means of the neighbours' radii of up to eight consecutive points, as far as they are positive, from their
+/// inverses (0 for those that are not); not finite if none is. Eight sums side by side, for each waits for its last term.
+fn harmonic_means(
+    inverse: &[f32],
+    neighbours: &Neighbours,
+    first_slot: usize,
+    count: usize,
+) -> Row {
+    let lists: [&[u32]; LANES] =
+        std::array::from_fn(|lane| neighbours.of(first_slot + lane.min(count - 1)));
+    let mut inverse_sums = [0.0; LANES];
+    for neighbour in 0..neighbours.per_point() {
+        for (sum, list) in inverse_sums.iter_mut().zip(lists) {
+            *sum += inverse[list[neighbour] as usize];
+        }
+    }
+    inverse_sums.map(|sum| neighbours.per_point() as f32 / sum)
+}
+
+/// Values that a median is taken of: it is off by two percent of the ranks at most times.
+const SAMPLE: usize = 1 << 12;
+
+/// The median of evenly spaced positive values, of all where there are few; 0 without one.
+fn median_of_sample(values: &[f32]) -> f32 {
+    let stride = values.len().div_ceil(SAMPLE).max(1);
+    let mut positive: Vec<f32> = Vec::with_capacity(SAMPLE);
+    positive.extend(
+        values
+            .iter()
+            .step_by(stride)
+            .copied()
+            .filter(|&value| value > 0.0),
+    );
     if positive.is_empty() {
         return 0.0;
     }
