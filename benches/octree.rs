@@ -8,8 +8,9 @@
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pointreel::{
+    math::Cube,
     math::morton,
-    octree::{Cube, Octree, StopCriterion},
+    octree::{Octree, StopCriterion},
 };
 use std::hint::black_box;
 

@@ -23,8 +23,8 @@ static ALLOCATOR: MiMalloc = MiMalloc;
 
 const POINTS: usize = 100_000;
 const ROUNDS: usize = 5;
-/// What a prepared frame takes: position, normal and colour, a point and a shape.
-const FRAME_BYTES: usize = POINTS * (28 + 16 + 16);
+/// What a prepared frame takes: position, index, normal and colour, a point and a shape.
+const FRAME_BYTES: usize = POINTS * (32 + 16 + 16);
 const SURFELS: Needs = Needs {
     shapes: true,
     octree: None,

@@ -7,7 +7,7 @@
 )]
 
 use glam::{DVec3, Vec3};
-use pointreel::cloud::{Positions, RawCloud};
+use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::octree::StopCriterion;
 use pointreel::sequence::{
     ColorSource, DecodeFailure, Direction, FrameError, FrameState, Loader, LoaderOptions, LoopMode,
@@ -58,6 +58,18 @@ fn index_of(source: &Source) -> usize {
         .and_then(|stem| stem.to_str())
         .and_then(|stem| stem.parse().ok())
         .expect("a name made by fake_sources")
+}
+
+/// `values`, which stand in the order of the frame, in the order of the file. Precondition: no point was dropped.
+fn by_file<T: Copy>(frame: &Frame, values: &[T]) -> Vec<T> {
+    let mut places: Vec<(u32, T)> = frame
+        .file_index()
+        .iter()
+        .copied()
+        .zip(values.iter().copied())
+        .collect();
+    places.sort_by_key(|&(index, _)| index);
+    places.into_iter().map(|(_, value)| value).collect()
 }
 
 /// `edge`² points on a wavy sheet that moves with `time`.

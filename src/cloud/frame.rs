@@ -1,7 +1,10 @@
-//! A validated pose: finite f32 positions relative to the sequence origin.
+//! A validated pose: finite f32 positions relative to the sequence origin, in Morton order.
+//!
+//! Points that are close in space are close in memory: whoever reads the points around a point, or the texels under it,
+//! finds them in the cache. [`Frame::file_index`] leads back to the file.
 
 use super::{Positions, RawCloud};
-use crate::math::Aabb;
+use crate::math::{Aabb, Cube, sort_codes};
 use glam::{DVec3, Vec3};
 
 /// Why a decoded cloud cannot become a frame.
@@ -18,15 +21,27 @@ pub enum CloudError {
         /// Number of entries.
         found: usize,
     },
+    /// More points than indices of 31 bits tell apart.
+    #[error(
+        "{found} points are more than a frame can hold ({})",
+        Frame::MAX_POINTS
+    )]
+    TooManyPoints {
+        /// Number of points.
+        found: usize,
+    },
 }
 
 /// One pose: a structure of arrays, all of one length.
 ///
 /// Invariants, held by [`Frame::from_raw`]: every position and scalar is finite; normals are of unit length, or zero
-/// where the file gave none that can be used; radii are finite and not negative.
+/// where the file gave none that can be used; radii are finite and not negative; points stand in the order of their Morton
+/// codes in the [`Cube`] around them, those in one finest cell in the order of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     positions: Vec<Vec3>,
+    /// The index in the file of every point.
+    file_index: Vec<u32>,
     colors: Option<Vec<[u8; 4]>>,
     normals: Option<Vec<Vec3>>,
     radii: Option<Vec<f32>>,
@@ -37,48 +52,48 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Validates `raw`, moves it to `origin` (in f64) and drops points without finite coordinates.
+    /// Most points a frame can hold.
+    pub const MAX_POINTS: usize = 1 << 31;
+
+    /// Validates `raw`, moves it to `origin` (in f64), drops points without finite coordinates and puts the others in Morton
+    /// order.
     pub fn from_raw(raw: RawCloud, origin: DVec3) -> Result<Self, CloudError> {
         let point_count = raw.positions.len();
         check_length("color", point_count, raw.colors.as_deref())?;
         check_length("normal", point_count, raw.normals.as_deref())?;
         check_length("radius", point_count, raw.radii.as_deref())?;
         check_length("scalar", point_count, raw.scalars.as_deref())?;
+        if point_count > Self::MAX_POINTS {
+            return Err(CloudError::TooManyPoints { found: point_count });
+        }
 
         let moved = move_to_origin(raw.positions, origin);
-        let keep: Option<Vec<bool>> = moved
-            .iter()
-            .any(|position| !position.is_finite())
-            .then(|| moved.iter().map(|position| position.is_finite()).collect());
-        let positions = compact(moved, keep.as_deref());
+        let (bounds, file_index) = finite_in_morton_order(&moved);
         Ok(Self {
-            bounds: Aabb::from_points(&positions),
-            dropped_points: point_count - positions.len(),
-            colors: raw.colors.map(|colors| compact(colors, keep.as_deref())),
+            bounds,
+            dropped_points: point_count - file_index.len(),
+            positions: gather(&moved, &file_index, |position| position),
+            colors: raw
+                .colors
+                .map(|colors| gather(&colors, &file_index, |color| color)),
             normals: raw.normals.map(|normals| {
-                compact(normals, keep.as_deref())
-                    .into_iter()
-                    .map(|normal| Vec3::from_array(normal).normalize_or_zero())
-                    .collect()
+                // First all to their places: a processor that waits for roots fetches little from memory meanwhile.
+                let mut normals = gather(&normals, &file_index, Vec3::from_array);
+                normals
+                    .iter_mut()
+                    .for_each(|normal| *normal = unit_or_zero(*normal));
+                normals
             }),
-            radii: raw.radii.map(|mut radii| {
-                for radius in &mut radii {
-                    *radius = if radius.is_nan() {
-                        0.0
-                    } else {
-                        radius.clamp(0.0, f32::MAX)
-                    };
-                }
-                compact(radii, keep.as_deref())
-            }),
-            scalars: raw.scalars.map(|mut scalars| {
-                for scalar in scalars.iter_mut().filter(|scalar| !scalar.is_finite()) {
-                    *scalar = 0.0;
-                }
-                compact(scalars, keep.as_deref())
+            radii: raw
+                .radii
+                .map(|radii| gather(&radii, &file_index, usable_radius)),
+            scalars: raw.scalars.map(|scalars| {
+                gather(&scalars, &file_index, |scalar| {
+                    if scalar.is_finite() { scalar } else { 0.0 }
+                })
             }),
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
-            positions,
+            file_index,
         })
     }
 
@@ -90,6 +105,11 @@ impl Frame {
     /// True when no point is left.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
+    }
+
+    /// The index of every point in the file, dropped points counted.
+    pub fn file_index(&self) -> &[u32] {
+        &self.file_index
     }
 
     /// Finite positions relative to the sequence origin.
@@ -135,6 +155,7 @@ impl Frame {
     /// Bytes of all arrays.
     pub fn byte_size(&self) -> usize {
         let per_point = size_of::<Vec3>()
+            + size_of::<u32>()
             + self.colors.as_ref().map_or(0, |_| size_of::<[u8; 4]>())
             + self.normals.as_ref().map_or(0, |_| size_of::<Vec3>())
             + self.radii.as_ref().map_or(0, |_| size_of::<f32>())
@@ -168,13 +189,53 @@ fn move_to_origin(positions: Positions, origin: DVec3) -> Vec<Vec3> {
     }
 }
 
-/// `values` where `keep` is true; all of them, untouched, for `None`.
-fn compact<T>(mut values: Vec<T>, keep: Option<&[bool]>) -> Vec<T> {
-    if let Some(keep) = keep {
-        let mut kept = keep.iter();
-        values.retain(|_| kept.next().copied().unwrap_or(false));
+/// The box around all finite positions, and their indices in Morton order.
+fn finite_in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
+    if positions.iter().all(|position| position.is_finite()) {
+        return in_morton_order(positions);
     }
-    values
+    let (finite, index): (Vec<Vec3>, Vec<u32>) = positions
+        .iter()
+        .zip(0..)
+        .filter(|(position, _)| position.is_finite())
+        .unzip();
+    let (bounds, order) = in_morton_order(&finite);
+    (bounds, gather(&index, &order, |index| index))
+}
+
+fn in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
+    let bounds = Aabb::from_points(positions);
+    let order = match Cube::around_box(&bounds) {
+        Some(cube) => sort_codes(cube.codes(positions)).order,
+        None => Vec::new(),
+    };
+    (bounds, order)
+}
+
+/// What `convert` makes of the values at `indices`.
+fn gather<T: Copy, U>(values: &[T], indices: &[u32], convert: impl Fn(T) -> U) -> Vec<U> {
+    indices
+        .iter()
+        .map(|&index| convert(values[index as usize]))
+        .collect()
+}
+
+/// A normal of unit length, or zero where there is no direction. Most files have unit normals, and roots are slow.
+fn unit_or_zero(normal: Vec3) -> Vec3 {
+    if (normal.length_squared() - 1.0).abs() <= 1e-6 {
+        normal
+    } else {
+        normal.normalize_or_zero()
+    }
+}
+
+/// A radius that can be drawn; 0 where the file gave none.
+fn usable_radius(radius: f32) -> f32 {
+    if radius.is_nan() {
+        0.0
+    } else {
+        radius.clamp(0.0, f32::MAX)
+    }
 }
 
 #[cfg(test)]
@@ -200,7 +261,30 @@ mod tests {
         assert_eq!(frame.colors(), Some([[1; 4], [4; 4]].as_slice()));
         assert_eq!(frame.normals(), Some([Vec3::Z, Vec3::ZERO].as_slice()));
         assert_eq!(frame.radii(), Some([0.5, 0.0].as_slice()));
+        assert_eq!(frame.file_index(), [0, 3]);
         assert_eq!(frame.dropped_points(), 2);
+    }
+
+    #[test]
+    fn points_stand_in_morton_order_and_know_where_they_were() {
+        let corner = |octant: u32| [0, 1, 2].map(|axis| (octant >> axis & 1) as f32);
+        // All corners backwards, then a duplicate of the first octant, and a hole in between.
+        let mut positions: Vec<[f32; 3]> = (0..8).rev().map(corner).collect();
+        positions.insert(3, [f32::NAN; 3]);
+        positions.push(corner(0));
+        let mut raw = RawCloud::from_positions(Positions::F32(positions.clone()));
+        raw.scalars = Some((0..10).map(|index| index as f32).collect());
+        let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
+        assert_eq!(frame.file_index(), [8, 9, 7, 6, 5, 4, 2, 1, 0]);
+        for ((&index, position), &scalar) in frame
+            .file_index()
+            .iter()
+            .zip(frame.positions())
+            .zip(frame.scalars().unwrap())
+        {
+            assert_eq!(position.to_array(), positions[index as usize]);
+            assert_eq!(scalar, index as f32);
+        }
     }
 
     #[test]

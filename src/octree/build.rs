@@ -18,8 +18,9 @@
 //! loops select instead of branching: whether a node is the first child of its parent is a coin toss that a branch
 //! predictor loses.
 
-use super::{Cube, Octree, StopCriterion, stop::OccupiedCells, voxels};
+use super::{Octree, StopCriterion, stop::OccupiedCells, voxels};
 use crate::math::{
+    Cube,
     morton::{self, LEVELS},
     sort_codes,
 };
@@ -44,7 +45,7 @@ impl Octree {
         let Some(cube) = Cube::around(positions) else {
             return Self::with_levels(Cube::EMPTY, Vec::new());
         };
-        let sorted = sort_codes(&cube.codes(positions));
+        let sorted = sort_codes(cube.codes(positions));
         let shape = || {
             let partings = parting_levels(&sorted.codes);
             let occupied = occupied_cells(&partings);

@@ -9,7 +9,6 @@
 
 mod build;
 mod byte_code;
-mod cube;
 mod select;
 mod stop;
 #[cfg(test)]
@@ -17,10 +16,10 @@ mod tests;
 mod voxels;
 
 pub use byte_code::OctreeError;
-pub use cube::Cube;
 pub use select::{SelectStats, SelectView};
 pub use stop::StopCriterion;
 
+use crate::math::Cube;
 use voxels::ColorSum;
 
 /// A sparse voxel octree with all leaves at one level.

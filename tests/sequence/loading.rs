@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 /// Bytes of a prepared complete sheet with shapes.
 fn sheet_bytes(edge: usize) -> usize {
-    edge * edge * 64
+    edge * edge * 68
 }
 
 fn ready(loader: &Loader, index: usize, needs: &Needs) -> bool {
@@ -518,7 +518,7 @@ proptest! {
         edges in prop::collection::vec(2usize..14, 16),
         moves in prop::collection::vec((0usize..16, any::<bool>(), 0usize..3, any::<bool>()), 1..20),
     ) {
-        let largest = 13 * 13 * 64;
+        let largest = 13 * 13 * 68;
         let budget = budget_frames * largest;
         let sequence = Arc::new(Sequence::with_decoder(fake_sources(16), move |source| {
             Ok(complete_sheet(edges[index_of(source)], 0))

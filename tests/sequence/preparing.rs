@@ -2,7 +2,7 @@
 
 use super::*;
 use pointreel::analysis::fake_color;
-use pointreel::cloud::{Frame, oct_decode};
+use pointreel::cloud::oct_decode;
 use pointreel::sequence::{PrepareCounters, UNIFORM_COLOR, complete, prepare};
 
 /// Octrees, surfaces, radii and records made so far.
@@ -34,8 +34,9 @@ fn what_the_file_has_is_not_estimated() {
             .iter()
             .all(|shape| oct_decode(shape.normal) == Vec3::Y)
     );
-    for (i, point) in prepared.points.iter().enumerate() {
-        assert_eq!(Vec3::from_array(point.position), frame.positions()[i]);
+    let positions = by_file(&frame, frame.positions());
+    for (i, point) in by_file(&frame, &prepared.points).iter().enumerate() {
+        assert_eq!(Vec3::from_array(point.position), positions[i]);
         assert_eq!(point.color, [i as u8, 3, 7, 255]);
     }
 }
@@ -80,7 +81,7 @@ fn zero_normals_and_radii_are_replaced_and_the_others_kept() {
     raw.normals.as_mut().unwrap()[42] = [0.0; 3];
     raw.radii.as_mut().unwrap()[17] = 0.0;
     let prepared = prepare(0, frame_of(raw), 0.0, &SURFELS, &PrepareCounters::default());
-    let shapes = prepared.shapes.unwrap();
+    let shapes = by_file(&prepared.frame, &prepared.shapes.unwrap());
     let normal_of = |i: usize| oct_decode(shapes[i].normal);
     assert!((normal_of(41) - tilted).length() < 1e-3);
     assert!((normal_of(42) - tilted).length() > 1e-2 && normal_of(42).is_normalized());
@@ -98,7 +99,8 @@ fn colors_come_from_the_best_there_is() {
             &Needs::default(),
             &PrepareCounters::default(),
         );
-        (prepared.colors(), prepared.points[0].color)
+        let points = by_file(&prepared.frame, &prepared.points);
+        (prepared.colors(), points[0].color)
     };
     assert_eq!(
         auto(complete_sheet(10, 9)),
@@ -309,7 +311,7 @@ fn every_byte_is_counted() {
         &needs,
         &PrepareCounters::default(),
     );
-    // Position 12, colour 4, normal 12, radius 4; a point record and a shape record of 16.
-    let expected = 100 * (32 + 16 + 16) + prepared.octree.as_ref().unwrap().byte_size();
+    // Position 12, file index 4, colour 4, normal 12, radius 4; a point record and a shape record of 16.
+    let expected = 100 * (36 + 16 + 16) + prepared.octree.as_ref().unwrap().byte_size();
     assert_eq!(prepared.byte_size(), expected);
 }

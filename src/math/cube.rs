@@ -1,6 +1,6 @@
 //! The cube that encloses a cloud, and the cells its points fall into.
 
-use crate::math::{
+use super::{
     Aabb,
     morton::{self, FINEST_CELLS},
 };
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// the ends of such an edge apart.
 const LONE_EDGE: f32 = 1.0;
 
-/// The cube that an octree divides: every cell of every level is a cube too.
+/// The cube that Morton codes and octrees divide: every cell of every level is a cube too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cube {
     /// Smallest corner, relative to the sequence origin.
@@ -23,7 +23,7 @@ pub struct Cube {
 
 impl Cube {
     /// The cube of no points.
-    pub(super) const EMPTY: Self = Self {
+    pub const EMPTY: Self = Self {
         min: Vec3::ZERO,
         edge: LONE_EDGE,
     };
@@ -34,7 +34,11 @@ impl Cube {
     /// Points that coincide sit in the middle of a cube of edge 1 (or of 2⁻²⁰ of their distance from the origin, if that is
     /// more). A box wider than the largest f32 gets that as its edge.
     pub fn around(points: &[Vec3]) -> Option<Self> {
-        let bounds = Aabb::from_points(points);
+        Self::around_box(&Aabb::from_points(points))
+    }
+
+    /// [`Cube::around`] points with these bounds.
+    pub fn around_box(bounds: &Aabb) -> Option<Self> {
         if bounds.is_empty() {
             return None;
         }
@@ -73,7 +77,7 @@ impl Cube {
     ///
     /// Cells are half-open: a point on the border of two belongs to the upper one, except for the upper faces of the cube,
     /// which belong to the last cells.
-    pub(super) fn codes(&self, points: &[Vec3]) -> Vec<u64> {
+    pub fn codes(&self, points: &[Vec3]) -> Vec<u64> {
         let quantizer = Quantizer::new(self);
         let level = Level::new();
         let mut codes = vec![0; points.len()];
