@@ -63,7 +63,7 @@ fn octrees_hold_the_cells_of_their_points() {
                         .map(|share| (share * along).floor().min(along - 1.0) as u32)
                 })
                 .collect();
-            let cells = Octree::cells_from_masks(tree.masks(), tree.depth()).unwrap();
+            let cells = Octree::cells_from_masks(&tree.masks(), tree.depth()).unwrap();
             let count = cells.len();
             assert_eq!(
                 cells.into_iter().collect::<BTreeSet<_>>(),

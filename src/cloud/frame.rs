@@ -79,9 +79,9 @@ impl Frame {
             normals: raw.normals.map(|normals| {
                 // First all to their places: a processor that waits for roots fetches little from memory meanwhile.
                 let mut normals = gather(&normals, &file_index, Vec3::from_array);
-                normals
-                    .iter_mut()
-                    .for_each(|normal| *normal = unit_or_zero(*normal));
+                for normal in &mut normals {
+                    *normal = unit_or_zero(*normal);
+                }
                 normals
             }),
             radii: raw

@@ -8,6 +8,8 @@
 //! 3. A node is where its first point is. The leaves are the points that part at the leaf level or above; each coarser
 //!    level is the finer one without the nodes that do not part there. All else about a node follows from its points, and
 //!    is worked out when it is drawn ([`super::voxels`]).
+//!    Leaves on several levels, which the paper only compares with, are found from the root down instead
+//!    ([`super::uneven`]).
 //! 4. Step 3 streams through memory once for each level. So it is taken for a *block* of a thousand points at a time, made of
 //!    whole cells of some middle level: all levels of a block stay in the nearest cache. What is above the middle level is
 //!    little, and done at the end.
@@ -18,153 +20,108 @@
 //! loops select instead of branching: whether a node is the first child of its parent is a coin toss that a branch
 //! predictor loses.
 
-use super::{Octree, StopCriterion, stop::OccupiedCells, voxels};
-use crate::math::{
-    Cube,
-    morton::{self, LEVELS},
-    sort_codes,
-};
+use super::sorted_points::{SortedPoints, occupied_cells};
+use super::stop::{Leaves, StopCriterion};
+use super::{Children, NodeLevel, Octree};
+use crate::math::{Cube, morton::LEVELS};
 use glam::Vec3;
-use rayon::prelude::*;
+use std::sync::Arc;
 
 impl Octree {
     /// Builds the octree of `positions` down to the level that `stop` asks for.
     ///
     /// Colours are averaged per cell on every level. No points make an octree without nodes; one point, or points that all
-    /// coincide, a root that is a leaf. The answer depends on the arguments alone.
+    /// coincide, a root that is a leaf. The answer depends on the arguments alone. Points that stand in Morton order already
+    /// are not sorted again.
     ///
     /// # Panics
     /// Preconditions: finite positions, one colour a point, at most 2³¹ points.
     pub fn build(positions: &[Vec3], colors: &[[u8; 4]], stop: StopCriterion) -> Self {
         assert_eq!(positions.len(), colors.len(), "one colour for each point");
         // One way into the pool and out again, instead of one for each parallel stage.
-        rayon::scope(|_| Self::build_in_pool(positions, colors, stop))
+        rayon::scope(|_| {
+            let cube = Cube::around(positions).unwrap_or(Cube::EMPTY);
+            let (points, levels) = SortedPoints::sorted_and(&cube, positions, colors, |points| {
+                points.levels(stop, &[])
+            });
+            Self::from_levels(cube, Arc::new(points), levels)
+        })
     }
 
-    fn build_in_pool(positions: &[Vec3], colors: &[[u8; 4]], stop: StopCriterion) -> Self {
-        let Some(cube) = Cube::around(positions) else {
-            return Self::with_levels(Cube::EMPTY, Vec::new());
-        };
-        let sorted = sort_codes(cube.codes(positions));
-        let shape = || {
-            let partings = parting_levels(&sorted.codes);
-            let occupied = occupied_cells(&partings);
-            let depth = stop.depth(&occupied, positions.len());
-            let middle = middle_level(&occupied, depth, positions.len());
-            let level_counts = occupied[..=depth as usize].to_vec();
-            (partings, middle, Self::with_levels(cube, level_counts))
-        };
-        let colors = sorted.order.iter().map(|&index| colors[index as usize]);
-        let ((partings, middle, mut tree), colors_before) =
-            rayon::join(shape, || voxels::running_sums(colors));
-        tree.codes = sorted.codes;
-        tree.colors_before = colors_before;
-        tree.write_nodes(&partings, middle);
-        tree
+    /// The same points divided as `stop` asks. Nothing is sorted; a tree that is less deep only shares the upper levels, one
+    /// that is deeper has the lower levels written, and where leaves are to be on several levels, or were, all are.
+    #[must_use]
+    pub fn with_stop(&self, stop: StopCriterion) -> Self {
+        let known: &[NodeLevel] = if self.is_even { &self.levels } else { &[] };
+        let levels = rayon::scope(|_| self.points.levels(stop, known));
+        Self::from_levels(self.cube, Arc::clone(&self.points), levels)
     }
 
-    /// A tree of this shape with nothing else in it yet.
-    fn with_levels(cube: Cube, level_counts: Vec<usize>) -> Self {
-        let node_count: usize = level_counts.iter().sum();
-        let internal_count = node_count - level_counts.last().copied().unwrap_or(0);
-        let mut first_child = vec![0; internal_count + 1];
-        first_child[internal_count] = node_count as u32;
+    fn from_levels(cube: Cube, points: Arc<SortedPoints>, levels: Vec<NodeLevel>) -> Self {
+        let leaves_of = |level: &NodeLevel| match &level.children {
+            Some(children) => children.masks.iter().filter(|&&mask| mask == 0).count(),
+            None => level.node_count(),
+        };
         Self {
             cube,
-            first_point: vec![0; node_count + 1],
-            masks: vec![0; internal_count],
-            first_child,
-            level_counts,
-            codes: Vec::new(),
-            colors_before: Vec::new(),
-        }
-    }
-
-    /// Writes all nodes; those below level `middle` and on it a block at a time.
-    fn write_nodes(&mut self, partings: &[u8], middle: u32) {
-        let points = SortedPoints {
-            codes: &self.codes,
-            partings,
-        };
-        let (upper_counts, lower_counts) = self.level_counts.split_at(middle as usize);
-        let mut all = Nodes {
-            next: 0,
-            first_point: &mut self.first_point,
-            masks: &mut self.masks,
-            first_child: &mut self.first_child,
-        };
-        let upper = all.take(upper_counts.iter().sum());
-        let first_root = all.next;
-        let lower = LevelWriter {
             points,
-            top: middle,
-            levels: all.reborrowed().levels(lower_counts),
-        };
-        lower.write_points(0, points.codes.len());
-        let roots = &all.first_point[..lower_counts[0]];
-        points.write_above(0, roots, first_root, &mut upper.levels(upper_counts));
-    }
-}
-
-/// The level at which each sorted code parts from the one before it; 0 for the first.
-fn parting_levels(codes: &[u64]) -> Vec<u8> {
-    let mut partings = vec![0; codes.len()];
-    if let Some((_, partings)) = partings.split_first_mut() {
-        partings
-            .par_iter_mut()
-            .with_min_len(PARALLEL_POINTS)
-            .zip(codes.par_windows(2))
-            .for_each(|(parting, pair)| *parting = morton::parting_level(pair[0], pair[1]));
-    }
-    partings
-}
-
-/// Cells of every level that hold a point: one for each code that parted there or above.
-fn occupied_cells(partings: &[u8]) -> OccupiedCells {
-    // Several counters, because most partings are of few levels, and a count that was just written is slow to read.
-    let mut parted = [[0u32; LEVELS as usize + 2]; 4];
-    let (chunks, rest) = partings.as_chunks::<4>();
-    for partings in chunks {
-        for (parted, &level) in parted.iter_mut().zip(partings) {
-            parted[level as usize] += 1;
+            leaf_count: levels.iter().map(leaves_of).sum(),
+            is_even: levels.iter().all(|level| level.point_end.is_none()),
+            levels,
         }
     }
-    for &level in rest {
-        parted[0][level as usize] += 1;
+}
+
+impl SortedPoints {
+    /// The levels that `stop` asks for; of `known`, which has all leaves on its last level, what can be used again.
+    fn levels(&self, stop: StopCriterion, known: &[NodeLevel]) -> Vec<NodeLevel> {
+        if self.codes.is_empty() {
+            return Vec::new();
+        }
+        let depth = match stop.leaves(&self.occupied, self.codes.len()) {
+            Leaves::OnLevel(depth) => depth,
+            Leaves::OfPoints(most_points) => return self.uneven_levels(most_points),
+        };
+        let kept = known.len().saturating_sub(1).min(depth as usize);
+        let mut levels = known[..kept].to_vec();
+        match known.get(kept) {
+            Some(last) if kept == depth as usize => levels.push(last.undivided()),
+            _ => levels.extend(self.even_levels(kept as u32, depth)),
+        }
+        levels
     }
-    let mut total = 0;
-    std::array::from_fn(|level| {
-        total += parted
-            .iter()
-            .map(|parted| parted[level] as usize)
-            .sum::<usize>();
-        total
-    })
-}
 
-/// Points that a block should have: what is written for it and read again takes 20 KiB.
-const BLOCK_POINTS: usize = 1024;
+    /// Levels `top` to `depth`, on which all leaves are.
+    fn even_levels(&self, top: u32, depth: u32) -> Vec<NodeLevel> {
+        let counts = &self.occupied[..=depth as usize];
+        let mut arrays: Vec<LevelArrays> = (top..=depth)
+            .map(|level| {
+                let child_count = counts.get(level as usize + 1).copied();
+                LevelArrays::new(counts[level as usize], child_count, self.codes.len())
+            })
+            .collect();
+        let middle = self.middle_level(depth).max(top);
+        let (upper, lower) = arrays.split_at_mut((middle - top) as usize);
+        let writer = LevelWriter {
+            points: self,
+            top: middle,
+            levels: lower.iter_mut().map(LevelArrays::nodes).collect(),
+        };
+        writer.write_points(0, self.codes.len());
+        let mut upper: Vec<Nodes<'_>> = upper.iter_mut().map(LevelArrays::nodes).collect();
+        let roots = &lower[0].first_point[..counts[middle as usize]];
+        self.write_above(top, roots, 0, &mut upper);
+        arrays.into_iter().map(LevelArrays::into_level).collect()
+    }
 
-/// The deepest level whose cells still hold half a block on average.
-fn middle_level(occupied: &OccupiedCells, depth: u32, point_count: usize) -> u32 {
-    (0..=depth)
-        .rev()
-        .find(|&level| occupied[level as usize] * BLOCK_POINTS / 2 <= point_count)
-        .unwrap_or(0)
-}
+    /// The deepest level down to `depth` whose cells still hold half a block on average.
+    fn middle_level(&self, depth: u32) -> u32 {
+        (0..=depth)
+            .rev()
+            .find(|&level| self.occupied[level as usize] * BLOCK_POINTS / 2 <= self.codes.len())
+            .unwrap_or(0)
+    }
 
-/// Below this, points are not shared out among threads.
-const PARALLEL_POINTS: usize = 1 << 14;
-
-/// Points in Morton order.
-#[derive(Debug, Clone, Copy)]
-struct SortedPoints<'a> {
-    codes: &'a [u64],
-    /// See [`parting_levels`].
-    partings: &'a [u8],
-}
-
-impl SortedPoints<'_> {
     /// The first place from `least` to `end` where a cell of `level` begins, or `end`.
     fn cell_boundary(&self, least: usize, end: usize, level: u32) -> usize {
         let least = least.min(end);
@@ -234,7 +191,67 @@ impl SortedPoints<'_> {
     }
 }
 
-/// Consecutive nodes that are still to be written.
+/// Points that a block should have: what is written for it and read again takes 20 KiB.
+const BLOCK_POINTS: usize = 1024;
+
+/// Below this, points are not shared out among threads.
+const PARALLEL_POINTS: usize = 1 << 14;
+
+/// The arrays of a [`NodeLevel`] before they are shared.
+#[derive(Debug)]
+struct LevelArrays {
+    first_point: Vec<u32>,
+    /// Empty on the deepest level, as are the first children.
+    masks: Vec<u8>,
+    first_child: Vec<u32>,
+}
+
+impl LevelArrays {
+    /// Of so many nodes, with what ends them in place; without `child_count` on the deepest level.
+    fn new(count: usize, child_count: Option<usize>, point_count: usize) -> Self {
+        let mut first_point = vec![0; count + 1];
+        first_point[count] = point_count as u32;
+        let (masks, first_child) = match child_count {
+            Some(child_count) => {
+                let mut first_child = vec![0; count + 1];
+                first_child[count] = child_count as u32;
+                (vec![0; count], first_child)
+            }
+            None => (Vec::new(), Vec::new()),
+        };
+        Self {
+            first_point,
+            masks,
+            first_child,
+        }
+    }
+
+    /// All nodes, to be written.
+    fn nodes(&mut self) -> Nodes<'_> {
+        let count = self.first_point.len() - 1;
+        let internal_count = self.masks.len();
+        Nodes {
+            next: 0,
+            first_point: &mut self.first_point[..count],
+            masks: &mut self.masks,
+            first_child: &mut self.first_child[..internal_count],
+        }
+    }
+
+    fn into_level(self) -> NodeLevel {
+        let children = Children {
+            masks: self.masks,
+            first_child: self.first_child,
+        };
+        NodeLevel {
+            first_point: Arc::new(self.first_point),
+            point_end: None,
+            children: (!children.masks.is_empty()).then(|| Arc::new(children)),
+        }
+    }
+}
+
+/// Consecutive nodes of one level that are still to be written.
 #[derive(Debug, Default)]
 struct Nodes<'a> {
     /// Number of the first of them.
@@ -246,20 +263,6 @@ struct Nodes<'a> {
 }
 
 impl Nodes<'_> {
-    fn reborrowed(&mut self) -> Nodes<'_> {
-        Nodes {
-            next: self.next,
-            first_point: self.first_point,
-            masks: self.masks,
-            first_child: self.first_child,
-        }
-    }
-
-    /// Levels of these many nodes.
-    fn levels(mut self, counts: &[usize]) -> Vec<Self> {
-        counts.iter().map(|&count| self.take(count)).collect()
-    }
-
     /// Takes the first `count` nodes away.
     fn take(&mut self, count: usize) -> Self {
         let internal = count.min(self.masks.len());
@@ -280,7 +283,7 @@ impl Nodes<'_> {
 /// Fills some nodes of some consecutive levels, each from its beginning.
 #[derive(Debug)]
 struct LevelWriter<'a> {
-    points: SortedPoints<'a>,
+    points: &'a SortedPoints,
     /// Level of the first of `levels`; the last are the leaves.
     top: u32,
     levels: Vec<Nodes<'a>>,

@@ -50,7 +50,7 @@ impl Octree {
     ///
     /// They cover every leaf that can be seen, none twice: an emitted node stands for all leaves under it.
     pub fn select(&self, view: &SelectView, out: &mut Vec<VoxelRecord>) -> SelectStats {
-        if self.codes.is_empty() {
+        if self.levels.is_empty() {
             out.clear();
             return SelectStats::default();
         }
@@ -132,16 +132,18 @@ impl Traversal<'_> {
             return;
         };
         let distance = (center - self.view.eye).abs();
-        let is_leaf = node >= self.tree.masks.len();
-        if is_leaf || nearest_squared(distance, limits.half_edge) > limits.stop_beyond_squared {
+        let children = self.tree.levels[level].children.as_deref();
+        let mut octants = children.map_or(0, |children| children.masks[node]);
+        if octants == 0 || nearest_squared(distance, limits.half_edge) > limits.stop_beyond_squared
+        {
             self.emit(level, node..node + 1);
         } else if planes == 0
+            && self.tree.is_even
             && let Some(cut) = self.uniform_cut(distance, level)
         {
             self.emit_level_below(node, level, cut);
         } else {
-            let mut octants = self.tree.masks[node];
-            let mut child = self.tree.first_child[node] as usize;
+            let mut child = children.map_or(0, |children| children.first_child[node] as usize);
             while octants != 0 {
                 let octant = octants.trailing_zeros();
                 let cell_of_child =
@@ -192,8 +194,10 @@ impl Traversal<'_> {
     /// Emits all descendants of `node` on level `cut`.
     fn emit_level_below(&mut self, node: usize, level: usize, cut: usize) {
         let mut range = [node, node + 1];
-        for _ in level..cut {
-            range = self.children(range[0], range[1]);
+        for level in &self.tree.levels[level..cut] {
+            if let Some(children) = &level.children {
+                range = range.map(|node| children.first_child[node] as usize);
+            }
         }
         self.visited_nodes += range[1] - range[0];
         self.emit(cut, range[0]..range[1]);
@@ -210,11 +214,6 @@ impl Traversal<'_> {
                 nodes,
             }),
         }
-    }
-
-    /// The range of the children of the internal nodes `first..end` of one level.
-    fn children(&self, first: usize, end: usize) -> [usize; 2] {
-        [first, end].map(|node| self.tree.first_child[node] as usize)
     }
 }
 

@@ -1,4 +1,4 @@
-//! When subdivision ends: one level for all leaves, so that all voxels have one size.
+//! When subdivision ends.
 
 use crate::math::morton::LEVELS;
 
@@ -15,6 +15,11 @@ pub enum StopCriterion {
     /// level of the 21 separates any two points, so that duplicates (which no cell size can part) do not drive δ = 0 to
     /// the bottom.
     Loss(f32),
+    /// All leaves on this level, at most 21.
+    Depth(u32),
+    /// A cell is divided while it holds more than so many points (0 counts as 1), so leaves are on several levels: what the
+    /// paper's Fig. 5 shows the incoherent voxel sizes of.
+    PointsPerOctant(u32),
 }
 
 impl Default for StopCriterion {
@@ -25,24 +30,41 @@ impl Default for StopCriterion {
 }
 
 impl StopCriterion {
-    /// The first level that need not be subdivided.
-    pub(super) fn depth(self, occupied: &OccupiedCells, point_count: usize) -> u32 {
-        let Self::Loss(delta) = self;
-        let delta = if delta.is_nan() {
-            0.0
-        } else {
-            delta.clamp(0.0, 1.0)
-        };
-        let kept = 1.0 - f64::from(delta);
-        let enough = kept * point_count as f64;
-        let distinct = occupied[LEVELS as usize];
-        (0..LEVELS)
-            .find(|&level| {
-                let cells = occupied[level as usize];
-                cells as f64 >= enough || cells == distinct
-            })
-            .unwrap_or(LEVELS)
+    /// The level of all leaves, or how many points a leaf may hold.
+    pub(super) fn leaves(self, occupied: &OccupiedCells, point_count: usize) -> Leaves {
+        match self {
+            Self::Loss(delta) => Leaves::OnLevel(level_of_loss(delta, occupied, point_count)),
+            Self::Depth(depth) => Leaves::OnLevel(depth.min(LEVELS)),
+            Self::PointsPerOctant(points) => Leaves::OfPoints(points as usize),
+        }
     }
+}
+
+/// Where the leaves of a tree are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Leaves {
+    /// All on one level.
+    OnLevel(u32),
+    /// Wherever a cell holds at most so many points.
+    OfPoints(usize),
+}
+
+/// The first level that need not be subdivided for a loss of `delta`.
+fn level_of_loss(delta: f32, occupied: &OccupiedCells, point_count: usize) -> u32 {
+    let delta = if delta.is_nan() {
+        0.0
+    } else {
+        delta.clamp(0.0, 1.0)
+    };
+    let kept = 1.0 - f64::from(delta);
+    let enough = kept * point_count as f64;
+    let distinct = occupied[LEVELS as usize];
+    (0..LEVELS)
+        .find(|&level| {
+            let cells = occupied[level as usize];
+            cells as f64 >= enough || cells == distinct
+        })
+        .unwrap_or(LEVELS)
 }
 
 #[cfg(test)]
@@ -53,7 +75,7 @@ mod tests {
         let last = first_levels[first_levels.len() - 1];
         let mut occupied = [last; LEVELS as usize + 1];
         occupied[..first_levels.len()].copy_from_slice(first_levels);
-        StopCriterion::Loss(delta).depth(&occupied, point_count)
+        level_of_loss(delta, &occupied, point_count)
     }
 
     #[test]

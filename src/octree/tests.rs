@@ -3,6 +3,7 @@
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
 use crate::cloud::VoxelRecord;
+use crate::math::Cube;
 use crate::math::{Containment, Frustum, morton};
 use glam::{Mat4, Vec3, Vec4};
 use proptest::prelude::*;
@@ -95,7 +96,7 @@ fn check_tree(positions: &[Vec3], delta: f32) {
     let loss = 1.0 - oct[depth as usize] as f64 / point_count;
     assert!((f64::from(tree.loss()) - loss).abs() < 1e-6);
 
-    let read_back = Octree::cells_from_masks(tree.masks(), depth).unwrap();
+    let read_back = Octree::cells_from_masks(&tree.masks(), depth).unwrap();
     let expected = cells_by_brute_force(positions, &colors, depth);
     assert_eq!(read_back, in_morton_order(expected.into_keys()));
 }
@@ -195,6 +196,119 @@ proptest! {
     }
 }
 
+/// The leaves where cells are divided while they hold more than `most_points` points that differ, by recursion over lists.
+fn leaves_by_brute_force(
+    positions: &[Vec3],
+    most_points: usize,
+) -> BTreeMap<(u32, [u32; 3]), usize> {
+    fn divide(
+        level: u32,
+        cell: [u32; 3],
+        finest: &[[u32; 3]],
+        most_points: usize,
+        leaves: &mut BTreeMap<(u32, [u32; 3]), usize>,
+    ) {
+        let all_equal = finest.iter().all(|other| *other == finest[0]);
+        if finest.len() <= most_points.max(1) || all_equal {
+            leaves.insert((level, cell), finest.len());
+            return;
+        }
+        let below = level + 1;
+        let cell_of = |finest: &[u32; 3]| finest.map(|index| index >> (morton::LEVELS - below));
+        let mut children: BTreeMap<[u32; 3], Vec<[u32; 3]>> = BTreeMap::new();
+        for finest in finest {
+            children.entry(cell_of(finest)).or_default().push(*finest);
+        }
+        for (cell, finest) in children {
+            divide(below, cell, &finest, most_points, leaves);
+        }
+    }
+    let codes = Cube::around(positions).unwrap().codes(positions);
+    let finest: Vec<[u32; 3]> = codes.into_iter().map(morton::decode).collect();
+    let mut leaves = BTreeMap::new();
+    divide(0, [0; 3], &finest, most_points, &mut leaves);
+    leaves
+}
+
+fn check_uneven_tree(positions: &[Vec3], most_points: u32) {
+    let colors = random_colors(positions.len(), &mut Random(5));
+    let stop = StopCriterion::PointsPerOctant(most_points);
+    let tree = Octree::build(positions, &colors, stop);
+    let expected = leaves_by_brute_force(positions, most_points as usize);
+    let voxels = tree.level_voxels(tree.depth());
+    let found: HashSet<_> = voxels.iter().map(|voxel| cell_of(&tree, voxel)).collect();
+    assert_eq!(found.len(), voxels.len(), "no leaf twice");
+    assert_eq!(found, expected.keys().copied().collect());
+    assert_eq!(tree.leaf_count(), expected.len());
+    let deepest = expected.keys().map(|(level, _)| *level).max();
+    assert_eq!(Some(tree.depth()), deepest);
+    let nodes: HashSet<_> = expected
+        .keys()
+        .flat_map(|&(level, cell)| {
+            (0..=level).map(move |up| (level - up, cell.map(|index| index >> up)))
+        })
+        .collect();
+    assert_eq!(tree.node_count(), nodes.len());
+    // The mean colour of every leaf is that of its own points, whoever stands beside them in the order.
+    let sums = |level: u32| cells_by_brute_force(positions, &colors, level);
+    let by_level: Vec<_> = (0..=tree.depth()).map(sums).collect();
+    for voxel in &voxels {
+        let (level, cell) = cell_of(&tree, voxel);
+        let (sum, count) = by_level[level as usize][&cell];
+        for (found, sum) in voxel.color.into_iter().zip(sum) {
+            assert!((f64::from(found) - sum / count).abs() <= 0.501);
+        }
+    }
+}
+
+#[test]
+fn leaves_of_at_most_so_many_points() {
+    let mut random = Random(21);
+    let torus = test_shapes::torus(5000, 0.4, &mut random);
+    for most_points in [0, 1, 2, 8, 100, 4999, 5000] {
+        check_uneven_tree(&torus.positions, most_points);
+    }
+    // Dense and sparse parts, and duplicates that nothing can part.
+    let mut cloud: Vec<Vec3> = (0..300).map(|_| random.cube()).collect();
+    cloud.extend((0..300).map(|_| random.cube() * 1e-3));
+    cloud.extend([Vec3::splat(0.25); 50]);
+    check_uneven_tree(&cloud, 8);
+    check_uneven_tree(&[Vec3::ONE; 30], 8);
+    check_uneven_tree(&[Vec3::ONE], 8);
+}
+
+/// Building for another stop criterion from what is there must give the tree that is built from nothing.
+#[test]
+fn another_stop_criterion_is_the_same_as_building_anew() {
+    use StopCriterion::{Depth, Loss, PointsPerOctant};
+    let torus = test_shapes::torus(40_000, 0.4, &mut Random(17));
+    let colors = random_colors(40_000, &mut Random(18));
+    let stops = [
+        Loss(0.02),
+        Loss(0.5),
+        Loss(0.0),
+        Depth(0),
+        Depth(7),
+        Depth(99),
+        PointsPerOctant(4),
+    ];
+    for from in stops {
+        let tree = Octree::build(&torus.positions, &colors, from);
+        for to in stops {
+            let anew = Octree::build(&torus.positions, &colors, to);
+            assert!(tree.with_stop(to) == anew, "{from:?} to {to:?}");
+        }
+    }
+    let none = Octree::build(&[], &[], Loss(0.1));
+    assert_eq!(none.with_stop(Depth(3)).node_count(), 0);
+    let deep = Octree::build(&torus.positions, &colors, Depth(9));
+    assert_eq!(deep.depth(), 9);
+    assert!(Arc::ptr_eq(
+        &deep.levels[4].first_point,
+        &deep.with_stop(Depth(4)).levels[4].first_point
+    ));
+}
+
 /// A 60° view with the near plane at 0.05 and 500 pixels along the height.
 fn view_from(eye: Vec3, target: Vec3, lod_px: f32) -> SelectView {
     let forward = (target - eye).normalize();
@@ -227,6 +341,7 @@ fn visible_by_brute_force(
     tree: &Octree,
     positions: &[Vec3],
     view: &SelectView,
+    is_leaf: impl Fn(u32, [u32; 3]) -> bool,
 ) -> HashSet<(u32, [u32; 3])> {
     let cube = tree.cube();
     let depth = tree.depth();
@@ -238,7 +353,7 @@ fn visible_by_brute_force(
         let edge = cube.cell_edge(level);
         let distance = (cube.cell_center(level, cell) - view.eye).abs() - 0.5 * edge;
         let nearest = distance.max(Vec3::ZERO).length_squared();
-        level == depth
+        is_leaf(level, cell)
             || view.lod_px > 0.0
                 && nearest > (edge * view.pixels_per_unit_at_1 / view.lod_px).powi(2)
     };
@@ -270,19 +385,26 @@ fn the_visible_set_is_that_of_brute_force() {
     let mut random = Random(4);
     let torus = test_shapes::torus(3_000, 0.4, &mut random);
     let colors = random_colors(3_000, &mut random);
-    let tree = Octree::build(&torus.positions, &colors, StopCriterion::Loss(0.02));
+    let even = Octree::build(&torus.positions, &colors, StopCriterion::Loss(0.02));
+    let uneven = even.with_stop(StopCriterion::PointsPerOctant(3));
+    let uneven_leaves = leaves_by_brute_force(&torus.positions, 3);
     let mut out = Vec::new();
     let mut levels_seen = HashSet::new();
-    for _ in 0..150 {
+    for round in 0..200 {
         // Inside the cloud, near it and far away; looking at it and past it.
         let distance = 0.1 * 100f32.powf(random.unit());
         let eye = random.cube() * distance;
         let target = random.cube();
         let lod_px = [0.0, 1.0, 3.0, 10.0, 80.0][random.next_bits() as usize % 5];
         let view = view_from(eye, target, lod_px);
+        let tree = [&even, &uneven][round % 2];
+        let is_leaf = |level: u32, cell: [u32; 3]| match round % 2 {
+            0 => level == even.depth(),
+            _ => uneven_leaves.contains_key(&(level, cell)),
+        };
         let stats = tree.select(&view, &mut out);
-        let expected = visible_by_brute_force(&tree, &torus.positions, &view);
-        let found: HashSet<_> = out.iter().map(|voxel| cell_of(&tree, voxel)).collect();
+        let expected = visible_by_brute_force(tree, &torus.positions, &view, is_leaf);
+        let found: HashSet<_> = out.iter().map(|voxel| cell_of(tree, voxel)).collect();
         assert_eq!(found.len(), out.len(), "no voxel twice");
         assert_eq!(found, expected, "eye {eye} target {target} lod {lod_px}");
         assert_eq!(stats.emitted, out.len());

@@ -44,16 +44,30 @@ pub(super) fn running_sums(colors: impl ExactSizeIterator<Item = [u8; 4]>) -> Ve
 }
 
 impl Octree {
-    /// What stands for the nodes of `level`, in Morton order: all of a level of detail. Empty below the leaves.
+    /// What stands for the cloud at `level`: its nodes, and the leaves above it, each level in Morton order. Empty below the
+    /// deepest.
     pub fn level_voxels(&self, level: u32) -> Vec<VoxelRecord> {
-        let Some(&count) = self.level_counts.get(level as usize) else {
-            return Vec::new();
-        };
-        let first: usize = self.level_counts[..level as usize].iter().sum();
         let mut voxels = Vec::new();
-        let nodes = first..first + count;
-        self.write_voxels(&[NodeRange { level, nodes }], &mut voxels);
+        if self.levels.len() > level as usize {
+            let leaves_above = (0..level).flat_map(|above| self.leaves(above));
+            let nodes = 0..self.levels[level as usize].node_count();
+            let ranges: Vec<NodeRange> = leaves_above.chain([NodeRange { level, nodes }]).collect();
+            self.write_voxels(&ranges, &mut voxels);
+        }
         voxels
+    }
+
+    /// The leaves on a level that is not the deepest, one by one.
+    fn leaves(&self, level: u32) -> impl Iterator<Item = NodeRange> {
+        let nodes = &self.levels[level as usize];
+        // Only where leaves are on several levels is there one above the deepest.
+        let count = nodes.point_end.as_ref().map_or(0, |ends| ends.len());
+        (0..count)
+            .filter(|&node| nodes.mask(node) == 0)
+            .map(move |node| NodeRange {
+                level,
+                nodes: node..node + 1,
+            })
     }
 
     /// Replaces the contents of `out` by what stands for some nodes.
@@ -87,7 +101,8 @@ impl Octree {
     /// Sum over at most [`MOST_SUMMED`] points.
     #[inline(always)]
     fn small_sum(&self, first: usize, end: usize) -> Vec4 {
-        let [before, until] = [self.colors_before[first], self.colors_before[end]];
+        let colors_before = &self.points.colors_before;
+        let [before, until] = [colors_before[first], colors_before[end]];
         let sum: [u32; 4] = std::array::from_fn(|lane| until[lane].wrapping_sub(before[lane]));
         // Below 2³¹; a signed conversion is one instruction.
         Vec4::from_array(sum.map(|sum| sum as i32 as f32))
@@ -154,27 +169,26 @@ impl<'a> Batch<'a> {
     #[inline(always)]
     fn write_ranges(&mut self, ranges: &[NodeRange], mut out: &mut [VoxelRecord]) {
         for range in ranges {
-            let first_points = &self.tree.first_point[range.nodes.start..=range.nodes.end];
-            for pair in first_points.windows(2) {
+            let level = &self.tree.levels[range.level as usize];
+            let first_points = &level.first_point[range.nodes.start..=range.nodes.end];
+            let ends = match &level.point_end {
+                Some(ends) => &ends[range.nodes.clone()],
+                None => &first_points[1..],
+            };
+            for (&first, &end) in first_points.iter().zip(ends) {
                 if self.count == BATCH {
                     out = self.write(out);
                 }
-                self.add(range.level, pair[0], pair[1]);
+                self.add(range.level, first as usize, end as usize);
             }
         }
         self.write(out);
     }
 
-    /// Adds a node by its first point and that of the next. Precondition: there is room.
+    /// Adds a node by its first point and the one after its last. Precondition: there is room.
     #[inline(always)]
-    fn add(&mut self, level: u32, first: u32, next: u32) {
-        let end = if next == 0 {
-            self.tree.codes.len()
-        } else {
-            next as usize
-        };
-        let first = first as usize;
-        self.codes[self.count] = self.tree.codes[first] >> (3 * (LEVELS - level));
+    fn add(&mut self, level: u32, first: usize, end: usize) {
+        self.codes[self.count] = self.tree.points.codes[first] >> (3 * (LEVELS - level));
         self.levels[self.count] = level;
         let sum = if end - first <= MOST_SUMMED {
             self.tree.small_sum(first, end)

@@ -6,7 +6,7 @@
 //! | changed | decoded | estimated | rewritten |
 //! |---|---|---|---|
 //! | nothing | – | – | – |
-//! | stop criterion δ | – | – | octree |
+//! | stop criterion | – | – | octree, its points not sorted again |
 //! | colours | – | – | points; octree if one is needed |
 //! | shapes wanted now | – | normals and radii the file has not | shapes |
 //!
@@ -197,7 +197,10 @@ fn build(
     let octree = reusable.or_else(|| {
         let stop = needs.octree?;
         let start = Instant::now();
-        let octree = build_octree(&frame, colors, &points, stop);
+        let octree = match same_colors.and_then(|existing| existing.octree.as_ref()) {
+            Some(octree) => octree.with_stop(stop),
+            None => build_octree(&frame, colors, &points, stop),
+        };
         timings.octree_ms = milliseconds_since(start);
         counters.octrees_built.fetch_add(1, Ordering::Relaxed);
         Some((stop, Arc::new(octree)))
