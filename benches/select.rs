@@ -62,6 +62,7 @@ fn view_from(eye: Vec3, lod_px: f32) -> SelectView {
         eye,
         pixels_per_unit_at_1: focal * 640.0,
         lod_px,
+        deepest_level: SelectView::ALL_LEVELS,
     }
 }
 

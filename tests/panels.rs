@@ -13,8 +13,9 @@ use pointreel::app::{
     Severity, State, StateOptions, WindowRequest, apply_theme,
 };
 use pointreel::cloud::{Positions, RawCloud};
+use pointreel::octree::StopCriterion;
 use pointreel::scene::{
-    Background, Lighting, Primitive, Scene, Settings, Splatting, Strategy, UpAxis,
+    Background, Lighting, Lod, Primitive, Scene, Settings, Splatting, Strategy, UpAxis,
 };
 use pointreel::sequence::{ColorSource, LoopMode, Sequence, Source};
 use std::sync::Arc;
@@ -312,9 +313,27 @@ fn every_setting_can_be_changed_and_reset() {
     click(&mut harness, "Voxels");
     assert_eq!(harness.state().settings.primitive, Primitive::Voxel);
     slide(&mut harness, "Loss δ", 20.0);
-    assert_eq!(harness.state().settings.delta, 0.2);
-    slide(&mut harness, "Level of detail", 8.0);
-    assert_eq!(harness.state().settings.lod_px, 8.0);
+    assert_eq!(harness.state().settings.stop, StopCriterion::Loss(0.2));
+    choose(&mut harness, "Divide", "To a level");
+    slide(&mut harness, "Leaf level", 9.0);
+    assert_eq!(harness.state().settings.stop, StopCriterion::Depth(9));
+    choose(&mut harness, "Divide", "By points");
+    slide(&mut harness, "Points a leaf", 16.0);
+    assert_eq!(
+        harness.state().settings.stop,
+        StopCriterion::PointsPerOctant(16)
+    );
+    slide(&mut harness, "Threshold τ", 8.0);
+    assert_eq!(harness.state().settings.lod, Lod::ThresholdPx(8.0));
+    choose(&mut harness, "Level of detail", "Fixed level");
+    slide(&mut harness, "Level", 7.0);
+    assert_eq!(harness.state().settings.lod, Lod::Level(7));
+    choose(&mut harness, "Level of detail", "Voxel budget");
+    slide(&mut harness, "Voxels", 2000.0);
+    assert_eq!(harness.state().settings.lod, Lod::Budget(2000));
+    choose(&mut harness, "Level of detail", "Frame time");
+    slide(&mut harness, "Time", 20.0);
+    assert_eq!(harness.state().settings.lod, Lod::FrameTimeMs(20.0));
     click(&mut harness, "Points");
     slide(&mut harness, "Point size", 4.0);
     assert_eq!(harness.state().settings.point_size_px, 4.0);
@@ -657,7 +676,7 @@ fn what_a_person_chose_is_how_the_next_window_begins() {
     press(&mut harness, Modifiers::NONE, Key::L);
     press(&mut harness, Modifiers::NONE, Key::CloseBracket);
     let state = harness.state_mut();
-    state.settings.delta = 0.2;
+    state.settings.stop = StopCriterion::Loss(0.2);
     state.panels.settings = false;
     state.panels.help = true;
     let kept = state.preferences();

@@ -9,7 +9,7 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::gpu::GpuRenderer;
 use pointreel::render::{RenderError, RenderStats, Renderer};
 use pointreel::scene::{
-    Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting, Strategy,
+    Camera, Lighting, Lod, Primitive, Scene, ScenePacket, Settings, Splatting, Strategy,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -187,7 +187,7 @@ fn the_octree_is_traversed_only_when_the_answer_can_differ() {
         "camera"
     );
     let coarse = Settings {
-        lod_px: 8.0,
+        lod: Lod::ThresholdPx(8.0),
         ..settings
     };
     assert_eq!(traversals(&camera_at(2.0), &coarse, [64, 64]).0, 3, "LOD");

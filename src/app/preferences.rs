@@ -8,7 +8,8 @@
 
 use super::kept;
 use super::state::{OpenPanels, POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
-use crate::scene::{Background, Settings};
+use crate::octree::StopCriterion;
+use crate::scene::{Background, Lod, Settings};
 use crate::sequence::{ColorSource, LoopMode, MAX_SPEED, MIN_SPEED};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -17,16 +18,13 @@ use std::str::FromStr;
 use std::time::Duration;
 
 /// Changes with every change of [`Stored`] that older programs, or newer ones, would misread.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// A slider that is being dragged is not written at each of its steps.
 const WRITE_DELAY: Duration = Duration::from_secs(1);
 
 /// Further factor of the enlarged passes, from the slider or the command line.
 const ENLARGEMENT_RANGE: RangeInclusive<f32> = 0.01..=100.0;
-
-/// Level-of-detail threshold, pixels.
-const LOD_RANGE_PX: RangeInclusive<f32> = 0.0..=4096.0;
 
 /// Edges of a window, logical pixels.
 const WINDOW_EDGE_RANGE: RangeInclusive<f64> = 100.0..=16_384.0;
@@ -72,8 +70,8 @@ struct Stored {
     background: String,
     colors: String,
     point_size_px: f32,
-    delta: f32,
-    lod_px: f32,
+    stop: StopCriterion,
+    lod: Lod,
     loop_mode: String,
     speed: f64,
     settings_panel: bool,
@@ -99,8 +97,8 @@ impl Preferences {
                 splat_scale: clamp(settings.splat_scale, SPLAT_SCALE_RANGE),
                 enlargement: clamp(settings.enlargement, ENLARGEMENT_RANGE),
                 point_size_px: clamp(settings.point_size_px, POINT_SIZE_RANGE_PX),
-                delta: clamp(settings.delta, 0.0..=Settings::MAX_DELTA),
-                lod_px: clamp(settings.lod_px, LOD_RANGE_PX),
+                stop: offered_stop(settings.stop),
+                lod: settings.lod.offered(),
                 ..settings
             },
             speed: self.speed.clamp(MIN_SPEED, MAX_SPEED),
@@ -125,8 +123,8 @@ impl Preferences {
             background,
             colors,
             point_size_px,
-            delta,
-            lod_px,
+            stop,
+            lod,
         } = self.settings;
         serde_json::to_vec_pretty(&Stored {
             version: VERSION,
@@ -140,8 +138,8 @@ impl Preferences {
             background: format!("{}-{}", hex(background.top), hex(background.bottom)),
             colors: colors.name().to_owned(),
             point_size_px,
-            delta,
-            lod_px,
+            stop,
+            lod,
             loop_mode: loop_name(self.loop_mode).to_owned(),
             speed: self.speed,
             settings_panel: self.panels.settings,
@@ -168,8 +166,8 @@ impl Preferences {
             background: word::<Background>(&stored.background)?,
             colors: named(&stored.colors, &ColorSource::ALL, ColorSource::name)?,
             point_size_px: within("point_size_px", stored.point_size_px, POINT_SIZE_RANGE_PX)?,
-            delta: within("delta", stored.delta, 0.0..=Settings::MAX_DELTA)?,
-            lod_px: within("lod_px", stored.lod_px, LOD_RANGE_PX)?,
+            stop: as_offered("stop", stored.stop, offered_stop)?,
+            lod: as_offered("lod", stored.lod, Lod::offered)?,
         };
         if let Some(size) = stored.window_size {
             for edge in size {
@@ -187,6 +185,29 @@ impl Preferences {
             },
             window_size: stored.window_size,
         })
+    }
+}
+
+/// The nearest stop criterion that the window offers.
+fn offered_stop(stop: StopCriterion) -> StopCriterion {
+    match stop {
+        StopCriterion::Loss(delta) if delta.is_nan() => StopCriterion::default(),
+        StopCriterion::Loss(delta) => StopCriterion::Loss(delta.clamp(0.0, Settings::MAX_DELTA)),
+        StopCriterion::Depth(depth) => StopCriterion::Depth(depth.min(*Lod::LEVELS.end())),
+        StopCriterion::PointsPerOctant(points) => StopCriterion::PointsPerOctant(points.max(1)),
+    }
+}
+
+/// A choice that the window offers as it is.
+fn as_offered<T: PartialEq + Copy + std::fmt::Debug>(
+    name: &str,
+    value: T,
+    offered: impl Fn(T) -> T,
+) -> Result<T, String> {
+    if offered(value) == value {
+        Ok(value)
+    } else {
+        Err(format!("{name} is {value:?}, which is not offered"))
     }
 }
 
@@ -333,8 +354,8 @@ mod tests {
                 },
                 colors: ColorSource::Scalar,
                 point_size_px: 7.0,
-                delta: 0.31,
-                lod_px: 2.5,
+                stop: StopCriterion::Loss(0.31),
+                lod: Lod::ThresholdPx(2.5),
             },
             loop_mode: LoopMode::PingPong,
             speed: 0.25,
@@ -391,12 +412,16 @@ mod tests {
         fn whatever_the_command_line_lets_through_is_read_again(
             sizes in prop::array::uniform4(prop_oneof![0f32..50.0, 0f32..=f32::MAX, Just(f32::INFINITY)]),
             speed_percent in 0u32..100_000,
+            is_time: bool,
+            depth in 0u32..40,
             window_size in prop::option::of(prop::array::uniform2(0f64..1e5)),
         ) {
             let speed = f64::from(speed_percent) / 100.0;
             let mut preferences = Preferences { speed, window_size, ..unusual() };
-            let [splat_scale, enlargement, point_size_px, lod_px] = sizes;
-            preferences.settings = Settings { splat_scale, enlargement, point_size_px, lod_px, ..preferences.settings };
+            let [splat_scale, enlargement, point_size_px, size] = sizes;
+            let lod = if is_time { Lod::FrameTimeMs(size) } else { Lod::ThresholdPx(size) };
+            let stop = StopCriterion::Depth(depth);
+            preferences.settings = Settings { splat_scale, enlargement, point_size_px, stop, lod, ..preferences.settings };
             let offered = preferences.offered();
             prop_assert_eq!(Preferences::from_json(&offered.to_json().unwrap()), Ok(offered));
             prop_assert_eq!(offered.offered(), offered);
@@ -414,15 +439,16 @@ mod tests {
             "{".to_owned(),
             "[]".to_owned(),
             good[..good.len() / 2].to_owned(),
-            good.replace("\"version\": 1", "\"version\": 0"),
-            good.replace("\"version\": 1,", ""),
+            good.replace("\"version\": 2", "\"version\": 1"),
+            good.replace("\"version\": 2,", ""),
             good.replace("\"voxel\"", "\"cone\""),
             good.replace("\"scalar\"", "\"sound\""),
             good.replace("0.31", "0.61"),
             good.replace("0.31", "-1e39"),
             good.replace("0.25", "0.0"),
             good.replace("900.0", "1e9"),
-            good.replace("\"delta\"", "\"epsilon\""),
+            good.replace("\"loss\"", "\"gain\""),
+            good.replace("2.5", "-2.5"),
         ];
         for damaged in damaged {
             assert_ne!(damaged, good, "nothing was damaged");
@@ -447,7 +473,7 @@ mod tests {
 
         let mut dragged = begun;
         for (seconds, delta) in [(10, 0.1), (11, 0.2), (12, 0.3)] {
-            dragged.settings.delta = delta;
+            dragged.settings.stop = StopCriterion::Loss(delta);
             kept.note(dragged, at(seconds));
             assert_eq!(kept.next_deadline(), Some(at(seconds) + WRITE_DELAY));
         }

@@ -136,6 +136,13 @@ pub struct GraphicsInfo {
     pub frame_ms: f64,
 }
 
+impl GraphicsInfo {
+    /// Time of the last picture: the longer of processor and graphics card, which work side by side.
+    fn picture_ms(&self) -> f64 {
+        self.frame_ms.max(self.render.gpu_ms.unwrap_or(0.0))
+    }
+}
+
 /// What only the window itself can do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum WindowRequest {
@@ -187,6 +194,8 @@ pub struct State {
     scene: Scene,
     packet: Option<ScenePacket>,
     drawn_primitive: Primitive,
+    /// The last redraw had a new picture, whose time has not been looked at.
+    picture_is_new: bool,
 }
 
 /// The playhead in the hand.
@@ -222,6 +231,7 @@ impl State {
             scene: Scene::default(),
             packet: None,
             drawn_primitive: Primitive::Point,
+            picture_is_new: false,
             options,
         }
     }
@@ -364,6 +374,10 @@ impl State {
             };
         }
         let origin = player.sequence().origin();
+        if std::mem::take(&mut self.picture_is_new) {
+            let draw_ms = self.graphics.picture_ms();
+            self.scene.note_draw_ms(&settings, draw_ms);
+        }
         let packet = self.scene.packet(
             frame,
             origin,
@@ -376,6 +390,7 @@ impl State {
         }
         self.drawn_primitive = settings.primitive;
         self.packet = Some(packet.clone());
+        self.picture_is_new = true;
         self.counters.pictures += 1;
         Some(packet)
     }

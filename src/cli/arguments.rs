@@ -1,7 +1,8 @@
 //! Arguments that several verbs share.
 
 use crate::headless::CameraChoice;
-use crate::scene::{Background, Lighting, Primitive, Settings, Splatting, Strategy, UpAxis};
+use crate::octree::StopCriterion;
+use crate::scene::{Background, Lighting, Lod, Primitive, Settings, Splatting, Strategy, UpAxis};
 use crate::sequence::{ColorSource, Sequence, SequenceError};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -41,13 +42,11 @@ pub(super) struct PictureArgs {
     #[arg(long, value_name = "STRATEGY")]
     instancing: Option<Strategy>,
 
-    /// Acceptable loss of the octree's stop criterion, 0 to 0.6
-    #[arg(long, value_name = "D", value_parser = delta)]
-    delta: Option<f32>,
+    #[command(flatten)]
+    stop: StopArgs,
 
-    /// Octree cells below this many pixels are not subdivided
-    #[arg(long, value_name = "PX", value_parser = not_negative)]
-    lod: Option<f32>,
+    #[command(flatten)]
+    lod: LodArgs,
 
     /// Edge of a point in pixels
     #[arg(long, value_name = "PX", value_parser = positive)]
@@ -84,9 +83,67 @@ impl PictureArgs {
             background: self.background.unwrap_or(default.background),
             colors: self.colors.unwrap_or(default.colors),
             point_size_px: self.point_size.unwrap_or(default.point_size_px),
-            delta: self.delta.unwrap_or(default.delta),
-            lod_px: self.lod.unwrap_or(default.lod_px),
+            stop: self.stop.criterion().unwrap_or(default.stop),
+            lod: self.lod.choice().unwrap_or(default.lod),
         }
+    }
+}
+
+/// When the octree's cells are no longer divided: one of these.
+#[derive(Debug, Clone, Default, Args)]
+#[group(multiple = false)]
+struct StopArgs {
+    /// Divide the octree until at most this share of the points has no leaf of its own, 0 to 0.6 (usually 0.05)
+    #[arg(long, value_name = "D", value_parser = delta)]
+    delta: Option<f32>,
+
+    /// Divide the octree down to this level, 0 to 21
+    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=21))]
+    depth: Option<u32>,
+
+    /// Divide cells of the octree that hold more than so many points
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    octant_points: Option<u32>,
+}
+
+impl StopArgs {
+    fn criterion(&self) -> Option<StopCriterion> {
+        let delta = self.delta.map(StopCriterion::Loss);
+        let depth = self.depth.map(StopCriterion::Depth);
+        delta
+            .or(depth)
+            .or(self.octant_points.map(StopCriterion::PointsPerOctant))
+    }
+}
+
+/// Which cells of the octree are drawn: one of these.
+#[derive(Debug, Clone, Default, Args)]
+#[group(multiple = false)]
+struct LodArgs {
+    /// Draw octree cells below this many pixels as one (usually 1)
+    #[arg(long, value_name = "PX", value_parser = not_negative)]
+    lod: Option<f32>,
+
+    /// Draw all octree cells of this level, 0 to 21
+    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=21))]
+    lod_level: Option<u32>,
+
+    /// Draw the finest octree cells that are at most so many
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    lod_budget: Option<u32>,
+
+    /// Draw as many octree cells as this many milliseconds allow
+    #[arg(long, value_name = "MS", value_parser = positive)]
+    lod_time: Option<f32>,
+}
+
+impl LodArgs {
+    fn choice(&self) -> Option<Lod> {
+        let threshold = self.lod.map(Lod::ThresholdPx);
+        let level = self.lod_level.map(Lod::Level);
+        let budget = self.lod_budget.map(Lod::Budget);
+        let time = self.lod_time.map(Lod::FrameTimeMs);
+        threshold.or(level).or(budget).or(time)
     }
 }
 

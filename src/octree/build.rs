@@ -59,7 +59,12 @@ impl Octree {
 
     fn from_levels(cube: Cube, points: Arc<SortedPoints>, levels: Vec<NodeLevel>) -> Self {
         let leaves_of = |level: &NodeLevel| match &level.children {
-            Some(children) => children.masks.iter().filter(|&&mask| mask == 0).count(),
+            Some(_) if level.point_end.is_none() => 0,
+            Some(children) => children
+                .masks
+                .iter()
+                .map(|&mask| usize::from(mask == 0))
+                .sum(),
             None => level.node_count(),
         };
         Self {

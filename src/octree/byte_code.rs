@@ -168,10 +168,10 @@ mod tests {
             assert!(Octree::cells_from_masks(&masks[..kept], tree.depth()).is_err());
         }
         for at in 0..masks.len() {
-            let mut longer = masks.to_vec();
+            let mut longer = masks.clone();
             longer.insert(at, 0xff);
             assert!(Octree::cells_from_masks(&longer, tree.depth()).is_err());
-            let mut emptied = masks.to_vec();
+            let mut emptied = masks.clone();
             emptied[at] = 0;
             assert!(Octree::cells_from_masks(&emptied, tree.depth()).is_err());
         }

@@ -15,7 +15,10 @@
 //! Distances are to the nearest point of a cell, so a projected edge is never underestimated, and an eye inside a cell
 //! always descends. The output depends on tree and view alone, and a reused `Vec` is not reallocated.
 
-use super::{Octree, voxels::NodeRange};
+use super::{
+    Octree,
+    voxels::{NodeRange, count_nodes},
+};
 use crate::{
     cloud::VoxelRecord,
     math::{Frustum, morton::LEVELS},
@@ -34,6 +37,13 @@ pub struct SelectView {
     pub pixels_per_unit_at_1: f32,
     /// A cell whose edge covers less is not divided further; 0 (or less) always descends to the leaves.
     pub lod_px: f32,
+    /// Cells of this level are not divided either; [`SelectView::ALL_LEVELS`] divides down to the leaves.
+    pub deepest_level: u32,
+}
+
+impl SelectView {
+    /// No limit to the level.
+    pub const ALL_LEVELS: u32 = LEVELS;
 }
 
 /// What a traversal did.
@@ -50,24 +60,71 @@ impl Octree {
     ///
     /// They cover every leaf that can be seen, none twice: an emitted node stands for all leaves under it.
     pub fn select(&self, view: &SelectView, out: &mut Vec<VoxelRecord>) -> SelectStats {
-        if self.levels.is_empty() {
-            out.clear();
-            return SelectStats::default();
-        }
-        let mut traversal = Traversal {
-            tree: self,
-            view,
-            levels: self.level_limits(view),
-            slack: self.distance_slack(view.eye),
-            emitted: Vec::new(),
-            visited_nodes: 0,
-        };
-        traversal.visit(0, 0, [0; 3], ALL_PLANES);
+        let traversal = self.traverse(view);
         self.write_voxels(&traversal.emitted, out);
         SelectStats {
             visited_nodes: traversal.visited_nodes,
             emitted: out.len(),
         }
+    }
+
+    /// Replaces the contents of `out` by at most `most_voxels` voxels: those of the smallest LOD threshold from `view.lod_px`
+    /// up, in steps of an eighth of an octave, that draws no more. Returns that threshold in pixels too.
+    ///
+    /// Cells that the eye is in are always divided, so that around it some more are drawn than a very small number.
+    ///
+    /// How it works: a higher threshold never draws more, so thresholds are bisected. Counting is cheap beside writing:
+    /// subtrees that end on one level are counted by the range of their nodes.
+    pub fn select_at_most(
+        &self,
+        most_voxels: usize,
+        view: &SelectView,
+        out: &mut Vec<VoxelRecord>,
+    ) -> (SelectStats, f32) {
+        let mut visited_nodes = 0;
+        let mut traverse_at = |step: u32| {
+            let lod_px = threshold_px(view.lod_px, step);
+            let traversal = self.traverse(&SelectView { lod_px, ..*view });
+            visited_nodes += traversal.visited_nodes;
+            (traversal.emitted, lod_px)
+        };
+        let mut best = traverse_at(0);
+        if count_nodes(&best.0) > most_voxels {
+            let (mut too_fine, mut coarse_enough) = (0, THRESHOLD_STEPS);
+            best = traverse_at(coarse_enough);
+            while coarse_enough - too_fine > 1 {
+                let step = too_fine.midpoint(coarse_enough);
+                let tried = traverse_at(step);
+                if count_nodes(&tried.0) > most_voxels {
+                    too_fine = step;
+                } else {
+                    coarse_enough = step;
+                    best = tried;
+                }
+            }
+        }
+        let (emitted, lod_px) = best;
+        self.write_voxels(&emitted, out);
+        let stats = SelectStats {
+            visited_nodes,
+            emitted: out.len(),
+        };
+        (stats, lod_px)
+    }
+
+    fn traverse(&self, view: &SelectView) -> Traversal<'_> {
+        let mut traversal = Traversal {
+            tree: self,
+            view: *view,
+            levels: self.level_limits(view),
+            slack: self.distance_slack(view.eye),
+            emitted: Vec::new(),
+            visited_nodes: 0,
+        };
+        if !self.levels.is_empty() {
+            traversal.visit(0, 0, [0; 3], ALL_PLANES);
+        }
+        traversal
     }
 
     fn level_limits(&self, view: &SelectView) -> [LevelLimits; LEVELS as usize + 1] {
@@ -76,7 +133,11 @@ impl Octree {
             LevelLimits {
                 half_edge: 0.5 * edge,
                 sphere_radius: 0.5 * 3f32.sqrt() * edge,
-                stop_beyond_squared: stop_distance_squared(edge, view),
+                stop_beyond_squared: if level as u32 >= view.deepest_level {
+                    ALWAYS
+                } else {
+                    stop_distance_squared(edge, view)
+                },
             }
         })
     }
@@ -85,6 +146,20 @@ impl Octree {
     fn distance_slack(&self, eye: Vec3) -> f32 {
         let reach = self.cube.min.abs().max_element() + self.cube.edge + eye.abs().max_element();
         4.0 * f32::EPSILON * reach
+    }
+}
+
+/// Every squared distance is beyond it.
+const ALWAYS: f32 = -1.0;
+
+/// Thresholds that [`Octree::select_at_most`] chooses from: up to 16,384 pixels.
+const THRESHOLD_STEPS: u32 = 8 * 16;
+
+/// The threshold some eighths of an octave above the lowest, which is taken as it is.
+fn threshold_px(lowest_px: f32, step: u32) -> f32 {
+    match step {
+        0 => lowest_px,
+        _ => lowest_px.max(0.25) * (step as f32 / 8.0).exp2(),
     }
 }
 
@@ -115,7 +190,7 @@ struct LevelLimits {
 
 struct Traversal<'a> {
     tree: &'a Octree,
-    view: &'a SelectView,
+    view: SelectView,
     levels: [LevelLimits; LEVELS as usize + 1],
     slack: f32,
     emitted: Vec<NodeRange>,

@@ -6,8 +6,8 @@ use crate::math::morton::LEVELS;
 pub(super) type OccupiedCells = [usize; LEVELS as usize + 1];
 
 /// How deep an octree goes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum StopCriterion {
     /// The paper's δ (000 §VI-A): level h is subdivided while `oct(h)/n < 1 − δ`, where `oct(h)` counts its occupied cells.
     ///

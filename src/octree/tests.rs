@@ -333,6 +333,7 @@ fn view_from(eye: Vec3, target: Vec3, lod_px: f32) -> SelectView {
         eye,
         pixels_per_unit_at_1: focal * 250.0,
         lod_px,
+        deepest_level: SelectView::ALL_LEVELS,
     }
 }
 
@@ -472,6 +473,56 @@ fn a_higher_threshold_never_draws_more() {
     );
     assert!(emitted[5] < emitted[0] / 2, "{emitted:?}");
     assert_eq!(emitted[6], 1);
+}
+
+#[test]
+fn a_budget_is_used_as_far_as_whole_steps_of_the_threshold_allow() {
+    let torus = test_shapes::torus(20_000, 0.4, &mut Random(31));
+    let colors = vec![[0; 4]; 20_000];
+    let tree = Octree::build(&torus.positions, &colors, StopCriterion::Loss(0.02));
+    let view = view_from(Vec3::new(0.5, 2.0, 3.0), Vec3::ZERO, 0.5);
+    let (mut out, mut finest) = (Vec::new(), Vec::new());
+    let all = tree.select(&view, &mut finest).emitted;
+    assert!(all > 10_000);
+    for most_voxels in [1, 10, 300, 5000, all - 1, all, usize::MAX] {
+        let (stats, lod_px) = tree.select_at_most(most_voxels, &view, &mut out);
+        assert!(stats.emitted <= most_voxels && stats.emitted == out.len());
+        let mut again = Vec::new();
+        tree.select(&SelectView { lod_px, ..view }, &mut again);
+        assert_eq!(again, out);
+        if most_voxels >= all {
+            assert_eq!(lod_px, 0.5, "no coarser than asked");
+        } else {
+            // An eighth of an octave finer would be too many.
+            let finer = SelectView {
+                lod_px: (lod_px / 2f32.powf(0.126)).max(0.5),
+                ..view
+            };
+            assert!(tree.select(&finer, &mut again).emitted > most_voxels);
+        }
+    }
+}
+
+#[test]
+fn a_level_is_drawn_whole() {
+    let torus = test_shapes::torus(5_000, 0.4, &mut Random(32));
+    let colors = vec![[7; 4]; 5_000];
+    let mut out = Vec::new();
+    for stop in [StopCriterion::Loss(0.02), StopCriterion::PointsPerOctant(5)] {
+        let tree = Octree::build(&torus.positions, &colors, stop);
+        for deepest_level in [0, 1, 4, tree.depth(), SelectView::ALL_LEVELS] {
+            let view = SelectView {
+                deepest_level,
+                ..view_from(Vec3::new(0.0, 3.0, 5.0), Vec3::ZERO, 0.0)
+            };
+            tree.select(&view, &mut out);
+            let cells = |voxels: &[VoxelRecord]| -> HashSet<_> {
+                voxels.iter().map(|voxel| cell_of(&tree, voxel)).collect()
+            };
+            let expected = tree.level_voxels(deepest_level.min(tree.depth()));
+            assert_eq!(cells(&out), cells(&expected), "level {deepest_level}");
+        }
+    }
 }
 
 #[test]

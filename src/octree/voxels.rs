@@ -112,7 +112,7 @@ impl Octree {
 /// Below this, nodes are not shared out among threads.
 const PARALLEL_NODES: usize = 1 << 13;
 
-fn count_nodes(ranges: &[NodeRange]) -> usize {
+pub(super) fn count_nodes(ranges: &[NodeRange]) -> usize {
     ranges.iter().map(|range| range.nodes.len()).sum()
 }
 

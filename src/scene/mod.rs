@@ -2,10 +2,12 @@
 //! [`ScenePacket`] that holds everything one picture needs. Nothing here knows a graphics API.
 
 mod camera;
+mod lod;
 mod packet;
 mod settings;
 
 pub use camera::{Camera, UpAxis, ViewPreset, ViewTransform};
+pub use lod::Lod;
 pub use packet::{Scene, ScenePacket, SceneStats, Voxels};
 pub use settings::{
     Background, Lighting, ParseChoiceError, Primitive, Settings, Splatting, Strategy,

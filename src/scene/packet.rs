@@ -1,12 +1,13 @@
 //! From a prepared frame, a camera and settings to the one value that a renderer draws.
 //!
-//! [`Scene`] remembers the last traversal: as long as camera, viewport, octree and LOD threshold stay, the visible set
+//! [`Scene`] remembers the last traversal: as long as camera, viewport, octree and level of detail stay, the visible set
 //! is the same allocation, so that nobody downstream uploads it again.
 
+use super::lod::{Affordable, Lod};
 use super::{Camera, Primitive, Settings, ViewTransform};
 use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 use crate::math::Aabb;
-use crate::octree::{Octree, SelectView, StopCriterion};
+use crate::octree::{Octree, SelectView};
 use crate::sequence::{Needs, PreparedFrame};
 use glam::DVec3;
 use std::sync::Arc;
@@ -64,7 +65,7 @@ impl PartialEq for ScenePacket {
 }
 
 /// What [`Scene`] did so far.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
 pub struct SceneStats {
     /// Octree traversals.
     pub traversals: u64,
@@ -72,6 +73,8 @@ pub struct SceneStats {
     pub visited_nodes: usize,
     /// Cells emitted by the last traversal.
     pub emitted_voxels: usize,
+    /// LOD threshold of the last traversal in pixels; `None` where a level was chosen.
+    pub lod_px: Option<f32>,
     /// Time of the last traversal.
     #[serde(skip)]
     pub traverse_time: Duration,
@@ -81,6 +84,7 @@ pub struct SceneStats {
 #[derive(Debug, Default)]
 pub struct Scene {
     selected: Option<Selection>,
+    affordable: Affordable,
     stats: SceneStats,
 }
 
@@ -89,7 +93,8 @@ struct Selection {
     octree: Arc<Octree>,
     view: ViewTransform,
     viewport_px: [u32; 2],
-    lod_px: f32,
+    lod: Lod,
+    affordable: Affordable,
     records: Arc<Vec<VoxelRecord>>,
 }
 
@@ -98,8 +103,7 @@ impl Scene {
     pub fn needs(settings: &Settings) -> Needs {
         Needs {
             shapes: settings.primitive == Primitive::Surfel,
-            octree: (settings.primitive == Primitive::Voxel)
-                .then_some(StopCriterion::Loss(settings.delta)),
+            octree: (settings.primitive == Primitive::Voxel).then_some(settings.stop),
             colors: settings.colors,
         }
     }
@@ -131,10 +135,20 @@ impl Scene {
                 .clone()
                 .filter(|_| settings.primitive == Primitive::Surfel),
             voxels: octree.map(|octree| Voxels {
-                records: self.select(octree, &view, viewport_px, settings.lod_px),
+                records: self.select(octree, &view, viewport_px, settings.lod),
                 cube_edge: octree.cube().edge,
             }),
             bounds: frame.frame.bounds(),
+        }
+    }
+
+    /// Takes notice of how long the last picture took to draw, for [`Lod::FrameTimeMs`].
+    pub fn note_draw_ms(&mut self, settings: &Settings, draw_ms: f64) {
+        if let Lod::FrameTimeMs(asked_ms) = settings.lod
+            && settings.primitive == Primitive::Voxel
+        {
+            let drawn = self.stats.emitted_voxels;
+            self.affordable.learn(drawn, draw_ms, f64::from(asked_ms));
         }
     }
 
@@ -148,13 +162,14 @@ impl Scene {
         octree: &Arc<Octree>,
         view: &ViewTransform,
         viewport_px: [u32; 2],
-        lod_px: f32,
+        lod: Lod,
     ) -> Arc<Vec<VoxelRecord>> {
         if let Some(last) = &self.selected
             && Arc::ptr_eq(&last.octree, octree)
             && last.view == *view
             && last.viewport_px == viewport_px
-            && last.lod_px == lod_px
+            && last.lod == lod
+            && last.affordable == self.affordable
         {
             return Arc::clone(&last.records);
         }
@@ -170,13 +185,16 @@ impl Scene {
             frustum: view.frustum_in_frame(),
             eye: view.eye_high,
             pixels_per_unit_at_1: view.pixels_per_unit_at_1,
-            lod_px,
+            lod_px: 0.0,
+            deepest_level: SelectView::ALL_LEVELS,
         };
-        let selected = octree.select(&select_view, &mut records);
+        let voxels = self.affordable.voxels();
+        let (selected, lod_px) = lod.select(octree, &select_view, voxels, &mut records);
         self.stats = SceneStats {
             traversals: self.stats.traversals + 1,
             visited_nodes: selected.visited_nodes,
             emitted_voxels: selected.emitted,
+            lod_px,
             traverse_time: start.elapsed(),
         };
         let records = Arc::new(records);
@@ -184,7 +202,8 @@ impl Scene {
             octree: Arc::clone(octree),
             view: *view,
             viewport_px,
-            lod_px,
+            lod,
+            affordable: self.affordable,
             records: Arc::clone(&records),
         });
         records

@@ -1,5 +1,7 @@
 //! Every choice a person has about a picture, with the words the command line and the window use for it.
 
+use super::Lod;
+use crate::octree::StopCriterion;
 use crate::sequence::ColorSource;
 use std::fmt;
 use std::str::FromStr;
@@ -238,10 +240,10 @@ pub struct Settings {
     pub colors: ColorSource,
     /// Edge of a drawn point in pixels.
     pub point_size_px: f32,
-    /// Acceptable loss δ of the octree's stop criterion, 0 to 0.6.
-    pub delta: f32,
-    /// Octants whose edge projects below this many pixels are not subdivided.
-    pub lod_px: f32,
+    /// How deep the octree goes; a loss δ is offered from 0 to 0.6.
+    pub stop: StopCriterion,
+    /// Which of its cells are drawn.
+    pub lod: Lod,
 }
 
 impl Settings {
@@ -262,8 +264,8 @@ impl Default for Settings {
             background: Background::default(),
             colors: ColorSource::Auto,
             point_size_px: 1.0,
-            delta: 0.05,
-            lod_px: 1.0,
+            stop: StopCriterion::default(),
+            lod: Lod::default(),
         }
     }
 }

@@ -8,6 +8,7 @@ mod settings;
 mod statistics;
 mod timeline;
 mod viewport;
+mod voxels;
 
 pub use benchmark::benchmark_ui;
 pub use help::help_ui;

@@ -1,5 +1,6 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
+use super::voxels::voxels_ui;
 use crate::app::State;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use crate::scene::{Background, Lighting, Primitive, Settings, Splatting, Strategy, UpAxis};
@@ -19,7 +20,7 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
         });
         match state.settings.primitive {
             Primitive::Surfel => surfels(ui, &mut state.settings),
-            Primitive::Voxel => voxels(ui, &mut state.settings),
+            Primitive::Voxel => voxels_ui(ui, &mut state.settings),
             Primitive::Point => points(ui, &mut state.settings),
         }
         heading(ui, "Shading");
@@ -41,13 +42,13 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
     });
 }
 
-fn heading(ui: &mut Ui, text: &str) {
+pub(super) fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(10.0);
     ui.label(RichText::new(text).strong().size(14.5));
     ui.add_space(2.0);
 }
 
-fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
+pub(super) fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
     Grid::new(id)
         .num_columns(2)
         .min_col_width(96.0)
@@ -56,14 +57,14 @@ fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
 }
 
 /// A label and a control named by it, both with the tooltip.
-fn row(ui: &mut Ui, name: &str, tooltip: &str, control: impl Widget) {
+pub(super) fn row(ui: &mut Ui, name: &str, tooltip: &str, control: impl Widget) {
     let label = ui.label(name).on_hover_text(tooltip);
     ui.add(control).labelled_by(label.id).on_hover_text(tooltip);
     ui.end_row();
 }
 
 /// A label and a list to choose from.
-fn choice<T: Copy + PartialEq>(
+pub(super) fn choice<T: Copy + PartialEq>(
     ui: &mut Ui,
     name: &str,
     tooltip: &str,
@@ -225,35 +226,6 @@ fn surfels(ui: &mut Ui, settings: &mut Settings) {
             "Back faces",
             tooltip,
             Checkbox::new(&mut settings.cull_back_faces, "Culled"),
-        );
-    });
-}
-
-fn voxels(ui: &mut Ui, settings: &mut Settings) {
-    heading(ui, "Voxels");
-    rows(ui, "voxels", |ui| {
-        // Shown in percent, kept as a fraction.
-        let mut delta_percent = settings.delta * 100.0;
-        let slider = Slider::new(&mut delta_percent, 0.0..=Settings::MAX_DELTA * 100.0)
-            .max_decimals(1)
-            .suffix(" %");
-        row(
-            ui,
-            "Loss δ",
-            "Stop criterion of the octree: the share of points that may share a voxel at the deepest level, percent",
-            slider,
-        );
-        // Whole tenths only: each other value builds the octrees of all frames anew.
-        settings.delta = (delta_percent * 10.0).round() / 1000.0;
-        let lod = Slider::new(&mut settings.lod_px, 0.5..=64.0)
-            .logarithmic(true)
-            .max_decimals(1)
-            .suffix(" px");
-        row(
-            ui,
-            "Level of detail",
-            "Octants whose edge is shorter than this on the screen are drawn as one voxel, pixels",
-            lod,
         );
     });
 }

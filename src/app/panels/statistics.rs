@@ -212,7 +212,7 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
             ui,
             "Depth",
             octree.depth().to_string(),
-            "Level of the leaves; the root is 0",
+            "Level of the deepest leaves; the root is 0",
         );
         row(
             ui,
@@ -224,7 +224,7 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
             ui,
             "Leaves",
             grouped(octree.leaf_count() as u64),
-            "Occupied cells of the deepest level",
+            "Cells that are not divided",
         );
         row(
             ui,
@@ -255,6 +255,16 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
             "Visible",
             grouped(scene.emitted_voxels as u64),
             "Voxels found by the last traversal",
+        );
+        let threshold = scene.lod_px.map_or_else(
+            || "a fixed level".to_owned(),
+            |lod_px| format!("{lod_px:.2} px"),
+        );
+        row(
+            ui,
+            "Threshold τ",
+            threshold,
+            "Cells that are smaller on the screen were not divided; found by the last traversal if there is a budget",
         );
         row(
             ui,

@@ -8,7 +8,7 @@ use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::milliseconds_since;
 use crate::bench::{BenchError, Quantiles};
 use crate::octree::{Octree, SelectView, StopCriterion};
-use crate::scene::{Camera, Scene, Settings};
+use crate::scene::{Camera, Scene};
 use crate::sequence::PreparedFrame;
 use std::hint::black_box;
 use std::time::Instant;
@@ -167,7 +167,8 @@ fn measure_traversal(
                 frustum: view.frustum_in_frame(),
                 eye: view.eye_high,
                 pixels_per_unit_at_1: view.pixels_per_unit_at_1,
-                lod_px: Settings::default().lod_px,
+                lod_px: 1.0,
+                deepest_level: SelectView::ALL_LEVELS,
             };
             let selected = octree.select(&select_view, black_box(&mut voxels));
             let traverse_ms = milliseconds_since(start);
