@@ -1,7 +1,8 @@
 //! Building the octree of one frame (paper 000, Table III, column *build*).
 //!
-//! Measured: `Octree::build` from positions and colours in memory, on all cores, at δ = 2, 10 and 50 %, with everything it
-//! allocates; and beside it, in the same run, a textbook radix sort of the same 63-bit Morton codes (eight passes of eight
+//! Measured: `Octree::build` from positions and colours in memory, on one and two threads, at δ = 2, 10 and 50 % and with at
+//! most eight points a leaf, with everything it allocates; `Octree::with_stop` when δ changes; the most memory that a build
+//! holds; and beside it, in the same run, a textbook radix sort of the same 63-bit Morton codes (eight passes of eight
 //! bits), alone and with the point indices that a build needs. Times vary between machines; the ratio to the sort does not.
 //!
 //! Not measured: decoding the frame, making the codes (for the bare sorts), handing the memory back to the system.
@@ -16,6 +17,9 @@ use std::hint::black_box;
 
 mod shapes;
 
+use shapes::memory;
+
+#[expect(clippy::print_stdout, reason = "criterion measures time alone")]
 fn build(criterion: &mut Criterion) {
     pointreel::memory::keep_freed_pages();
     for count in [88_000, 1_000_000] {
@@ -23,16 +27,42 @@ fn build(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(format!("octree/{count}"));
         group.throughput(Throughput::Elements(count as u64));
         group.sample_size(if count > 500_000 { 10 } else { 50 });
-        for delta in [0.02, 0.1, 0.5] {
-            group.bench_function(BenchmarkId::new("build", delta), |bencher| {
-                bencher.iter(|| {
-                    Octree::build(
-                        black_box(&positions),
-                        black_box(&colors),
-                        StopCriterion::Loss(delta),
-                    )
+        for threads in [1, 2] {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .expect("threads start");
+            let build = |stop| {
+                pool.install(|| Octree::build(black_box(&positions), black_box(&colors), stop))
+            };
+            for delta in [0.02, 0.1, 0.5] {
+                let id = BenchmarkId::new(format!("build, {threads} threads"), delta);
+                group.bench_function(id, |bencher| {
+                    bencher.iter(|| build(StopCriterion::Loss(delta)));
                 });
+            }
+            for (from, to) in [(0.02, 0.1), (0.1, 0.02)] {
+                let tree = build(StopCriterion::Loss(from));
+                let id = BenchmarkId::new(
+                    format!("δ changed, {threads} threads"),
+                    format!("{from} to {to}"),
+                );
+                group.bench_function(id, |bencher| {
+                    bencher.iter(|| pool.install(|| tree.with_stop(StopCriterion::Loss(to))));
+                });
+            }
+            let by_points = BenchmarkId::new(format!("build, {threads} threads"), "8 points");
+            group.bench_function(by_points, |bencher| {
+                bencher.iter(|| build(StopCriterion::PointsPerOctant(8)));
             });
+            let before = memory::peak_from_here();
+            let tree = build(StopCriterion::Loss(0.02));
+            let per_point = |bytes: usize| bytes as f64 / count as f64;
+            println!(
+                "{count} points, {threads} threads: {:.1} bytes a point at peak while building, {:.1} after",
+                per_point(memory::peak() - before),
+                per_point(tree.byte_size()),
+            );
         }
         let cube = Cube::around(&positions).expect("there are points");
         let codes: Vec<u64> = positions

@@ -1,10 +1,8 @@
 //! The clouds that stage benches run on, the same on every machine, and the allocator that the program has.
 
 use glam::Vec3;
-use pointreel::memory::MiMalloc;
 
-#[global_allocator]
-static ALLOCATOR: MiMalloc = MiMalloc;
+pub(crate) mod memory;
 
 /// A torus with bumps, sampled at random and in random order, with colours that differ from point to point: a closed
 /// surface whose density and curvature vary, and the worst order for memory.

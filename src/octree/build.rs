@@ -61,7 +61,7 @@ impl Octree {
         let leaves_of = |level: &NodeLevel| match &level.children {
             Some(_) if level.point_end.is_none() => 0,
             Some(children) => children
-                .masks
+                .masks()
                 .iter()
                 .map(|&mask| usize::from(mask == 0))
                 .sum(),
@@ -100,10 +100,7 @@ impl SortedPoints {
     fn even_levels(&self, top: u32, depth: u32) -> Vec<NodeLevel> {
         let counts = &self.occupied[..=depth as usize];
         let mut arrays: Vec<LevelArrays> = (top..=depth)
-            .map(|level| {
-                let child_count = counts.get(level as usize + 1).copied();
-                LevelArrays::new(counts[level as usize], child_count, self.codes.len())
-            })
+            .map(|level| LevelArrays::new(counts[level as usize], level < depth, self.codes.len()))
             .collect();
         let middle = self.middle_level(depth).max(top);
         let (upper, lower) = arrays.split_at_mut((middle - top) as usize);
@@ -115,7 +112,7 @@ impl SortedPoints {
         writer.write_points(0, self.codes.len());
         let mut upper: Vec<Nodes<'_>> = upper.iter_mut().map(LevelArrays::nodes).collect();
         let roots = &lower[0].first_point[..counts[middle as usize]];
-        self.write_above(top, roots, 0, &mut upper);
+        self.write_above(top, roots, &mut upper);
         arrays.into_iter().map(LevelArrays::into_level).collect()
     }
 
@@ -156,40 +153,31 @@ impl SortedPoints {
     }
 
     /// Writes the next nodes of `levels`, of which the first is level `top`, above nodes that begin with the points
-    /// `children` and of which the first is number `first_child`.
-    fn write_above(&self, top: u32, children: &[u32], first_child: u32, levels: &mut [Nodes<'_>]) {
+    /// `children`.
+    fn write_above(&self, top: u32, children: &[u32], levels: &mut [Nodes<'_>]) {
         let Some((parents, above)) = levels.split_last_mut() else {
             return;
         };
         let level = top + above.len() as u32;
-        let parents = self.write_parents(level, children, first_child, parents);
-        self.write_above(top, parents.first_point, parents.next, above);
+        let parents = self.write_parents(level, children, parents);
+        self.write_above(top, parents.first_point, above);
     }
 
-    /// Writes the parents, on `level`, of the nodes that begin with the points `children`; the first is number `first_child`.
-    fn write_parents<'a>(
-        &self,
-        level: u32,
-        children: &[u32],
-        first_child: u32,
-        nodes: &mut Nodes<'a>,
-    ) -> Nodes<'a> {
+    /// Writes the parents, on `level`, of the nodes that begin with the points `children`.
+    fn write_parents<'a>(&self, level: u32, children: &[u32], nodes: &mut Nodes<'a>) -> Nodes<'a> {
         let octant_shift = 3 * (LEVELS - 1 - level);
         let firsts = &mut *nodes.first_point;
-        let first_children = &mut nodes.first_child[..firsts.len()];
         let masks = &mut nodes.masks[..firsts.len()];
         let mut parents = 0;
-        let (mut first, mut child_of_first, mut mask) = (0, 0, 0);
-        for (&point, child) in children.iter().zip(first_child..) {
+        let (mut first, mut mask) = (0, 0);
+        for &point in children {
             let octant = self.codes[point as usize] >> octant_shift & 7;
             let is_first = u32::from(self.partings[point as usize]) <= level;
             parents += usize::from(is_first);
             first = if is_first { point } else { first };
-            child_of_first = if is_first { child } else { child_of_first };
             mask = if is_first { 0 } else { mask } | 1 << octant;
             // Written for every child: the last one leaves what is right. The first child of all begins a parent.
             firsts[parents - 1] = first;
-            first_children[parents - 1] = child_of_first;
             masks[parents - 1] = mask;
         }
         nodes.take(parents)
@@ -206,52 +194,38 @@ const PARALLEL_POINTS: usize = 1 << 14;
 #[derive(Debug)]
 struct LevelArrays {
     first_point: Vec<u32>,
-    /// Empty on the deepest level, as are the first children.
+    /// Empty on the deepest level.
     masks: Vec<u8>,
-    first_child: Vec<u32>,
 }
 
 impl LevelArrays {
-    /// Of so many nodes, with what ends them in place; without `child_count` on the deepest level.
-    fn new(count: usize, child_count: Option<usize>, point_count: usize) -> Self {
+    /// Of so many nodes, with what ends them in place.
+    fn new(count: usize, has_children: bool, point_count: usize) -> Self {
         let mut first_point = vec![0; count + 1];
         first_point[count] = point_count as u32;
-        let (masks, first_child) = match child_count {
-            Some(child_count) => {
-                let mut first_child = vec![0; count + 1];
-                first_child[count] = child_count as u32;
-                (vec![0; count], first_child)
-            }
-            None => (Vec::new(), Vec::new()),
+        let masks = if has_children {
+            Children::masks_of(count)
+        } else {
+            Vec::new()
         };
-        Self {
-            first_point,
-            masks,
-            first_child,
-        }
+        Self { first_point, masks }
     }
 
     /// All nodes, to be written.
     fn nodes(&mut self) -> Nodes<'_> {
         let count = self.first_point.len() - 1;
-        let internal_count = self.masks.len();
         Nodes {
-            next: 0,
             first_point: &mut self.first_point[..count],
             masks: &mut self.masks,
-            first_child: &mut self.first_child[..internal_count],
         }
     }
 
     fn into_level(self) -> NodeLevel {
-        let children = Children {
-            masks: self.masks,
-            first_child: self.first_child,
-        };
+        let has_children = !self.masks.is_empty();
         NodeLevel {
             first_point: Arc::new(self.first_point),
             point_end: None,
-            children: (!children.masks.is_empty()).then(|| Arc::new(children)),
+            children: has_children.then(|| Arc::new(Children::new(self.masks))),
         }
     }
 }
@@ -259,29 +233,19 @@ impl LevelArrays {
 /// Consecutive nodes of one level that are still to be written.
 #[derive(Debug, Default)]
 struct Nodes<'a> {
-    /// Number of the first of them.
-    next: u32,
     first_point: &'a mut [u32],
-    /// Empty for leaves, as are the first children.
+    /// Empty for leaves.
     masks: &'a mut [u8],
-    first_child: &'a mut [u32],
 }
 
 impl Nodes<'_> {
     /// Takes the first `count` nodes away.
     fn take(&mut self, count: usize) -> Self {
         let internal = count.min(self.masks.len());
-        let taken = Nodes {
-            next: self.next,
+        Nodes {
             first_point: self.first_point.split_off_mut(..count).unwrap_or_default(),
             masks: self.masks.split_off_mut(..internal).unwrap_or_default(),
-            first_child: self
-                .first_child
-                .split_off_mut(..internal)
-                .unwrap_or_default(),
-        };
-        self.next += count as u32;
-        taken
+        }
     }
 }
 
@@ -334,7 +298,7 @@ impl LevelWriter<'_> {
                 .points
                 .write_leaves(leaf_level, next, block_end, leaves);
             self.points
-                .write_above(self.top, leaves.first_point, leaves.next, parents);
+                .write_above(self.top, leaves.first_point, parents);
             next = block_end;
         }
     }

@@ -9,6 +9,7 @@
 
 mod build;
 mod byte_code;
+mod children;
 mod select;
 mod sorted_points;
 mod stop;
@@ -22,6 +23,7 @@ pub use select::{SelectStats, SelectView};
 pub use stop::StopCriterion;
 
 use crate::math::Cube;
+use children::Children;
 use sorted_points::SortedPoints;
 use std::sync::Arc;
 
@@ -55,16 +57,6 @@ struct NodeLevel {
     children: Option<Arc<Children>>,
 }
 
-/// The children of the nodes of one level.
-#[derive(Debug, Clone, PartialEq)]
-struct Children {
-    /// Which octants of each node are occupied; 0 for a leaf.
-    masks: Vec<u8>,
-    /// First child of each node, and at the end the number of nodes of the next level: `first_child[i]..first_child[i + 1]`
-    /// are the children of node `i`.
-    first_child: Vec<u32>,
-}
-
 impl NodeLevel {
     fn node_count(&self) -> usize {
         self.first_point.len() - 1
@@ -82,13 +74,14 @@ impl NodeLevel {
     fn mask(&self, node: usize) -> u8 {
         self.children
             .as_ref()
-            .map_or(0, |children| children.masks[node])
+            .map_or(0, |children| children.mask(node))
     }
 
     fn byte_size(&self) -> usize {
-        let children = self.children.as_ref().map_or(0, |children| {
-            size_of_val(children.masks.as_slice()) + size_of_val(children.first_child.as_slice())
-        });
+        let children = self
+            .children
+            .as_ref()
+            .map_or(0, |children| children.byte_size());
         let ends = self.point_end.as_ref();
         size_of_val(self.first_point.as_slice())
             + ends.map_or(0, |ends| size_of_val(ends.as_slice()))
@@ -152,7 +145,7 @@ impl Octree {
             .iter()
             .filter_map(|level| level.children.as_ref());
         children
-            .flat_map(|children| children.masks.iter().copied())
+            .flat_map(|children| children.masks().iter().copied())
             .collect()
     }
 

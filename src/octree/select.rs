@@ -69,7 +69,7 @@ impl Octree {
     }
 
     /// Replaces the contents of `out` by at most `most_voxels` voxels: those of the smallest LOD threshold from `view.lod_px`
-    /// up, in steps of an eighth of an octave, that draws no more. Returns that threshold in pixels too.
+    /// up, in steps of a 32nd of an octave (2 %), that draws no more. Returns that threshold in pixels too.
     ///
     /// Cells that the eye is in are always divided, so that around it some more are drawn than a very small number.
     ///
@@ -153,13 +153,14 @@ impl Octree {
 const ALWAYS: f32 = -1.0;
 
 /// Thresholds that [`Octree::select_at_most`] chooses from: up to 16,384 pixels.
-const THRESHOLD_STEPS: u32 = 8 * 16;
+const THRESHOLD_STEPS: u32 = STEPS_PER_OCTAVE * 16;
+const STEPS_PER_OCTAVE: u32 = 32;
 
-/// The threshold some eighths of an octave above the lowest, which is taken as it is.
+/// The threshold some steps above the lowest, which is taken as it is.
 fn threshold_px(lowest_px: f32, step: u32) -> f32 {
     match step {
         0 => lowest_px,
-        _ => lowest_px.max(0.25) * (step as f32 / 8.0).exp2(),
+        _ => lowest_px.max(0.25) * (step as f32 / STEPS_PER_OCTAVE as f32).exp2(),
     }
 }
 
@@ -208,7 +209,7 @@ impl Traversal<'_> {
         };
         let distance = (center - self.view.eye).abs();
         let children = self.tree.levels[level].children.as_deref();
-        let mut octants = children.map_or(0, |children| children.masks[node]);
+        let mut octants = children.map_or(0, |children| children.mask(node));
         if octants == 0 || nearest_squared(distance, limits.half_edge) > limits.stop_beyond_squared
         {
             self.emit(level, node..node + 1);
@@ -218,7 +219,7 @@ impl Traversal<'_> {
         {
             self.emit_level_below(node, level, cut);
         } else {
-            let mut child = children.map_or(0, |children| children.first_child[node] as usize);
+            let mut child = children.map_or(0, |children| children.first_child(node));
             while octants != 0 {
                 let octant = octants.trailing_zeros();
                 let cell_of_child =
@@ -271,7 +272,7 @@ impl Traversal<'_> {
         let mut range = [node, node + 1];
         for level in &self.tree.levels[level..cut] {
             if let Some(children) = &level.children {
-                range = range.map(|node| children.first_child[node] as usize);
+                range = range.map(|node| children.first_child(node));
             }
         }
         self.visited_nodes += range[1] - range[0];

@@ -493,9 +493,9 @@ fn a_budget_is_used_as_far_as_whole_steps_of_the_threshold_allow() {
         if most_voxels >= all {
             assert_eq!(lod_px, 0.5, "no coarser than asked");
         } else {
-            // An eighth of an octave finer would be too many.
+            // A 32nd of an octave finer would be too many.
             let finer = SelectView {
-                lod_px: (lod_px / 2f32.powf(0.126)).max(0.5),
+                lod_px: (lod_px / 2f32.powf(0.032)).max(0.5),
                 ..view
             };
             assert!(tree.select(&finer, &mut again).emitted > most_voxels);

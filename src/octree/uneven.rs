@@ -27,9 +27,9 @@ impl SortedPoints {
         };
         while !nodes.first_point.is_empty() {
             let level = levels.len() as u32;
-            let (children, masks_and_firsts) = self.divide(&nodes, level, most_points);
-            levels.push(nodes.into_level(point_count, masks_and_firsts));
-            nodes = children;
+            let (below, children) = self.divide(&nodes, level, most_points);
+            levels.push(nodes.into_level(point_count, children));
+            nodes = below;
         }
         levels
     }
@@ -37,12 +37,8 @@ impl SortedPoints {
     /// The children of the nodes of `level`, and who has which.
     fn divide(&self, nodes: &Nodes, level: u32, most_points: usize) -> (Nodes, Children) {
         let mut below = Nodes::default();
-        let mut children = Children {
-            masks: Vec::with_capacity(nodes.first_point.len()),
-            first_child: Vec::with_capacity(nodes.first_point.len() + 1),
-        };
+        let mut masks = Vec::with_capacity(nodes.first_point.len());
         for (&first, &end) in nodes.first_point.iter().zip(&nodes.point_end) {
-            children.first_child.push(below.first_point.len() as u32);
             let codes = &self.codes[first as usize..end as usize];
             let can_be_parted = codes.first() != codes.last();
             let mask = if codes.len() > most_points && can_be_parted {
@@ -50,10 +46,9 @@ impl SortedPoints {
             } else {
                 0
             };
-            children.masks.push(mask);
+            masks.push(mask);
         }
-        children.first_child.push(below.first_point.len() as u32);
-        (below, children)
+        (below, Children::new(masks))
     }
 
     /// Adds the cells of `level` that the points `first..end` of one cell above it lie in; which octants they are.
@@ -85,7 +80,7 @@ struct Nodes {
 impl Nodes {
     fn into_level(mut self, point_count: u32, children: Children) -> NodeLevel {
         self.first_point.push(point_count);
-        let is_deepest = children.masks.iter().all(|&mask| mask == 0);
+        let is_deepest = children.masks().iter().all(|&mask| mask == 0);
         NodeLevel {
             first_point: Arc::new(self.first_point),
             point_end: Some(Arc::new(self.point_end)),

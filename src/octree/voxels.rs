@@ -22,25 +22,39 @@ pub(super) struct NodeRange {
     pub(super) nodes: Range<usize>,
 }
 
-/// Red, green, blue and the number of points, added up with carries lost: differences are exact up to
-/// [`MOST_SUMMED`] points.
-pub(super) type ColorSum = [u32; 4];
+/// Red, green and blue in one number, a field of 21 bits each (blue has one more).
+///
+/// Sums of it are taken modulo 2⁶⁴, where carries from field to field, and out of the last, do no harm: the difference of two
+/// sums is right in every field as long as it has no more than [`MOST_SUMMED`] colours.
+pub(super) type ColorSum = u64;
 
-/// So many points have sums below 2³¹.
-const MOST_SUMMED: usize = 1 << 23;
+const FIELD_BITS: u32 = 21;
+
+/// So many colours have sums that fit a field.
+const MOST_SUMMED: usize = 1 << 13;
 
 /// Colours summed before each of the points and after the last. One more than there are points.
 pub(super) fn running_sums(colors: impl ExactSizeIterator<Item = [u8; 4]>) -> Vec<ColorSum> {
     let mut sums = Vec::with_capacity(colors.len() + 1);
-    let mut sum = [0u32; 4];
+    let mut sum: ColorSum = 0;
     sums.push(sum);
     sums.extend(colors.map(|[red, green, blue, _]| {
-        for (sum, add) in sum.iter_mut().zip([red, green, blue, 1]) {
-            *sum = sum.wrapping_add(u32::from(add));
-        }
+        let [red, green, blue] = [red, green, blue].map(ColorSum::from);
+        sum = sum.wrapping_add(red | green << FIELD_BITS | blue << (2 * FIELD_BITS));
         sum
     }));
     sums
+}
+
+/// The three sums of at most [`MOST_SUMMED`] colours.
+#[inline(always)]
+fn fields(sum: ColorSum) -> Vec4 {
+    let field = |index: u32| {
+        let field = (sum >> (index * FIELD_BITS)) as u32 & ((1 << FIELD_BITS) - 1);
+        // A signed conversion is one instruction.
+        field as i32 as f32
+    };
+    Vec4::new(field(0), field(1), field(2), 0.0)
 }
 
 impl Octree {
@@ -87,7 +101,26 @@ impl Octree {
         rayon::join(|| self.fill(&low, low_out), || self.fill(&high, high_out));
     }
 
-    /// Sum over so many points that the running sums have lost carries.
+    /// Mean red, green and blue of some points. Precondition: there are some.
+    #[inline(always)]
+    fn mean_color(&self, first: usize, end: usize) -> Vec4 {
+        let count = end - first;
+        let sum = if count <= MOST_SUMMED {
+            self.small_sum(first, end)
+        } else {
+            self.large_sum(first, end)
+        };
+        sum / count as i32 as f32
+    }
+
+    /// Sum over at most [`MOST_SUMMED`] points.
+    #[inline(always)]
+    fn small_sum(&self, first: usize, end: usize) -> Vec4 {
+        let sums = &self.points.colors_before;
+        fields(sums[end].wrapping_sub(sums[first]))
+    }
+
+    /// Sum over more points.
     #[cold]
     fn large_sum(&self, first: usize, end: usize) -> Vec4 {
         let mut sum = glam::DVec4::ZERO;
@@ -96,16 +129,6 @@ impl Octree {
             sum += part.as_dvec4();
         }
         sum.as_vec4()
-    }
-
-    /// Sum over at most [`MOST_SUMMED`] points.
-    #[inline(always)]
-    fn small_sum(&self, first: usize, end: usize) -> Vec4 {
-        let colors_before = &self.points.colors_before;
-        let [before, until] = [colors_before[first], colors_before[end]];
-        let sum: [u32; 4] = std::array::from_fn(|lane| until[lane].wrapping_sub(before[lane]));
-        // Below 2³¹; a signed conversion is one instruction.
-        Vec4::from_array(sum.map(|sum| sum as i32 as f32))
     }
 }
 
@@ -190,12 +213,8 @@ impl<'a> Batch<'a> {
     fn add(&mut self, level: u32, first: usize, end: usize) {
         self.codes[self.count] = self.tree.points.codes[first] >> (3 * (LEVELS - level));
         self.levels[self.count] = level;
-        let sum = if end - first <= MOST_SUMMED {
-            self.tree.small_sum(first, end)
-        } else {
-            self.tree.large_sum(first, end)
-        };
-        self.colors_and_levels[self.count] = rounded_bytes(sum / sum.w) | level << 24;
+        let mean = self.tree.mean_color(first, end);
+        self.colors_and_levels[self.count] = rounded_bytes(mean) | level << 24;
         self.count += 1;
     }
 
