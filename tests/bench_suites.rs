@@ -265,7 +265,13 @@ fn errors_are_measured_beside_times() {
         repeat: 1,
         ..small(Suite::Accuracy)
     };
-    let report = measure(&options);
+    let last_step = RefCell::new(None);
+    let watch = |progress: Progress| *last_step.borrow_mut() = Some(progress);
+    let never = AtomicBool::new(false);
+    let report = run(&demo(), &options, &common::context(), &watch, &never).unwrap();
+    let last_step = last_step.into_inner().unwrap();
+    // 16 kinds of shapes; preparing, leaves and two distances.
+    assert_eq!((last_step.done, last_step.total), (19, 20));
     assert_files_agree(&report);
     let names: Vec<String> = report
         .tables()
@@ -277,8 +283,8 @@ fn errors_are_measured_beside_times() {
     assert_leaves(&report);
     assert_levels_of_detail(&report);
     let bars = report.bars();
-    assert_eq!(bars.len(), 4, "one a threshold");
-    assert_eq!(bars[3].0, "demo 8");
+    assert_eq!(bars.len(), 8, "one a threshold and distance");
+    assert_eq!(bars[3].0, "demo 8 1");
 }
 
 fn assert_normals(report: &Report) {
@@ -377,55 +383,69 @@ fn assert_leaves(report: &Report) {
 
 fn assert_levels_of_detail(report: &Report) {
     let rows = rows_of(report, "lod");
-    assert_eq!(column(report, &rows, "lod_px"), [0.0, 1.0, 2.0, 4.0, 8.0]);
-    for key in ["drawn_voxels", "visited_nodes"] {
-        let numbers = column(report, &rows, key);
+    assert_eq!(
+        column(report, &rows, "lod_px"),
+        [0.0, 1.0, 2.0, 4.0, 8.0].repeat(2)
+    );
+    let (near, far) = rows.split_at(5);
+    assert_eq!(column(report, near, "distance"), [1.0; 5]);
+    assert_eq!(column(report, far, "distance"), [4.0; 5]);
+    for rows in [near, far] {
+        for key in ["drawn_voxels", "visited_nodes"] {
+            let numbers = column(report, rows, key);
+            assert!(numbers[4] < 0.5 * numbers[0], "{key}: {numbers:?}");
+        }
+        let voxels = column(report, rows, "drawn_voxels");
         assert!(
-            numbers.windows(2).all(|pair| pair[0] >= pair[1]),
-            "{key}: {numbers:?}"
+            voxels.windows(2).all(|pair| pair[0] >= pair[1]),
+            "{voxels:?}"
         );
-        assert!(numbers[4] < 0.5 * numbers[0], "{key}: {numbers:?}");
+        // A coarser cell hides the finer ones in it.
+        let shares = column(report, rows, "object_share");
+        assert!(
+            shares.windows(2).all(|pair| pair[0] <= pair[1]),
+            "{shares:?}"
+        );
+        assert!(shares[0] > 0.0 && shares[4] < 0.5, "{shares:?}");
+        // The truth has no error.
+        for key in ["psnr_db", "flip_mean", "flip_object_mean", "flip_max"] {
+            assert_eq!(report.value(rows[0], key), Some(&Cell::Missing), "{key}");
+        }
+        let compared = &rows[1..];
+        let [whole, object, most] =
+            ["flip_mean", "flip_object_mean", "flip_max"].map(|key| column(report, compared, key));
+        for flip in [&whole, &object] {
+            assert!(flip.windows(2).all(|pair| pair[0] < pair[1]), "{flip:?}");
+        }
+        for place in 0..4 {
+            let errors = [0.0, whole[place], object[place], most[place], 1.0];
+            assert!(
+                errors.windows(2).all(|pair| pair[0] <= pair[1]),
+                "background is right, and the mean is no more than the largest: {errors:?}"
+            );
+        }
+        let to_surfels = column(report, rows, "flip_surfels_mean");
+        assert!(
+            to_surfels.iter().all(|error| (0.01..1.0).contains(error)),
+            "{to_surfels:?}"
+        );
+        // 1 frame, 2 viewpoints.
+        assert_eq!(column(report, rows, "pictures"), [2.0; 5]);
     }
-    // The truth has no error.
-    for key in [
-        "psnr_db",
-        "flip_mean",
-        "flip_object_mean",
-        "flip_object_max",
-    ] {
-        assert_eq!(report.value(rows[0], key), Some(&Cell::Missing), "{key}");
-    }
-    let coarse = &rows[2..];
-    let ratios = column(report, coarse, "psnr_db");
+    let ratios = column(report, &near[2..], "psnr_db");
     assert!(
         ratios.windows(2).all(|pair| pair[0] > pair[1]),
         "{ratios:?}"
     );
-    let [whole, object] =
-        ["flip_mean", "flip_object_mean"].map(|key| column(report, &rows[1..], key));
-    for flip in [&whole, &object] {
-        assert!(flip.windows(2).all(|pair| pair[0] < pair[1]), "{flip:?}");
-        assert!(
-            flip.iter().all(|error| (0.0..1.0).contains(error)),
-            "{flip:?}"
-        );
-    }
+    let [near, far] = [near, far].map(|rows| column(report, rows, "drawn_voxels"));
+    assert_eq!(near[0], far[0], "all leaves");
     assert!(
-        whole
+        near[1..]
             .iter()
-            .zip(&object)
-            .all(|(whole, object)| whole <= object),
-        "background is right"
+            .zip(&far[1..])
+            .all(|(near, far)| near > far),
+        "{near:?} {far:?}"
     );
-    // A coarser cell hides the finer ones in it.
-    let shares = column(report, &rows, "object_share");
-    assert!(
-        shares.windows(2).all(|pair| pair[0] <= pair[1]),
-        "{shares:?}"
-    );
-    assert!(shares[0] > 0.0 && shares[4] < 0.5, "{shares:?}");
-    // 1 frame, 2 viewpoints.
-    assert_eq!(column(report, &rows, "pictures"), [2.0; 5]);
 }
 
 #[test]

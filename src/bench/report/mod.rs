@@ -253,16 +253,20 @@ impl Report {
         match self.options.suite {
             Suite::Surfels | Suite::Voxels => "CPU wall time of a picture, median ms",
             Suite::Octree => "Build time, median ms",
-            Suite::Accuracy => "FLIP of the object by LOD threshold, 0 to 1",
+            Suite::Accuracy => "FLIP of the object by LOD threshold in pixels and distance, 0 to 1",
         }
     }
 
-    /// One bar a row: its first two cells and the number that the suite is about; see [`Report::bars_title`].
+    /// One bar a row: its first cells, which tell it apart, and the number that the suite is about; see [`Report::bars_title`].
     pub fn bars(&self) -> Vec<(String, f64)> {
+        let count = match self.options.suite {
+            Suite::Surfels | Suite::Octree | Suite::Voxels => 2,
+            Suite::Accuracy => 3,
+        };
         self.rows
             .iter()
             .filter_map(|row| {
-                let labels: Vec<String> = self.cells(row).into_iter().take(2).collect();
+                let labels: Vec<String> = self.cells(row).into_iter().take(count).collect();
                 Some((
                     labels.join(" "),
                     self.value(row, self.headline())?.number()?,

@@ -1,16 +1,19 @@
 //! Levels of detail by projected size: what a LOD threshold τ saves, and what it does to the picture.
 //!
-//! How it works: each frame is drawn as voxels from around it, as a whole, once with all its leaves (τ = 0, the truth) and
-//! once for each τ. PSNR is that of the mean squared error over all pictures. Most of a picture is background, which is always
-//! right, so FLIP is given over the picture and over the pixels of the object: those that show it in either picture, found by
-//! drawing on two backgrounds, so that no colour passes for background. Pictures of all leaves are no truth about the
-//! scanned surface: what is measured is what the threshold adds.
+//! How it works: each frame is drawn as voxels from around it, as a whole and from farther away, once with all its leaves
+//! (τ = 0, the truth) and once for each τ. PSNR is that of the mean squared error over all pictures. Most of a picture is
+//! background, which is always right, so FLIP is given over the picture and over the pixels of the object: those that show it
+//! in either picture, found by drawing on two backgrounds, so that no colour passes for background.
+//!
+//! All leaves are the truth about what the threshold leaves out, not about the surface: at a small δ nearly every point has a
+//! leaf of its own, smaller than its share of the surface, and coarser cells close the gaps. So each picture is also compared
+//! with that of surfels, which close the surface; part of that error is that cubes are shaded as cubes.
 
 use super::{LOD, row, voxel_settings};
 use crate::bench::report::{Cell, Row};
 use crate::bench::runner::milliseconds_since;
 use crate::bench::scenario;
-use crate::bench::suites::{Run, Subject, mean};
+use crate::bench::suites::{Run, Subject, mean, surfel_settings};
 use crate::bench::{BenchError, Quantiles};
 use crate::measure::{PIXELS_PER_DEGREE, Perceived, mean_squared_error, psnr_db};
 use crate::octree::SelectView;
@@ -27,7 +30,10 @@ const LOD_PX: [f32; 5] = [0.0, 1.0, 2.0, 4.0, 8.0];
 /// Pictures are compared on the first, a grey of medium lightness; the second tells the object from it.
 const BACKGROUNDS: [[u8; 3]; 2] = [[119; 3], [255; 3]];
 
-/// What was measured of one sequence, for each of [`LOD_PX`].
+/// How far the eye is, in distances from which the picture just holds the object.
+pub(super) const DISTANCES: [f64; 2] = [1.0, 4.0];
+
+/// What was measured of one sequence from one distance, for each of [`LOD_PX`].
 #[derive(Default)]
 pub(super) struct Samples([ThresholdSamples; LOD_PX.len()]);
 
@@ -41,12 +47,14 @@ struct ThresholdSamples {
     squared_error: Vec<f64>,
     flip: Vec<f64>,
     flip_object: Vec<f64>,
-    flip_object_max: f64,
+    flip_max: f64,
+    flip_surfels: Vec<f64>,
 }
 
-/// One view of a frame at one threshold.
+/// One view of a frame.
 struct Picture {
     image: RgbaImage,
+    perceived: Perceived,
     /// Which pixels show the object, row by row.
     shows_object: Vec<bool>,
 }
@@ -57,6 +65,7 @@ impl Samples {
         run: &mut Run<'_>,
         subject: &Subject<'_>,
         frame: &PreparedFrame,
+        distance: f64,
     ) -> Result<(), BenchError> {
         let origin = subject.sequence.origin();
         let framing = Camera::framing(&frame.frame.bounds(), origin, UpAxis::guess(&frame.frame));
@@ -64,17 +73,19 @@ impl Samples {
             .map(|(azimuth_deg, elevation_deg)| Camera {
                 azimuth_deg,
                 elevation_deg,
+                distance: distance * framing.distance,
                 ..framing
             })
             .collect();
         for camera in &cameras {
-            let draw = |run: &mut Run<'_>, lod_px| draw(run, subject, frame, camera, lod_px);
-            let truth = draw(run, LOD_PX[0])?;
-            let perceived_truth = Perceived::of(&truth.image, PIXELS_PER_DEGREE);
-            self.0[0].add_object(&truth.shows_object);
+            let mut draw = |settings| draw(run, subject, frame, camera, settings);
+            let surfels = draw(surfel_settings())?;
+            let truth = draw(voxel_settings(LOD_PX[0]))?;
+            self.0[0].add(&truth, &surfels)?;
             for (lod_px, samples) in LOD_PX.into_iter().zip(&mut self.0).skip(1) {
-                let picture = draw(run, lod_px)?;
-                samples.compare(&truth, &perceived_truth, &picture)?;
+                let picture = draw(voxel_settings(lod_px))?;
+                samples.add(&picture, &surfels)?;
+                samples.compare(&picture, &truth)?;
             }
         }
         for (lod_px, samples) in LOD_PX.into_iter().zip(&mut self.0) {
@@ -83,9 +94,9 @@ impl Samples {
         Ok(())
     }
 
-    pub(super) fn rows(&self, sequence: &str) -> impl Iterator<Item = Row> {
+    pub(super) fn rows(&self, sequence: &str, distance: f64) -> impl Iterator<Item = Row> {
         let rows = LOD_PX.into_iter().zip(&self.0);
-        rows.map(move |(lod_px, samples)| samples.row(sequence, lod_px))
+        rows.map(move |(lod_px, samples)| samples.row(sequence, distance, lod_px))
     }
 }
 
@@ -94,7 +105,7 @@ fn draw(
     subject: &Subject<'_>,
     frame: &PreparedFrame,
     camera: &Camera,
-    lod_px: f32,
+    settings: Settings,
 ) -> Result<Picture, BenchError> {
     run.check_cancelled()?;
     // One traversal for both backgrounds.
@@ -102,7 +113,7 @@ fn draw(
     let mut on_background = |background| -> Result<RgbaImage, RenderError> {
         let settings = Settings {
             background: Background::solid(background),
-            ..voxel_settings(lod_px)
+            ..settings
         };
         let origin = subject.sequence.origin();
         let packet = scene.packet(frame, origin, camera, &settings, run.options.viewport_px);
@@ -116,32 +127,40 @@ fn draw(
         .map(|(on_first, on_second)| on_first.0[..3] != first || on_second.0[..3] != second)
         .collect();
     Ok(Picture {
+        perceived: Perceived::of(&image, PIXELS_PER_DEGREE),
         image,
         shows_object,
     })
 }
 
+impl Picture {
+    /// FLIP of this picture where `truth` is right: over all pixels, over those that show the object in either, and the
+    /// largest.
+    fn flip(&self, truth: &Self) -> Result<[f64; 3], BenchError> {
+        let map = truth.perceived.flip(&self.perceived)?;
+        let is_object = |pixel: usize| truth.shows_object[pixel] || self.shows_object[pixel];
+        Ok([map.mean(), map.mean_where(is_object), f64::from(map.max())])
+    }
+}
+
 impl ThresholdSamples {
-    fn add_object(&mut self, shows_object: &[bool]) {
+    fn add(&mut self, picture: &Picture, surfels: &Picture) -> Result<(), BenchError> {
+        let shows_object = &picture.shows_object;
         let covered = shows_object.iter().filter(|&&shows| shows).count();
         self.object_share
             .push(covered as f64 / shows_object.len().max(1) as f64);
+        let [_, object, _] = picture.flip(surfels)?;
+        self.flip_surfels.push(object);
+        Ok(())
     }
 
-    fn compare(
-        &mut self,
-        truth: &Picture,
-        perceived_truth: &Perceived,
-        picture: &Picture,
-    ) -> Result<(), BenchError> {
-        self.add_object(&picture.shows_object);
-        let squared_error = mean_squared_error(&truth.image, &picture.image)?;
-        let map = perceived_truth.flip(&Perceived::of(&picture.image, PIXELS_PER_DEGREE))?;
-        let is_object = |pixel: usize| truth.shows_object[pixel] || picture.shows_object[pixel];
-        self.squared_error.push(squared_error);
-        self.flip.push(map.mean());
-        self.flip_object.push(map.mean_where(is_object));
-        self.flip_object_max = self.flip_object_max.max(f64::from(map.max()));
+    fn compare(&mut self, picture: &Picture, truth: &Picture) -> Result<(), BenchError> {
+        self.squared_error
+            .push(mean_squared_error(&truth.image, &picture.image)?);
+        let [whole, object, largest] = picture.flip(truth)?;
+        self.flip.push(whole);
+        self.flip_object.push(object);
+        self.flip_max = self.flip_max.max(largest);
         Ok(())
     }
 
@@ -181,7 +200,7 @@ impl ThresholdSamples {
         Ok(())
     }
 
-    fn row(&self, sequence: &str, lod_px: f32) -> Row {
+    fn row(&self, sequence: &str, distance: f64, lod_px: f32) -> Row {
         let traverse = Quantiles::of(&self.traverse_ms);
         let is_compared = !self.flip.is_empty();
         let if_compared = |error: f64| Cell::maybe(is_compared.then_some(error));
@@ -192,6 +211,7 @@ impl ThresholdSamples {
             &[
                 ("sequence", Cell::Text(sequence.to_owned())),
                 ("lod_px", Cell::Number(f64::from(lod_px))),
+                ("distance", Cell::Number(distance)),
                 ("drawn_voxels", Cell::Number(mean(&self.drawn_voxels))),
                 ("visited_nodes", Cell::Number(mean(&self.visited_nodes))),
                 (
@@ -204,7 +224,8 @@ impl ThresholdSamples {
                 ("psnr_db", Cell::maybe(ratio_db)),
                 ("flip_mean", if_compared(mean(&self.flip))),
                 ("flip_object_mean", if_compared(mean(&self.flip_object))),
-                ("flip_object_max", if_compared(self.flip_object_max)),
+                ("flip_max", if_compared(self.flip_max)),
+                ("flip_surfels_mean", Cell::Number(mean(&self.flip_surfels))),
                 ("pictures", Cell::Number(self.object_share.len() as f64)),
             ],
         )

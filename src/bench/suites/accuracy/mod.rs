@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | [`NORMALS`] | shapes whose normals are known, with and without noise | angle, by number of neighbours |
 //! | [`LEAVES`] | the points of each sequence | distance to the middle of the leaf that stands for a point, by δ |
-//! | [`LOD`] | the picture of all leaves, τ = 0 | PSNR and FLIP of the picture, by LOD threshold τ |
+//! | [`LOD`] | the picture of all leaves, τ = 0, and that of surfels | PSNR and FLIP of the picture, by LOD threshold τ |
 //!
 //! Three tables in one report: a column that a table has no use for is missing in its rows.
 
@@ -17,6 +17,7 @@ use super::{Run, Subject};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Column, Row};
 use crate::scene::{Primitive, Scene, Settings};
+use crate::sequence::Needs;
 
 /// Names of the tables.
 const NORMALS: &str = "normals";
@@ -34,6 +35,7 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::percent("delta", "δ", 0),
     Column::number("lod_px", "τ px", 0),
+    Column::number("distance", "distance", 0),
     Column::number("points", "points", 0),
     // Normals.
     Column::number("normals_ms_median", "normals ms", 2),
@@ -62,15 +64,16 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("psnr_db", "PSNR dB", 2),
     Column::number("flip_mean", "FLIP", 4),
     Column::number("flip_object_mean", "FLIP of object", 4),
-    Column::number("flip_object_max", "most", 4),
+    Column::number("flip_max", "most", 4),
+    Column::number("flip_surfels_mean", "to surfels", 4),
     Column::number("pictures", "pictures", 0).hidden(),
 ];
 
 /// The column that a bar chart shows.
 pub(in crate::bench) const HEADLINE: &str = "flip_object_mean";
 
-/// One step to prepare a frame, one for its leaves, one for its levels of detail.
-const STEPS_PER_FRAME: usize = 3;
+/// One step to prepare a frame, one for its leaves, one for its levels of detail at each distance.
+const STEPS_PER_FRAME: usize = 2 + lod::DISTANCES.len();
 
 pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let subjects = run.subjects(STEPS_PER_FRAME)?;
@@ -83,10 +86,12 @@ pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 }
 
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), BenchError> {
-    let settings = voxel_settings(0.0);
-    let needs = Scene::needs(&settings);
+    let needs = Needs {
+        shapes: true,
+        ..Scene::needs(&voxel_settings(0.0))
+    };
     let mut leaves = leaves::Samples::default();
-    let mut lod = lod::Samples::default();
+    let mut lod: [lod::Samples; lod::DISTANCES.len()] = Default::default();
     let mut point_counts = Vec::new();
     let mut first_failure = None;
     for &index in &subject.chosen {
@@ -100,8 +105,13 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         point_counts.push(frame.points.len() as f64);
         run.begin_step(format!("{} frame {index}: leaves", subject.name))?;
         leaves.measure(run, &frame)?;
-        run.begin_step(format!("{} frame {index}: levels of detail", subject.name))?;
-        lod.measure(run, subject, &frame)?;
+        for (distance, samples) in lod::DISTANCES.into_iter().zip(&mut lod) {
+            run.begin_step(format!(
+                "{} frame {index}: levels of detail from {distance} times the distance",
+                subject.name
+            ))?;
+            samples.measure(run, subject, &frame, distance)?;
+        }
     }
     if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
         return Err(BenchError::NoFrame {
@@ -109,7 +119,11 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             reason,
         });
     }
-    let rows = leaves.rows(subject.name).chain(lod.rows(subject.name));
+    let lod_rows = lod::DISTANCES
+        .into_iter()
+        .zip(&lod)
+        .flat_map(|(distance, samples)| samples.rows(subject.name, distance));
+    let rows = leaves.rows(subject.name).chain(lod_rows);
     run.finish(subject, &point_counts, &[], rows.collect::<Vec<_>>());
     Ok(())
 }
