@@ -11,6 +11,7 @@
 mod leaves;
 mod lod;
 mod normals;
+mod pictures;
 mod shapes;
 
 use super::{Run, Subject};
