@@ -171,7 +171,7 @@ pub struct Report {
     pub environment: Environment,
     /// Each sequence in the order of the inputs.
     pub sequences: Vec<SequenceSummary>,
-    /// See [`Report::columns`].
+    /// Under [`Report::all_columns`]; people see them as [`Report::tables`].
     pub rows: Vec<Row>,
     /// What a reader must know: skipped frames and the like.
     pub notes: Vec<String>,
