@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 const ORDER: &[&[&str]] = &[
     &["math", "memory"],
     &["cloud"],
-    &["io", "analysis"],
+    &["io", "analysis", "measure"],
     &["octree"],
     &["sequence"],
     &["scene"],

@@ -328,3 +328,31 @@ fn odd_clouds_are_drawn() {
         }
     }
 }
+
+#[test]
+fn bench_without_an_input_measures_the_demo() {
+    let folder = tempfile::tempdir().unwrap();
+    let [json, csv] = ["table.json", "table.csv"].map(|name| folder.path().join(name));
+    let mut arguments = vec!["bench", "octree", "--frames", "1", "--viewpoints", "1"];
+    arguments.extend(["--repeat", "1", "--size", "64x48"]);
+    arguments.extend(["--json", text(&json), "--csv", text(&csv)]);
+    let output = pointreel(&arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("sequence  demo: 1 of 24 frames"));
+    let report: Value = serde_json::from_slice(&fs::read(&json).unwrap()).unwrap();
+    assert_eq!(report["suite"], "octree");
+    assert_eq!(report["rows"][0]["sequence"], "demo");
+    // A heading and one line for each δ.
+    assert_eq!(fs::read_to_string(&csv).unwrap().lines().count(), 4);
+}
+
+#[test]
+fn bench_names_its_suites() {
+    let output = pointreel(&["bench", "speed"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("expected surfels, octree, voxels or accuracy"),
+        "{}",
+        stderr(&output)
+    );
+}

@@ -12,6 +12,7 @@ use pointreel::app::{
     BINDINGS, Benchmark, BenchmarkJob, BenchmarkTable, Command, GESTURES, Mark, Progress, Recent,
     Severity, State, StateOptions, WindowRequest, apply_theme,
 };
+use pointreel::bench::Table;
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::octree::StopCriterion;
 use pointreel::scene::{
@@ -883,6 +884,16 @@ fn choose_item(harness: &mut Harness<'_, State>, text: &str) {
     harness.run_steps(3);
 }
 
+/// A table of a report from its heading and two rows.
+fn table(name: &str, lines: [[&str; 2]; 3]) -> Table {
+    let [columns, first, second] = lines.map(|line| line.map(str::to_owned).to_vec());
+    Table {
+        name: name.to_owned(),
+        columns,
+        rows: vec![first, second],
+    }
+}
+
 /// Starts `job` in the benchmark window.
 fn start(harness: &mut Harness<'_, State>, job: BenchmarkJob) {
     harness.state_mut().start_benchmark_job("surfels", job);
@@ -919,10 +930,16 @@ fn a_benchmark_shows_progress_then_its_table() {
         Ok(BenchmarkTable {
             suite: "surfels".to_owned(),
             adapter: "Test adapter".to_owned(),
-            columns: vec!["strategy".to_owned(), "median".to_owned()],
-            rows: vec![
-                vec!["storage".to_owned(), "1.25".to_owned()],
-                vec!["texture".to_owned(), "2.50".to_owned()],
+            tables: vec![
+                table(
+                    "",
+                    [
+                        ["strategy", "median"],
+                        ["storage", "1.25"],
+                        ["texture", "2.50"],
+                    ],
+                ),
+                table("leaves", [["δ", "loss"], ["2 %", "1.75"], ["10 %", "8.25"]]),
             ],
             bars_title: "median ms".to_owned(),
             bars: vec![("storage".to_owned(), 1.25), ("texture".to_owned(), 2.5)],
@@ -943,6 +960,8 @@ fn a_benchmark_shows_progress_then_its_table() {
         "median",
         "texture",
         "2.50",
+        "leaves",
+        "8.25",
         "Export JSON…",
         "Export CSV…",
     ] {

@@ -58,6 +58,15 @@ pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
     }
 }
 
+/// Unit normals across the plane that fits each point and its `k` nearest neighbours best, of either sign.
+///
+/// The first half of [`estimate_surface`], for those who ask how good it is. Positions must be finite.
+pub fn estimate_normals(positions: &[Vec3], k: usize) -> Vec<Vec3> {
+    let tree = PointTree::new(positions);
+    let neighbours = tree.neighbours(k);
+    tree.to_file_order(&normals::plane_normals(&tree, &neighbours))
+}
+
 /// The radii of [`estimate_surface`] for points that have normals.
 ///
 /// `normals` are of unit length, or zero where the tangent plane has to be estimated.

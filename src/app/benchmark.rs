@@ -14,10 +14,8 @@ pub struct BenchmarkTable {
     pub suite: String,
     /// What it was measured on.
     pub adapter: String,
-    /// Headings.
-    pub columns: Vec<String>,
-    /// Cells, one for each heading.
-    pub rows: Vec<Vec<String>>,
+    /// What was measured; most suites have one table.
+    pub tables: Vec<bench::Table>,
     /// What a reader must know, such as frames that were skipped.
     pub notes: Vec<String>,
     /// What the bars are.
@@ -153,16 +151,7 @@ pub(super) fn benchmark_job(
         Ok(BenchmarkTable {
             suite: suite.name().to_owned(),
             adapter: context.adapter_summary(),
-            columns: measured
-                .columns()
-                .iter()
-                .map(|column| column.title.to_owned())
-                .collect(),
-            rows: measured
-                .rows
-                .iter()
-                .map(|row| measured.cells(row))
-                .collect(),
+            tables: measured.tables(),
             notes: measured.notes.clone(),
             bars_title: measured.bars_title().to_owned(),
             bars: measured.bars(),

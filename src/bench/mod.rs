@@ -6,6 +6,7 @@
 //! | [`Suite::Surfels`] | Table II | sequence × instancing strategy: drawing surfels, two-pass enlarged, factor 2 |
 //! | [`Suite::Octree`] | Table III | sequence × δ of 2, 10, 50 %: loss, depth, nodes, leaves, build, traverse |
 //! | [`Suite::Voxels`] | Table IV | sequence × instancing strategy: drawing the visible set |
+//! | [`Suite::Accuracy`] | – | normals by noise and neighbours; leaves by δ; levels of detail by threshold τ: error beside time |
 //!
 //! `scenario` places the viewpoints by what the suite draws (the octree's by surfels) and `cover` counts their pixels, `runner` holds the clocks, `suites` are the loops, `report` the answer. The
 //! command line and the window's benchmark menu both call [`run`]; nothing else of the program runs meanwhile: frames
@@ -20,10 +21,11 @@ mod statistics;
 mod suites;
 
 pub use environment::Environment;
-pub use report::{Cell, Column, Report, Row, SequenceSummary};
+pub use report::{Cell, Column, Report, Row, SequenceSummary, Table};
 pub use scenario::{COVERAGE_BAND, Coverage};
 pub use statistics::Quantiles;
 
+use crate::measure::SizeMismatch;
 use crate::render::RenderError;
 use crate::render::gpu::Context;
 use crate::sequence::Sequence;
@@ -41,11 +43,13 @@ pub enum Suite {
     Octree,
     /// Drawing voxels by each instancing strategy.
     Voxels,
+    /// Errors of normals, octrees and levels of detail.
+    Accuracy,
 }
 
 impl Suite {
-    /// Every suite, in the order of the paper's tables.
-    pub const ALL: &'static [Self] = &[Self::Surfels, Self::Octree, Self::Voxels];
+    /// Every suite: the paper's tables in their order, then what is beyond them.
+    pub const ALL: &'static [Self] = &[Self::Surfels, Self::Octree, Self::Voxels, Self::Accuracy];
 
     /// The word for it on the command line.
     pub fn name(self) -> &'static str {
@@ -53,6 +57,7 @@ impl Suite {
             Self::Surfels => "surfels",
             Self::Octree => "octree",
             Self::Voxels => "voxels",
+            Self::Accuracy => "accuracy",
         }
     }
 
@@ -62,6 +67,9 @@ impl Suite {
             Self::Surfels => "drawing surfels, two-pass-enlarged (2x), by instancing strategy",
             Self::Octree => "building and traversing octrees by acceptable loss",
             Self::Voxels => "drawing voxels of the visible set by instancing strategy",
+            Self::Accuracy => {
+                "errors of normals, octree leaves and levels of detail, beside their times"
+            }
         }
     }
 }
@@ -74,7 +82,7 @@ impl fmt::Display for Suite {
 
 /// A word that names no suite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no suite: expected surfels, octree or voxels")]
+#[error("`{0}` is no suite: expected surfels, octree, voxels or accuracy")]
 pub struct ParseSuiteError(String);
 
 impl FromStr for Suite {
@@ -161,6 +169,9 @@ pub enum BenchError {
     /// An option is 0.
     #[error("the number of {0} must be at least 1")]
     ZeroOption(&'static str),
+    /// Two pictures of one run differ in size.
+    #[error(transparent)]
+    Compare(#[from] SizeMismatch),
     /// The renderer failed.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -196,6 +207,7 @@ pub fn run(
     match options.suite {
         Suite::Surfels | Suite::Voxels => suites::draw::measure(&mut run)?,
         Suite::Octree => suites::octree::measure(&mut run)?,
+        Suite::Accuracy => suites::accuracy::measure(&mut run)?,
     }
     Ok(run.into_report())
 }
@@ -220,7 +232,7 @@ mod tests {
         let error = "disks".parse::<Suite>().unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`disks` is no suite: expected surfels, octree or voxels"
+            "`disks` is no suite: expected surfels, octree, voxels or accuracy"
         );
     }
 }

@@ -27,7 +27,7 @@ enum Verb {
     View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, without a window
     Render(Box<render::RenderArgs>),
-    /// Measures drawing and octrees by the protocol of the paper
+    /// Measures drawing and octrees by the protocol of the paper, and errors beside times
     Bench(bench::BenchArgs),
     /// Says what is in a sequence
     Info(info::InfoArgs),

@@ -6,6 +6,7 @@
 use super::settings::ParseChoiceError;
 use crate::cloud::Frame;
 use crate::math::{Aabb, Frustum};
+use crate::octree::SelectView;
 use glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use std::str::FromStr;
 
@@ -266,6 +267,17 @@ impl ViewTransform {
             Vec4::NEG_W,
             Vec4::new(0.0, 0.0, self.near, 0.0),
         )
+    }
+
+    /// What a traversal of an octree needs of the view: down to the leaves, unless they project below `lod_px`.
+    pub fn select_view(&self, lod_px: f32) -> SelectView {
+        SelectView {
+            frustum: self.frustum_in_frame(),
+            eye: self.eye_high,
+            pixels_per_unit_at_1: self.pixels_per_unit_at_1,
+            lod_px,
+            deepest_level: SelectView::ALL_LEVELS,
+        }
     }
 
     /// The frustum in the space of the frame.

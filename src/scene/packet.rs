@@ -7,7 +7,7 @@ use super::lod::{Affordable, Lod};
 use super::{Camera, Primitive, Settings, ViewTransform};
 use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 use crate::math::Aabb;
-use crate::octree::{Octree, SelectView};
+use crate::octree::Octree;
 use crate::sequence::{Needs, PreparedFrame};
 use glam::DVec3;
 use std::sync::Arc;
@@ -181,13 +181,7 @@ impl Scene {
             .unwrap_or_default();
         records.clear();
         let start = Instant::now();
-        let select_view = SelectView {
-            frustum: view.frustum_in_frame(),
-            eye: view.eye_high,
-            pixels_per_unit_at_1: view.pixels_per_unit_at_1,
-            lod_px: 0.0,
-            deepest_level: SelectView::ALL_LEVELS,
-        };
+        let select_view = view.select_view(0.0);
         let voxels = self.affordable.voxels();
         let (selected, lod_px) = lod.select(octree, &select_view, voxels, &mut records);
         self.stats = SceneStats {

@@ -2,6 +2,7 @@
 
 use crate::app::theme::{ACCENT, BAD, ODD};
 use crate::app::{Benchmark, BenchmarkTable, DialogKind, State};
+use crate::bench::Table;
 use egui::{Align2, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
 use egui_plot::{Bar, BarChart, Plot};
 
@@ -58,7 +59,14 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
     ScrollArea::both()
         .id_salt("table")
         .max_height(260.0)
-        .show(ui, |ui| cells(ui, table));
+        .show(ui, |ui| {
+            for table in &table.tables {
+                if !table.name.is_empty() {
+                    ui.strong(&table.name);
+                }
+                cells(ui, table);
+            }
+        });
     for note in &table.notes {
         ui.label(RichText::new(note).color(ODD));
     }
@@ -86,8 +94,8 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
     .inner
 }
 
-fn cells(ui: &mut Ui, table: &BenchmarkTable) {
-    Grid::new("cells")
+fn cells(ui: &mut Ui, table: &Table) {
+    Grid::new(("cells", &table.name))
         .striped(true)
         .spacing([18.0, 4.0])
         .show(ui, |ui| {

@@ -116,6 +116,11 @@ fn benchmark_menu(ui: &mut Ui, state: &mut State) {
             "Voxels × strategies",
             "Time a frame of each instancing strategy drawing voxels (paper, Table IV)",
         ),
+        (
+            Suite::Accuracy,
+            "Accuracy",
+            "Errors beside times: normals of known shapes, octree leaves by δ, pictures by LOD threshold",
+        ),
     ] {
         let button = ui
             .add_enabled(can_start, Button::new(text))

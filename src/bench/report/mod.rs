@@ -28,6 +28,9 @@ pub struct Column {
 }
 
 impl Column {
+    /// Key of the text column that tells the tables of a report apart, where it has several.
+    pub const TABLE: &'static str = "table";
+
     pub(super) const fn text(key: &'static str, title: &'static str) -> Self {
         Self {
             key,
@@ -133,6 +136,17 @@ impl Row {
     }
 }
 
+/// Rows of one kind, as people see them.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Table {
+    /// What tells it from the other tables of its report; empty for the only one.
+    pub name: String,
+    /// Headings of the columns that some row fills.
+    pub columns: Vec<String>,
+    /// Cells, one for each heading.
+    pub rows: Vec<Vec<String>>,
+}
+
 /// What is known of a sequence as a whole.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SequenceSummary {
@@ -157,7 +171,7 @@ pub struct Report {
     pub environment: Environment,
     /// Each sequence in the order of the inputs.
     pub sequences: Vec<SequenceSummary>,
-    /// See [`Report::columns`].
+    /// Under [`Report::all_columns`]; people see them as [`Report::tables`].
     pub rows: Vec<Row>,
     /// What a reader must know: skipped frames and the like.
     pub notes: Vec<String>,
@@ -184,19 +198,45 @@ impl Report {
         match self.options.suite {
             Suite::Surfels | Suite::Voxels => suites::draw::COLUMNS,
             Suite::Octree => suites::octree::COLUMNS,
+            Suite::Accuracy => suites::accuracy::COLUMNS,
         }
     }
 
-    /// The columns that people are shown: those that some row fills.
-    pub fn columns(&self) -> Vec<&'static Column> {
-        self.shown().map(|(_, column)| column).collect()
+    /// The tables that people are shown, in the order of their first rows.
+    pub fn tables(&self) -> Vec<Table> {
+        let mut tables: Vec<Table> = Vec::new();
+        for row in &self.rows {
+            let name = self.table_name(row);
+            let place = tables.iter().position(|table| table.name == name);
+            let place = place.unwrap_or_else(|| {
+                tables.push(Table {
+                    name: name.to_owned(),
+                    columns: self
+                        .shown(name)
+                        .map(|(_, column)| column.title.to_owned())
+                        .collect(),
+                    rows: Vec::new(),
+                });
+                tables.len() - 1
+            });
+            tables[place].rows.push(self.cells(row));
+        }
+        tables
     }
 
-    /// The cells of `row` under [`Report::columns`].
+    /// The cells of `row` under the headings of its table.
     pub fn cells(&self, row: &Row) -> Vec<String> {
-        self.shown()
+        self.shown(self.table_name(row))
             .map(|(index, column)| column.show(row.cells.get(index).unwrap_or(&Cell::Missing)))
             .collect()
+    }
+
+    /// Empty in a report of one table.
+    fn table_name<'a>(&self, row: &'a Row) -> &'a str {
+        match self.value(row, Column::TABLE) {
+            Some(Cell::Text(name)) => name,
+            _ => "",
+        }
     }
 
     /// The value of `row` in the column with this key.
@@ -213,15 +253,20 @@ impl Report {
         match self.options.suite {
             Suite::Surfels | Suite::Voxels => "CPU wall time of a picture, median ms",
             Suite::Octree => "Build time, median ms",
+            Suite::Accuracy => "FLIP of the object by LOD threshold in pixels and distance, 0 to 1",
         }
     }
 
-    /// One bar a row: its two labels and the median that the suite is about, milliseconds.
+    /// One bar a row: its first cells, which tell it apart, and the number that the suite is about; see [`Report::bars_title`].
     pub fn bars(&self) -> Vec<(String, f64)> {
+        let count = match self.options.suite {
+            Suite::Surfels | Suite::Octree | Suite::Voxels => 2,
+            Suite::Accuracy => 3,
+        };
         self.rows
             .iter()
             .filter_map(|row| {
-                let labels: Vec<String> = self.cells(row).into_iter().take(2).collect();
+                let labels: Vec<String> = self.cells(row).into_iter().take(count).collect();
                 Some((
                     labels.join(" "),
                     self.value(row, self.headline())?.number()?,
@@ -267,21 +312,24 @@ impl Report {
         match self.options.suite {
             Suite::Surfels | Suite::Voxels => suites::draw::HEADLINE,
             Suite::Octree => suites::octree::HEADLINE,
+            Suite::Accuracy => suites::accuracy::HEADLINE,
         }
     }
 
-    /// Columns for people with their place in a row.
-    fn shown(&self) -> impl Iterator<Item = (usize, &'static Column)> {
+    /// Columns of a table for people, with their place in a row: those that some row of it fills.
+    fn shown(&self, table: &str) -> impl Iterator<Item = (usize, &'static Column)> {
         self.all_columns()
             .iter()
             .enumerate()
-            .filter(|&(index, column)| {
+            .filter(move |&(index, column)| {
                 let is_filled = |row: &Row| {
                     row.cells
                         .get(index)
                         .is_some_and(|cell| *cell != Cell::Missing)
                 };
-                column.is_shown && self.rows.iter().any(is_filled)
+                let in_table = |row: &&Row| self.table_name(row) == table;
+                let mut rows = self.rows.iter().filter(in_table);
+                column.is_shown && column.key != Column::TABLE && rows.any(is_filled)
             })
     }
 }

@@ -8,20 +8,19 @@ impl Report {
     /// The whole report as text that ends with a line break.
     pub fn to_table(&self) -> String {
         let mut text = self.header();
-        if self.suite() != Suite::Octree {
+        if matches!(self.suite(), Suite::Surfels | Suite::Voxels) {
             text.push('\n');
             text.push_str(&align(&self.paper_layout()));
         }
-        text.push('\n');
-        let titles = self
-            .columns()
-            .iter()
-            .map(|column| column.title.to_owned())
-            .collect();
-        let rows = self.rows.iter().map(|row| self.cells(row));
-        text.push_str(&align(
-            &std::iter::once(titles).chain(rows).collect::<Vec<_>>(),
-        ));
+        for table in self.tables() {
+            text.push('\n');
+            if !table.name.is_empty() {
+                text.push_str(&table.name);
+                text.push('\n');
+            }
+            let rows: Vec<_> = std::iter::once(table.columns).chain(table.rows).collect();
+            text.push_str(&align(&rows));
+        }
         text
     }
 
@@ -63,6 +62,14 @@ impl Report {
                  nodes are internal nodes",
                 "decoding, normals, drawing; the adapter only draws the pictures whose coverage is counted",
             ],
+            Suite::Accuracy => [
+                "normals: angle to the truth on sampled shapes, either sign; noise is the standard deviation along each axis as a \
+                 part of the diameter; tree, neighbours and components on all threads. leaves: from points to the middles of \
+                 their leaves, scene units and cell edges. lod: pictures of voxels, the whole object in view and from 4 times as \
+                 far, against those of all leaves, τ = 0 (– is the truth itself, or a PSNR of equal pictures): PSNR and \
+                 FLIP over the picture, FLIP over the pixels that show the object; to surfels: the same against surfels",
+                "decoding, orientation of normals, radii, building octrees, drawing",
+            ],
         };
         lines.push(format!("measured  {measured}"));
         lines.push(format!("not       {not_measured}"));
@@ -73,7 +80,7 @@ impl Report {
             ));
             let what = match suite {
                 Suite::Voxels => "voxels",
-                Suite::Surfels | Suite::Octree => "surfels",
+                Suite::Surfels | Suite::Octree | Suite::Accuracy => "surfels",
             };
             let coverage = sequence.coverage.as_ref();
             lines.extend(coverage.map(|coverage| coverage_line(what, coverage)));

@@ -125,7 +125,7 @@ fn settings(suite: Suite) -> Settings {
             primitive: Primitive::Voxel,
             ..Settings::default()
         },
-        Suite::Surfels | Suite::Octree => surfel_settings(),
+        Suite::Surfels | Suite::Octree | Suite::Accuracy => surfel_settings(),
     }
 }
 

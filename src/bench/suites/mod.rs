@@ -1,5 +1,6 @@
 //! The loops of the suites, and what they share: choosing frames, placing viewpoints, progress, collecting rows.
 
+pub(super) mod accuracy;
 pub(super) mod draw;
 pub(super) mod octree;
 

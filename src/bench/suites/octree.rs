@@ -7,7 +7,7 @@ use super::{Run, Subject, mean, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::milliseconds_since;
 use crate::bench::{BenchError, Quantiles};
-use crate::octree::{Octree, SelectView, StopCriterion};
+use crate::octree::{Octree, StopCriterion};
 use crate::scene::{Camera, Scene};
 use crate::sequence::PreparedFrame;
 use std::hint::black_box;
@@ -163,13 +163,7 @@ fn measure_traversal(
             run.check_cancelled()?;
             let view = camera.transform(origin, run.options.viewport_px);
             let start = Instant::now();
-            let select_view = SelectView {
-                frustum: view.frustum_in_frame(),
-                eye: view.eye_high,
-                pixels_per_unit_at_1: view.pixels_per_unit_at_1,
-                lod_px: 1.0,
-                deepest_level: SelectView::ALL_LEVELS,
-            };
+            let select_view = view.select_view(1.0);
             let selected = octree.select(&select_view, black_box(&mut voxels));
             let traverse_ms = milliseconds_since(start);
             if round >= run.options.warmup {

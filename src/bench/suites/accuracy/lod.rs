@@ -1,0 +1,174 @@
+//! Levels of detail by projected size: what a LOD threshold τ saves, and what it does to the picture.
+//!
+//! How it works: each frame is drawn as voxels from around it, as a whole and from farther away, once with all its leaves
+//! (τ = 0, the truth) and once for each τ. PSNR is that of the mean squared error over all pictures. Most of a picture is
+//! background, which is always right, so FLIP is given over the picture and over the pixels of the object: those that show it
+//! in either picture.
+//!
+//! All leaves are the truth about what the threshold leaves out, not about the surface: at a small δ nearly every point has a
+//! leaf of its own, smaller than its share of the surface, and coarser cells close the gaps. So each picture is also compared
+//! with that of surfels, which close the surface; part of that error is that cubes are shaded as cubes.
+
+use super::pictures::{Drawing, Picture, draw, parts};
+use super::{LOD, row, voxel_settings};
+use crate::bench::report::{Cell, Row};
+use crate::bench::runner::milliseconds_since;
+use crate::bench::scenario;
+use crate::bench::suites::{Run, Subject, mean, surfel_settings};
+use crate::bench::{BenchError, Quantiles};
+use crate::measure::psnr_db;
+use crate::scene::{Camera, UpAxis};
+use crate::sequence::PreparedFrame;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// LOD thresholds, pixels; the first is the truth.
+const LOD_PX: [f32; 5] = [0.0, 1.0, 2.0, 4.0, 8.0];
+
+/// How far the eye is, in distances from which the picture just holds the object.
+pub(super) const DISTANCES: [f64; 2] = [1.0, 4.0];
+
+/// What was measured of one sequence from one distance, for each of [`LOD_PX`].
+#[derive(Default)]
+pub(super) struct Samples([ThresholdSamples; LOD_PX.len()]);
+
+/// One number for each picture, or for each traversal.
+#[derive(Default)]
+struct ThresholdSamples {
+    drawn_voxels: Vec<f64>,
+    visited_nodes: Vec<f64>,
+    traverse_ms: Vec<f64>,
+    object_share: Vec<f64>,
+    squared_error: Vec<f64>,
+    flip: Vec<f64>,
+    flip_object: Vec<f64>,
+    flip_max: f64,
+    flip_surfels: Vec<f64>,
+}
+
+impl Samples {
+    pub(super) fn measure(
+        &mut self,
+        run: &mut Run<'_>,
+        subject: &Subject<'_>,
+        frame: &PreparedFrame,
+        distance: f64,
+    ) -> Result<(), BenchError> {
+        let origin = subject.sequence.origin();
+        let framing = Camera::framing(&frame.frame.bounds(), origin, UpAxis::guess(&frame.frame));
+        let cameras: Vec<Camera> = scenario::directions(run.options.viewpoints)
+            .map(|(azimuth_deg, elevation_deg)| Camera {
+                azimuth_deg,
+                elevation_deg,
+                distance: distance * framing.distance,
+                ..framing
+            })
+            .collect();
+        for camera in &cameras {
+            let mut draw = |settings| draw(run, subject, frame, camera, settings);
+            let settings = LOD_PX.map(voxel_settings);
+            let drawings: Vec<Drawing> = std::iter::once(surfel_settings())
+                .chain(settings)
+                .map(&mut draw)
+                .collect::<Result<_, _>>()?;
+            let mut pictures = parts(&drawings);
+            let (Some(surfels), Some(truth)) = (pictures.next(), pictures.next()) else {
+                continue;
+            };
+            self.0[0].add(&truth, &surfels)?;
+            for (picture, samples) in pictures.zip(&mut self.0[1..]) {
+                samples.add(&picture, &surfels)?;
+                samples.compare(&picture, &truth)?;
+            }
+        }
+        for (lod_px, samples) in LOD_PX.into_iter().zip(&mut self.0) {
+            samples.time_traversals(run, subject, frame, &cameras, lod_px)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn rows(&self, sequence: &str, distance: f64) -> impl Iterator<Item = Row> {
+        let rows = LOD_PX.into_iter().zip(&self.0);
+        rows.map(move |(lod_px, samples)| samples.row(sequence, distance, lod_px))
+    }
+}
+
+impl ThresholdSamples {
+    fn add(&mut self, picture: &Picture, surfels: &Picture) -> Result<(), BenchError> {
+        self.object_share.push(picture.object_share());
+        let error = picture.compare(surfels)?;
+        self.flip_surfels.push(error.flip_object_mean);
+        Ok(())
+    }
+
+    fn compare(&mut self, picture: &Picture, truth: &Picture) -> Result<(), BenchError> {
+        let error = picture.compare(truth)?;
+        self.squared_error.push(error.squared);
+        self.flip.push(error.flip_mean);
+        self.flip_object.push(error.flip_object_mean);
+        self.flip_max = self.flip_max.max(error.flip_max);
+        Ok(())
+    }
+
+    /// Each traversal fills memory that the one before it left, as playing does.
+    fn time_traversals(
+        &mut self,
+        run: &Run<'_>,
+        subject: &Subject<'_>,
+        frame: &PreparedFrame,
+        cameras: &[Camera],
+        lod_px: f32,
+    ) -> Result<(), BenchError> {
+        let Some(octree) = &frame.octree else {
+            return Ok(());
+        };
+        let mut voxels = Vec::new();
+        for round in 0..run.options.warmup + run.options.repeat {
+            for camera in cameras {
+                run.check_cancelled()?;
+                let view = camera.transform(subject.sequence.origin(), run.options.viewport_px);
+                let start = Instant::now();
+                let select_view = view.select_view(lod_px);
+                let selected = octree.select(&select_view, black_box(&mut voxels));
+                let traverse_ms = milliseconds_since(start);
+                if round >= run.options.warmup {
+                    self.traverse_ms.push(traverse_ms);
+                    self.visited_nodes.push(selected.visited_nodes as f64);
+                    self.drawn_voxels.push(selected.emitted as f64);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn row(&self, sequence: &str, distance: f64, lod_px: f32) -> Row {
+        let traverse = Quantiles::of(&self.traverse_ms);
+        let is_compared = !self.flip.is_empty();
+        let if_compared = |error: f64| Cell::maybe(is_compared.then_some(error));
+        // Of equal pictures it is infinite, which JSON cannot say.
+        let ratio_db = Some(psnr_db(mean(&self.squared_error))).filter(|ratio| ratio.is_finite());
+        row(
+            LOD,
+            &[
+                ("sequence", Cell::Text(sequence.to_owned())),
+                ("lod_px", Cell::Number(f64::from(lod_px))),
+                ("distance", Cell::Number(distance)),
+                ("drawn_voxels", Cell::Number(mean(&self.drawn_voxels))),
+                ("visited_nodes", Cell::Number(mean(&self.visited_nodes))),
+                (
+                    "traverse_ms_median",
+                    Cell::maybe(traverse.map(|q| q.median)),
+                ),
+                ("traverse_ms_q1", Cell::maybe(traverse.map(|q| q.q1))),
+                ("traverse_ms_q3", Cell::maybe(traverse.map(|q| q.q3))),
+                ("object_share", Cell::Number(mean(&self.object_share))),
+                ("psnr_db", Cell::maybe(ratio_db)),
+                ("flip_mean", if_compared(mean(&self.flip))),
+                ("flip_object_mean", if_compared(mean(&self.flip_object))),
+                ("flip_max", if_compared(self.flip_max)),
+                ("flip_surfels_mean", Cell::Number(mean(&self.flip_surfels))),
+                ("pictures", Cell::Number(self.object_share.len() as f64)),
+            ],
+        )
+    }
+}

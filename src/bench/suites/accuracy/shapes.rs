@@ -1,0 +1,229 @@
+//! Sampled surfaces whose normals are known.
+//!
+//! Points are spread evenly at random over the area, as scans are nearly; each shape has its seed, so that every machine
+//! measures the same points. Noise moves a point by a normal deviate along each axis.
+
+use glam::Vec3;
+use std::f32::consts::TAU;
+
+/// Surfaces of different difficulty.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape {
+    /// Equally curved everywhere; radius 1.
+    Sphere,
+    /// Curved both ways; radii 1 and 0.4.
+    Torus,
+    /// Flat, with edges at which no normal is right for all neighbours; from −1 to 1.
+    Cube,
+    /// z = x² − y² over −1 to 1: hollow both ways, and with a rim.
+    Saddle,
+}
+
+/// Radius of the tube of the torus.
+const TUBE: f32 = 0.4;
+
+/// Points with their normals.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sampled {
+    pub(super) positions: Vec<Vec3>,
+    pub(super) normals: Vec<Vec3>,
+}
+
+impl Shape {
+    pub(super) const ALL: [Self; 4] = [Self::Sphere, Self::Torus, Self::Cube, Self::Saddle];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Torus => "torus",
+            Self::Cube => "cube",
+            Self::Saddle => "saddle",
+        }
+    }
+
+    /// The largest distance between two of its points.
+    fn diameter(self) -> f32 {
+        match self {
+            Self::Sphere => 2.0,
+            Self::Torus => 2.0 * (1.0 + TUBE),
+            Self::Cube => 12f32.sqrt(),
+            Self::Saddle => 8f32.sqrt(),
+        }
+    }
+
+    /// `count` points with the normals of where they were before `noise` moved them: its standard deviation along each axis
+    /// as a part of the diameter.
+    pub(super) fn sample(self, count: usize, noise: f32) -> Sampled {
+        let mut random = Random(0x5eed + self as u64);
+        let mut sampled = Sampled::default();
+        while sampled.positions.len() < count {
+            if let Some((position, normal)) = self.draw(&mut random) {
+                sampled.positions.push(position);
+                sampled.normals.push(normal);
+            }
+        }
+        let deviation = noise * self.diameter();
+        for position in &mut sampled.positions {
+            *position += deviation * random.normal_deviates();
+        }
+        sampled
+    }
+
+    /// One point with its normal, or none where the surface has less area than its parameters say.
+    fn draw(self, random: &mut Random) -> Option<(Vec3, Vec3)> {
+        match self {
+            Self::Sphere => {
+                let direction = random.normal_deviates().normalize_or_zero();
+                (direction != Vec3::ZERO).then_some((direction, direction))
+            }
+            Self::Torus => {
+                let [ring, turn] = [random.unit() * TAU, random.unit() * TAU];
+                let is_kept = random.unit() * (1.0 + TUBE) < 1.0 + TUBE * turn.cos();
+                let outwards = Vec3::new(ring.cos(), ring.sin(), 0.0);
+                let normal = outwards * turn.cos() + Vec3::Z * turn.sin();
+                is_kept.then_some((outwards + normal * TUBE, normal))
+            }
+            Self::Cube => {
+                let face = ((random.unit() * 6.0) as usize).min(5);
+                let mut normal = Vec3::ZERO;
+                normal[face % 3] = if face < 3 { 1.0 } else { -1.0 };
+                let mut position = Vec3::from_array([(); 3].map(|()| 2.0 * random.unit() - 1.0));
+                position[face % 3] = normal[face % 3];
+                Some((position, normal))
+            }
+            Self::Saddle => {
+                let [x, y] = [(); 2].map(|()| 2.0 * random.unit() - 1.0);
+                let across = Vec3::new(-2.0 * x, 2.0 * y, 1.0);
+                // Its length is the area of the surface over that of its shadow, at most that of the corners, 3.
+                let is_kept = random.unit() * 3.0 < across.length();
+                is_kept.then(|| (Vec3::new(x, y, x * x - y * y), across.normalize()))
+            }
+        }
+    }
+}
+
+/// Well-mixed numbers from a seed (splitmix64), the same on every machine.
+struct Random(u64);
+
+impl Random {
+    /// Evenly in 0..1.
+    fn unit(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1u32 << 24) as f32
+    }
+
+    /// Three numbers of mean 0 and variance 1 (Box and Muller 1958).
+    fn normal_deviates(&mut self) -> Vec3 {
+        Vec3::from_array([(); 3].map(|()| {
+            // From 1 down to above 0, of which there is a logarithm.
+            let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
+            radius * (TAU * self.unit()).cos()
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_on_their_surface_and_normals_across_it() {
+        for shape in Shape::ALL {
+            let Sampled { positions, normals } = shape.sample(5_000, 0.0);
+            assert_eq!((positions.len(), normals.len()), (5_000, 5_000));
+            // The implicit function of each shape, 0 on it, and its gradient by differences.
+            let height = |p: Vec3| match shape {
+                Shape::Sphere => p.length() - 1.0,
+                Shape::Torus => (p.truncate().length() - 1.0).hypot(p.z) - TUBE,
+                Shape::Cube => p.abs().max_element() - 1.0,
+                Shape::Saddle => p.z - p.x * p.x + p.y * p.y,
+            };
+            for (&position, &normal) in positions.iter().zip(&normals) {
+                assert!(
+                    height(position).abs() < 1e-5,
+                    "{} at {position}",
+                    shape.name()
+                );
+                let gradient =
+                    Vec3::from_array([Vec3::X, Vec3::Y, Vec3::Z].map(|axis| {
+                        height(position + axis * 1e-3) - height(position - axis * 1e-3)
+                    }));
+                // Differences reach over an edge that is nearer than their step.
+                let near_faces = position.abs().cmpgt(Vec3::splat(0.998));
+                let is_at_edge = shape == Shape::Cube && near_faces.bitmask().count_ones() > 1;
+                assert!(
+                    is_at_edge || gradient.normalize().dot(normal) > 0.999,
+                    "{} at {position}: {normal} for {gradient}",
+                    shape.name()
+                );
+                assert!(normal.is_normalized());
+            }
+        }
+    }
+
+    #[test]
+    fn points_are_spread_evenly() {
+        // Mean of x² over the area: 1/3 of the sphere; (4 · 1/3 + 2 · 1) / 6 of the cube; the torus and the saddle by
+        // integration.
+        let expected = |shape: Shape| match shape {
+            Shape::Sphere => 1.0 / 3.0,
+            Shape::Torus => integral_of_x_squared(|turn| {
+                let radius = 1.0 + TUBE * (turn * TAU).cos();
+                (radius, 0.5 * radius * radius)
+            }),
+            Shape::Cube => 5.0 / 9.0,
+            Shape::Saddle => saddle_x_squared(),
+        };
+        for shape in Shape::ALL {
+            let positions = shape.sample(40_000, 0.0).positions;
+            let mean = positions.iter().map(|p| p.x * p.x).sum::<f32>() / positions.len() as f32;
+            let expected = expected(shape);
+            // Four standard errors.
+            assert!(
+                (mean - expected).abs() < 0.01 * shape.diameter(),
+                "{}: {mean} for {expected}",
+                shape.name()
+            );
+        }
+    }
+
+    /// Mean of a quantity over a parameter in 0..1, weighted by area: both by `at`.
+    fn integral_of_x_squared(at: impl Fn(f32) -> (f32, f32)) -> f32 {
+        let steps = (0..1000).map(|step| at((step as f32 + 0.5) / 1000.0));
+        let (area, sum) = steps.fold((0.0, 0.0), |(area, sum), (weight, value)| {
+            (area + weight, sum + weight * value)
+        });
+        sum / area
+    }
+
+    fn saddle_x_squared() -> f32 {
+        integral_of_x_squared(|x| {
+            let x = 2.0 * x - 1.0;
+            let area: f32 = (0..200)
+                .map(|y| {
+                    let y = (y as f32 + 0.5) / 100.0 - 1.0;
+                    (1.0 + 4.0 * (x * x + y * y)).sqrt()
+                })
+                .sum();
+            (area, x * x)
+        })
+    }
+
+    #[test]
+    fn noise_is_as_large_as_asked() {
+        let exact = Shape::Torus.sample(20_000, 0.0);
+        let noisy = Shape::Torus.sample(20_000, 0.01);
+        assert_eq!(exact.normals, noisy.normals);
+        let squares: f32 = exact
+            .positions
+            .iter()
+            .zip(&noisy.positions)
+            .map(|(exact, noisy)| (*noisy - *exact).length_squared() / 3.0)
+            .sum();
+        let deviation = (squares / 20_000.0).sqrt();
+        assert!((deviation / 0.028 - 1.0).abs() < 0.02, "{deviation}");
+    }
+}

@@ -1,0 +1,47 @@
+//! How far a result is from the truth: errors of pictures and of normals, each with its unit, its range and its source.
+//!
+//! | measure | of | unit, range | source |
+//! |---|---|---|---|
+//! | [`psnr_db`] | two pictures | decibels, 0 to ∞ (equal) | peak signal to noise over 8-bit channels |
+//! | [`flip`] | two pictures | 0 (equal) to 1 | Andersson et al. 2020, what a person notices who flips between them |
+//! | [`AngularError`] | two sets of normals | degrees, 0 to 90 or 180 | – |
+//!
+//! PSNR is what others can compare with, but it weighs a shift of a thin line as much as a wrong colour, and says nothing of
+//! whether anybody sees it; FLIP does.
+
+mod flip;
+mod normals;
+mod psnr;
+
+pub use flip::{ErrorMap, PIXELS_PER_DEGREE, Perceived, flip};
+pub use normals::{AngularError, Orientation, angle_deg};
+pub use psnr::{mean_squared_error, psnr_db};
+
+use image::RgbaImage;
+
+/// Two pictures that cannot be compared pixel by pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "a picture of {}x{} pixels cannot be compared with one of {}x{}", 
+    test_px[0], test_px[1], reference_px[0], reference_px[1]
+)]
+pub struct SizeMismatch {
+    /// Width and height of the truth.
+    pub reference_px: [u32; 2],
+    /// Width and height of what is compared with it.
+    pub test_px: [u32; 2],
+}
+
+fn check_sizes(reference_px: [u32; 2], test_px: [u32; 2]) -> Result<(), SizeMismatch> {
+    if reference_px == test_px {
+        return Ok(());
+    }
+    Err(SizeMismatch {
+        reference_px,
+        test_px,
+    })
+}
+
+fn size_px(image: &RgbaImage) -> [u32; 2] {
+    [image.width(), image.height()]
+}
