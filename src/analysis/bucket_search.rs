@@ -26,6 +26,10 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8, u32x8}
 /// Rows whose answers fit the bits of one lane.
 const ROWS_PER_WORD: usize = u32::BITS as usize;
 
+/// Words a lane, and the candidates they have bits for: with 16 neighbours nearly all searches keep fewer.
+const WORDS: usize = 4;
+const ROWS_PER_LIST: usize = WORDS * ROWS_PER_WORD;
+
 /// What is kept while the points of one bucket search; reused for the next.
 #[derive(Debug)]
 pub(super) struct BucketSearch<'a> {
@@ -92,8 +96,8 @@ impl<'a> BucketSearch<'a> {
             min: [0.0; 3],
             max: [0.0; 3],
             row_count: 0,
-            rows: vec![[0.0; LANES]; 2 * ROWS_PER_WORD],
-            slots: vec![0; 2 * ROWS_PER_WORD],
+            rows: vec![[0.0; LANES]; ROWS_PER_LIST],
+            slots: vec![0; ROWS_PER_LIST],
             nearest: SmallestRows::new(k),
             bound: f32::INFINITY,
             tie_limit: None,
@@ -239,7 +243,9 @@ impl<'a> BucketSearch<'a> {
             self.rows.resize(2 * self.row_count + LANES, [0.0; LANES]);
             self.slots.resize(self.rows.len(), 0);
         }
-        let rows = &mut self.rows[self.row_count..][..LANES];
+        let Some(rows) = self.rows[self.row_count..].first_chunk_mut::<LANES>() else {
+            return;
+        };
         let slots = &mut self.slots[self.row_count..][..LANES];
         let kth = f32x8::from_slice(simd, self.nearest.largest());
         let is_own = bucket == self.bucket;
@@ -326,22 +332,24 @@ impl<'a> BucketSearch<'a> {
     #[inline(always)]
     fn write_lists<S: Simd>(&mut self, simd: S, lists: &mut [u32]) {
         let kth = f32x8::from_slice(simd, self.nearest.largest());
-        let mut words = [[0; LANES]; 2];
+        let mut words = [[0; LANES]; WORDS];
         let rows = &self.rows[..self.row_count];
         for (words, rows) in words.iter_mut().zip(rows.chunks(ROWS_PER_WORD)) {
             rows_within(simd, rows, kth).store_slice(words);
         }
-        let fits_words = self.row_count <= 2 * ROWS_PER_WORD;
+        let fits_words = self.row_count <= ROWS_PER_LIST;
         for (lane, list) in lists.chunks_exact_mut(self.k).enumerate() {
-            let mut rows_within =
-                u64::from(words[0][lane]) | u64::from(words[1][lane]) << ROWS_PER_WORD;
-            match self.slots.first_chunk::<{ 2 * ROWS_PER_WORD }>() {
-                Some(slots) if fits_words && rows_within.count_ones() as usize == self.k => {
-                    for slot in list {
-                        // The remainder tells the compiler that it is one of them.
-                        *slot = slots[rows_within.trailing_zeros() as usize % slots.len()];
-                        rows_within &= rows_within.wrapping_sub(1);
-                    }
+            let half = |low: usize| {
+                u64::from(words[low][lane]) | u64::from(words[low + 1][lane]) << ROWS_PER_WORD
+            };
+            let (near, far) = (half(0), half(2));
+            let near_count = near.count_ones() as usize;
+            match self.slots.first_chunk::<ROWS_PER_LIST>() {
+                Some(slots) if fits_words && near_count + far.count_ones() as usize == self.k => {
+                    let (near_slots, far_slots) = slots.split_at(ROWS_PER_LIST / 2);
+                    let (near_list, far_list) = list.split_at_mut(near_count);
+                    write_slots(near, near_slots, near_list);
+                    write_slots(far, far_slots, far_list);
                 }
                 _ => {
                     self.put_in_order(lane);
@@ -351,6 +359,19 @@ impl<'a> BucketSearch<'a> {
                 }
             }
         }
+    }
+}
+
+/// Writes the slots of the rows whose bits are set. Precondition: as many as `list` is long, of 64.
+#[inline(always)]
+fn write_slots(mut rows_within: u64, slots: &[u32], list: &mut [u32]) {
+    let Some(slots) = slots.first_chunk::<{ u64::BITS as usize }>() else {
+        return;
+    };
+    for slot in list {
+        // The remainder tells the compiler that it is one of them.
+        *slot = slots[rows_within.trailing_zeros() as usize % slots.len()];
+        rows_within &= rows_within.wrapping_sub(1);
     }
 }
 

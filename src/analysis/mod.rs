@@ -4,6 +4,8 @@
 
 mod bucket_search;
 mod colors;
+mod four_matrices;
+mod lanes;
 mod neighbours;
 mod normals;
 mod orientation;
@@ -35,6 +37,29 @@ pub struct Surface {
     pub normals: Vec<Vec3>,
     /// Splat radii in scene units; positive and finite.
     pub radii: Vec<f32>,
+    /// The points whose neighbours define no plane, ascending: they lie on a line or in one place, as far as f32
+    /// coordinates tell, or there are fewer than three. Their normals are across the line, or +Z.
+    pub without_plane: Vec<u32>,
+}
+
+/// The planes that fit the points around each point best, in the order of the points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Planes {
+    /// Unit normals, each of any sign.
+    pub normals: Vec<Vec3>,
+    /// The points whose neighbours define no plane, ascending: see [`Surface::without_plane`].
+    pub without_plane: Vec<u32>,
+}
+
+/// Estimates the normals of [`estimate_surface`] alone, from `k` neighbours and without turning them to one side.
+pub fn estimate_planes(positions: &[Vec3], k: usize) -> Planes {
+    let tree = PointTree::new(positions);
+    let neighbours = tree.neighbours(k);
+    let planes = normals::fit_planes(&tree, &neighbours);
+    Planes {
+        normals: tree.to_file_order(&planes.normals),
+        without_plane: tree.to_file_indices(&planes.without_plane),
+    }
 }
 
 /// Estimates normals and radii from [`DEFAULT_NEIGHBOURS`] neighbours.
@@ -46,7 +71,8 @@ pub struct Surface {
 pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
-    let mut normals = normals::plane_normals(&tree, &neighbours);
+    let planes = normals::fit_planes(&tree, &neighbours);
+    let mut normals = planes.normals;
     let radii = radii::closing_radii(&tree, &neighbours, &normals);
     match sensor {
         Some(sensor) => orientation::face_sensor(&tree, sensor, &mut normals),
@@ -55,16 +81,8 @@ pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
     Surface {
         normals: tree.to_file_order(&normals),
         radii: tree.to_file_order(&radii),
+        without_plane: tree.to_file_indices(&planes.without_plane),
     }
-}
-
-/// Unit normals across the plane that fits each point and its `k` nearest neighbours best, of either sign.
-///
-/// The first half of [`estimate_surface`], for those who ask how good it is. Positions must be finite.
-pub fn estimate_normals(positions: &[Vec3], k: usize) -> Vec<Vec3> {
-    let tree = PointTree::new(positions);
-    let neighbours = tree.neighbours(k);
-    tree.to_file_order(&normals::plane_normals(&tree, &neighbours))
 }
 
 /// The radii of [`estimate_surface`] for points that have normals.

@@ -175,6 +175,14 @@ impl PointTree {
             .collect()
     }
 
+    /// The points of the file in these slots, ascending.
+    pub(super) fn to_file_indices(&self, slots: &[u32]) -> Vec<u32> {
+        let points = slots.iter().map(|&slot| &self.points[slot as usize]);
+        let mut indices: Vec<u32> = points.map(|point| point.file_index).collect();
+        indices.sort_unstable();
+        indices
+    }
+
     /// `values` in the order of the file, rearranged by slot.
     pub(super) fn to_slot_order<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
         self.points

@@ -18,10 +18,11 @@
 //! When it wins: over multiples of the mean neighbour distance, which are too small for points at the end of a row and too
 //! large for all others.
 
+use super::lanes::axes;
 use super::neighbours::Neighbours;
 use super::point_tree::{LANES, PointTree, Row, SlotPoint};
-use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x4, f32x8};
-use glam::{Vec3, Vec4};
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Radius, in scene units, when no two points are apart: a single point, or points that all coincide.
@@ -198,33 +199,6 @@ impl Cells<'_> {
         }
         (f32x8::splat(simd, 1.0) / smallest.max(known)).into()
     }
-}
-
-/// The coordinates of eight points, each in a register of its own.
-#[inline(always)]
-fn axes<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x8<S>; 3] {
-    let [low_x, low_y, low_z] = axes_of_four(simd, &point);
-    let [high_x, high_y, high_z] = axes_of_four(simd, |lane| point(4 + lane));
-    [
-        simd.combine_f32x4(low_x, high_x),
-        simd.combine_f32x4(low_y, high_y),
-        simd.combine_f32x4(low_z, high_z),
-    ]
-}
-
-#[inline(always)]
-fn axes_of_four<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x4<S>; 3] {
-    let a = f32x4::from_slice(simd, point(0).as_ref());
-    let b = f32x4::from_slice(simd, point(1).as_ref());
-    let c = f32x4::from_slice(simd, point(2).as_ref());
-    let d = f32x4::from_slice(simd, point(3).as_ref());
-    let (xy_even, xy_odd) = (simd.zip_low_f32x4(a, c), simd.zip_low_f32x4(b, d));
-    let (z_even, z_odd) = (simd.zip_high_f32x4(a, c), simd.zip_high_f32x4(b, d));
-    [
-        simd.zip_low_f32x4(xy_even, xy_odd),
-        simd.zip_high_f32x4(xy_even, xy_odd),
-        simd.zip_low_f32x4(z_even, z_odd),
-    ]
 }
 
 /// Two unit vectors across each of eight and across each other (Duff et al. 2017, *Building an Orthonormal Basis,

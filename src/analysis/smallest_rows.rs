@@ -2,7 +2,8 @@
 //!
 //! How it works: a row is sunk into the k ascending registers by a smaller and a larger each, without branches, for eight
 //! lanes at a time. Eight rows at once are cheaper: a network of 19 exchanges puts them in order, the smaller ones of
-//! mirrored places are the smallest of both, and 20 exchanges merge them, instead of the 96 that sinking takes.
+//! mirrored places are the smallest of both, and 20 exchanges (32 of sixteen registers) merge them, instead of the 96 (128)
+//! that sinking takes.
 
 use super::point_tree::{LANES, Row};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
@@ -10,47 +11,64 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 /// Registers that rows are merged into at a time; with some room for what is merged they fit the sixteen of AVX.
 const TOGETHER: usize = 12;
 
+/// Registers for a k between [`TOGETHER`] and this: what does not fit AVX costs less than a second group.
+const MORE_TOGETHER: usize = 16;
+
 /// The k smallest numbers of each lane.
 #[derive(Debug)]
 pub(super) struct SmallestRows {
     k: usize,
     /// Ascending in each lane; some more than k, to fill up whole groups.
-    groups: Vec<[Row; TOGETHER]>,
+    rows: Vec<Row>,
 }
 
 impl SmallestRows {
     pub(super) fn new(k: usize) -> Self {
+        let count = if (TOGETHER + 1..=MORE_TOGETHER).contains(&k) {
+            MORE_TOGETHER
+        } else {
+            k.next_multiple_of(TOGETHER)
+        };
         Self {
             k,
-            groups: vec![[[f32::INFINITY; LANES]; TOGETHER]; k.div_ceil(TOGETHER)],
+            rows: vec![[f32::INFINITY; LANES]; count],
         }
     }
 
     /// Forgets what was found: from now on only numbers below `limit` count.
     pub(super) fn reset(&mut self, limit: Row) {
-        self.groups.fill([limit; TOGETHER]);
+        self.rows.fill(limit);
     }
 
     /// The k-th smallest numbers so far. Precondition: k is not 0.
     pub(super) fn largest(&self) -> &Row {
-        &self.groups.as_flattened()[self.k - 1]
+        &self.rows[self.k - 1]
     }
 
     /// Takes the first `count` of eight rows into account.
     #[inline(always)]
-    pub(super) fn offer<S: Simd>(&mut self, simd: S, rows: &[Row], count: usize) {
-        match self.groups.as_mut_slice() {
-            [group] if count == LANES => merge(simd, group, &rows[..LANES]),
-            [group] => sink(simd, group, &rows[..count], |_, _| ()),
-            groups => {
-                let mut sinking = [[0.0; LANES]; LANES];
-                sinking[..count].copy_from_slice(&rows[..count]);
-                for group in groups {
-                    let rows = sinking;
-                    sink(simd, group, &rows[..count], |place, below| {
-                        below.store_slice(&mut sinking[place]);
-                    });
-                }
+    pub(super) fn offer<S: Simd>(&mut self, simd: S, rows: &[Row; LANES], count: usize) {
+        let merges = count == LANES;
+        if let Ok(group) = <&mut [Row; TOGETHER]>::try_from(self.rows.as_mut_slice()) {
+            if merges {
+                merge(simd, group, rows);
+            } else {
+                sink(simd, group, &rows[..count], |_, _| ());
+            }
+        } else if let Ok(group) = <&mut [Row; MORE_TOGETHER]>::try_from(self.rows.as_mut_slice()) {
+            if merges {
+                merge(simd, group, rows);
+            } else {
+                sink(simd, group, &rows[..count], |_, _| ());
+            }
+        } else {
+            let mut sinking = *rows;
+            let (groups, _) = self.rows.as_chunks_mut::<TOGETHER>();
+            for group in groups {
+                let rows = sinking;
+                sink(simd, group, &rows[..count], |place, below| {
+                    below.store_slice(&mut sinking[place]);
+                });
             }
         }
     }
@@ -58,13 +76,13 @@ impl SmallestRows {
 
 /// Puts `rows` where they belong in the ascending registers of `group`; what comes out below goes to `below`.
 #[inline(always)]
-fn sink<S: Simd>(
+fn sink<S: Simd, const N: usize>(
     simd: S,
-    group: &mut [Row; TOGETHER],
+    group: &mut [Row; N],
     rows: &[Row],
     mut below: impl FnMut(usize, f32x8<S>),
 ) {
-    let mut registers = [f32x8::splat(simd, 0.0); TOGETHER];
+    let mut registers = [f32x8::splat(simd, 0.0); N];
     for (register, row) in registers.iter_mut().zip(&*group) {
         *register = f32x8::from_slice(simd, row);
     }
@@ -85,21 +103,25 @@ fn sink<S: Simd>(
 /// Puts the smallest of both into the ascending registers of `group`: the eight rows are sorted by a network, and merged
 /// bitonically.
 #[inline(always)]
-fn merge<S: Simd>(simd: S, group: &mut [Row; TOGETHER], rows: &[Row]) {
+fn merge<S: Simd, const N: usize>(simd: S, group: &mut [Row; N], rows: &[Row; LANES]) {
     let mut sorted = [f32x8::splat(simd, 0.0); LANES];
     for (register, row) in sorted.iter_mut().zip(rows) {
         *register = f32x8::from_slice(simd, row);
     }
     sort_eight(&mut sorted);
-    let mut registers = [f32x8::splat(simd, 0.0); TOGETHER];
+    let mut registers = [f32x8::splat(simd, 0.0); N];
     for (register, row) in registers.iter_mut().zip(&*group) {
         *register = f32x8::from_slice(simd, row);
     }
-    // The smallest twelve of both, rising and falling: what a bitonic network puts in order.
+    // The smallest of both, rising and falling: what a bitonic network puts in order.
     for (register, candidate) in registers.iter_mut().rev().zip(sorted) {
         *register = register.min(candidate);
     }
-    sort_bitonic_twelve(&mut registers);
+    if N == TOGETHER {
+        sort_bitonic_twelve(&mut registers);
+    } else {
+        sort_bitonic_sixteen(&mut registers);
+    }
     for (row, register) in group.iter_mut().zip(registers) {
         register.store_slice(row);
     }
@@ -132,7 +154,7 @@ fn sort_eight<S: Simd>(registers: &mut [f32x8<S>; 8]) {
 
 /// The bitonic network of sixteen, without the lowest four.
 #[inline(always)]
-fn sort_bitonic_twelve<S: Simd>(registers: &mut [f32x8<S>; 12]) {
+fn sort_bitonic_twelve<S: Simd>(registers: &mut [f32x8<S>]) {
     let mut exchange = |low, high| exchange(registers, low, high);
     exchange(0, 8);
     exchange(1, 9);
@@ -154,6 +176,44 @@ fn sort_bitonic_twelve<S: Simd>(registers: &mut [f32x8<S>; 12]) {
     exchange(6, 7);
     exchange(8, 9);
     exchange(10, 11);
+}
+
+/// The bitonic network of sixteen.
+#[inline(always)]
+fn sort_bitonic_sixteen<S: Simd>(registers: &mut [f32x8<S>]) {
+    let mut exchange = |low, high| exchange(registers, low, high);
+    exchange(0, 8);
+    exchange(1, 9);
+    exchange(2, 10);
+    exchange(3, 11);
+    exchange(4, 12);
+    exchange(5, 13);
+    exchange(6, 14);
+    exchange(7, 15);
+    exchange(0, 4);
+    exchange(1, 5);
+    exchange(2, 6);
+    exchange(3, 7);
+    exchange(8, 12);
+    exchange(9, 13);
+    exchange(10, 14);
+    exchange(11, 15);
+    exchange(0, 2);
+    exchange(1, 3);
+    exchange(4, 6);
+    exchange(5, 7);
+    exchange(8, 10);
+    exchange(9, 11);
+    exchange(12, 14);
+    exchange(13, 15);
+    exchange(0, 1);
+    exchange(2, 3);
+    exchange(4, 5);
+    exchange(6, 7);
+    exchange(8, 9);
+    exchange(10, 11);
+    exchange(12, 13);
+    exchange(14, 15);
 }
 
 /// Leaves the smaller of two in the first place.

@@ -2,6 +2,8 @@
 
 use super::test_shapes::{self, Random, Sampled};
 use super::*;
+use crate::cloud::{Frame, Positions, RawCloud};
+use glam::{DVec3, IVec3};
 use proptest::prelude::*;
 
 fn neighbours_by_brute_force(positions: &[Vec3], k: usize) -> Vec<Vec<u32>> {
@@ -38,7 +40,7 @@ fn neighbours_of_random_clouds() {
     let mut random = Random(1);
     for count in [0, 1, 2, 5, 13, 16, 17, 100, 2000] {
         let cloud: Vec<Vec3> = (0..count).map(|_| random.cube()).collect();
-        for k in [0, 1, 8, 12, 40] {
+        for k in [0, 1, 8, 12, 16, 40] {
             check_neighbours(&cloud, k);
         }
     }
@@ -60,6 +62,7 @@ fn neighbours_where_distances_tie() {
     check_neighbours(&shuffled, 12);
     let plane: Vec<Vec3> = shuffled.iter().map(|p| p.with_y(0.0)).collect();
     check_neighbours(&plane, 12);
+    check_neighbours(&plane, 16);
     let line: Vec<Vec3> = shuffled.iter().map(|p| Vec3::new(p.x, 0.0, 0.0)).collect();
     check_neighbours(&line, 12);
     check_neighbours(&[Vec3::splat(3.0); 200], 12);
@@ -126,6 +129,7 @@ proptest! {
 
 fn assert_defined(surface: &Surface, count: usize) {
     assert_eq!((surface.normals.len(), surface.radii.len()), (count, count));
+    assert!(surface.without_plane.is_sorted());
     assert!(surface.normals.iter().all(|normal| normal.is_normalized()));
     assert!(
         surface
@@ -256,8 +260,8 @@ fn normals_face_the_sensor() {
 fn planes_are_exact_far_from_the_origin() {
     let mut random = Random(10);
     let normal = Vec3::new(0.0, 0.6, 0.8);
-    for offset in [0.0, 1e3, 1e5] {
-        // On multiples of 2⁻⁶, which f32 holds exactly also at 10⁵.
+    for offset in [0.0, 1e3, 1e5, 131_072.0 - 32.0] {
+        // On multiples of 2⁻⁶, which f32 holds exactly up to 2¹⁷.
         let positions: Vec<Vec3> = (0..5000)
             .map(|_| {
                 let (a, b) = (
@@ -271,6 +275,120 @@ fn planes_are_exact_far_from_the_origin() {
         for found in &surface.normals {
             assert!(found.dot(normal) > 0.999_999, "{found} at {offset}");
         }
+    }
+}
+
+/// Sheets of rolling hills a thousandth high, at 10⁶ units from the origin: in the file's f64, which frames are made of, the
+/// hills survive, and their normals are as good as at the origin.
+#[test]
+fn details_survive_a_shift_of_the_file() {
+    let mut random = Random(16);
+    let places: Vec<DVec3> = (0..4000)
+        .map(|_| {
+            let (x, y) = (f64::from(random.unit()), f64::from(random.unit()));
+            DVec3::new(x, y, 1e-3 * (20.0 * x).sin())
+        })
+        .collect();
+    let normals_at = |shift: f64| {
+        let shifted = places.iter().map(|&place| (place + shift).to_array());
+        let raw = RawCloud::from_positions(Positions::F64(shifted.collect()));
+        let origin = if shift == 0.0 {
+            DVec3::ZERO
+        } else {
+            DVec3::splat(shift)
+        };
+        let frame = Frame::from_raw(raw, origin).unwrap();
+        estimate_surface(frame.positions(), Some(Vec3::Z * 10.0)).normals
+    };
+    let (near, far) = (normals_at(0.0), normals_at(1e6));
+    // A position in f64 at 10⁶ is rounded by 10⁻¹⁰, an f32 offset of 1 by 10⁻⁷: of the mean spacing of 0.016.
+    let (_, largest) = angles(&near, &far);
+    assert!(largest < 0.05, "{largest} degrees");
+    let truth: Vec<Vec3> = places
+        .iter()
+        .map(|place| Vec3::new(-0.02 * (20.0 * place.x).cos() as f32, 0.0, 1.0).normalize())
+        .collect();
+    let (mean, _) = angles(&far, &truth);
+    assert!(mean < 0.1, "{mean} degrees, where the hills slope by one");
+}
+
+/// Points (of small whole coordinates) that lie on a line or in one place with their neighbours, by exact arithmetic.
+fn without_plane_by_brute_force(points: &[[i8; 3]], k: usize) -> Vec<u32> {
+    let positions: Vec<Vec3> = points
+        .iter()
+        .map(|p| Vec3::from(p.map(f32::from)))
+        .collect();
+    let lists = neighbours_by_brute_force(&positions, k);
+    let is_line = |(index, list): &(usize, &Vec<u32>)| {
+        let offsets = || {
+            list.iter().map(|&other| {
+                let other = points[other as usize];
+                IVec3::from(std::array::from_fn::<i32, 3, _>(|axis| {
+                    i32::from(other[axis]) - i32::from(points[*index][axis])
+                }))
+            })
+        };
+        offsets().all(|a| offsets().all(|b| a.cross(b) == IVec3::ZERO))
+    };
+    let lines = lists.iter().enumerate().filter(is_line);
+    lines.map(|(index, _)| index as u32).collect()
+}
+
+proptest! {
+    // Few different coordinates, so that many points coincide or line up.
+    #[test]
+    fn points_without_a_plane_are_reported(
+        points in prop::collection::vec(prop::array::uniform3(-2i8..3), 0..60),
+        flattened in 0usize..4,
+        k in 0usize..7,
+    ) {
+        let points: Vec<[i8; 3]> = points
+            .into_iter()
+            .map(|point| std::array::from_fn(|axis| if axis < flattened { 1 } else { point[axis] }))
+            .collect();
+        let positions: Vec<Vec3> = points.iter().map(|p| Vec3::from(p.map(f32::from))).collect();
+        let planes = estimate_planes(&positions, k);
+        prop_assert!(planes.normals.iter().all(|normal| normal.is_normalized()));
+        prop_assert_eq!(planes.without_plane, without_plane_by_brute_force(&points, k));
+    }
+}
+
+#[test]
+fn lines_and_single_places_have_no_plane() {
+    let mut random = Random(17);
+    let all = |count: u32| (0..count).collect::<Vec<u32>>();
+    let without = |cloud: &[Vec3]| estimate_surface(cloud, None).without_plane;
+    for count in 0..=8 {
+        let cloud: Vec<Vec3> = (0..count).map(|_| random.cube()).collect();
+        let expected = if count < 3 { all(count) } else { Vec::new() };
+        assert_eq!(without(&cloud), expected);
+    }
+    assert_eq!(without(&[Vec3::new(0.1, -7.0, 3e8); 50]), all(50));
+    // Rounding moves the points of these lines away from them, the more the farther from the origin.
+    for shift in [0.0, 1.0, 1e3, 1e6] {
+        for _ in 0..20 {
+            let (start, direction) = (random.cube() + shift, random.cube());
+            let line: Vec<Vec3> = (0..50).map(|i| start + direction * i as f32).collect();
+            assert_eq!(without(&line), all(50), "from {start} along {direction}");
+        }
+    }
+    // A lattice beside a line: only the line is reported, and the lattice has its normal to the last bits.
+    let lattice = (0..400).map(|i| Vec3::new((i % 20) as f32, (i / 20) as f32, 0.0));
+    let line = (0..50).map(|i| Vec3::new(1000.0, 0.0, 3.0 * i as f32));
+    let both: Vec<Vec3> = lattice.chain(line).collect();
+    let surface = estimate_surface(&both, None);
+    assert!(surface.without_plane.iter().copied().eq(400..450));
+    for normal in &surface.normals[..400] {
+        assert!(normal.abs_diff_eq(Vec3::Z, 1e-6));
+    }
+    // Duplicates of three places: no plane where a place has as many as there are neighbours, a plane where it has fewer.
+    for (copies, expected) in [(13, all(39)), (5, Vec::new())] {
+        let places = [Vec3::ZERO, Vec3::X, Vec3::new(0.2, 0.7, 0.0)];
+        let cloud: Vec<Vec3> = places
+            .iter()
+            .flat_map(|&place| vec![place; copies])
+            .collect();
+        assert_eq!(without(&cloud), expected);
     }
 }
 

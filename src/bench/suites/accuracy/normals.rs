@@ -5,7 +5,7 @@
 
 use super::shapes::Shape;
 use super::{NORMALS, row};
-use crate::analysis::estimate_normals;
+use crate::analysis::estimate_planes;
 use crate::bench::report::Cell;
 use crate::bench::runner::milliseconds_since;
 use crate::bench::suites::Run;
@@ -39,7 +39,8 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
                 for round in 0..run.options.warmup + run.options.repeat {
                     run.check_cancelled()?;
                     let start = Instant::now();
-                    let estimated = estimate_normals(black_box(&truth.positions), neighbours);
+                    let estimated =
+                        estimate_planes(black_box(&truth.positions), neighbours).normals;
                     let time_ms = milliseconds_since(start);
                     if round >= run.options.warmup {
                         times_ms.push(time_ms);
