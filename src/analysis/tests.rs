@@ -298,7 +298,12 @@ fn details_survive_a_shift_of_the_file() {
             DVec3::splat(shift)
         };
         let frame = Frame::from_raw(raw, origin).unwrap();
-        estimate_surface(frame.positions(), Some(Vec3::Z * 10.0)).normals
+        let normals = estimate_surface(frame.positions(), Some(Vec3::Z * 10.0)).normals;
+        let mut by_file = vec![Vec3::ZERO; normals.len()];
+        for (&index, normal) in frame.file_index().iter().zip(normals) {
+            by_file[index as usize] = normal;
+        }
+        by_file
     };
     let (near, far) = (normals_at(0.0), normals_at(1e6));
     // A position in f64 at 10⁶ is rounded by 10⁻¹⁰, an f32 offset of 1 by 10⁻⁷: of the mean spacing of 0.016.
