@@ -52,6 +52,8 @@ impl Xvfb {
                 "1000x700x24",
                 "-nolisten",
                 "tcp",
+                // Without it the server begins anew when its last client leaves, and refuses who comes meanwhile.
+                "-noreset",
             ])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
