@@ -4,7 +4,7 @@
 //! finds them in the cache. [`Frame::file_index`] leads back to the file.
 
 use super::{Positions, RawCloud};
-use crate::math::{Aabb, Cube, sort_codes};
+use crate::math::{Aabb, Cube, order_of_codes};
 use glam::{DVec3, Vec3};
 
 /// Why a decoded cloud cannot become a frame.
@@ -206,7 +206,7 @@ fn finite_in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
 fn in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
     let bounds = Aabb::from_points(positions);
     let order = match Cube::around_box(&bounds) {
-        Some(cube) => sort_codes(cube.codes(positions)).order,
+        Some(cube) => order_of_codes(cube.codes(positions)),
         None => Vec::new(),
     };
     (bounds, order)

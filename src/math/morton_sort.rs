@@ -47,6 +47,16 @@ const SHORT_RUN: usize = 1024;
 /// # Panics
 /// Preconditions: at most 2³¹ codes, each below 2⁶³.
 pub fn sort_codes(codes: Vec<u64>) -> SortedCodes {
+    sort::<true>(codes)
+}
+
+/// The order of [`sort_codes`] alone, which spares fetching every code from its place.
+pub fn order_of_codes(codes: Vec<u64>) -> Vec<u32> {
+    sort::<false>(codes).order
+}
+
+/// Without `CODES` those that come back are anything.
+fn sort<const CODES: bool>(codes: Vec<u64>) -> SortedCodes {
     assert!(
         codes.len() as u64 <= 1 << INDEX_BITS,
         "indices of {} points do not fit 31 bits",
@@ -64,15 +74,15 @@ pub fn sort_codes(codes: Vec<u64>) -> SortedCodes {
         for ((item, &code), index) in items.iter_mut().zip(codes).zip(0..) {
             *item = item_of(code, index);
         }
-        sort_part(codes, &mut items, &mut scratch, &mut order);
+        sort_part::<CODES>(codes, &mut items, &mut scratch, &mut order);
     } else {
         let middle = partition_near_half(codes, &mut items);
         let (low, high) = items.split_at_mut(middle);
         let (low_scratch, high_scratch) = scratch.split_at_mut(middle);
         let (low_order, high_order) = order.split_at_mut(middle);
         rayon::join(
-            || sort_part(codes, low, low_scratch, low_order),
-            || sort_part(codes, high, high_scratch, high_order),
+            || sort_part::<CODES>(codes, low, low_scratch, low_order),
+            || sort_part::<CODES>(codes, high, high_scratch, high_order),
         );
     }
     SortedCodes {
@@ -135,15 +145,22 @@ fn partition_near_half(codes: &[u64], items: &mut [u64]) -> usize {
 }
 
 /// Sorts `items` by the whole codes that their indices name, stably; then takes them apart into `order` and, in their own
-/// memory, the codes.
-fn sort_part(codes: &[u64], items: &mut [u64], scratch: &mut [u64], order: &mut [u32]) {
+/// memory, the codes if they are wanted.
+fn sort_part<const CODES: bool>(
+    codes: &[u64],
+    items: &mut [u64],
+    scratch: &mut [u64],
+    order: &mut [u32],
+) {
     sort_items(items, scratch);
     for run in items.chunk_by_mut(|a, b| a >> INDEX_BITS == b >> INDEX_BITS) {
         sort_run(run, codes, scratch);
     }
     for (item, index) in items.iter_mut().zip(order) {
         *index = index_of(*item) as u32;
-        *item = codes[index_of(*item)];
+        if CODES {
+            *item = codes[index_of(*item)];
+        }
     }
 }
 
@@ -217,6 +234,11 @@ mod tests {
         let sorted = sort_codes(codes.to_vec());
         let found: Vec<(u64, u32)> = sorted.codes.into_iter().zip(sorted.order).collect();
         assert!(found == expected, "{} codes", codes.len());
+        assert!(
+            order_of_codes(codes.to_vec())
+                .into_iter()
+                .eq(expected.iter().map(|&(_, index)| index))
+        );
     }
 
     /// A fixed sequence of well-mixed 64-bit numbers (splitmix64).
