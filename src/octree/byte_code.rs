@@ -1,9 +1,9 @@
-//! Reading the byte code of an octree: one mask byte for each internal node, breadth-first (paper 000 §VI-A).
+//! The byte code of an octree: one mask byte for each internal node, breadth-first (paper 000 §VI-A).
 //!
 //! The bytes of a level say how many bytes the next level has, so the code needs no lengths, and any byte lost, added or
 //! emptied is noticed. What cannot be noticed is an octant moved within its byte.
 
-use super::Octree;
+use super::{NodeRange, Octree};
 use crate::math::morton::LEVELS;
 
 /// Why a byte code is not that of an octree.
@@ -45,6 +45,31 @@ pub enum OctreeError {
 }
 
 impl Octree {
+    /// One byte for each node above the deepest level, breadth-first; bit `o` is set when octant `o` is occupied, none is for a
+    /// leaf. Together with the depth it is the whole shape of the tree (000 §VI-A): see [`Octree::cells_from_masks`].
+    pub fn masks(&self) -> Vec<u8> {
+        let mut masks = Vec::with_capacity(self.node_count());
+        let mut nodes = vec![NodeRange {
+            level: 0,
+            points: self.all_points(),
+        }];
+        for _ in 0..self.depth() {
+            let mut below = Vec::new();
+            for node in &nodes {
+                let mut mask = 0;
+                if !self.is_leaf(node.level, &node.points) {
+                    for (octant, child) in self.points.children(node) {
+                        mask |= 1 << octant;
+                        below.push(child);
+                    }
+                }
+                masks.push(mask);
+            }
+            nodes = below;
+        }
+        masks
+    }
+
     /// The occupied cells at level `depth` that a byte code stands for, as integer coordinates below `2^depth`, in
     /// Morton order.
     ///

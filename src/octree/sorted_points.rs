@@ -25,31 +25,32 @@ pub(super) struct SortedPoints {
 }
 
 impl SortedPoints {
-    /// Sorts points with these colours; beside the sums of the colours, `then` is done with all else. Precondition: `cube` is
-    /// the one around them.
-    pub(super) fn sorted_and<T: Send>(
-        cube: &Cube,
-        positions: &[Vec3],
-        colors: &[[u8; 4]],
-        then: impl FnOnce(&Self) -> T + Send,
-    ) -> (Self, T) {
-        let sorted = sort_codes(cube.codes(positions));
+    /// Sorts points with these colours. Precondition: `cube` is the one around them.
+    pub(super) fn new(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> Self {
+        let codes = cube.codes(positions);
+        if codes.is_sorted() {
+            return Self::in_order(codes, colors.iter().copied());
+        }
+        let sorted = sort_codes(codes);
         let colors = sorted.order.iter().map(|&index| colors[index as usize]);
-        let shape = || {
-            let partings = parting_levels(&sorted.codes);
-            let points = Self {
-                occupied: occupied_cells(&partings),
-                partings,
-                codes: sorted.codes,
-                colors_before: Vec::new(),
-            };
-            let answer = then(&points);
-            (points, answer)
+        Self::in_order(sorted.codes, colors)
+    }
+
+    /// Of ascending codes and their colours.
+    fn in_order(codes: Vec<u64>, colors: impl ExactSizeIterator<Item = [u8; 4]> + Send) -> Self {
+        let count = || {
+            let partings = parting_levels(&codes);
+            let occupied = occupied_cells(&partings);
+            (partings, occupied)
         };
-        let ((mut points, answer), colors_before) =
-            rayon::join(shape, || voxels::running_sums(colors));
-        points.colors_before = colors_before;
-        (points, answer)
+        let ((partings, occupied), colors_before) =
+            rayon::join(count, || voxels::running_sums(colors));
+        Self {
+            codes,
+            partings,
+            occupied,
+            colors_before,
+        }
     }
 
     /// Bytes held in memory.
@@ -78,7 +79,7 @@ fn parting_levels(codes: &[u64]) -> Vec<u8> {
 }
 
 /// Cells of every level that hold a point: one for each code that parted there or above.
-pub(super) fn occupied_cells(partings: &[u8]) -> OccupiedCells {
+fn occupied_cells(partings: &[u8]) -> OccupiedCells {
     // Several counters, because most partings are of few levels, and a count that was just written is slow to read.
     let mut parted = [[0u32; LEVELS as usize + 2]; 4];
     let (chunks, rest) = partings.as_chunks::<4>();

@@ -303,10 +303,7 @@ fn another_stop_criterion_is_the_same_as_building_anew() {
     assert_eq!(none.with_stop(Depth(3)).node_count(), 0);
     let deep = Octree::build(&torus.positions, &colors, Depth(9));
     assert_eq!(deep.depth(), 9);
-    assert!(Arc::ptr_eq(
-        &deep.levels[4].first_point,
-        &deep.with_stop(Depth(4)).levels[4].first_point
-    ));
+    assert!(Arc::ptr_eq(&deep.points, &deep.with_stop(Depth(4)).points));
 }
 
 /// A 60° view with the near plane at 0.05 and 500 pixels along the height.

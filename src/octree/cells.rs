@@ -1,0 +1,177 @@
+//! Where the cells of a level begin, read off the parting levels.
+//!
+//! How it works: a cell of a level begins with each point whose parting level is that or less. Parting levels are below 32,
+//! so eight of them, in one word, are compared by one addition: what is added lifts just those above the level into the
+//! highest bit of their byte, and no carry leaves a byte. Where a cell has many points its end is searched for by their codes
+//! instead.
+
+use super::NodeRange;
+use super::sorted_points::SortedPoints;
+use super::stop::Leaves;
+use crate::math::morton::LEVELS;
+use std::ops::Range;
+
+/// Partings compared at a time.
+const WORD: usize = 8;
+const HIGHEST_BITS: u64 = 0x8080_8080_8080_8080;
+const LOWEST_BITS: u64 = 0x0101_0101_0101_0101;
+
+/// The highest bit of every byte of `partings` that is at most `level`.
+#[inline(always)]
+fn beginnings(partings: [u8; WORD], level: u32) -> u64 {
+    let lift = LOWEST_BITS * u64::from(127 - level);
+    !(u64::from_le_bytes(partings) + lift) & HIGHEST_BITS
+}
+
+/// From so many points on, the end of a cell is searched for by codes.
+const SEARCHED: usize = 512;
+
+impl SortedPoints {
+    /// The end of the cell of `level` that begins with the point `first`; `end` is that of the cell above it.
+    #[inline]
+    pub(super) fn cell_end(&self, level: u32, first: usize, end: usize) -> usize {
+        if end - first > SEARCHED {
+            let shift = 3 * (LEVELS - level);
+            let cell = self.codes[first] >> shift;
+            let codes = &self.codes[first..end];
+            return first + codes.partition_point(|&code| code >> shift == cell);
+        }
+        self.next_beginning(level, first + 1, end)
+    }
+
+    /// The first of the points `first..end` with which a cell of `level` begins, or `end`.
+    #[inline]
+    pub(super) fn next_beginning(&self, level: u32, first: usize, end: usize) -> usize {
+        let (words, rest) = self.partings[first..end].as_chunks::<WORD>();
+        for (word, &partings) in words.iter().enumerate() {
+            let found = beginnings(partings, level);
+            if found != 0 {
+                return first + word * WORD + found.trailing_zeros() as usize / 8;
+            }
+        }
+        rest.iter()
+            .position(|&parting| u32::from(parting) <= level)
+            .map_or(end, |beyond| end - rest.len() + beyond)
+    }
+
+    /// The octants of a node that hold points, and the nodes they are, in Morton order. Precondition: the node is above
+    /// level 21.
+    #[inline]
+    pub(super) fn children(&self, node: &NodeRange) -> impl Iterator<Item = (u32, NodeRange)> {
+        let level = node.level + 1;
+        let Range { start, end } = node.points;
+        let mut next = start;
+        std::iter::from_fn(move || {
+            let first = next;
+            if first >= end {
+                return None;
+            }
+            next = self.cell_end(level, first, end);
+            let octant = (self.codes[first] >> (3 * (LEVELS - level))) as u32 & 7;
+            let points = first..next;
+            Some((octant, NodeRange { level, points }))
+        })
+    }
+
+    /// Whether the node of `level` with these points is not divided.
+    #[inline]
+    pub(super) fn is_leaf(&self, leaves: Leaves, level: u32, points: &Range<usize>) -> bool {
+        match leaves {
+            Leaves::OnLevel(depth) => level == depth,
+            // What one finest cell holds cannot be parted.
+            Leaves::OfPoints(most) => {
+                points.len() <= most.max(1)
+                    || self.codes[points.start] == self.codes[points.end - 1]
+            }
+        }
+    }
+
+    /// The number of nodes that some ranges are.
+    pub(super) fn count_nodes(&self, ranges: &[NodeRange]) -> usize {
+        let count =
+            |range: &NodeRange| count_at_most(&self.partings[range.points.clone()], range.level);
+        ranges.iter().map(count).sum()
+    }
+}
+
+/// How many of `partings` are at most `level`.
+fn count_at_most(partings: &[u8], level: u32) -> usize {
+    let level = level as u8;
+    // Counts of a byte each, which one register adds up; a chunk is as long as they cannot overflow.
+    let sum_of_chunk = |partings: &[u8]| {
+        let (rows, rest) = partings.as_chunks::<32>();
+        let mut counts = [0u8; 32];
+        for row in rows {
+            for (count, &parting) in counts.iter_mut().zip(row) {
+                *count += u8::from(parting <= level);
+            }
+        }
+        let rest = rest.iter().filter(|&&parting| parting <= level).count();
+        rest + counts
+            .iter()
+            .map(|&count| usize::from(count))
+            .sum::<usize>()
+    };
+    partings.chunks(32 * 255).map(sum_of_chunk).sum()
+}
+
+/// Writes the first points of the cells of `level` among the points from `first` on, whose partings are given, to the
+/// beginning of `out`, and says how many there are. Precondition: room for one more than there are partings.
+#[inline(always)]
+pub(super) fn write_beginnings(partings: &[u8], level: u32, first: u32, out: &mut [u32]) -> usize {
+    let mut count = 0;
+    let mut point = first;
+    let (words, rest) = partings.as_chunks::<WORD>();
+    for word in words {
+        if beginnings(*word, level) != 0 {
+            for (&parting, point) in word.iter().zip(point..) {
+                // Overwritten until a point that begins a cell moves on.
+                out[count] = point;
+                count += usize::from(u32::from(parting) <= level);
+            }
+        }
+        point += WORD as u32;
+    }
+    for (&parting, point) in rest.iter().zip(point..) {
+        out[count] = point;
+        count += usize::from(u32::from(parting) <= level);
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_compared_as_bytes_are() {
+        for level in 0..=LEVELS {
+            for parting in 0..=LEVELS as u8 + 1 {
+                let partings = [parting, 0, 22, 1, parting, 21, 7, parting];
+                let expected = (0..8)
+                    .filter(|&i| u32::from(partings[i as usize]) <= level)
+                    .fold(0, |bits, i| bits | 0x80u64 << (8 * i));
+                assert_eq!(beginnings(partings, level), expected);
+            }
+        }
+    }
+
+    #[test]
+    fn beginnings_and_their_number() {
+        for count in [0, 1, 7, 8, 31, 32, 33, 100, 32 * 255, 32 * 255 + 9] {
+            let partings: Vec<u8> = (0..count as u64)
+                .map(|i| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as u8 % 23)
+                .collect();
+            for level in [0, 3, 12, LEVELS] {
+                let expected: Vec<u32> = (0..count)
+                    .filter(|&i| u32::from(partings[i as usize]) <= level)
+                    .map(|i| i + 1000)
+                    .collect();
+                assert_eq!(count_at_most(&partings, level), expected.len());
+                let mut out = vec![0; count as usize + 1];
+                let written = write_beginnings(&partings, level, 1000, &mut out);
+                assert_eq!(out[..written], expected);
+            }
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! From ranges of nodes to what is drawn for each, whatever that is.
+//!
+//! How it works: the nodes of a range begin where parting levels say so. Sixty-four nodes of any levels are handed to a
+//! [`NodeWriter`] at a time, so that taking codes apart and dividing are SIMD instructions. Long lists of ranges are shared out
+//! among threads by their points; each part knows from a count of its nodes where its records go.
+
+use super::NodeRange;
+use super::cells::write_beginnings;
+use super::sorted_points::SortedPoints;
+use bytemuck::Zeroable;
+use fearless_simd::{Level, dispatch};
+
+/// Nodes that are worked out together.
+pub(super) const BATCH: usize = 64;
+
+/// Up to [`BATCH`] nodes, each property in an array of its own. Beyond their number stand nodes of some batch before, or of no
+/// points.
+pub(super) struct Nodes<'a> {
+    /// Their first points.
+    pub(super) firsts: &'a [u32; BATCH],
+    /// The points after their last.
+    pub(super) ends: &'a [u32; BATCH],
+    pub(super) levels: &'a [u32; BATCH],
+}
+
+/// Works out what stands for nodes.
+pub(super) trait NodeWriter: Sync {
+    /// What stands for one node.
+    type Record: Copy + Send + Zeroable;
+
+    /// Writes the records of the first `out.len()` of `nodes`. To be inlined, so that it is compiled for each level of SIMD.
+    fn write(&self, nodes: &Nodes<'_>, out: &mut [Self::Record]);
+}
+
+impl SortedPoints {
+    /// Replaces the contents of `out` by what stands for the nodes of `ranges`, in their order.
+    pub(super) fn write_nodes<W: NodeWriter>(
+        &self,
+        ranges: &[NodeRange],
+        writer: &W,
+        out: &mut Vec<W::Record>,
+    ) {
+        out.resize(self.count_nodes(ranges), W::Record::zeroed());
+        self.fill(ranges, writer, out);
+    }
+
+    /// Writes to as many places as there are nodes.
+    fn fill<W: NodeWriter>(&self, ranges: &[NodeRange], writer: &W, out: &mut [W::Record]) {
+        if out.len() < 2 * PARALLEL_NODES {
+            dispatch!(Level::new(), _simd => Batch::new().write_ranges(self, ranges, writer, out));
+            return;
+        }
+        let (low, high) = self.halves(ranges);
+        let (low_out, high_out) = out.split_at_mut(self.count_nodes(&low));
+        rayon::join(
+            || self.fill(&low, writer, low_out),
+            || self.fill(&high, writer, high_out),
+        );
+    }
+
+    /// The ranges parted where about half of the points are on either side. Precondition: there are two nodes or more.
+    fn halves(&self, ranges: &[NodeRange]) -> (Vec<NodeRange>, Vec<NodeRange>) {
+        let points: usize = ranges.iter().map(|range| range.points.len()).sum();
+        let mut left = points / 2;
+        let parted = ranges.iter().position(|range| {
+            let is_beyond = left < range.points.len();
+            left -= if is_beyond { 0 } else { range.points.len() };
+            is_beyond
+        });
+        let parted = parted.unwrap_or(ranges.len() - 1);
+        let NodeRange { level, points } = ranges[parted].clone();
+        let middle = self.next_beginning(level, points.start + left, points.end);
+        let part = |points: std::ops::Range<usize>| {
+            (!points.is_empty()).then_some(NodeRange { level, points })
+        };
+        let low = ranges[..parted].iter().cloned();
+        let high = ranges[parted + 1..].iter().cloned();
+        (
+            low.chain(part(points.start..middle)).collect(),
+            part(middle..points.end).into_iter().chain(high).collect(),
+        )
+    }
+}
+
+/// Below this, nodes are not shared out among threads.
+const PARALLEL_NODES: usize = 1 << 13;
+
+/// Points whose parting levels are looked at together.
+const BLOCK: usize = 64;
+
+const CAPACITY: usize = BATCH + BLOCK + 1;
+
+/// Nodes that wait for a batch to become full.
+struct Batch {
+    count: usize,
+    firsts: [u32; CAPACITY],
+    ends: [u32; CAPACITY],
+    levels: [u32; CAPACITY],
+}
+
+impl Batch {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            count: 0,
+            firsts: [0; CAPACITY],
+            ends: [0; CAPACITY],
+            levels: [0; CAPACITY],
+        }
+    }
+
+    #[inline(always)]
+    fn write_ranges<W: NodeWriter>(
+        &mut self,
+        points: &SortedPoints,
+        ranges: &[NodeRange],
+        writer: &W,
+        mut out: &mut [W::Record],
+    ) {
+        for NodeRange {
+            level,
+            points: range,
+        } in ranges
+        {
+            let mut first_of_range = self.count;
+            for first in range.clone().step_by(BLOCK) {
+                let partings = &points.partings[first..range.end.min(first + BLOCK)];
+                self.add(partings, *level, first, first_of_range);
+                if self.count > BATCH {
+                    out = self.write(BATCH, writer, out);
+                    first_of_range = first_of_range.saturating_sub(BATCH);
+                }
+            }
+            self.ends[self.count - 1] = range.end as u32;
+        }
+        self.write(self.count, writer, out);
+    }
+
+    /// Adds the nodes that begin among the points from `first` on. Where the last one ends is not known yet.
+    #[inline(always)]
+    fn add(&mut self, partings: &[u8], level: u32, first: usize, first_of_range: usize) {
+        let before = self.count;
+        let added = write_beginnings(partings, level, first as u32, &mut self.firsts[before..]);
+        self.count += added;
+        self.levels[before..self.count].fill(level);
+        // A node ends where the next one of its range begins.
+        let linked = before.max(first_of_range + 1);
+        if linked < self.count + 1 {
+            self.ends[linked - 1..self.count - 1].copy_from_slice(&self.firsts[linked..self.count]);
+        }
+    }
+
+    /// Writes the first `count` nodes, at most a batch, and forgets them; the places left.
+    #[inline(always)]
+    fn write<'o, W: NodeWriter>(
+        &mut self,
+        count: usize,
+        writer: &W,
+        out: &'o mut [W::Record],
+    ) -> &'o mut [W::Record] {
+        let (now, left) = out.split_at_mut(count);
+        if count == 0 {
+            return left;
+        }
+        let nodes = Nodes {
+            firsts: batch_of(&self.firsts),
+            ends: batch_of(&self.ends),
+            levels: batch_of(&self.levels),
+        };
+        writer.write(&nodes, now);
+        for property in [&mut self.firsts, &mut self.ends, &mut self.levels] {
+            property.copy_within(count..self.count, 0);
+        }
+        self.count -= count;
+        left
+    }
+}
+
+#[inline(always)]
+fn batch_of(property: &[u32; CAPACITY]) -> &[u32; BATCH] {
+    property.first_chunk().expect("more than a batch")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Cube;
+    use glam::Vec3;
+
+    /// First point, end and level of every node.
+    struct Names;
+
+    impl NodeWriter for Names {
+        type Record = [u32; 3];
+
+        fn write(&self, nodes: &Nodes<'_>, out: &mut [[u32; 3]]) {
+            for (node, record) in out.iter_mut().enumerate() {
+                *record = [nodes.firsts[node], nodes.ends[node], nodes.levels[node]];
+            }
+        }
+    }
+
+    #[test]
+    fn every_node_of_any_ranges_in_order_and_by_any_number_of_threads() {
+        // A ramp of 40,000 points along a diagonal that gets sparser: cells of all sizes.
+        let positions: Vec<Vec3> = (0..40_000)
+            .map(|i| Vec3::splat(i as f32 * (4e4 + i as f32)))
+            .collect();
+        let cube = Cube::around(&positions).unwrap();
+        let points = SortedPoints::new(&cube, &positions, &vec![[0; 4]; positions.len()]);
+        let level_6: Vec<usize> = (0..40_000)
+            .filter(|&point| points.partings[point] <= 6)
+            .chain([40_000])
+            .collect();
+        // Cells of level 6 on levels 6 to 21 in turn.
+        let ranges: Vec<NodeRange> = level_6
+            .windows(2)
+            .zip(0..)
+            .map(|(ends, i)| NodeRange {
+                level: 6 + i * 5 % 16,
+                points: ends[0]..ends[1],
+            })
+            .collect();
+        let whole = [NodeRange {
+            level: 16,
+            points: 0..40_000,
+        }];
+        for ranges in [&ranges[..], &whole, &[]] {
+            let mut expected = Vec::new();
+            for range in ranges {
+                let mut first = range.points.start;
+                for point in range.points.start + 1..=range.points.end {
+                    let is_end = point == range.points.end
+                        || u32::from(points.partings[point]) <= range.level;
+                    if is_end {
+                        expected.push([first as u32, point as u32, range.level]);
+                        first = point;
+                    }
+                }
+            }
+            for threads in [1, 3] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                let mut found = Vec::new();
+                pool.unwrap()
+                    .install(|| points.write_nodes(ranges, &Names, &mut found));
+                assert!(found == expected, "{} nodes", expected.len());
+            }
+            assert!(ranges.len() != 1 || expected.len() > 2 * PARALLEL_NODES);
+        }
+    }
+}
