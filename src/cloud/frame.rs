@@ -206,7 +206,7 @@ fn finite_in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
 fn in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
     let bounds = Aabb::from_points(positions);
     let order = match Cube::around_box(&bounds) {
-        Some(cube) => order_of_codes(cube.codes(positions)),
+        Some(cube) => order_of_codes(&cube.codes(positions)),
         None => Vec::new(),
     };
     (bounds, order)

@@ -2,7 +2,7 @@
 
 use super::{
     Aabb,
-    morton::{self, FINEST_CELLS},
+    morton::{self, FINEST_CELLS, LEVELS, PackedCell},
 };
 use fearless_simd::{Level, dispatch};
 use glam::{DVec3, Vec3};
@@ -73,23 +73,33 @@ impl Cube {
         self.min + (cell + 0.5) * self.cell_edge(level)
     }
 
-    /// The Morton codes of the finest cells that hold `points`. Precondition: the points this cube was made around.
+    /// The finest cells that hold `points`. Precondition: the points this cube was made around.
     ///
     /// Cells are half-open: a point on the border of two belongs to the upper one, except for the upper faces of the cube,
     /// which belong to the last cells.
+    pub fn cells(&self, points: &[Vec3]) -> Vec<PackedCell> {
+        bytemuck::cast_vec(self.quantized::<false>(points))
+    }
+
+    /// The Morton codes of [`Cube::cells`].
     pub fn codes(&self, points: &[Vec3]) -> Vec<u64> {
+        self.quantized::<true>(points)
+    }
+
+    /// Codes, or else packed cells.
+    fn quantized<const INTERLEAVED: bool>(&self, points: &[Vec3]) -> Vec<u64> {
         let quantizer = Quantizer::new(self);
         let level = Level::new();
-        let mut codes = vec![0; points.len()];
+        let mut cells = vec![0; points.len()];
         // Coordinates are taken apart a block at a time: the same operation on neighbouring numbers is one SIMD instruction.
-        codes
+        cells
             .par_chunks_mut(BLOCK)
             .zip(points.par_chunks(BLOCK))
             .with_min_len(BLOCKS_PER_TASK)
-            .for_each(|(codes, points)| {
-                dispatch!(level, _simd => quantizer.add_codes(points, codes));
+            .for_each(|(cells, points)| {
+                dispatch!(level, _simd => quantizer.add_cells::<INTERLEAVED>(points, cells));
             });
-        codes
+        cells
     }
 }
 
@@ -124,16 +134,21 @@ impl Quantizer {
         }
     }
 
-    /// Writes the codes of at most [`BLOCK`] points over zeros.
+    /// Writes the cells of at most [`BLOCK`] points over zeros.
     #[inline(always)]
-    fn add_codes(&self, points: &[Vec3], codes: &mut [u64]) {
+    fn add_cells<const INTERLEAVED: bool>(&self, points: &[Vec3], cells: &mut [u64]) {
         for axis in 0..3 {
             let mut offsets = [0.0; BLOCK];
             for (offset, point) in offsets.iter_mut().zip(points) {
                 *offset = f64::from(point[axis]);
             }
-            for (code, offset) in codes.iter_mut().zip(offsets) {
-                *code |= morton::spread(self.index(offset - self.min[axis])) << axis;
+            for (cell, offset) in cells.iter_mut().zip(offsets) {
+                let index = self.index(offset - self.min[axis]);
+                *cell |= if INTERLEAVED {
+                    morton::spread(index) << axis
+                } else {
+                    index << (LEVELS as usize * axis)
+                };
             }
         }
     }
@@ -206,6 +221,7 @@ mod tests {
             let cube = Cube::around(&points).unwrap();
             let cell_edge = f64::from(cube.edge) / f64::from(FINEST_CELLS);
             for (code, point) in cube.codes(&points).into_iter().zip(&points) {
+                prop_assert_eq!(cube.cells(&[*point]), [PackedCell::from_code(code)]);
                 let offset = (point.as_dvec3() - cube.min.as_dvec3()).to_array();
                 for (index, offset) in morton::decode(code).into_iter().zip(offset) {
                     let lower = f64::from(index) * cell_edge;

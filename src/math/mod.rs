@@ -10,5 +10,5 @@ mod symmetric_eigen;
 pub use aabb::Aabb;
 pub use cube::Cube;
 pub use frustum::{Containment, Frustum};
-pub use morton_sort::{SortedCodes, order_of_codes, sort_codes};
+pub use morton_sort::order_of_codes;
 pub use symmetric_eigen::{SymmetricEigen, SymmetricMat3};

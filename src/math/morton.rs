@@ -3,8 +3,11 @@
 //!
 //! A code has three bits a level, the coarsest level in the highest: bit `3i` is bit `i` of x, bit `3i + 1` of y, bit
 //! `3i + 2` of z. Three bits read as a number are the *octant* of a cell in its parent. Two codes share exactly the
-//! cells above the level at which their highest different bit lies ([`parting_level`]); paper 000 §VI-A needs no more
+//! cells above the level at which their highest different bit lies ([`PackedCell`] says which); paper 000 §VI-A needs no more
 //! than that to count the occupied cells of every level.
+
+use fearless_simd::{Level, dispatch};
+use rayon::prelude::*;
 
 /// Levels below the root: 21 × 3 bits fill 63 of 64.
 pub const LEVELS: u32 = 21;
@@ -12,7 +15,7 @@ pub const LEVELS: u32 = 21;
 /// Cells along an edge at the finest level.
 pub const FINEST_CELLS: u32 = 1 << LEVELS;
 
-/// The parting level of two equal codes: below the finest level.
+/// The parting level of two equal cells: below the finest level.
 pub const NEVER_PART: u8 = LEVELS as u8 + 1;
 
 /// The code of a cell. Precondition: every coordinate is below [`FINEST_CELLS`] (higher bits are dropped).
@@ -25,11 +28,89 @@ pub const fn decode(code: u64) -> [u32; 3] {
     [gather(code), gather(code >> 1), gather(code >> 2)]
 }
 
-/// The first level (1 to 21) at which two codes of the finest level lie in different cells, or [`NEVER_PART`].
-pub const fn parting_level(a: u64, b: u64) -> u8 {
-    match (a ^ b).checked_ilog2() {
-        Some(highest_bit) => (LEVELS - highest_bit / 3) as u8,
-        None => NEVER_PART,
+/// The coordinates of a finest cell in one number: x in bits 0 to 20, y in 21 to 41, z in 42 to 62.
+///
+/// As many bits as a code, and two cells are compared as fast, but a coordinate is taken out by a shift.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
+pub struct PackedCell(u64);
+
+/// The lowest bit of every field.
+const LOWEST: u64 = 1 | 1 << LEVELS | 1 << (2 * LEVELS);
+
+impl PackedCell {
+    /// Precondition: every coordinate is below [`FINEST_CELLS`].
+    pub const fn new([x, y, z]: [u32; 3]) -> Self {
+        Self(x as u64 | (y as u64) << LEVELS | (z as u64) << (2 * LEVELS))
+    }
+
+    /// The cell of a code.
+    pub const fn from_code(code: u64) -> Self {
+        Self::new(decode(code))
+    }
+
+    /// The coordinate along an axis of the cell of `level` that this one is in.
+    #[inline(always)]
+    pub(crate) const fn coordinate(self, axis: usize, level: u32) -> u32 {
+        (self.0 >> (LEVELS as usize * axis)) as u32 % FINEST_CELLS >> (LEVELS - level)
+    }
+
+    /// The Morton code.
+    #[inline(always)]
+    pub const fn code(self) -> u64 {
+        spread(self.0) | spread(self.0 >> LEVELS) << 1 | spread(self.0 >> (2 * LEVELS)) << 2
+    }
+
+    /// The octant, in its parent, of the cell of `level` (at least 1) that this one is in.
+    #[inline(always)]
+    pub(crate) const fn octant(self, level: u32) -> u32 {
+        let bits = self.0 >> (LEVELS - level) & LOWEST;
+        (bits | bits >> (LEVELS - 1) | bits >> (2 * LEVELS - 2)) as u32 & 7
+    }
+
+    /// Whether two cells are in one cell of `level`.
+    #[inline(always)]
+    pub(crate) const fn share_cell(self, other: Self, level: u32) -> bool {
+        let below = (1 << (LEVELS - level)) - 1;
+        (self.0 ^ other.0) & !(below * LOWEST) == 0
+    }
+
+    /// The first level (1 to 21) at which two finest cells are in different cells, or [`NEVER_PART`]; and whether their codes are in
+    /// ascending order, or equal.
+    #[inline(always)]
+    pub(crate) const fn parting(self, next: Self) -> (u8, bool) {
+        let different = self.0 ^ next.0;
+        let along_any = (different | different >> LEVELS | different >> (2 * LEVELS)) as u32;
+        match (along_any % FINEST_CELLS).checked_ilog2() {
+            Some(highest_bit) => {
+                let octants = LOWEST << highest_bit;
+                let ascends = self.0 & octants < next.0 & octants;
+                ((LEVELS - highest_bit) as u8, ascends)
+            }
+            None => (NEVER_PART, true),
+        }
+    }
+}
+
+/// The Morton codes of `cells`.
+pub fn codes_of(cells: &[PackedCell]) -> Vec<u64> {
+    let mut codes = vec![0; cells.len()];
+    codes
+        .par_chunks_mut(CELLS_PER_TASK)
+        .zip(cells.par_chunks(CELLS_PER_TASK))
+        .for_each(|(codes, cells)| {
+            dispatch!(Level::new(), _simd => encode_all(cells, codes));
+        });
+    codes
+}
+
+/// Cells that are worth handing to another thread.
+const CELLS_PER_TASK: usize = 1 << 14;
+
+#[inline(always)]
+fn encode_all(cells: &[PackedCell], codes: &mut [u64]) {
+    for (code, cell) in codes.iter_mut().zip(cells) {
+        *code = cell.code();
     }
 }
 
@@ -90,10 +171,12 @@ mod tests {
         fn interleaving_is_the_definition_and_reversible(cell in [0..FINEST_CELLS, 0..FINEST_CELLS, 0..FINEST_CELLS]) {
             prop_assert_eq!(encode(cell), encode_slowly(cell));
             prop_assert_eq!(decode(encode(cell)), cell);
+            prop_assert_eq!(PackedCell::new(cell).code(), encode(cell));
+            prop_assert_eq!(PackedCell::from_code(encode(cell)), PackedCell::new(cell));
         }
 
         #[test]
-        fn codes_part_where_their_cells_do(
+        fn packed_cells_part_where_their_coordinates_do(
             a in [0..FINEST_CELLS, 0..FINEST_CELLS, 0..FINEST_CELLS],
             shared_levels in 0..=LEVELS,
             low in [0..FINEST_CELLS, 0..FINEST_CELLS, 0..FINEST_CELLS],
@@ -104,7 +187,16 @@ mod tests {
             let expected = (1..=LEVELS)
                 .find(|level| (0..3).any(|axis| a[axis] >> (LEVELS - level) != b[axis] >> (LEVELS - level)))
                 .map_or(NEVER_PART, |level| level as u8);
-            prop_assert_eq!(parting_level(encode(a), encode(b)), expected);
+            let (packed_a, packed_b) = (PackedCell::new(a), PackedCell::new(b));
+            let ascends = encode_slowly(a) <= encode_slowly(b);
+            prop_assert_eq!(packed_a.parting(packed_b), (expected, ascends));
+            for level in 0..=LEVELS {
+                prop_assert_eq!(packed_a.share_cell(packed_b, level), level < u32::from(expected));
+                prop_assert_eq!((0..3).map(|axis| packed_a.coordinate(axis, level)).collect::<Vec<_>>(), a.map(|index| index >> (LEVELS - level)));
+                if level > 0 {
+                    prop_assert_eq!(packed_a.octant(level), (encode_slowly(a) >> (3 * (LEVELS - level))) as u32 & 7);
+                }
+            }
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Sorting Morton codes, and with them the points they belong to.
+//! The order of Morton codes, and so of the points they belong to.
 //!
 //! How it works: a radix sort from the lowest digit up (LSD), but only over the highest 33 bits of the code, the first
 //! 11 octree levels. An item is one `u64`: those 33 bits above the 31-bit index of the point, so that code and index
@@ -21,15 +21,6 @@
 //!
 //! The sort is stable: equal codes stay in the order of their indices. Nothing depends on timing or threads.
 
-/// Codes in ascending order, and where each came from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SortedCodes {
-    /// The codes, ascending.
-    pub codes: Vec<u64>,
-    /// `order[i]` is the index that `codes[i]` had; equal codes by ascending index.
-    pub order: Vec<u32>,
-}
-
 const INDEX_BITS: u32 = 31;
 const INDEX_MASK: u64 = (1 << INDEX_BITS) - 1;
 /// Bits of a 63-bit code that find no room beside the index.
@@ -42,53 +33,46 @@ const DIGITS: usize = 3;
 /// Below this a comparison sort is done before the digit counters of a radix sort are cleared.
 const SHORT_RUN: usize = 1024;
 
-/// Sorts 63-bit `codes`, stably.
+/// The indices of 63-bit `codes` in the order of the codes; of equal codes by ascending index.
 ///
 /// # Panics
 /// Preconditions: at most 2³¹ codes, each below 2⁶³.
-pub fn sort_codes(codes: Vec<u64>) -> SortedCodes {
-    sort::<true>(codes)
-}
-
-/// The order of [`sort_codes`] alone, which spares fetching every code from its place.
-pub fn order_of_codes(codes: Vec<u64>) -> Vec<u32> {
-    sort::<false>(codes).order
-}
-
-/// Without `CODES` those that come back are anything.
-fn sort<const CODES: bool>(codes: Vec<u64>) -> SortedCodes {
+pub fn order_of_codes(codes: &[u64]) -> Vec<u32> {
     assert!(
         codes.len() as u64 <= 1 << INDEX_BITS,
         "indices of {} points do not fit 31 bits",
         codes.len()
     );
     if codes.is_sorted() {
-        let order = (0..codes.len() as u32).collect();
-        return SortedCodes { codes, order };
+        return (0..codes.len() as u32).collect();
     }
-    let codes = codes.as_slice();
-    let mut items = vec![0; codes.len()];
     let mut scratch = vec![0; codes.len()];
-    let mut order = vec![0; codes.len()];
     if codes.len() < 2 * PARALLEL_CODES || rayon::current_num_threads() == 1 {
-        for ((item, &code), index) in items.iter_mut().zip(codes).zip(0..) {
-            *item = item_of(code, index);
+        let items = codes.iter().zip(0..);
+        let mut items: Vec<u64> = items.map(|(&code, index)| item_of(code, index)).collect();
+        sort_part(codes, &mut items, &mut scratch);
+        return items
+            .into_iter()
+            .map(|item| index_of(item) as u32)
+            .collect();
+    }
+    let mut items = vec![0; codes.len()];
+    let mut order = vec![0; codes.len()];
+    let middle = partition_near_half(codes, &mut items);
+    let (low, high) = items.split_at_mut(middle);
+    let (low_scratch, high_scratch) = scratch.split_at_mut(middle);
+    let (low_order, high_order) = order.split_at_mut(middle);
+    let sort = |items: &mut [u64], scratch: &mut [u64], order: &mut [u32]| {
+        sort_part(codes, items, scratch);
+        for (index, &item) in order.iter_mut().zip(&*items) {
+            *index = index_of(item) as u32;
         }
-        sort_part::<CODES>(codes, &mut items, &mut scratch, &mut order);
-    } else {
-        let middle = partition_near_half(codes, &mut items);
-        let (low, high) = items.split_at_mut(middle);
-        let (low_scratch, high_scratch) = scratch.split_at_mut(middle);
-        let (low_order, high_order) = order.split_at_mut(middle);
-        rayon::join(
-            || sort_part::<CODES>(codes, low, low_scratch, low_order),
-            || sort_part::<CODES>(codes, high, high_scratch, high_order),
-        );
-    }
-    SortedCodes {
-        codes: items,
-        order,
-    }
+    };
+    rayon::join(
+        || sort(low, low_scratch, low_order),
+        || sort(high, high_scratch, high_order),
+    );
+    order
 }
 
 /// Below this, codes are not shared out among threads.
@@ -144,22 +128,18 @@ fn partition_near_half(codes: &[u64], items: &mut [u64]) -> usize {
     middle
 }
 
-/// Sorts `items` by the whole codes that their indices name, stably; then takes them apart into `order` and, in their own
-/// memory, the codes if they are wanted.
-fn sort_part<const CODES: bool>(
-    codes: &[u64],
-    items: &mut [u64],
-    scratch: &mut [u64],
-    order: &mut [u32],
-) {
+/// Sorts `items` by the whole codes that their indices name, stably; leaves only indices right.
+fn sort_part(codes: &[u64], items: &mut [u64], scratch: &mut [u64]) {
     sort_items(items, scratch);
     for run in items.chunk_by_mut(|a, b| a >> INDEX_BITS == b >> INDEX_BITS) {
-        sort_run(run, codes, scratch);
-    }
-    for (item, index) in items.iter_mut().zip(order) {
-        *index = index_of(*item) as u32;
-        if CODES {
-            *item = codes[index_of(*item)];
+        match run {
+            [_] => {}
+            // Most runs: two selections instead of branches that are taken as often as not.
+            &mut [ref mut a, ref mut b] => {
+                let ascends = codes[index_of(*a)] <= codes[index_of(*b)];
+                (*a, *b) = if ascends { (*a, *b) } else { (*b, *a) };
+            }
+            run => sort_run(run, codes, scratch),
         }
     }
 }
@@ -170,9 +150,6 @@ fn index_of(item: u64) -> usize {
 
 /// Sorts a run of items that agree in their upper bits by the low bits of their codes; leaves only indices right.
 fn sort_run(run: &mut [u64], codes: &[u64], scratch: &mut [u64]) {
-    if run.len() < 2 {
-        return;
-    }
     if run.len() <= SHORT_RUN {
         run.sort_unstable_by_key(|&item| (codes[index_of(item)], item));
         return;
@@ -231,14 +208,8 @@ mod tests {
     fn assert_sorted_like_std(codes: &[u64]) {
         let mut expected: Vec<(u64, u32)> = codes.iter().copied().zip(0..).collect();
         expected.sort_unstable();
-        let sorted = sort_codes(codes.to_vec());
-        let found: Vec<(u64, u32)> = sorted.codes.into_iter().zip(sorted.order).collect();
-        assert!(found == expected, "{} codes", codes.len());
-        assert!(
-            order_of_codes(codes.to_vec())
-                .into_iter()
-                .eq(expected.iter().map(|&(_, index)| index))
-        );
+        let expected: Vec<u32> = expected.into_iter().map(|(_, index)| index).collect();
+        assert!(order_of_codes(codes) == expected, "{} codes", codes.len());
     }
 
     /// A fixed sequence of well-mixed 64-bit numbers (splitmix64).

@@ -42,7 +42,7 @@ impl Octree {
     }
 
     fn divided(cube: Cube, points: Arc<SortedPoints>, stop: StopCriterion) -> Self {
-        let point_count = points.codes.len();
+        let point_count = points.cells.len();
         let leaves = stop.leaves(&points.occupied, point_count);
         let (level_counts, leaf_count) = match leaves {
             _ if point_count == 0 => (Vec::new(), 0),

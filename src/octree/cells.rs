@@ -2,13 +2,12 @@
 //!
 //! How it works: a cell of a level begins with each point whose parting level is that or less. Parting levels are below 32,
 //! so eight of them, in one word, are compared by one addition: what is added lifts just those above the level into the
-//! highest bit of their byte, and no carry leaves a byte. Where a cell has many points its end is searched for by their codes
-//! instead.
+//! highest bit of their byte, and no carry leaves a byte. Where a cell has many points its end is searched for among the points
+//! themselves instead.
 
 use super::NodeRange;
 use super::sorted_points::SortedPoints;
 use super::stop::Leaves;
-use crate::math::morton::LEVELS;
 use std::ops::Range;
 
 /// Partings compared at a time.
@@ -23,7 +22,7 @@ fn beginnings(partings: [u8; WORD], level: u32) -> u64 {
     !(u64::from_le_bytes(partings) + lift) & HIGHEST_BITS
 }
 
-/// From so many points on, the end of a cell is searched for by codes.
+/// From so many points on, the end of a cell is searched for by bisection.
 const SEARCHED: usize = 512;
 
 impl SortedPoints {
@@ -31,10 +30,8 @@ impl SortedPoints {
     #[inline]
     pub(super) fn cell_end(&self, level: u32, first: usize, end: usize) -> usize {
         if end - first > SEARCHED {
-            let shift = 3 * (LEVELS - level);
-            let cell = self.codes[first] >> shift;
-            let codes = &self.codes[first..end];
-            return first + codes.partition_point(|&code| code >> shift == cell);
+            let cells = &self.cells[first..end];
+            return first + cells.partition_point(|cell| cell.share_cell(cells[0], level));
         }
         self.next_beginning(level, first + 1, end)
     }
@@ -67,7 +64,7 @@ impl SortedPoints {
                 return None;
             }
             next = self.cell_end(level, first, end);
-            let octant = (self.codes[first] >> (3 * (LEVELS - level))) as u32 & 7;
+            let octant = self.cells[first].octant(level);
             let points = first..next;
             Some((octant, NodeRange { level, points }))
         })
@@ -81,7 +78,7 @@ impl SortedPoints {
             // What one finest cell holds cannot be parted.
             Leaves::OfPoints(most) => {
                 points.len() <= most.max(1)
-                    || self.codes[points.start] == self.codes[points.end - 1]
+                    || self.cells[points.start] == self.cells[points.end - 1]
             }
         }
     }
@@ -142,6 +139,7 @@ pub(super) fn write_beginnings(partings: &[u8], level: u32, first: u32, out: &mu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::morton::LEVELS;
 
     #[test]
     fn words_are_compared_as_bytes_are() {

@@ -85,7 +85,7 @@ impl Octree {
 
     /// Number of points it was built from.
     pub fn point_count(&self) -> usize {
-        self.points.codes.len()
+        self.points.cells.len()
     }
 
     /// Share of the points that have no leaf of their own, `1 − leaves/n`; 0 without points. Where all leaves are on level h

@@ -4,8 +4,8 @@ use super::stop::OccupiedCells;
 use super::voxels::{self, ColorSum};
 use crate::math::{
     Cube,
-    morton::{self, LEVELS},
-    sort_codes,
+    morton::{self, LEVELS, PackedCell},
+    order_of_codes,
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,9 +13,9 @@ use rayon::prelude::*;
 /// The points of a cloud in Morton order.
 #[derive(Debug, PartialEq)]
 pub(super) struct SortedPoints {
-    /// Their codes, ascending.
-    pub(super) codes: Vec<u64>,
-    /// The level at which each code parts from the one before it, and is thus the first of its cell there and below; 0 for
+    /// Their finest cells, by ascending code.
+    pub(super) cells: Vec<PackedCell>,
+    /// The level at which each cell parts from the one before it: the point is the first of its cell there and below; 0 for
     /// the first.
     pub(super) partings: Vec<u8>,
     /// Cells of every level that hold a point.
@@ -27,26 +27,28 @@ pub(super) struct SortedPoints {
 impl SortedPoints {
     /// Sorts points with these colours. Precondition: `cube` is the one around them.
     pub(super) fn new(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> Self {
-        let codes = cube.codes(positions);
-        if codes.is_sorted() {
-            return Self::in_order(codes, colors.iter().copied());
+        let cells = cube.cells(positions);
+        if let Some(partings) = partings_in_order(&cells) {
+            let sum = || voxels::running_sums(colors.iter().copied());
+            let (occupied, colors_before) = rayon::join(|| occupied_cells(&partings), sum);
+            return Self {
+                cells,
+                partings,
+                occupied,
+                colors_before,
+            };
         }
-        let sorted = sort_codes(codes);
-        let colors = sorted.order.iter().map(|&index| colors[index as usize]);
-        Self::in_order(sorted.codes, colors)
-    }
-
-    /// Of ascending codes and their colours.
-    fn in_order(codes: Vec<u64>, colors: impl ExactSizeIterator<Item = [u8; 4]> + Send) -> Self {
+        let order = order_of_codes(&morton::codes_of(&cells));
         let count = || {
-            let partings = parting_levels(&codes);
+            let cells: Vec<PackedCell> = order.iter().map(|&index| cells[index as usize]).collect();
+            let partings = partings_in_order(&cells).expect("cells were sorted");
             let occupied = occupied_cells(&partings);
-            (partings, occupied)
+            (cells, partings, occupied)
         };
-        let ((partings, occupied), colors_before) =
-            rayon::join(count, || voxels::running_sums(colors));
+        let sum = || voxels::running_sums(order.iter().map(|&index| colors[index as usize]));
+        let ((cells, partings, occupied), colors_before) = rayon::join(count, sum);
         Self {
-            codes,
+            cells,
             partings,
             occupied,
             colors_before,
@@ -56,26 +58,43 @@ impl SortedPoints {
     /// Bytes held in memory.
     pub(super) fn byte_size(&self) -> usize {
         size_of::<Self>()
-            + size_of_val(self.codes.as_slice())
+            + size_of_val(self.cells.as_slice())
             + size_of_val(self.partings.as_slice())
             + size_of_val(self.colors_before.as_slice())
     }
 }
 
-/// Below this, codes are not shared out among threads.
-const PARALLEL_CODES: usize = 1 << 14;
+/// Cells that are worth handing to another thread.
+const CELLS_PER_TASK: usize = 1 << 14;
 
-/// The level at which each sorted code parts from the one before it; 0 for the first.
-fn parting_levels(codes: &[u64]) -> Vec<u8> {
-    let mut partings = vec![0; codes.len()];
-    if let Some((_, partings)) = partings.split_first_mut() {
-        partings
-            .par_iter_mut()
-            .with_min_len(PARALLEL_CODES)
-            .zip(codes.par_windows(2))
-            .for_each(|(parting, pair)| *parting = morton::parting_level(pair[0], pair[1]));
+/// The level at which each cell parts from the one before it, 0 for the first; `None` if their codes do not ascend.
+fn partings_in_order(cells: &[PackedCell]) -> Option<Vec<u8>> {
+    let mut partings = vec![0; cells.len()];
+    let Some((_, to_be_written)) = partings.split_first_mut() else {
+        return Some(partings);
+    };
+    let tasks = to_be_written.par_chunks_mut(CELLS_PER_TASK).enumerate();
+    let are_in_order = tasks.all(|(task, partings)| {
+        let cells = &cells[CELLS_PER_TASK * task..];
+        write_partings(cells, partings)
+    });
+    are_in_order.then_some(partings)
+}
+
+/// Writes the levels at which all but the first of `cells` part from the ones before them, as far as they are asked for, or
+/// to where their codes do not ascend; whether they do.
+fn write_partings(cells: &[PackedCell], partings: &mut [u8]) -> bool {
+    let pairs = cells.array_windows::<2>();
+    let mut ascend = true;
+    for (parting, [before, cell]) in partings.iter_mut().zip(pairs) {
+        let ascends;
+        (*parting, ascends) = before.parting(*cell);
+        ascend &= ascends;
+        if !ascend {
+            break;
+        }
     }
-    partings
+    ascend
 }
 
 /// Cells of every level that hold a point: one for each code that parted there or above.

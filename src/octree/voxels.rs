@@ -1,6 +1,6 @@
 //! The voxel of a node, worked out from its points when it is asked for.
 //!
-//! How it works: the points of a node are a range in Morton order. Its cell is the upper part of the first one's code; its
+//! How it works: the points of a node are a range in Morton order. Its cell is the upper part of the first one's; its
 //! colour the difference of two running sums over all points, divided by their number.
 //!
 //! When it wins: of all nodes, one view shows a third (leaves only) or less, so a frame that is played and gone never pays
@@ -10,7 +10,8 @@ use super::sorted_points::SortedPoints;
 use super::write::{BATCH, NodeWriter, Nodes};
 use super::{NodeRange, Octree, stop::Leaves};
 use crate::cloud::VoxelRecord;
-use crate::math::morton::{self, LEVELS};
+use crate::math::morton::{LEVELS, PackedCell};
+use bytemuck::Zeroable;
 use glam::Vec3;
 
 /// Red, green and blue in one number, a field of 21 bits each (blue has one more).
@@ -101,11 +102,12 @@ impl NodeWriter for VoxelWriter<'_> {
     fn write(&self, nodes: &Nodes<'_>, out: &mut [VoxelRecord]) {
         let [x, y, z] = self.centers(nodes);
         let colors_and_levels = self.colors_and_levels(nodes);
-        let voxels: [VoxelRecord; BATCH] = std::array::from_fn(|node| {
-            let [x, y, z] = [x[node], y[node], z[node]].map(f32::to_bits);
-            bytemuck::cast([x, y, z, colors_and_levels[node]])
-        });
-        out.copy_from_slice(&voxels[..out.len()]);
+        let centers = x.iter().zip(&y).zip(&z);
+        for ((voxel, ((x, y), z)), &color_and_level) in
+            out.iter_mut().zip(centers).zip(&colors_and_levels)
+        {
+            *voxel = bytemuck::cast([x.to_bits(), y.to_bits(), z.to_bits(), color_and_level]);
+        }
     }
 }
 
@@ -113,19 +115,18 @@ impl VoxelWriter<'_> {
     /// The middles of the cells, an axis each.
     #[inline(always)]
     fn centers(&self, nodes: &Nodes<'_>) -> [[f32; BATCH]; 3] {
-        let mut cells = [0; BATCH];
+        let mut cells = [PackedCell::zeroed(); BATCH];
         let mut edges = [0.0; BATCH];
         for node in 0..BATCH {
-            let level = nodes.levels[node];
-            cells[node] = self.points.codes[nodes.firsts[node] as usize] >> (3 * (LEVELS - level));
-            edges[node] = self.edges[level as usize];
+            cells[node] = self.points.cells[nodes.firsts[node] as usize];
+            edges[node] = self.edges[nodes.levels[node] as usize];
         }
         let mut centers = [[0.0; BATCH]; 3];
         for (axis, centers) in centers.iter_mut().enumerate() {
-            for ((center, &cell), &edge) in centers.iter_mut().zip(&cells).zip(&edges) {
+            for node in 0..BATCH {
                 // Below 2²¹; a signed conversion is one instruction.
-                let coordinate = morton::gather(cell >> axis) as i32 as f32;
-                *center = self.min[axis] + (coordinate + 0.5) * edge;
+                let coordinate = cells[node].coordinate(axis, nodes.levels[node]) as i32 as f32;
+                centers[node] = self.min[axis] + (coordinate + 0.5) * edges[node];
             }
         }
         centers
@@ -145,10 +146,12 @@ impl VoxelWriter<'_> {
             counts[node] = count as i32 as f32;
             most = most.max(count);
         }
+        // One division a node; a mean halfway between two numbers may be rounded to either.
+        let shares = counts.map(|count| 1.0 / count);
         let mut means = [[0.0; BATCH]; 3];
         for (channel, means) in (0..).zip(&mut means) {
-            for ((mean, &sum), &count) in means.iter_mut().zip(&sums).zip(&counts) {
-                *mean = channel_of(sum, channel) / count;
+            for ((mean, &sum), &share) in means.iter_mut().zip(&sums).zip(&shares) {
+                *mean = channel_of(sum, channel) * share;
             }
         }
         if most > MOST_SUMMED {

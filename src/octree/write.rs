@@ -9,6 +9,7 @@ use super::cells::write_beginnings;
 use super::sorted_points::SortedPoints;
 use bytemuck::Zeroable;
 use fearless_simd::{Level, dispatch};
+use rayon::prelude::*;
 
 /// Nodes that are worked out together.
 pub(super) const BATCH: usize = 64;
@@ -40,50 +41,62 @@ impl SortedPoints {
         writer: &W,
         out: &mut Vec<W::Record>,
     ) {
-        out.resize(self.count_nodes(ranges), W::Record::zeroed());
-        self.fill(ranges, writer, out);
+        let pieces = self.pieces(ranges);
+        if let [piece] = pieces.as_slice() {
+            out.resize(self.count_nodes(piece), W::Record::zeroed());
+            self.write_piece(piece, writer, out);
+            return;
+        }
+        let count = |piece: &Vec<NodeRange>| self.count_nodes(piece);
+        let counts: Vec<usize> = pieces.par_iter().map(count).collect();
+        out.resize(counts.iter().sum(), W::Record::zeroed());
+        let mut left = out.as_mut_slice();
+        let places: Vec<&mut [W::Record]> = counts
+            .iter()
+            .filter_map(|&count| left.split_off_mut(..count))
+            .collect();
+        pieces
+            .par_iter()
+            .zip(places)
+            .for_each(|(piece, out)| self.write_piece(piece, writer, out));
     }
 
     /// Writes to as many places as there are nodes.
-    fn fill<W: NodeWriter>(&self, ranges: &[NodeRange], writer: &W, out: &mut [W::Record]) {
-        if out.len() < 2 * PARALLEL_NODES {
-            dispatch!(Level::new(), _simd => Batch::new().write_ranges(self, ranges, writer, out));
-            return;
-        }
-        let (low, high) = self.halves(ranges);
-        let (low_out, high_out) = out.split_at_mut(self.count_nodes(&low));
-        rayon::join(
-            || self.fill(&low, writer, low_out),
-            || self.fill(&high, writer, high_out),
-        );
+    fn write_piece<W: NodeWriter>(&self, piece: &[NodeRange], writer: &W, out: &mut [W::Record]) {
+        dispatch!(Level::new(), _simd => Batch::new().write_ranges(self, piece, writer, out));
     }
 
-    /// The ranges parted where about half of the points are on either side. Precondition: there are two nodes or more.
-    fn halves(&self, ranges: &[NodeRange]) -> (Vec<NodeRange>, Vec<NodeRange>) {
-        let points: usize = ranges.iter().map(|range| range.points.len()).sum();
-        let mut left = points / 2;
-        let parted = ranges.iter().position(|range| {
-            let is_beyond = left < range.points.len();
-            left -= if is_beyond { 0 } else { range.points.len() };
-            is_beyond
-        });
-        let parted = parted.unwrap_or(ranges.len() - 1);
-        let NodeRange { level, points } = ranges[parted].clone();
-        let middle = self.next_beginning(level, points.start + left, points.end);
-        let part = |points: std::ops::Range<usize>| {
-            (!points.is_empty()).then_some(NodeRange { level, points })
-        };
-        let low = ranges[..parted].iter().cloned();
-        let high = ranges[parted + 1..].iter().cloned();
-        (
-            low.chain(part(points.start..middle)).collect(),
-            part(middle..points.end).into_iter().chain(high).collect(),
-        )
+    /// The same nodes in pieces of about [`PIECE_POINTS`] points.
+    fn pieces(&self, ranges: &[NodeRange]) -> Vec<Vec<NodeRange>> {
+        let mut pieces = Vec::new();
+        let mut piece = Vec::new();
+        let mut room = PIECE_POINTS;
+        for NodeRange { level, points } in ranges {
+            let mut next = points.start;
+            while next < points.end {
+                let full = next.saturating_add(room).min(points.end);
+                let end = self.next_beginning(*level, full, points.end);
+                piece.push(NodeRange {
+                    level: *level,
+                    points: next..end,
+                });
+                room = room.saturating_sub(end - next);
+                next = end;
+                if room == 0 {
+                    pieces.push(std::mem::take(&mut piece));
+                    room = PIECE_POINTS;
+                }
+            }
+        }
+        if !piece.is_empty() || pieces.is_empty() {
+            pieces.push(piece);
+        }
+        pieces
     }
 }
 
-/// Below this, nodes are not shared out among threads.
-const PARALLEL_NODES: usize = 1 << 13;
+/// Points that are worth handing to another thread.
+const PIECE_POINTS: usize = 1 << 14;
 
 /// Points whose parting levels are looked at together.
 const BLOCK: usize = 64;
@@ -245,7 +258,7 @@ mod tests {
                     .install(|| points.write_nodes(ranges, &Names, &mut found));
                 assert!(found == expected, "{} nodes", expected.len());
             }
-            assert!(ranges.len() != 1 || expected.len() > 2 * PARALLEL_NODES);
+            assert!(ranges.len() != 1 || expected.len() > PIECE_POINTS);
         }
     }
 }
