@@ -11,15 +11,18 @@
 //!
 //! Not measured: kiddo's `simd` feature, which needs a nightly compiler.
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use pointreel::analysis::{estimate_planes, nearest_neighbours};
-use pointreel::math::{SymmetricMat3, morton, sort_codes};
+use pointreel::math::{Cube, SymmetricMat3, sort_codes};
+use pointreel::measure::{AngularError, Orientation};
 use rayon::prelude::*;
 use std::num::NonZero;
 
 mod shapes;
+
+use shapes::threads::bench_on_threads;
 
 const POINTS: usize = 1_000_000;
 
@@ -32,29 +35,20 @@ fn neighbours(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("neighbours/1000000");
     group.throughput(Throughput::Elements(POINTS as u64));
     group.sample_size(10);
-    for threads in [1, 2] {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("threads can be started");
-        let mut bench = |name: &str, run: &(dyn Fn() -> usize + Sync)| {
-            let id = BenchmarkId::new(name, format!("{threads} threads"));
-            group.bench_function(id, |bencher| {
-                pool.install(|| bencher.iter(run));
-            });
-        };
-        bench("tree", &|| nearest_neighbours(&positions, 0).per_point());
-        bench("neighbours", &|| {
+    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 5] = [
+        ("tree", &|| nearest_neighbours(&positions, 0).per_point()),
+        ("neighbours", &|| {
             nearest_neighbours(&positions, NEIGHBOURS).per_point()
-        });
-        bench("planes", &|| {
+        }),
+        ("planes", &|| {
             estimate_planes(&positions, NEIGHBOURS).normals.len()
-        });
-        bench("kiddo", &|| by_kiddo(&positions).len());
-        bench("kiddo, Morton order", &|| {
+        }),
+        ("kiddo", &|| by_kiddo(&positions).len()),
+        ("kiddo, Morton order", &|| {
             by_kiddo(&in_morton_order(&positions)).len()
-        });
-    }
+        }),
+    ];
+    bench_on_threads(&mut group, [1, 2], &functions);
     group.finish();
 }
 
@@ -86,16 +80,8 @@ fn by_kiddo(positions: &[Vec3]) -> Vec<u32> {
 
 /// The points sorted along a Morton curve.
 fn in_morton_order(positions: &[Vec3]) -> Vec<Vec3> {
-    // The torus lies within −2..2 on each axis.
-    let along = f64::from(morton::FINEST_CELLS) / 4.0;
-    let codes: Vec<u64> = positions
-        .par_iter()
-        .map(|position| {
-            let cell = (position.as_dvec3() + 2.0) * along;
-            morton::encode(cell.to_array().map(|coordinate| coordinate as u32))
-        })
-        .collect();
-    let order = sort_codes(codes).order;
+    let cube = Cube::around(positions).expect("there are points");
+    let order = sort_codes(cube.codes(positions)).order;
     order
         .par_iter()
         .map(|&index| positions[index as usize])
@@ -144,12 +130,9 @@ fn principal_normal(positions: &[Vec3], index: usize, list: &[u32]) -> Vec3 {
 
 /// Whichever way the normals face.
 fn mean_degrees(found: &[Vec3], truth: &[Vec3]) -> f64 {
-    let angles = found.iter().zip(truth).map(|(found, truth)| {
-        let (found, truth) = (found.as_dvec3(), truth.as_dvec3());
-        let angle = found.cross(truth).length().atan2(found.dot(truth).abs());
-        angle.to_degrees()
-    });
-    angles.sum::<f64>() / found.len() as f64
+    AngularError::of(found, truth, Orientation::Ignored)
+        .expect("there are normals")
+        .mean_deg
 }
 
 criterion_group!(benches, neighbours);

@@ -7,11 +7,13 @@
 //!
 //! Not measured: decoding, packing of records.
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use pointreel::analysis::{DEFAULT_NEIGHBOURS, estimate_surface, nearest_neighbours, splat_radii};
 
 mod shapes;
+
+use shapes::threads::bench_on_threads;
 
 const POINTS: usize = 100_000;
 
@@ -23,30 +25,21 @@ fn normals(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("analysis/100000");
     group.throughput(Throughput::Elements(POINTS as u64));
     group.sample_size(20);
-    for threads in [1, cores] {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("threads can be started");
-        let mut bench = |name: &str, run: &(dyn Fn() -> usize + Sync)| {
-            let id = BenchmarkId::new(name, format!("{threads} threads"));
-            group.bench_function(id, |bencher| {
-                pool.install(|| bencher.iter(run));
-            });
-        };
-        bench("surface", &|| {
+    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 4] = [
+        ("surface", &|| {
             estimate_surface(&positions, None).normals.len()
-        });
-        bench("surface to sensor", &|| {
+        }),
+        ("surface to sensor", &|| {
             estimate_surface(&positions, Some(Vec3::splat(9.0)))
                 .normals
                 .len()
-        });
-        bench("radii", &|| splat_radii(&positions, &known).len());
-        bench("neighbours", &|| {
+        }),
+        ("radii", &|| splat_radii(&positions, &known).len()),
+        ("neighbours", &|| {
             nearest_neighbours(&positions, DEFAULT_NEIGHBOURS).per_point()
-        });
-    }
+        }),
+    ];
+    bench_on_threads(&mut group, [1, cores], &functions);
     group.finish();
 }
 

@@ -8,16 +8,13 @@
 //! Not measured: decoding the frame, making the codes (for the bare sorts), handing the memory back to the system.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use pointreel::{
-    math::Cube,
-    math::morton,
-    octree::{Octree, StopCriterion},
-};
+use pointreel::math::Cube;
+use pointreel::octree::{Octree, StopCriterion};
 use std::hint::black_box;
 
 mod shapes;
 
-use shapes::memory;
+use shapes::{memory, threads};
 
 #[expect(clippy::print_stdout, reason = "criterion measures time alone")]
 fn build(criterion: &mut Criterion) {
@@ -27,11 +24,7 @@ fn build(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(format!("octree/{count}"));
         group.throughput(Throughput::Elements(count as u64));
         group.sample_size(if count > 500_000 { 10 } else { 50 });
-        for threads in [1, 2] {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .expect("threads start");
+        for (threads, pool) in threads::pools([1, 2]) {
             let build = |stop| {
                 pool.install(|| Octree::build(black_box(&positions), black_box(&colors), stop))
             };
@@ -65,16 +58,7 @@ fn build(criterion: &mut Criterion) {
             );
         }
         let cube = Cube::around(&positions).expect("there are points");
-        let codes: Vec<u64> = positions
-            .iter()
-            .map(|&position| {
-                let cell = (position - cube.min) / cube.edge * morton::FINEST_CELLS as f32;
-                morton::encode(
-                    cell.to_array()
-                        .map(|c| (c as u32).min(morton::FINEST_CELLS - 1)),
-                )
-            })
-            .collect();
+        let codes = cube.codes(&positions);
         let pairs: Vec<(u64, u32)> = codes.iter().copied().zip(0..).collect();
         group.bench_function("bare radix sort, codes", |bencher| {
             bencher.iter_batched_ref(

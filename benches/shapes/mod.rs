@@ -1,8 +1,10 @@
-//! The clouds that stage benches run on, the same on every machine, and the allocator that the program has.
+//! The clouds that stage benches run on, the same on every machine, the threads they run on, and the allocator that
+//! the program has.
 
 use glam::{DVec3, Vec3};
 
 pub(crate) mod memory;
+pub(crate) mod threads;
 
 /// A torus with bumps, sampled at random and in random order, with colours that differ from point to point: a closed
 /// surface whose density and curvature vary, and the worst order for memory.

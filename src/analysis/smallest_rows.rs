@@ -48,19 +48,10 @@ impl SmallestRows {
     /// Takes the first `count` of eight rows into account.
     #[inline(always)]
     pub(super) fn offer<S: Simd>(&mut self, simd: S, rows: &[Row; LANES], count: usize) {
-        let merges = count == LANES;
         if let Ok(group) = <&mut [Row; TOGETHER]>::try_from(self.rows.as_mut_slice()) {
-            if merges {
-                merge(simd, group, rows);
-            } else {
-                sink(simd, group, &rows[..count], |_, _| ());
-            }
+            merge_or_sink(simd, group, rows, count);
         } else if let Ok(group) = <&mut [Row; MORE_TOGETHER]>::try_from(self.rows.as_mut_slice()) {
-            if merges {
-                merge(simd, group, rows);
-            } else {
-                sink(simd, group, &rows[..count], |_, _| ());
-            }
+            merge_or_sink(simd, group, rows, count);
         } else {
             let mut sinking = *rows;
             let (groups, _) = self.rows.as_chunks_mut::<TOGETHER>();
@@ -71,6 +62,21 @@ impl SmallestRows {
                 });
             }
         }
+    }
+}
+
+/// Puts the smallest of both, the first `count` of `rows`, into the ascending registers of `group`.
+#[inline(always)]
+fn merge_or_sink<S: Simd, const N: usize>(
+    simd: S,
+    group: &mut [Row; N],
+    rows: &[Row; LANES],
+    count: usize,
+) {
+    if count == LANES {
+        merge(simd, group, rows);
+    } else {
+        sink(simd, group, &rows[..count], |_, _| ());
     }
 }
 
@@ -155,65 +161,42 @@ fn sort_eight<S: Simd>(registers: &mut [f32x8<S>; 8]) {
 /// The bitonic network of sixteen, without the lowest four.
 #[inline(always)]
 fn sort_bitonic_twelve<S: Simd>(registers: &mut [f32x8<S>]) {
-    let mut exchange = |low, high| exchange(registers, low, high);
-    exchange(0, 8);
-    exchange(1, 9);
-    exchange(2, 10);
-    exchange(3, 11);
-    exchange(4, 8);
-    exchange(5, 9);
-    exchange(6, 10);
-    exchange(7, 11);
-    exchange(0, 2);
-    exchange(1, 3);
-    exchange(4, 6);
-    exchange(5, 7);
-    exchange(8, 10);
-    exchange(9, 11);
-    exchange(0, 1);
-    exchange(2, 3);
-    exchange(4, 5);
-    exchange(6, 7);
-    exchange(8, 9);
-    exchange(10, 11);
+    exchange_fours(registers, 0, 8);
+    exchange_fours(registers, 4, 8);
+    sort_bitonic_four(registers, 0);
+    sort_bitonic_four(registers, 4);
+    sort_bitonic_four(registers, 8);
 }
 
 /// The bitonic network of sixteen.
 #[inline(always)]
 fn sort_bitonic_sixteen<S: Simd>(registers: &mut [f32x8<S>]) {
-    let mut exchange = |low, high| exchange(registers, low, high);
-    exchange(0, 8);
-    exchange(1, 9);
-    exchange(2, 10);
-    exchange(3, 11);
-    exchange(4, 12);
-    exchange(5, 13);
-    exchange(6, 14);
-    exchange(7, 15);
-    exchange(0, 4);
-    exchange(1, 5);
-    exchange(2, 6);
-    exchange(3, 7);
-    exchange(8, 12);
-    exchange(9, 13);
-    exchange(10, 14);
-    exchange(11, 15);
-    exchange(0, 2);
-    exchange(1, 3);
-    exchange(4, 6);
-    exchange(5, 7);
-    exchange(8, 10);
-    exchange(9, 11);
-    exchange(12, 14);
-    exchange(13, 15);
-    exchange(0, 1);
-    exchange(2, 3);
-    exchange(4, 5);
-    exchange(6, 7);
-    exchange(8, 9);
-    exchange(10, 11);
-    exchange(12, 13);
-    exchange(14, 15);
+    exchange_fours(registers, 0, 8);
+    exchange_fours(registers, 4, 12);
+    exchange_fours(registers, 0, 4);
+    exchange_fours(registers, 8, 12);
+    sort_bitonic_four(registers, 0);
+    sort_bitonic_four(registers, 4);
+    sort_bitonic_four(registers, 8);
+    sort_bitonic_four(registers, 12);
+}
+
+/// Exchanges four registers from `low` on with four from `high` on. Written out, like all here: loops are not unrolled.
+#[inline(always)]
+fn exchange_fours<S: Simd>(registers: &mut [f32x8<S>], low: usize, high: usize) {
+    exchange(registers, low, high);
+    exchange(registers, low + 1, high + 1);
+    exchange(registers, low + 2, high + 2);
+    exchange(registers, low + 3, high + 3);
+}
+
+/// The bitonic network of the four registers from `first` on.
+#[inline(always)]
+fn sort_bitonic_four<S: Simd>(registers: &mut [f32x8<S>], first: usize) {
+    exchange(registers, first, first + 2);
+    exchange(registers, first + 1, first + 3);
+    exchange(registers, first, first + 1);
+    exchange(registers, first + 2, first + 3);
 }
 
 /// Leaves the smaller of two in the first place.

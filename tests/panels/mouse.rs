@@ -1,0 +1,180 @@
+//! Drags and the wheel on the picture.
+
+use super::{press, window};
+use egui::{Key, Modifiers, PointerButton, pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use pointreel::app::State;
+
+fn drag(
+    harness: &mut Harness<'_, State>,
+    button: PointerButton,
+    modifiers: Modifiers,
+    from: egui::Pos2,
+    by: egui::Vec2,
+) {
+    let event = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button,
+        pressed,
+        modifiers,
+    };
+    harness.hover_at(from);
+    harness.event_modifiers(event(from, true), modifiers);
+    // Within one step egui sees only the last place.
+    for part in [0.5, 1.0] {
+        harness.event_modifiers(egui::Event::PointerMoved(from + part * by), modifiers);
+    }
+    harness.event_modifiers(event(from + by, false), modifiers);
+    harness.run();
+}
+
+#[test]
+fn the_mouse_moves_the_camera_on_the_picture_only() {
+    let mut harness = window();
+    let picture = harness.state().viewport.rect.center();
+    let before = harness.state().camera;
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::NONE,
+        picture,
+        vec2(100.0, 0.0),
+    );
+    let orbited = harness.state().camera;
+    assert!(
+        orbited.azimuth_deg < before.azimuth_deg - 10.0,
+        "{orbited:?}"
+    );
+    assert_eq!(orbited.target_in_world, before.target_in_world);
+
+    drag(
+        &mut harness,
+        PointerButton::Secondary,
+        Modifiers::NONE,
+        picture,
+        vec2(0.0, 80.0),
+    );
+    let panned = harness.state().camera;
+    assert_eq!(panned.azimuth_deg, orbited.azimuth_deg);
+    assert!((panned.target_in_world - orbited.target_in_world).length() > 0.05 * panned.distance);
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::SHIFT,
+        picture,
+        vec2(0.0, -80.0),
+    );
+    let back = harness.state().camera;
+    assert!((back.target_in_world - orbited.target_in_world).length() < 1e-3 * panned.distance);
+
+    let settings = harness.get_by_label("Background").rect().center();
+    let timeline = harness.get_by_label("Timeline").rect().center();
+    for from in [settings, timeline, pos2(600.0, 12.0)] {
+        drag(
+            &mut harness,
+            PointerButton::Primary,
+            Modifiers::NONE,
+            from,
+            vec2(-300.0, -100.0),
+        );
+        drag(
+            &mut harness,
+            PointerButton::Secondary,
+            Modifiers::NONE,
+            from,
+            vec2(-300.0, -100.0),
+        );
+        assert_eq!(harness.state().camera, back, "from {from}");
+    }
+}
+
+#[test]
+fn a_drag_between_two_passes_moves_the_camera_as_a_slow_one_does() {
+    let by = vec2(100.0, 30.0);
+    for button in [
+        PointerButton::Primary,
+        PointerButton::Middle,
+        PointerButton::Secondary,
+    ] {
+        let [mut slow, mut fast] = [window(), window()];
+        let from = slow.state().viewport.rect.center();
+        drag(&mut slow, button, Modifiers::NONE, from, by);
+
+        fast.hover_at(from);
+        fast.run();
+        let before = fast.state().camera;
+        let event = |pos, pressed| egui::Event::PointerButton {
+            pos,
+            button,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        fast.input_mut().events.extend([
+            event(from, true),
+            egui::Event::PointerMoved(from + 0.5 * by),
+            egui::Event::PointerMoved(from + by),
+            event(from + by, false),
+        ]);
+        fast.step();
+        let (slow, fast) = (slow.state().camera, fast.state().camera);
+        assert_ne!(fast, before, "{button:?}");
+        let apart = (slow.target_in_world - fast.target_in_world).length()
+            + (slow.azimuth_deg - fast.azimuth_deg).abs()
+            + (slow.elevation_deg - fast.elevation_deg).abs();
+        assert!(apart < 1e-3, "{button:?}: {slow:?} {fast:?}");
+    }
+}
+
+#[test]
+fn a_drag_on_a_window_above_the_picture_is_not_the_camera_s() {
+    let mut harness = window();
+    press(&mut harness, Modifiers::NONE, Key::F1);
+    let before = harness.state().camera;
+    let from = harness.get_by_label("Ten frames on").rect().center();
+    assert!(
+        harness.state().viewport.rect.contains(from),
+        "the list of keys lies above the picture"
+    );
+    for button in [PointerButton::Primary, PointerButton::Secondary] {
+        drag(
+            &mut harness,
+            button,
+            Modifiers::NONE,
+            from,
+            vec2(-250.0, -40.0),
+        );
+        assert_eq!(harness.state().camera, before);
+    }
+}
+
+fn scroll(harness: &mut Harness<'_, State>, at: egui::Pos2, delta: f32) {
+    harness.hover_at(at);
+    harness.step();
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, delta),
+        source: egui::MouseWheelSource::Wheel,
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(20);
+}
+
+#[test]
+fn the_wheel_zooms_on_the_picture_only() {
+    let mut harness = window();
+    let picture = harness.state().viewport.rect.center();
+    let before = harness.state().camera;
+    scroll(&mut harness, picture, 100.0);
+    let near = harness.state().camera;
+    assert!(
+        near.distance < 0.95 * before.distance,
+        "{} of {}",
+        near.distance,
+        before.distance
+    );
+    let settings = harness.get_by_label("Background").rect().center();
+    scroll(&mut harness, settings, -100.0);
+    assert_eq!(harness.state().camera, near);
+}

@@ -1,0 +1,123 @@
+//! The settings: every control changes what it names.
+
+use super::{click, window};
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use pointreel::app::State;
+use pointreel::octree::StopCriterion;
+use pointreel::scene::{
+    Background, Lighting, Lod, Primitive, Settings, Splatting, Strategy, UpAxis,
+};
+use pointreel::sequence::ColorSource;
+
+/// Opens the list called `list` and chooses `entry`.
+fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) {
+    harness.get_by_role_and_label(Role::ComboBox, list).click();
+    harness.run();
+    harness.get_by_role_and_label(Role::Button, entry).click();
+    harness.run();
+}
+
+fn slide(harness: &mut Harness<'_, State>, label: &str, value: f64) {
+    harness
+        .get_by_role_and_label(Role::Slider, label)
+        .set_value_accesskit(value);
+    harness.run();
+}
+
+#[test]
+fn every_setting_can_be_changed_and_reset() {
+    let mut harness = window();
+    choose(&mut harness, "Splatting", "Visibility");
+    assert_eq!(harness.state().settings.splatting, Splatting::Visibility);
+    assert!(
+        harness.query_by_label("Enlargement").is_none(),
+        "this mode has no enlargement"
+    );
+    choose(&mut harness, "Splatting", "Enlarged");
+    slide(&mut harness, "Enlargement", 3.0);
+    assert_eq!(harness.state().settings.enlargement, 3.0);
+    choose(&mut harness, "Instancing", "Compute");
+    assert_eq!(harness.state().settings.strategy, Strategy::Compute);
+    slide(&mut harness, "Splat scale", 2.5);
+    assert_eq!(harness.state().settings.splat_scale, 2.5);
+    harness
+        .get_by_role_and_label(Role::CheckBox, "Back faces")
+        .click();
+    harness.run();
+    assert!(!harness.state().settings.cull_back_faces);
+    choose(&mut harness, "Lighting", "Per vertex");
+    assert_eq!(harness.state().settings.lighting, Lighting::PerVertex);
+    choose(&mut harness, "Colours", "One colour");
+    assert_eq!(harness.state().settings.colors, ColorSource::Uniform);
+    choose(&mut harness, "Preset", "White");
+    assert_eq!(
+        harness.state().settings.background,
+        Background::solid([255; 3])
+    );
+    choose(&mut harness, "Up axis", "+Z");
+    assert_eq!(harness.state().camera.up, UpAxis::Z);
+    slide(&mut harness, "Field of view", 60.0);
+    assert_eq!(harness.state().camera.fov_deg, 60.0);
+
+    click(&mut harness, "Voxels");
+    assert_eq!(harness.state().settings.primitive, Primitive::Voxel);
+    slide(&mut harness, "Loss δ", 20.0);
+    assert_eq!(harness.state().settings.stop, StopCriterion::Loss(0.2));
+    choose(&mut harness, "Divide", "To a level");
+    slide(&mut harness, "Leaf level", 9.0);
+    assert_eq!(harness.state().settings.stop, StopCriterion::Depth(9));
+    choose(&mut harness, "Divide", "By points");
+    slide(&mut harness, "Points a leaf", 16.0);
+    assert_eq!(
+        harness.state().settings.stop,
+        StopCriterion::PointsPerOctant(16)
+    );
+    slide(&mut harness, "Threshold τ", 8.0);
+    assert_eq!(harness.state().settings.lod, Lod::ThresholdPx(8.0));
+    choose(&mut harness, "Level of detail", "Fixed level");
+    slide(&mut harness, "Level", 7.0);
+    assert_eq!(harness.state().settings.lod, Lod::Level(7));
+    choose(&mut harness, "Level of detail", "Voxel budget");
+    slide(&mut harness, "Voxels", 2000.0);
+    assert_eq!(harness.state().settings.lod, Lod::Budget(2000));
+    choose(&mut harness, "Level of detail", "Frame time");
+    slide(&mut harness, "Time", 20.0);
+    assert_eq!(harness.state().settings.lod, Lod::FrameTimeMs(20.0));
+    click(&mut harness, "Points");
+    slide(&mut harness, "Point size", 4.0);
+    assert_eq!(harness.state().settings.point_size_px, 4.0);
+    click(&mut harness, "Surfels");
+    assert_eq!(harness.state().settings.primitive, Primitive::Surfel);
+
+    click(&mut harness, "Reset to defaults");
+    assert_eq!(harness.state().settings, Settings::default());
+    assert_eq!(harness.state().camera.up, UpAxis::Z);
+}
+
+#[test]
+fn an_untouched_slider_changes_no_setting() {
+    let mut harness = window();
+    for primitive in ["Voxels", "Points", "Surfels"] {
+        click(&mut harness, primitive);
+        harness.state_mut().settings.primitive = Settings::default().primitive;
+        assert_eq!(harness.state().settings, Settings::default(), "{primitive}");
+    }
+}
+
+#[test]
+fn controls_tell_their_term_and_unit() {
+    let mut harness = window();
+    let label = harness
+        .get_by_role_and_label(Role::Label, "Splat scale")
+        .rect()
+        .center();
+    harness.hover_at(label);
+    harness.run_steps(60);
+    assert!(
+        harness
+            .query_by_label_contains("Factor on every splat's radius")
+            .is_some()
+    );
+}

@@ -1,0 +1,108 @@
+//! The timeline: buttons, bar, speed, loop mode.
+
+use super::{FRAMES, click, clock, frame, is_playing, window};
+use egui::accesskit::Role;
+use egui::pos2;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use pointreel::app::State;
+use pointreel::sequence::LoopMode;
+use std::time::Duration;
+
+#[test]
+fn the_play_button_plays_and_pauses() {
+    let mut harness = window();
+    click(&mut harness, "Play");
+    assert!(is_playing(&harness));
+    // 24 frames a second: the third frame is due after 2/24 s.
+    assert!(harness.state_mut().update(Duration::from_millis(85)));
+    assert_eq!(frame(&harness), 2);
+    assert_eq!(
+        harness
+            .state()
+            .player
+            .as_ref()
+            .unwrap()
+            .shown()
+            .unwrap()
+            .index,
+        2
+    );
+    harness.run();
+    click(&mut harness, "Pause");
+    assert!(!is_playing(&harness));
+    assert!(!harness.state_mut().update(Duration::from_secs(9)));
+    assert_eq!(frame(&harness), 2);
+}
+
+#[test]
+fn buttons_step_and_jump() {
+    let mut harness = window();
+    for (label, expected) in [
+        ("Next frame", 1),
+        ("Next frame", 2),
+        ("Previous frame", 1),
+        ("Last frame", 23),
+        ("First frame", 0),
+    ] {
+        click(&mut harness, label);
+        assert_eq!(frame(&harness), expected, "{label}");
+    }
+    assert!(harness.query_by_label_contains("frame  1/24").is_some());
+}
+
+#[test]
+fn the_timeline_scrubs_and_playing_goes_on_after() {
+    let mut harness = window();
+    click(&mut harness, "Play");
+    let bar = harness
+        .get_by_role_and_label(Role::Slider, "Timeline")
+        .rect();
+    let at = |frame: f32| {
+        pos2(
+            bar.left() + bar.width() * (frame + 0.5) / FRAMES as f32,
+            bar.center().y,
+        )
+    };
+    harness.drag_at(at(2.0));
+    harness.hover_at(at(6.0));
+    harness.run();
+    assert!(!is_playing(&harness), "the playhead is in the hand");
+    assert_eq!(frame(&harness), 6);
+    harness.hover_at(at(18.0));
+    harness.run();
+    assert_eq!(frame(&harness), 18);
+    harness.state_mut().update(Duration::from_secs(3));
+    assert_eq!(frame(&harness), 18);
+    harness.drop_at(at(18.0));
+    harness.run();
+    assert!(is_playing(&harness));
+    harness.state_mut().update(Duration::from_millis(3050));
+    assert_eq!(frame(&harness), 19);
+    // Beyond the ends it stops at them.
+    harness.drag_at(at(20.0));
+    harness.hover_at(pos2(bar.right() + 300.0, bar.center().y));
+    harness.run();
+    assert_eq!(frame(&harness), 23);
+}
+
+#[test]
+fn speed_rate_and_loop_mode_are_set_on_the_timeline() {
+    let mut harness = window();
+    choose_loop(&mut harness, "Loop", "Ping-pong");
+    assert_eq!(clock(&harness).loop_mode(), LoopMode::PingPong);
+    click(&mut harness, "Reverse");
+    assert_eq!(clock(&harness).speed(), -1.0);
+    harness.get_by_label("Speed").set_value_accesskit(2.5);
+    harness.run();
+    assert_eq!(clock(&harness).speed(), -2.5);
+    harness.get_by_label("Frame rate").set_value_accesskit(30.0);
+    harness.run();
+    assert_eq!(clock(&harness).fps(), 30.0);
+}
+
+fn choose_loop(harness: &mut Harness<'_, State>, now: &str, entry: &str) {
+    harness.get_by_value(now).click();
+    harness.run();
+    click(harness, entry);
+}
