@@ -15,7 +15,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use pointreel::analysis::{estimate_planes, nearest_neighbours};
-use pointreel::math::{Cube, SymmetricMat3, sort_codes};
+use pointreel::math::{Cube, SymmetricMat3, order_of_codes};
 use pointreel::measure::{AngularError, Orientation};
 use rayon::prelude::*;
 use std::num::NonZero;
@@ -81,7 +81,7 @@ fn by_kiddo(positions: &[Vec3]) -> Vec<u32> {
 /// The points sorted along a Morton curve.
 fn in_morton_order(positions: &[Vec3]) -> Vec<Vec3> {
     let cube = Cube::around(positions).expect("there are points");
-    let order = sort_codes(cube.codes(positions)).order;
+    let order = order_of_codes(&cube.codes(positions));
     order
         .par_iter()
         .map(|&index| positions[index as usize])
