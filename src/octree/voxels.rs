@@ -100,87 +100,99 @@ impl NodeWriter for VoxelWriter<'_> {
 
     #[inline(always)]
     fn write(&self, nodes: &Nodes<'_>, out: &mut [VoxelRecord]) {
-        let [x, y, z] = self.centers(nodes);
-        let colors_and_levels = self.colors_and_levels(nodes);
-        let centers = x.iter().zip(&y).zip(&z);
-        for ((voxel, ((x, y), z)), &color_and_level) in
-            out.iter_mut().zip(centers).zip(&colors_and_levels)
-        {
-            *voxel = bytemuck::cast([x.to_bits(), y.to_bits(), z.to_bits(), color_and_level]);
+        // A number that the compiler does not know: loops over a whole batch would be unrolled to more code than the
+        // processor keeps decoded.
+        let count = out.len().min(BATCH);
+        let (firsts, ends) = (&nodes.firsts[..count], &nodes.ends[..count]);
+        let levels = &nodes.levels[..count];
+        let gathered = self.gather(firsts, ends, levels);
+        let mut centers = [[0.0; BATCH]; 3];
+        for (axis, centers) in centers.iter_mut().enumerate() {
+            let cells = gathered.cells.iter().zip(&gathered.edges);
+            for ((center, (cell, &edge)), &level) in centers.iter_mut().zip(cells).zip(levels) {
+                // Below 2²¹; a signed conversion is one instruction.
+                let coordinate = cell.coordinate(axis, level) as i32 as f32;
+                *center = self.min[axis] + (coordinate + 0.5) * edge;
+            }
+        }
+        let mut means = [[0.0; BATCH]; 3];
+        for (channel, means) in (0..).zip(&mut means) {
+            let sums = gathered.sums.iter().zip(&gathered.shares);
+            for (mean, (&sum, &share)) in means[..count].iter_mut().zip(sums) {
+                *mean = channel_of(sum, channel) * share;
+            }
+        }
+        if gathered.most_points > MOST_SUMMED {
+            self.replace_large_means(firsts, ends, &mut means);
+        }
+        let ([x, y, z], [red, green, blue]) = (&centers, &means);
+        for (node, (voxel, &level)) in out.iter_mut().zip(levels).enumerate() {
+            *voxel = bytemuck::cast([
+                x[node].to_bits(),
+                y[node].to_bits(),
+                z[node].to_bits(),
+                rounded_byte(red[node])
+                    | rounded_byte(green[node]) << 8
+                    | rounded_byte(blue[node]) << 16
+                    | level << 24,
+            ]);
         }
     }
 }
 
-impl VoxelWriter<'_> {
-    /// The middles of the cells, an axis each.
-    #[inline(always)]
-    fn centers(&self, nodes: &Nodes<'_>) -> [[f32; BATCH]; 3] {
-        let mut cells = [PackedCell::zeroed(); BATCH];
-        let mut edges = [0.0; BATCH];
-        for node in 0..BATCH {
-            cells[node] = self.points.cells[nodes.firsts[node] as usize];
-            edges[node] = self.edges[nodes.levels[node] as usize];
-        }
-        let mut centers = [[0.0; BATCH]; 3];
-        for (axis, centers) in centers.iter_mut().enumerate() {
-            for node in 0..BATCH {
-                // Below 2²¹; a signed conversion is one instruction.
-                let coordinate = cells[node].coordinate(axis, nodes.levels[node]) as i32 as f32;
-                centers[node] = self.min[axis] + (coordinate + 0.5) * edges[node];
-            }
-        }
-        centers
-    }
+/// What is read for the nodes of a batch.
+struct Gathered {
+    cells: [PackedCell; BATCH],
+    edges: [f32; BATCH],
+    /// Colours summed up.
+    sums: [ColorSum; BATCH],
+    /// One over the numbers of points.
+    shares: [f32; BATCH],
+    most_points: u32,
+}
 
-    /// Mean colours in the lower three bytes, levels in the highest.
+impl VoxelWriter<'_> {
     #[inline(always)]
-    fn colors_and_levels(&self, nodes: &Nodes<'_>) -> [u32; BATCH] {
+    fn gather(&self, firsts: &[u32], ends: &[u32], levels: &[u32]) -> Gathered {
+        let mut gathered = Gathered {
+            cells: [PackedCell::zeroed(); BATCH],
+            edges: [0.0; BATCH],
+            sums: [0; BATCH],
+            shares: [0.0; BATCH],
+            most_points: 0,
+        };
         let before = &self.points.colors_before;
-        let mut sums = [0; BATCH];
-        let mut counts = [0.0; BATCH];
-        let mut most = 0;
-        for node in 0..BATCH {
-            let (first, end) = (nodes.firsts[node], nodes.ends[node]);
-            sums[node] = before[end as usize].wrapping_sub(before[first as usize]);
-            let count = end.wrapping_sub(first);
+        let counts = &mut gathered.shares[..firsts.len()];
+        let nodes = firsts.iter().zip(ends).zip(levels);
+        for (node, ((&first, &end), &level)) in nodes.enumerate().take(BATCH) {
+            gathered.cells[node] = self.points.cells[first as usize];
+            gathered.edges[node] = self.edges[level as usize];
+            gathered.sums[node] = before[end as usize].wrapping_sub(before[first as usize]);
+            let count = end - first;
             counts[node] = count as i32 as f32;
-            most = most.max(count);
+            gathered.most_points = gathered.most_points.max(count);
         }
         // One division a node; a mean halfway between two numbers may be rounded to either.
-        let shares = counts.map(|count| 1.0 / count);
-        let mut means = [[0.0; BATCH]; 3];
-        for (channel, means) in (0..).zip(&mut means) {
-            for ((mean, &sum), &share) in means.iter_mut().zip(&sums).zip(&shares) {
-                *mean = channel_of(sum, channel) * share;
-            }
+        for share in counts {
+            *share = 1.0 / *share;
         }
-        if most > MOST_SUMMED {
-            self.replace_large_means(nodes, &mut means);
-        }
-        let mut packed = nodes.levels.map(|level| level << 24);
-        for (channel, means) in (0..).zip(&means) {
-            for (packed, &mean) in packed.iter_mut().zip(means) {
-                *packed |= rounded_byte(mean) << (8 * channel);
-            }
-        }
-        packed
+        gathered
     }
 
     /// Mean colours of nodes whose sums do not fit a field.
     #[cold]
-    fn replace_large_means(&self, nodes: &Nodes<'_>, means: &mut [[f32; BATCH]; 3]) {
-        for node in 0..BATCH {
-            let (first, end) = (nodes.firsts[node], nodes.ends[node]);
-            if end.wrapping_sub(first) <= MOST_SUMMED || end < first {
+    fn replace_large_means(&self, firsts: &[u32], ends: &[u32], means: &mut [[f32; BATCH]; 3]) {
+        let before = &self.points.colors_before;
+        for (node, (&first, &end)) in firsts.iter().zip(ends).enumerate() {
+            if end - first <= MOST_SUMMED {
                 continue;
             }
             for (channel, means) in (0..).zip(&mut *means) {
                 let sum: f64 = (first..end)
                     .step_by(MOST_SUMMED as usize)
                     .map(|first| {
-                        let end = end.min(first + MOST_SUMMED) as usize;
-                        let before = &self.points.colors_before;
-                        let sum = before[end].wrapping_sub(before[first as usize]);
+                        let end = end.min(first + MOST_SUMMED);
+                        let sum = before[end as usize].wrapping_sub(before[first as usize]);
                         f64::from(channel_of(sum, channel))
                     })
                     .sum();
