@@ -83,6 +83,12 @@ impl SortedPoints {
         }
     }
 
+    /// How many cells of `level` begin among some points.
+    #[inline]
+    pub(super) fn count_beginnings(&self, level: u32, points: Range<usize>) -> usize {
+        count_at_most(&self.partings[points], level)
+    }
+
     /// The number of nodes that some ranges are.
     pub(super) fn count_nodes(&self, ranges: &[NodeRange]) -> usize {
         let count =

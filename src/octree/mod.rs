@@ -20,9 +20,15 @@
 mod build;
 mod byte_code;
 mod cells;
+mod cut;
+#[cfg(test)]
+mod cut_tests;
 mod select;
 mod sorted_points;
 mod stop;
+#[cfg(test)]
+mod surfel_tests;
+mod surfels;
 #[cfg(test)]
 mod tests;
 mod traversal;
@@ -30,8 +36,10 @@ mod voxels;
 mod write;
 
 pub use byte_code::OctreeError;
+pub use cut::{Cut, CutHints};
 pub use select::{SelectStats, SelectView};
 pub use stop::StopCriterion;
+pub use surfels::{LodSurfels, NodeSurfel};
 
 use crate::math::Cube;
 use sorted_points::SortedPoints;

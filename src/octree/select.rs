@@ -1,6 +1,6 @@
 //! Which voxels stand for the cloud in one view (paper 000 §VI-B).
 
-use super::Octree;
+use super::{Octree, cut::Cut, cut::CutHints};
 use crate::{
     cloud::VoxelRecord,
     math::{Frustum, morton::LEVELS},
@@ -32,52 +32,59 @@ impl SelectView {
 pub struct SelectStats {
     /// Nodes that were tested or emitted.
     pub visited_nodes: usize,
-    /// Voxels written.
+    /// Nodes emitted.
     pub emitted: usize,
 }
 
 impl Octree {
-    /// Replaces the contents of `out` by the voxels that stand for the cloud in `view`.
-    ///
-    /// They cover every leaf that can be seen, none twice: an emitted node stands for all leaves under it.
+    /// Replaces the contents of `out` by the voxels that stand for the cloud in `view`: those of [`Octree::cut`].
     pub fn select(&self, view: &SelectView, out: &mut Vec<VoxelRecord>) -> SelectStats {
-        let cut = self.traverse(view);
-        self.write_voxels(&cut.ranges, out);
-        SelectStats {
-            visited_nodes: cut.visited_nodes(out.len()),
-            emitted: out.len(),
-        }
+        let cut = self.cut(view, CutHints::default());
+        self.write_voxels(&cut, out);
+        cut.stats()
     }
 
-    /// Replaces the contents of `out` by at most `most_voxels` voxels: those of the smallest LOD threshold from `view.lod_px`
-    /// up, in steps of a 32nd of an octave (2 %), that draws no more. Returns that threshold in pixels too.
+    /// The cut of at most `most_nodes` nodes with the smallest LOD threshold from `view.lod_px` up, in steps of a 32nd of an
+    /// octave (2 %); and that threshold in pixels.
     ///
-    /// Cells that the eye is in are always divided, so that around it some more are drawn than a very small number.
+    /// Cells that the eye is in are always divided, so that around it some more are emitted than a very small number.
     ///
-    /// How it works: a higher threshold never draws more, so thresholds are bisected. Counting is cheap beside writing:
-    /// it reads a byte for each point that is drawn.
-    pub fn select_at_most(
+    /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap beside drawing:
+    /// it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it still fits: a
+    /// threshold that emits at least three quarters of what is allowed stays.
+    pub fn cut_at_most(
         &self,
-        most_voxels: usize,
+        most_nodes: usize,
         view: &SelectView,
-        out: &mut Vec<VoxelRecord>,
-    ) -> (SelectStats, f32) {
+        hints: CutHints<'_>,
+    ) -> (Cut, f32) {
+        let kept = hints.before.map(|before| before.lod_px());
+        if let Some(lod_px) = kept.filter(|&lod_px| lod_px >= view.lod_px) {
+            let cut = self.cut(&SelectView { lod_px, ..*view }, hints);
+            let is_used_up = cut.node_count() >= most_nodes - most_nodes / 4;
+            if cut.node_count() <= most_nodes && (is_used_up || lod_px == view.lod_px) {
+                return (cut, lod_px);
+            }
+        }
+        let anew = CutHints {
+            before: None,
+            ..hints
+        };
         let mut visited_nodes = 0;
         let mut cut_at = |step: u32| {
             let lod_px = threshold_px(view.lod_px, step);
-            let cut = self.traverse(&SelectView { lod_px, ..*view });
-            let count = self.points.count_nodes(&cut.ranges);
-            visited_nodes += cut.visited_nodes(count);
-            (cut, count, lod_px)
+            let cut = self.cut(&SelectView { lod_px, ..*view }, anew);
+            visited_nodes += cut.stats().visited_nodes;
+            cut
         };
         let mut best = cut_at(0);
-        if best.1 > most_voxels {
+        if best.node_count() > most_nodes {
             let (mut too_fine, mut coarse_enough) = (0, THRESHOLD_STEPS);
             best = cut_at(coarse_enough);
             while coarse_enough - too_fine > 1 {
                 let step = too_fine.midpoint(coarse_enough);
                 let tried = cut_at(step);
-                if tried.1 > most_voxels {
+                if tried.node_count() > most_nodes {
                     too_fine = step;
                 } else {
                     coarse_enough = step;
@@ -85,17 +92,13 @@ impl Octree {
                 }
             }
         }
-        let (cut, emitted, lod_px) = best;
-        self.write_voxels(&cut.ranges, out);
-        let stats = SelectStats {
-            visited_nodes,
-            emitted,
-        };
-        (stats, lod_px)
+        best.set_visited_nodes(visited_nodes);
+        let lod_px = best.lod_px();
+        (best, lod_px)
     }
 }
 
-/// Thresholds that [`Octree::select_at_most`] chooses from: up to 16,384 pixels.
+/// Thresholds that [`Octree::cut_at_most`] chooses from: up to 16,384 pixels.
 const THRESHOLD_STEPS: u32 = STEPS_PER_OCTAVE * 16;
 const STEPS_PER_OCTAVE: u32 = 32;
 

@@ -22,6 +22,8 @@ pub(super) struct SortedPoints {
     pub(super) occupied: OccupiedCells,
     /// Colours summed over the points before each, and over all of them.
     pub(super) colors_before: Vec<ColorSum>,
+    /// Whether the points were given in this order.
+    pub(super) are_as_given: bool,
 }
 
 impl SortedPoints {
@@ -36,6 +38,7 @@ impl SortedPoints {
                 partings,
                 occupied,
                 colors_before,
+                are_as_given: true,
             };
         }
         let order = order_of_codes(&morton::codes_of(&cells));
@@ -52,6 +55,7 @@ impl SortedPoints {
             partings,
             occupied,
             colors_before,
+            are_as_given: false,
         }
     }
 

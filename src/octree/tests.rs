@@ -39,7 +39,7 @@ fn in_morton_order(cells: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     cells
 }
 
-fn random_colors(count: usize, random: &mut Random) -> Vec<[u8; 4]> {
+pub(super) fn random_colors(count: usize, random: &mut Random) -> Vec<[u8; 4]> {
     (0..count)
         .map(|_| (random.next_bits() as u32).to_le_bytes())
         .collect()
@@ -307,7 +307,7 @@ fn another_stop_criterion_is_the_same_as_building_anew() {
 }
 
 /// A 60° view with the near plane at 0.05 and 500 pixels along the height.
-fn view_from(eye: Vec3, target: Vec3, lod_px: f32) -> SelectView {
+pub(super) fn view_from(eye: Vec3, target: Vec3, lod_px: f32) -> SelectView {
     let forward = (target - eye).normalize();
     let right = forward.any_orthonormal_vector();
     let up = right.cross(forward);
@@ -372,7 +372,7 @@ fn visible_by_brute_force(
     emitted
 }
 
-fn cell_of(tree: &Octree, voxel: &VoxelRecord) -> (u32, [u32; 3]) {
+pub(super) fn cell_of(tree: &Octree, voxel: &VoxelRecord) -> (u32, [u32; 3]) {
     let level = u32::from(voxel.level);
     let offset = (Vec3::from_array(voxel.center) - tree.cube().min) / tree.cube().cell_edge(level);
     (level, offset.to_array().map(|coordinate| coordinate as u32))
@@ -470,34 +470,6 @@ fn a_higher_threshold_never_draws_more() {
     );
     assert!(emitted[5] < emitted[0] / 2, "{emitted:?}");
     assert_eq!(emitted[6], 1);
-}
-
-#[test]
-fn a_budget_is_used_as_far_as_whole_steps_of_the_threshold_allow() {
-    let torus = test_shapes::torus(20_000, 0.4, &mut Random(31));
-    let colors = vec![[0; 4]; 20_000];
-    let tree = Octree::build(&torus.positions, &colors, StopCriterion::Loss(0.02));
-    let view = view_from(Vec3::new(0.5, 2.0, 3.0), Vec3::ZERO, 0.5);
-    let (mut out, mut finest) = (Vec::new(), Vec::new());
-    let all = tree.select(&view, &mut finest).emitted;
-    assert!(all > 10_000);
-    for most_voxels in [1, 10, 300, 5000, all - 1, all, usize::MAX] {
-        let (stats, lod_px) = tree.select_at_most(most_voxels, &view, &mut out);
-        assert!(stats.emitted <= most_voxels && stats.emitted == out.len());
-        let mut again = Vec::new();
-        tree.select(&SelectView { lod_px, ..view }, &mut again);
-        assert_eq!(again, out);
-        if most_voxels >= all {
-            assert_eq!(lod_px, 0.5, "no coarser than asked");
-        } else {
-            // A 32nd of an octave finer would be too many.
-            let finer = SelectView {
-                lod_px: (lod_px / 2f32.powf(0.032)).max(0.5),
-                ..view
-            };
-            assert!(tree.select(&finer, &mut again).emitted > most_voxels);
-        }
-    }
 }
 
 #[test]

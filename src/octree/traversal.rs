@@ -2,75 +2,48 @@
 //!
 //! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its diameter)
 //! is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on screen.
-//! Three things keep most nodes from being looked at, and time short:
+//! Four things keep most nodes from being looked at, and time short:
 //!
 //! - *Inside mask.* A plane that a sphere is entirely inside of is not tested again below that node.
 //! - *Uniform cuts.* Once no plane is left, the nearest and the farthest distance of a cell bound where all of its
 //!   descendants would stop. When both name the same level, the answer for the whole subtree is all of its nodes on that
 //!   level: the points of the cell, emitted at once. Only cells that straddle the border of the frustum or of two levels of
 //!   detail are descended into.
+//! - *Normal cones.* A node whose points all face away is dropped, if that is asked for ([`LodSurfels`]).
 //! - *Subtrees in parallel.* The octants of the root, and theirs, are gone through by as many threads as there are.
 //!
 //! The eight octants of the root, and those below, come nearest first, so that what is drawn early hides what follows.
 //!
+//! Levels of detail do not flicker: given the cut of the view before, a cell changes sides only when it is a tenth beyond the
+//! threshold; and a subtree that was uniform, and may stay so, is emitted at once.
+//!
 //! When it wins: always; at worst (every cell straddles something) it visits what a plain traversal does.
 //!
 //! Distances are to the nearest point of a cell, so a projected edge is never underestimated, and an eye inside a cell
-//! always descends. The output depends on tree and view alone.
+//! always descends. The output depends on tree, view and hints alone.
 
-use super::{NodeRange, Octree, select::SelectView, stop::Leaves};
+use super::cut::{Cut, CutByPoints, CutHints};
+use super::{LodSurfels, NodeRange, Octree, select::SelectView, stop::Leaves};
 use crate::math::{Frustum, morton::LEVELS};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// The nodes that stand for the cloud in a view.
-#[derive(Debug, Default)]
-pub(super) struct Cut {
-    /// Each level's nodes in Morton order within every octant of the root's octants, those nearest first.
-    pub(super) ranges: Vec<NodeRange>,
-    /// Nodes that were tested.
-    tested: usize,
-    /// Nodes emitted that were tested.
-    tested_and_emitted: usize,
-}
-
-impl Cut {
-    /// Nodes that were tested or emitted, if so many are emitted.
-    pub(super) fn visited_nodes(&self, emitted: usize) -> usize {
-        self.tested + emitted - self.tested_and_emitted
-    }
-
-    /// Emits nodes; those that follow upon the last emitted ones join them.
-    fn emit(&mut self, nodes: NodeRange) {
-        match self.ranges.last_mut() {
-            Some(last) if last.level == nodes.level && last.points.end == nodes.points.start => {
-                last.points.end = nodes.points.end;
-            }
-            _ => self.ranges.push(nodes),
-        }
-    }
-
-    fn append(&mut self, other: Self) {
-        let mut ranges = other.ranges.into_iter();
-        if let Some(first) = ranges.next() {
-            self.emit(first);
-        }
-        self.ranges.extend(ranges);
-        self.tested += other.tested;
-        self.tested_and_emitted += other.tested_and_emitted;
-    }
-}
-
 impl Octree {
     /// The nodes that stand for the cloud in `view`: they cover every leaf that can be seen, none twice.
-    pub(super) fn traverse(&self, view: &SelectView) -> Cut {
-        let mut cut = Cut::default();
+    pub fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
+        let mut cut = Cut {
+            lod_px: view.lod_px,
+            ..Cut::default()
+        };
         if self.point_count() > 0 {
+            let before = hints.before.map(CutByPoints::new);
             let traversal = Traversal {
                 tree: self,
                 view: *view,
-                levels: self.level_limits(view),
+                levels: self.level_limits(view, before.is_some()),
                 slack: self.distance_slack(view.eye),
+                back_faces: hints.back_faces,
+                before,
             };
             let root = Visit {
                 node: NodeRange {
@@ -81,21 +54,32 @@ impl Octree {
                 planes: ALL_PLANES,
             };
             traversal.visit(root, &mut cut);
+            cut.node_count = self.points.count_nodes(&cut.ranges);
         }
         cut
     }
 
-    fn level_limits(&self, view: &SelectView) -> [LevelLimits; LEVELS as usize + 1] {
+    fn level_limits(
+        &self,
+        view: &SelectView,
+        has_before: bool,
+    ) -> [LevelLimits; LEVELS as usize + 1] {
+        let band = if has_before { HYSTERESIS } else { 0.0 };
         std::array::from_fn(|level| {
             let edge = self.cube.cell_edge(level as u32);
+            let beyond_squared = |share: f64| {
+                if level as u32 >= view.deepest_level {
+                    ALWAYS
+                } else {
+                    stop_distance_squared(edge, view, share)
+                }
+            };
             LevelLimits {
                 edge,
                 sphere_radius: 0.5 * 3f32.sqrt() * edge,
-                stop_beyond_squared: if level as u32 >= view.deepest_level {
-                    ALWAYS
-                } else {
-                    stop_distance_squared(edge, view)
-                },
+                may_stop_beyond_squared: beyond_squared(1.0 + band),
+                stop_beyond_squared: beyond_squared(1.0),
+                must_stop_beyond_squared: beyond_squared(1.0 - band),
             }
         })
     }
@@ -110,9 +94,14 @@ impl Octree {
 /// Every squared distance is beyond it.
 const ALWAYS: f32 = -1.0;
 
-/// A cell with this edge is not divided when the square of its distance is above this; infinite when it always is.
-fn stop_distance_squared(edge: f32, view: &SelectView) -> f32 {
-    let lod_px = f64::from(view.lod_px);
+/// Share of the threshold by which a cell must be larger to be divided, or smaller not to be, than the view before decided.
+/// A tenth is more than a hand that holds the mouse still moves the camera, and too little to see.
+const HYSTERESIS: f64 = 0.1;
+
+/// A cell with this edge is not divided at a share of the threshold when the square of its distance is above this; infinite
+/// when it always is.
+fn stop_distance_squared(edge: f32, view: &SelectView, share: f64) -> f32 {
+    let lod_px = f64::from(view.lod_px) * share;
     if lod_px > 0.0 {
         (f64::from(edge) * f64::from(view.pixels_per_unit_at_1) / lod_px).powi(2) as f32
     } else {
@@ -138,7 +127,12 @@ const PARALLEL_POINTS: usize = 1 << 15;
 struct LevelLimits {
     edge: f32,
     sphere_radius: f32,
+    /// Up to this distance a cell is divided, whatever was before.
+    may_stop_beyond_squared: f32,
+    /// Between the two others, this decides for cells that were not seen before.
     stop_beyond_squared: f32,
+    /// Beyond this distance a cell is not divided, whatever was before.
+    must_stop_beyond_squared: f32,
 }
 
 struct Traversal<'a> {
@@ -146,6 +140,8 @@ struct Traversal<'a> {
     view: SelectView,
     levels: [LevelLimits; LEVELS as usize + 1],
     slack: f32,
+    back_faces: Option<&'a LodSurfels>,
+    before: Option<CutByPoints<'a>>,
 }
 
 /// A node to be looked at.
@@ -159,26 +155,32 @@ struct Visit {
 impl Traversal<'_> {
     /// Recursion is bounded by the 21 levels.
     fn visit(&self, Visit { node, cell, planes }: Visit, cut: &mut Cut) {
-        cut.tested += 1;
+        cut.tested.nodes += 1;
         let limits = self.levels[node.level as usize];
         let [x, y, z] = cell.map(|coordinate| coordinate as f32);
         let center = self.tree.cube.min + (Vec3::new(x, y, z) + 0.5) * limits.edge;
         let Some(planes) = self.planes_left(center, limits.sphere_radius, planes) else {
             return;
         };
-        let distance = (center - self.view.eye).abs();
-        if self.tree.is_leaf(node.level, &node.points)
-            || nearest_squared(distance, 0.5 * limits.edge) > limits.stop_beyond_squared
+        if let Some(surfels) = self.back_faces
+            && surfels.all_face_away(&node, self.view.eye, center, limits.sphere_radius)
         {
-            cut.tested_and_emitted += 1;
+            return;
+        }
+        let distance = (center - self.view.eye).abs();
+        if self.tree.is_leaf(node.level, &node.points) || self.stops(&node, distance) {
+            cut.tested.emitted += 1;
             cut.emit(node);
             return;
         }
         let is_ordered = node.level < ORDERED_LEVELS;
+        let may_hide = self
+            .back_faces
+            .is_some_and(|surfels| surfels.may_hide_below(node.level));
         if planes == 0
             && !is_ordered
-            && let Leaves::OnLevel(depth) = self.tree.leaves
-            && let Some(level) = self.uniform_cut(distance, node.level, depth)
+            && !may_hide
+            && let Some(level) = self.uniform_cut(&node, distance)
         {
             let points = node.points;
             cut.emit(NodeRange { level, points });
@@ -253,20 +255,58 @@ impl Traversal<'_> {
         Some(left)
     }
 
-    /// The one level below `level` on which all descendants stop of a cell whose middle is `distance` from the eye along
-    /// each axis; `None` when there may be several. All leaves are on level `depth`.
-    fn uniform_cut(&self, distance: Vec3, level: u32, depth: u32) -> Option<u32> {
-        let half_edge = 0.5 * self.levels[level as usize].edge;
+    /// Whether a node that is no leaf is not divided. Its middle is `distance` from the eye along each axis.
+    fn stops(&self, node: &NodeRange, distance: Vec3) -> bool {
+        let limits = &self.levels[node.level as usize];
+        let nearest_squared = nearest_squared(distance, 0.5 * limits.edge);
+        if nearest_squared <= limits.may_stop_beyond_squared {
+            return false;
+        }
+        if nearest_squared > limits.must_stop_beyond_squared {
+            return true;
+        }
+        let before = self.before.as_ref();
+        match before.and_then(|before| before.at(node.points.start)) {
+            Some(before) => before.level <= node.level,
+            None => nearest_squared > limits.stop_beyond_squared,
+        }
+    }
+
+    /// The one level below that of `node` on which all descendants stop; `None` when there may be several. Its middle is
+    /// `distance` from the eye along each axis.
+    fn uniform_cut(&self, node: &NodeRange, distance: Vec3) -> Option<u32> {
+        let half_edge = 0.5 * self.levels[node.level as usize].edge;
         let farthest_squared =
             (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN);
         let nearest_squared = nearest_squared(distance, half_edge + self.slack) * (1.0 - MARGIN);
-        let stop_beyond_squared = |level: u32| self.levels[level as usize].stop_beyond_squared;
+        let limits = |level: u32| &self.levels[level as usize];
+        // If all were on this level, would they stay? None above it stops, and all of it do.
+        let before = self.before.as_ref();
+        let before = before.and_then(|before| before.at(node.points.start));
+        if let Some(before) = before
+            && before.level > node.level
+            && before.points.end >= node.points.end
+            && farthest_squared <= limits(before.level - 1).must_stop_beyond_squared
+            && (self.is_leaf_level(before.level)
+                || nearest_squared > limits(before.level).may_stop_beyond_squared)
+        {
+            return Some(before.level);
+        }
+        let Leaves::OnLevel(depth) = self.tree.leaves else {
+            return None;
+        };
         // No cell above this level stops, wherever in this cell it is.
-        let first_stop = (level + 1..depth)
-            .find(|&below| farthest_squared > stop_beyond_squared(below))
+        let first_stop = (node.level + 1..depth)
+            .find(|&below| farthest_squared > limits(below).may_stop_beyond_squared)
             .unwrap_or(depth);
-        let all_stop = first_stop == depth || nearest_squared > stop_beyond_squared(first_stop);
+        let all_stop =
+            first_stop == depth || nearest_squared > limits(first_stop).must_stop_beyond_squared;
         all_stop.then_some(first_stop)
+    }
+
+    /// Whether all nodes of a level are leaves.
+    fn is_leaf_level(&self, level: u32) -> bool {
+        self.tree.leaves == Leaves::OnLevel(level)
     }
 }
 

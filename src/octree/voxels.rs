@@ -8,7 +8,7 @@
 
 use super::sorted_points::SortedPoints;
 use super::write::{BATCH, NodeWriter, Nodes};
-use super::{NodeRange, Octree, stop::Leaves};
+use super::{NodeRange, Octree, cut::Cut, stop::Leaves};
 use crate::cloud::VoxelRecord;
 use crate::math::morton::{LEVELS, PackedCell};
 use bytemuck::Zeroable;
@@ -58,7 +58,7 @@ impl Octree {
             self.cut_at(level, root, &mut ranges);
         }
         let mut voxels = Vec::new();
-        self.write_voxels(&ranges, &mut voxels);
+        self.write_ranges(&ranges, &mut voxels);
         voxels
     }
 
@@ -78,8 +78,12 @@ impl Octree {
         }
     }
 
-    /// Replaces the contents of `out` by the voxels of some nodes.
-    pub(super) fn write_voxels(&self, ranges: &[NodeRange], out: &mut Vec<VoxelRecord>) {
+    /// Replaces the contents of `out` by the voxels of a cut of this tree.
+    pub fn write_voxels(&self, cut: &Cut, out: &mut Vec<VoxelRecord>) {
+        self.write_ranges(&cut.ranges, out);
+    }
+
+    fn write_ranges(&self, ranges: &[NodeRange], out: &mut Vec<VoxelRecord>) {
         let writer = VoxelWriter {
             points: &self.points,
             min: self.cube.min,

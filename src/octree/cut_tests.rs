@@ -1,0 +1,208 @@
+//! Cuts under a budget, and cuts that remember the one before.
+
+use super::tests::{cell_of, view_from};
+use super::*;
+use crate::analysis::test_shapes::{self, Random};
+use glam::Vec3;
+use std::collections::{HashMap, HashSet};
+
+fn torus_tree(count: usize) -> Octree {
+    let torus = test_shapes::torus(count, 0.4, &mut Random(31));
+    Octree::build(
+        &torus.positions,
+        &vec![[0; 4]; count],
+        StopCriterion::Loss(0.02),
+    )
+}
+
+type Cell = (u32, [u32; 3]);
+
+fn cells(tree: &Octree, cut: &Cut) -> HashSet<Cell> {
+    let mut voxels = Vec::new();
+    tree.write_voxels(cut, &mut voxels);
+    assert_eq!(voxels.len(), cut.node_count());
+    voxels.iter().map(|voxel| cell_of(tree, voxel)).collect()
+}
+
+fn cut(tree: &Octree, view: &SelectView, before: Option<&Cut>) -> Cut {
+    let hints = CutHints {
+        before,
+        ..CutHints::default()
+    };
+    tree.cut(view, hints)
+}
+
+#[test]
+fn a_budget_is_used_as_far_as_whole_steps_of_the_threshold_allow() {
+    let tree = torus_tree(20_000);
+    let view = view_from(Vec3::new(0.5, 2.0, 3.0), Vec3::ZERO, 0.5);
+    let all = cut(&tree, &view, None).node_count();
+    assert!(all > 10_000);
+    for most_nodes in [1, 10, 300, 5000, all - 1, all, usize::MAX] {
+        let (best, lod_px) = tree.cut_at_most(most_nodes, &view, CutHints::default());
+        assert!(best.node_count() <= most_nodes);
+        assert!(best.stats().visited_nodes >= best.node_count());
+        let again = cut(&tree, &SelectView { lod_px, ..view }, None);
+        assert_eq!(again.ranges, best.ranges);
+        if most_nodes >= all {
+            assert_eq!(lod_px, 0.5, "no coarser than asked");
+        } else {
+            // A 32nd of an octave finer would be too many.
+            let finer = SelectView {
+                lod_px: (lod_px / 2f32.powf(0.032)).max(0.5),
+                ..view
+            };
+            assert!(cut(&tree, &finer, None).node_count() > most_nodes);
+        }
+    }
+}
+
+/// A camera that trembles shows the same cells all the time, although many are at the threshold.
+#[test]
+fn a_small_move_back_and_forth_changes_no_level() {
+    let tree = torus_tree(20_000);
+    for stop in [StopCriterion::Loss(0.02), StopCriterion::PointsPerOctant(3)] {
+        let tree = tree.with_stop(stop);
+        let at = |distance: f32| view_from(Vec3::new(0.3, 0.4, 0.87) * distance, Vec3::ZERO, 6.0);
+        let mut before = cut(&tree, &at(3.0), None);
+        let first = cells(&tree, &before);
+        let mut changes_without = 0;
+        for step in 1..30 {
+            let view = at(3.0 + 0.06 * (step as f32 * 1.7).sin());
+            let now = cut(&tree, &view, Some(&before));
+            assert_eq!(cells(&tree, &now), first, "step {step}");
+            changes_without += usize::from(cells(&tree, &cut(&tree, &view, None)) != first);
+            before = now;
+        }
+        assert!(changes_without > 20, "there was something to keep");
+        // A large move is followed.
+        let near = cut(&tree, &at(1.5), Some(&before));
+        assert_ne!(cells(&tree, &near), first);
+    }
+}
+
+/// Whatever was before: no cell is drawn that a tenth more or less than the threshold forbids, each leaf in view is covered
+/// once, and every decision is the one that a cell by itself would make.
+#[test]
+fn cuts_that_remember_stay_within_a_tenth_of_the_threshold() {
+    let tree = torus_tree(4_000);
+    let mut random = Random(8);
+    let mut kept = 0;
+    for _ in 0..60 {
+        let eye = random.cube() * 4.0;
+        let target = random.cube() * 0.3;
+        let lod_px = [2.0, 5.0, 12.0][random.next_bits() as usize % 3];
+        let view = view_from(eye, target, lod_px);
+        let moved = view_from(
+            eye + random.cube() * [0.01, 0.2][random.next_bits() as usize % 2],
+            target,
+            lod_px,
+        );
+        let before = cut(&tree, &moved, None);
+        let now = cut(&tree, &view, Some(&before));
+        let was: HashMap<usize, u32> = before
+            .ranges
+            .iter()
+            .flat_map(|range| range.points.clone().map(|point| (point, range.level)))
+            .collect();
+        let found = cells(&tree, &now);
+        assert_eq!(found, cells_that_remember(&tree, &view, &was));
+        kept += usize::from(found != cells(&tree, &cut(&tree, &view, None)));
+    }
+    assert!(kept > 20, "memory mattered");
+}
+
+/// Cell by cell, from the definition.
+fn cells_that_remember(
+    tree: &Octree,
+    view: &SelectView,
+    was: &HashMap<usize, u32>,
+) -> HashSet<Cell> {
+    fn visit(
+        tree: &Octree,
+        view: &SelectView,
+        was: &HashMap<usize, u32>,
+        node: NodeRange,
+        cell: [u32; 3],
+        found: &mut HashSet<Cell>,
+    ) {
+        let cube = tree.cube();
+        let (edge, center) = (
+            cube.cell_edge(node.level),
+            cube.cell_center(node.level, cell),
+        );
+        let radius = 0.5 * 3f32.sqrt() * edge;
+        if view.frustum.sphere(center, radius) == crate::math::Containment::Outside {
+            return;
+        }
+        let nearest = ((center - view.eye).abs() - 0.5 * edge)
+            .max(Vec3::ZERO)
+            .length();
+        let edge_px = f64::from(edge * view.pixels_per_unit_at_1 / nearest);
+        let lod_px = f64::from(view.lod_px);
+        let was_divided = was.get(&node.points.start).map(|&level| level > node.level);
+        let is_divided = match was_divided {
+            _ if edge_px >= 1.1 * lod_px => true,
+            _ if edge_px < 0.9 * lod_px => false,
+            Some(was_divided) => was_divided,
+            None => edge_px >= lod_px,
+        };
+        if node.level == tree.depth() || !is_divided {
+            found.insert((node.level, cell));
+            return;
+        }
+        for (octant, child) in tree.points.children(&node) {
+            let cell = std::array::from_fn(|axis| 2 * cell[axis] + (octant >> axis & 1));
+            visit(tree, view, was, child, cell, found);
+        }
+    }
+    let root = NodeRange {
+        level: 0,
+        points: tree.all_points(),
+    };
+    let mut found = HashSet::new();
+    visit(tree, view, was, root, [0; 3], &mut found);
+    found
+}
+
+#[test]
+fn a_budget_keeps_its_threshold_while_it_fits() {
+    let tree = torus_tree(20_000);
+    let at = |distance: f32| view_from(Vec3::new(0.5, 2.0, distance), Vec3::ZERO, 0.5);
+    let (first, lod_px) = tree.cut_at_most(3_000, &at(3.0), CutHints::default());
+    let hints = CutHints {
+        before: Some(&first),
+        ..CutHints::default()
+    };
+    // Farther away fewer cells are needed, but not many fewer.
+    let (kept, kept_px) = tree.cut_at_most(3_000, &at(3.1), hints);
+    assert_eq!(kept_px, lod_px);
+    assert!((2_250..=3_000).contains(&kept.node_count()));
+    let (finer, finer_px) = tree.cut_at_most(3_000, &at(12.0), hints);
+    assert!(finer_px < lod_px && finer.node_count() <= 3_000);
+    let (coarser, coarser_px) = tree.cut_at_most(300, &at(3.0), hints);
+    assert!(coarser_px > lod_px && coarser.node_count() <= 300);
+}
+
+#[test]
+fn the_octants_of_the_root_come_nearest_first() {
+    let tree = torus_tree(20_000);
+    let view = view_from(Vec3::new(2.5, 1.5, -3.0), Vec3::ZERO, 0.0);
+    let cut = cut(&tree, &view, None);
+    assert_eq!(cut.node_count(), tree.leaf_count(), "all of it is in view");
+    let cube = tree.cube();
+    let middle = cube.cell_center(0, [0; 3]);
+    let differs = |octant: u32| {
+        (0..3).fold(0, |axes, axis| {
+            let is_upper = octant >> axis & 1 == 1;
+            axes | u32::from(is_upper != (view.eye[axis] > middle[axis])) << axis
+        })
+    };
+    let order: Vec<u32> = cut
+        .ranges
+        .iter()
+        .map(|range| differs(tree.points.cells[range.points.start].octant(1)))
+        .collect();
+    assert!(order.is_sorted(), "{order:?}");
+    assert!(order.len() >= 8);
+}

@@ -1,0 +1,309 @@
+//! Surfels for the nodes of every level (future work of paper 000): what voxels are to points, these are to surfels.
+//!
+//! A node's surfel has the mean position, colour, normal and scalar of its points. Its disk covers theirs, as far as they lie in
+//! one plane: it reaches to the farthest of them, so a surface that is closed at the finest level is closed at all. A *normal
+//! cone* around the mean normal holds those of all points; where it faces away from the eye, so do they.
+//!
+//! How it works: the points of a node are a contiguous range, so a level is worked out in one pass over the records of all
+//! points, when it is first asked for, and kept. What is drawn of it are contiguous pieces. Leaves, where all are on one level, are
+//! drawn as the very points they hold, so that nothing is lost where nothing is small.
+//!
+//! When it wins: where splats are small on the screen and many. A level costs about as much as its points' records are long to
+//! read, so a frame that is seen once from afar pays for two or three levels, and no more.
+
+use super::write::{NodeWriter, Nodes};
+use super::{Cut, NodeRange, Octree, stop::Leaves};
+use crate::cloud::{PointRecord, ShapeRecord, oct_decode, oct_encode};
+use crate::math::morton::LEVELS;
+use bytemuck::Zeroable;
+use glam::{DVec3, Vec3};
+use std::sync::{Arc, OnceLock};
+
+/// The surfel of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Zeroable)]
+#[repr(C)]
+pub struct NodeSurfel {
+    /// Mean position and colour of the points.
+    pub point: PointRecord,
+    /// Mean normal and scalar, and the radius that covers the points' disks.
+    pub shape: ShapeRecord,
+    /// Cosine of the largest angle between the mean normal and that of a point; −1 where there is no mean.
+    pub cone_cosine: f32,
+    /// Number of points.
+    pub point_count: u32,
+}
+
+/// The surfels of an octree's nodes.
+#[derive(Debug)]
+pub struct LodSurfels {
+    octree: Arc<Octree>,
+    points: Arc<Vec<PointRecord>>,
+    shapes: Arc<Vec<ShapeRecord>>,
+    levels: [OnceLock<SurfelLevel>; LEVELS as usize + 1],
+}
+
+#[derive(Debug)]
+struct SurfelLevel {
+    surfels: Vec<NodeSurfel>,
+    /// Nodes that begin before each [`RANK_POINTS`] points.
+    nodes_before: Vec<u32>,
+}
+
+/// Points whose beginnings are counted one by one.
+const RANK_POINTS: usize = 64;
+
+/// Cells are not tested for facing away above this level: there they are as large as the object.
+const FIRST_CONE_LEVEL: u32 = 3;
+
+/// Below so many points a node on average, it costs more to test whether they face away than to draw them.
+const POINTS_PER_CONE: usize = 16;
+
+impl LodSurfels {
+    /// The surfels of `octree`, from the records of its points. Nothing is worked out yet.
+    ///
+    /// # Panics
+    /// Preconditions: a record of each kind for each point, in the order of the points the tree was built from, which was
+    /// Morton order.
+    pub fn new(
+        octree: Arc<Octree>,
+        points: Arc<Vec<PointRecord>>,
+        shapes: Arc<Vec<ShapeRecord>>,
+    ) -> Self {
+        assert_eq!(octree.point_count(), points.len(), "one record a point");
+        assert_eq!(points.len(), shapes.len(), "one shape a point");
+        assert!(
+            octree.points.are_as_given,
+            "points of the octree in the order they were given"
+        );
+        Self {
+            octree,
+            points,
+            shapes,
+            levels: [const { OnceLock::new() }; LEVELS as usize + 1],
+        }
+    }
+
+    /// The tree.
+    pub fn octree(&self) -> &Arc<Octree> {
+        &self.octree
+    }
+
+    /// Whether these are the surfels of these records.
+    pub fn is_of(
+        &self,
+        octree: &Arc<Octree>,
+        points: &Arc<Vec<PointRecord>>,
+        shapes: &Arc<Vec<ShapeRecord>>,
+    ) -> bool {
+        Arc::ptr_eq(&self.octree, octree)
+            && Arc::ptr_eq(&self.points, points)
+            && Arc::ptr_eq(&self.shapes, shapes)
+    }
+
+    /// The records of all points.
+    #[cfg(test)]
+    pub(super) fn records(&self) -> (&[PointRecord], &[ShapeRecord]) {
+        (&self.points, &self.shapes)
+    }
+
+    /// The surfels of all cells of a level that hold points, in Morton order. Level 21 at most.
+    pub fn level(&self, level: u32) -> &[NodeSurfel] {
+        &self.surfel_level(level).surfels
+    }
+
+    /// Most bytes that the levels can come to, worked out or not.
+    pub fn most_bytes(&self) -> usize {
+        self.octree.internal_count() * size_of::<NodeSurfel>()
+    }
+
+    /// Replaces the contents of `points` and `shapes` by the surfels of a cut of the octree; those of leaves are the points
+    /// themselves.
+    pub fn write(&self, cut: &Cut, points: &mut Vec<PointRecord>, shapes: &mut Vec<ShapeRecord>) {
+        points.clear();
+        shapes.clear();
+        for range in &cut.ranges {
+            if self.octree.is_leaf_range(range) {
+                points.extend_from_slice(&self.points[range.points.clone()]);
+                shapes.extend_from_slice(&self.shapes[range.points.clone()]);
+            } else {
+                let surfels = self.of_nodes(range);
+                points.extend(surfels.iter().map(|surfel| surfel.point));
+                shapes.extend(surfels.iter().map(|surfel| surfel.shape));
+            }
+        }
+    }
+
+    /// Whether the points of a node all face away from `eye`. They are in a sphere; `false` where that is not known.
+    pub(super) fn all_face_away(
+        &self,
+        node: &NodeRange,
+        eye: Vec3,
+        center: Vec3,
+        sphere_radius: f32,
+    ) -> bool {
+        if !self.has_cones(node.level) {
+            return false;
+        }
+        let level = self.surfel_level(node.level);
+        let surfel = &level.surfels[self.rank(level, node.level, node.points.start)];
+        faces_away(surfel, center - eye, sphere_radius)
+    }
+
+    /// Whether nodes below a level may be dropped because they face away.
+    pub(super) fn may_hide_below(&self, level: u32) -> bool {
+        self.finest_cones().is_some_and(|finest| level < finest)
+    }
+
+    /// Every second level up from the finest with cones: a node that faces away has a parent that nearly does.
+    fn has_cones(&self, level: u32) -> bool {
+        self.finest_cones()
+            .is_some_and(|finest| level <= finest && (finest - level).is_multiple_of(2))
+            && level >= FIRST_CONE_LEVEL
+    }
+
+    fn finest_cones(&self) -> Option<u32> {
+        let are_large = |count: &usize| count * POINTS_PER_CONE <= self.points.len();
+        let level = self.octree.level_counts().iter().rposition(are_large)? as u32;
+        (level >= FIRST_CONE_LEVEL).then_some(level)
+    }
+
+    /// The surfels of consecutive nodes.
+    fn of_nodes(&self, range: &NodeRange) -> &[NodeSurfel] {
+        let level = self.surfel_level(range.level);
+        let first = self.rank(level, range.level, range.points.start);
+        let end = self.rank(level, range.level, range.points.end);
+        &level.surfels[first..end]
+    }
+
+    /// Number of nodes of a level that begin before a point.
+    fn rank(&self, level: &SurfelLevel, number: u32, point: usize) -> usize {
+        let group = point / RANK_POINTS;
+        let before = level.nodes_before[group] as usize;
+        let points = RANK_POINTS * group..point;
+        before + self.octree.points.count_beginnings(number, points)
+    }
+
+    fn surfel_level(&self, level: u32) -> &SurfelLevel {
+        self.levels[level as usize].get_or_init(|| {
+            let sorted = &self.octree.points;
+            let all = 0..self.points.len();
+            let mut before = 0;
+            let nodes_before = (0..=self.points.len() / RANK_POINTS)
+                .map(|group| {
+                    let first = RANK_POINTS * group;
+                    let end = all.end.min(first + RANK_POINTS);
+                    let here = before;
+                    before += sorted.count_beginnings(level, first..end) as u32;
+                    here
+                })
+                .collect();
+            let mut surfels = Vec::new();
+            if !all.is_empty() {
+                sorted.write_nodes(&[NodeRange { level, points: all }], self, &mut surfels);
+            }
+            SurfelLevel {
+                surfels,
+                nodes_before,
+            }
+        })
+    }
+}
+
+impl Octree {
+    /// Whether nodes of a cut are leaves that are drawn as their points. Where leaves are on several levels, the cells are what
+    /// is to be seen.
+    fn is_leaf_range(&self, range: &NodeRange) -> bool {
+        match self.leaves {
+            Leaves::OnLevel(depth) => range.level == depth,
+            Leaves::OfPoints(_) => false,
+        }
+    }
+}
+
+impl NodeWriter for LodSurfels {
+    type Record = NodeSurfel;
+
+    #[inline(always)]
+    fn write(&self, nodes: &Nodes<'_>, out: &mut [NodeSurfel]) {
+        let ends = nodes.ends.iter();
+        for (surfel, (&first, &end)) in out.iter_mut().zip(nodes.firsts.iter().zip(ends)) {
+            let points = first as usize..end as usize;
+            *surfel = surfel_of(&self.points[points.clone()], &self.shapes[points]);
+        }
+    }
+}
+
+/// The surfel of a node with these points. Precondition: there is one.
+#[inline(always)]
+fn surfel_of(points: &[PointRecord], shapes: &[ShapeRecord]) -> NodeSurfel {
+    if let ([point], [shape]) = (points, shapes) {
+        return NodeSurfel {
+            point: *point,
+            shape: *shape,
+            cone_cosine: 1.0,
+            point_count: 1,
+        };
+    }
+    // In f64: sums over many points would lose the last digits.
+    let share = 1.0 / points.len() as f64;
+    let mut sum = DVec3::ZERO;
+    let mut colors = [0; 4];
+    for point in points {
+        sum += Vec3::from_array(point.position).as_dvec3();
+        for (sum, channel) in colors.iter_mut().zip(point.color) {
+            *sum += u64::from(channel);
+        }
+    }
+    let mut normal = Vec3::ZERO;
+    let mut scalar = 0.0;
+    for shape in shapes {
+        normal += oct_decode(shape.normal);
+        scalar += f64::from(shape.scalar);
+    }
+    let center = (sum * share).as_vec3();
+    let (normal, has_mean) = match normal.try_normalize() {
+        Some(normal) => (normal, true),
+        None => (oct_decode(shapes[0].normal), false),
+    };
+    let (mut radius, mut cone_cosine) = (0f32, 1f32);
+    for (point, shape) in points.iter().zip(shapes) {
+        let offset = Vec3::from_array(point.position) - center;
+        let in_plane = offset - normal * offset.dot(normal);
+        radius = radius.max(in_plane.length() + shape.radius);
+        cone_cosine = cone_cosine.min(normal.dot(oct_decode(shape.normal)));
+    }
+    NodeSurfel {
+        point: PointRecord {
+            position: center.to_array(),
+            color: colors.map(|sum| (sum as f64 * share).round() as u8),
+        },
+        shape: ShapeRecord {
+            normal: oct_encode(normal),
+            radius,
+            ellipse: 0,
+            scalar: (scalar * share) as f32,
+        },
+        cone_cosine: if has_mean { cone_cosine } else { -1.0 },
+        point_count: points.len() as u32,
+    }
+}
+
+/// Rounding of normals to octahedral coordinates and of cosines to f32, in radians, rounded up.
+const CONE_SLACK: f32 = 1e-3;
+
+/// Whether all normals of a node face away from an eye, if the node is in a sphere around a point that is `from_eye` away.
+///
+/// A point faces away when the angle between its normal and the line of sight is below 90°. The line of sight to any point of
+/// the sphere is within β of that to its middle, `sin β = radius/distance`, and all normals are within α of the mean. So all face
+/// away when the angle between the mean normal and the line of sight is below 90° − α − β.
+fn faces_away(surfel: &NodeSurfel, from_eye: Vec3, sphere_radius: f32) -> bool {
+    let distance = from_eye.length();
+    if distance <= sphere_radius || surfel.cone_cosine <= 0.0 {
+        return false;
+    }
+    let alpha = surfel.cone_cosine.min(1.0).acos();
+    let beta = (sphere_radius / distance).asin();
+    let between = oct_decode(surfel.shape.normal).dot(from_eye) / distance;
+    let limit = alpha + beta + CONE_SLACK;
+    limit < std::f32::consts::FRAC_PI_2 && between > limit.sin()
+}
