@@ -18,7 +18,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 /// Changes with every change of [`Stored`] that older programs, or newer ones, would misread.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// A slider that is being dragged is not written at each of its steps.
 const WRITE_DELAY: Duration = Duration::from_secs(1);
@@ -72,6 +72,7 @@ struct Stored {
     point_size_px: f32,
     stop: StopCriterion,
     lod: Lod,
+    surfel_lod: bool,
     loop_mode: String,
     speed: f64,
     settings_panel: bool,
@@ -125,6 +126,7 @@ impl Preferences {
             point_size_px,
             stop,
             lod,
+            surfel_lod,
         } = self.settings;
         serde_json::to_vec_pretty(&Stored {
             version: VERSION,
@@ -140,6 +142,7 @@ impl Preferences {
             point_size_px,
             stop,
             lod,
+            surfel_lod,
             loop_mode: loop_name(self.loop_mode).to_owned(),
             speed: self.speed,
             settings_panel: self.panels.settings,
@@ -168,6 +171,7 @@ impl Preferences {
             point_size_px: within("point_size_px", stored.point_size_px, POINT_SIZE_RANGE_PX)?,
             stop: as_offered("stop", stored.stop, offered_stop)?,
             lod: as_offered("lod", stored.lod, Lod::offered)?,
+            surfel_lod: stored.surfel_lod,
         };
         if let Some(size) = stored.window_size {
             for edge in size {
@@ -356,6 +360,7 @@ mod tests {
                 point_size_px: 7.0,
                 stop: StopCriterion::Loss(0.31),
                 lod: Lod::ThresholdPx(2.5),
+                surfel_lod: true,
             },
             loop_mode: LoopMode::PingPong,
             speed: 0.25,

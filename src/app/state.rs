@@ -228,7 +228,7 @@ impl State {
             now: Duration::ZERO,
             framed: false,
             requests: Vec::new(),
-            scene: Scene::default(),
+            scene: Scene::that_remembers(),
             packet: None,
             drawn_primitive: Primitive::Point,
             picture_is_new: false,

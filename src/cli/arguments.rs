@@ -67,6 +67,11 @@ pub(super) struct PictureArgs {
     /// Draw surfels from behind too
     #[arg(long)]
     two_sided: bool,
+
+    /// Draw one surfel for each cell of the octree that is small on the screen, as --lod, --lod-level, --lod-budget or
+    /// --lod-time say, instead of all points
+    #[arg(long)]
+    surfel_lod: bool,
 }
 
 impl PictureArgs {
@@ -85,6 +90,7 @@ impl PictureArgs {
             point_size_px: self.point_size.unwrap_or(default.point_size_px),
             stop: self.stop.criterion().unwrap_or(default.stop),
             lod: self.lod.choice().unwrap_or(default.lod),
+            surfel_lod: default.surfel_lod || self.surfel_lod,
         }
     }
 }

@@ -1,8 +1,7 @@
 //! Level of detail: how many of the octree's cells a picture is made of.
 
-use crate::cloud::VoxelRecord;
 use crate::math::morton::LEVELS;
-use crate::octree::{Octree, SelectStats, SelectView};
+use crate::octree::{Cut, CutHints, Octree, SelectView};
 
 /// Which cells of the octree stand for the cloud.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -38,47 +37,46 @@ impl Lod {
     /// The nearest choice within what the window offers; the default for what is not a number.
     #[must_use]
     pub fn offered(self) -> Self {
-        fn clamp<T: PartialOrd + Copy>(value: T, range: &std::ops::RangeInclusive<T>) -> T {
-            if value < *range.start() {
-                *range.start()
-            } else if value > *range.end() {
-                *range.end()
-            } else {
-                value
-            }
-        }
         match self {
             Self::ThresholdPx(value) | Self::FrameTimeMs(value) if value.is_nan() => {
                 Self::default()
             }
-            Self::ThresholdPx(value) => Self::ThresholdPx(clamp(value, &Self::THRESHOLDS_PX)),
-            Self::Level(level) => Self::Level(clamp(level, &Self::LEVELS)),
-            Self::Budget(voxels) => Self::Budget(clamp(voxels, &Self::BUDGETS)),
-            Self::FrameTimeMs(value) => Self::FrameTimeMs(clamp(value, &Self::FRAME_TIMES_MS)),
+            Self::ThresholdPx(value) => Self::ThresholdPx(
+                value.clamp(*Self::THRESHOLDS_PX.start(), *Self::THRESHOLDS_PX.end()),
+            ),
+            Self::Level(level) => {
+                Self::Level(level.clamp(*Self::LEVELS.start(), *Self::LEVELS.end()))
+            }
+            Self::Budget(voxels) => {
+                Self::Budget(voxels.clamp(*Self::BUDGETS.start(), *Self::BUDGETS.end()))
+            }
+            Self::FrameTimeMs(value) => Self::FrameTimeMs(
+                value.clamp(*Self::FRAME_TIMES_MS.start(), *Self::FRAME_TIMES_MS.end()),
+            ),
         }
     }
 
-    /// What stands for the cloud of `octree` in `view`, and the threshold in pixels that it comes from, if it comes from one.
-    /// `affordable` is the number of voxels for [`Lod::FrameTimeMs`].
-    pub(super) fn select(
+    /// The cells of `octree` that stand for the cloud in `view`, and the threshold in pixels that they come from, if they come
+    /// from one. `affordable` is their number for [`Lod::FrameTimeMs`].
+    pub(super) fn cut(
         self,
         octree: &Octree,
         view: &SelectView,
+        hints: CutHints<'_>,
         affordable: u32,
-        out: &mut Vec<VoxelRecord>,
-    ) -> (SelectStats, Option<f32>) {
-        let at_most = |most_voxels: u32, out: &mut Vec<VoxelRecord>| {
+    ) -> (Cut, Option<f32>) {
+        let at_most = |most_nodes: u32| {
             let view = SelectView {
                 lod_px: FINEST_USEFUL_PX,
                 ..*view
             };
-            let (stats, lod_px) = octree.select_at_most(most_voxels as usize, &view, out);
-            (stats, Some(lod_px))
+            let (cut, lod_px) = octree.cut_at_most(most_nodes as usize, &view, hints);
+            (cut, Some(lod_px))
         };
         match self {
             Self::ThresholdPx(lod_px) => {
-                let stats = octree.select(&SelectView { lod_px, ..*view }, out);
-                (stats, Some(lod_px))
+                let cut = octree.cut(&SelectView { lod_px, ..*view }, hints);
+                (cut, Some(lod_px))
             }
             Self::Level(deepest_level) => {
                 let view = SelectView {
@@ -86,10 +84,10 @@ impl Lod {
                     deepest_level,
                     ..*view
                 };
-                (octree.select(&view, out), None)
+                (octree.cut(&view, hints), None)
             }
-            Self::Budget(most_voxels) => at_most(most_voxels, out),
-            Self::FrameTimeMs(_) => at_most(affordable, out),
+            Self::Budget(most_nodes) => at_most(most_nodes),
+            Self::FrameTimeMs(_) => at_most(affordable),
         }
     }
 }

@@ -7,7 +7,7 @@ use super::lod::{Affordable, Lod};
 use super::{Camera, Primitive, Settings, ViewTransform};
 use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 use crate::math::Aabb;
-use crate::octree::Octree;
+use crate::octree::{Cut, CutHints, LodSurfels, Octree};
 use crate::sequence::{Needs, PreparedFrame};
 use glam::DVec3;
 use std::sync::Arc;
@@ -84,26 +84,74 @@ pub struct SceneStats {
 #[derive(Debug, Default)]
 pub struct Scene {
     selected: Option<Selection>,
+    remembers: bool,
     affordable: Affordable,
     stats: SceneStats,
 }
 
+/// What was chosen for a picture, and from what.
 #[derive(Debug)]
 struct Selection {
+    from: SelectedFrom,
+    cut: Cut,
+    drawn: Drawn,
+}
+
+/// All that a selection depends on.
+#[derive(Debug, Clone)]
+struct SelectedFrom {
     octree: Arc<Octree>,
+    /// `None` for voxels.
+    surfels: Option<Arc<LodSurfels>>,
+    cull_back_faces: bool,
     view: ViewTransform,
     viewport_px: [u32; 2],
     lod: Lod,
     affordable: Affordable,
-    records: Arc<Vec<VoxelRecord>>,
+}
+
+/// The records of a selection.
+#[derive(Debug, Clone)]
+enum Drawn {
+    Voxels(Arc<Vec<VoxelRecord>>),
+    Surfels(Arc<Vec<PointRecord>>, Arc<Vec<ShapeRecord>>),
+}
+
+impl SelectedFrom {
+    /// Whether the nodes are those of the same points, chosen in the same way.
+    fn same_nodes(&self, other: &Self) -> bool {
+        let surfels = [self, other].map(|from| from.surfels.as_ref().map(Arc::as_ptr));
+        Arc::ptr_eq(&self.octree, &other.octree)
+            && surfels[0] == surfels[1]
+            && self.cull_back_faces == other.cull_back_faces
+            && self.lod == other.lod
+    }
+}
+
+impl PartialEq for SelectedFrom {
+    fn eq(&self, other: &Self) -> bool {
+        self.same_nodes(other)
+            && self.view == other.view
+            && self.viewport_px == other.viewport_px
+            && self.affordable == other.affordable
+    }
 }
 
 impl Scene {
+    /// A scene that remembers which cells it drew, so that levels of detail do not flicker when the camera moves a little. What
+    /// it draws depends on what it drew before; that of [`Scene::default`] does not.
+    pub fn that_remembers() -> Self {
+        Self {
+            remembers: true,
+            ..Self::default()
+        }
+    }
+
     /// What a frame must have for a picture with these settings.
     pub fn needs(settings: &Settings) -> Needs {
         Needs {
             shapes: settings.primitive == Primitive::Surfel,
-            octree: (settings.primitive == Primitive::Voxel).then_some(settings.stop),
+            octree: settings.draws_cells().then_some(settings.stop),
             colors: settings.colors,
         }
     }
@@ -121,31 +169,48 @@ impl Scene {
     ) -> ScenePacket {
         let viewport_px = viewport_px.map(|edge| edge.max(1));
         let view = camera.transform(origin, viewport_px);
-        let octree = frame
-            .octree
-            .as_ref()
-            .filter(|_| settings.primitive == Primitive::Voxel);
-        ScenePacket {
+        let is_surfel = settings.primitive == Primitive::Surfel;
+        let octree = frame.octree.as_ref().filter(|_| settings.draws_cells());
+        let surfels = frame.lod_surfels.as_ref().filter(|_| is_surfel);
+        let selected = octree.filter(|_| surfels.is_some() == is_surfel);
+        let selected = selected.map(|octree| {
+            self.select(SelectedFrom {
+                octree: Arc::clone(octree),
+                surfels: surfels.map(Arc::clone),
+                cull_back_faces: settings.cull_back_faces,
+                view,
+                viewport_px,
+                lod: settings.lod,
+                affordable: self.affordable,
+            })
+        });
+        let mut packet = ScenePacket {
             viewport_px,
             view,
             settings: *settings,
             points: Arc::clone(&frame.points),
-            shapes: frame
-                .shapes
-                .clone()
-                .filter(|_| settings.primitive == Primitive::Surfel),
-            voxels: octree.map(|octree| Voxels {
-                records: self.select(octree, &view, viewport_px, settings.lod),
-                cube_edge: octree.cube().edge,
-            }),
+            shapes: frame.shapes.clone().filter(|_| is_surfel),
+            voxels: None,
             bounds: frame.frame.bounds(),
+        };
+        match (selected, octree) {
+            (Some(Drawn::Voxels(records)), Some(octree)) => {
+                let cube_edge = octree.cube().edge;
+                packet.voxels = Some(Voxels { records, cube_edge });
+            }
+            (Some(Drawn::Surfels(points, shapes)), _) => {
+                packet.points = points;
+                packet.shapes = Some(shapes);
+            }
+            _ => {}
         }
+        packet
     }
 
     /// Takes notice of how long the last picture took to draw, for [`Lod::FrameTimeMs`].
     pub fn note_draw_ms(&mut self, settings: &Settings, draw_ms: f64) {
         if let Lod::FrameTimeMs(asked_ms) = settings.lod
-            && settings.primitive == Primitive::Voxel
+            && settings.draws_cells()
         {
             let drawn = self.stats.emitted_voxels;
             self.affordable.learn(drawn, draw_ms, f64::from(asked_ms));
@@ -157,49 +222,58 @@ impl Scene {
         self.stats
     }
 
-    fn select(
-        &mut self,
-        octree: &Arc<Octree>,
-        view: &ViewTransform,
-        viewport_px: [u32; 2],
-        lod: Lod,
-    ) -> Arc<Vec<VoxelRecord>> {
+    fn select(&mut self, from: SelectedFrom) -> Drawn {
         if let Some(last) = &self.selected
-            && Arc::ptr_eq(&last.octree, octree)
-            && last.view == *view
-            && last.viewport_px == viewport_px
-            && last.lod == lod
-            && last.affordable == self.affordable
+            && last.from == from
         {
-            return Arc::clone(&last.records);
+            return last.drawn.clone();
         }
-        // The last set's memory is reused unless a packet still holds it.
-        let mut records = self
-            .selected
-            .take()
-            .and_then(|last| Arc::try_unwrap(last.records).ok())
-            .unwrap_or_default();
-        records.clear();
+        let last = self.selected.take();
         let start = Instant::now();
-        let select_view = view.select_view(0.0);
-        let voxels = self.affordable.voxels();
-        let (selected, lod_px) = lod.select(octree, &select_view, voxels, &mut records);
+        let before = last
+            .as_ref()
+            .filter(|last| self.remembers && last.from.same_nodes(&from));
+        let hints = CutHints {
+            back_faces: from.surfels.as_deref().filter(|_| from.cull_back_faces),
+            before: before.map(|last| &last.cut),
+        };
+        let select_view = from.view.select_view(0.0);
+        let affordable = from.affordable.voxels();
+        let (cut, lod_px) = from.lod.cut(&from.octree, &select_view, hints, affordable);
+        let drawn = draw(&from, &cut, last.map(|last| last.drawn));
+        let traversed = cut.stats();
         self.stats = SceneStats {
             traversals: self.stats.traversals + 1,
-            visited_nodes: selected.visited_nodes,
-            emitted_voxels: selected.emitted,
+            visited_nodes: traversed.visited_nodes,
+            emitted_voxels: traversed.emitted,
             lod_px,
             traverse_time: start.elapsed(),
         };
-        let records = Arc::new(records);
         self.selected = Some(Selection {
-            octree: Arc::clone(octree),
-            view: *view,
-            viewport_px,
-            lod,
-            affordable: self.affordable,
-            records: Arc::clone(&records),
+            from,
+            cut,
+            drawn: drawn.clone(),
         });
-        records
+        drawn
+    }
+}
+
+/// Writes the records of a cut; to the memory of the last ones, unless a packet still holds them.
+fn draw(from: &SelectedFrom, cut: &Cut, last: Option<Drawn>) -> Drawn {
+    let (mut voxels, mut points, mut shapes) = Default::default();
+    match last {
+        Some(Drawn::Voxels(last)) => voxels = Arc::try_unwrap(last).unwrap_or_default(),
+        Some(Drawn::Surfels(last_points, last_shapes)) => {
+            points = Arc::try_unwrap(last_points).unwrap_or_default();
+            shapes = Arc::try_unwrap(last_shapes).unwrap_or_default();
+        }
+        None => {}
+    }
+    if let Some(surfels) = &from.surfels {
+        surfels.write(cut, &mut points, &mut shapes);
+        Drawn::Surfels(Arc::new(points), Arc::new(shapes))
+    } else {
+        from.octree.write_voxels(cut, &mut voxels);
+        Drawn::Voxels(Arc::new(voxels))
     }
 }

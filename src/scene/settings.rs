@@ -244,11 +244,22 @@ pub struct Settings {
     pub stop: StopCriterion,
     /// Which of its cells are drawn.
     pub lod: Lod,
+    /// Surfels stand for cells of the octree, as [`Settings::lod`] says, where they are small; else all points are drawn.
+    pub surfel_lod: bool,
 }
 
 impl Settings {
     /// Largest δ offered.
     pub const MAX_DELTA: f32 = 0.6;
+
+    /// Whether what is drawn are cells of an octree.
+    pub fn draws_cells(&self) -> bool {
+        match self.primitive {
+            Primitive::Surfel => self.surfel_lod,
+            Primitive::Voxel => true,
+            Primitive::Point => false,
+        }
+    }
 }
 
 impl Default for Settings {
@@ -266,6 +277,7 @@ impl Default for Settings {
             point_size_px: 1.0,
             stop: StopCriterion::default(),
             lod: Lod::default(),
+            surfel_lod: false,
         }
     }
 }

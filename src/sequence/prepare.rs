@@ -19,7 +19,7 @@
 use super::records::{self, SurfaceWork};
 use super::{ColorSource, Needs, milliseconds_since};
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
-use crate::octree::{Octree, StopCriterion};
+use crate::octree::{LodSurfels, Octree, StopCriterion};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -90,6 +90,8 @@ pub struct PreparedFrame {
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
     /// The index of the points in the colours of `points`, if it was asked for.
     pub octree: Option<Arc<Octree>>,
+    /// The surfels of the octree's nodes, if it has both surfels and an octree; worked out when they are drawn.
+    pub lod_surfels: Option<Arc<LodSurfels>>,
     /// What the last completion took; decoding included if it happened then.
     pub timings: Timings,
     colors: ColorSource,
@@ -123,6 +125,10 @@ impl PreparedFrame {
                 .as_ref()
                 .map_or(0, |shapes| size_of_val(shapes.as_slice()))
             + self.octree.as_ref().map_or(0, |octree| octree.byte_size())
+            + self
+                .lod_surfels
+                .as_ref()
+                .map_or(0, |surfels| surfels.most_bytes())
     }
 }
 
@@ -206,6 +212,19 @@ fn build(
         Some((stop, Arc::new(octree)))
     });
     let (octree_stop, octree) = octree.unzip();
+    let lod_surfels = octree.as_ref().zip(shapes.as_ref());
+    let lod_surfels = lod_surfels.map(|(octree, shapes)| {
+        let known = existing.and_then(|existing| existing.lod_surfels.clone());
+        known
+            .filter(|known| known.is_of(octree, &points, shapes))
+            .unwrap_or_else(|| {
+                Arc::new(LodSurfels::new(
+                    Arc::clone(octree),
+                    Arc::clone(&points),
+                    Arc::clone(shapes),
+                ))
+            })
+    });
     PreparedFrame {
         index,
         id,
@@ -213,6 +232,7 @@ fn build(
         points,
         shapes,
         octree,
+        lod_surfels,
         timings,
         colors,
         octree_stop,

@@ -79,7 +79,7 @@ fn every_setting_can_be_changed_and_reset() {
     choose(&mut harness, "Level of detail", "Fixed level");
     slide(&mut harness, "Level", 7.0);
     assert_eq!(harness.state().settings.lod, Lod::Level(7));
-    choose(&mut harness, "Level of detail", "Voxel budget");
+    choose(&mut harness, "Level of detail", "Budget");
     slide(&mut harness, "Voxels", 2000.0);
     assert_eq!(harness.state().settings.lod, Lod::Budget(2000));
     choose(&mut harness, "Level of detail", "Frame time");

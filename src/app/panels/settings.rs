@@ -1,6 +1,6 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
-use super::voxels::voxels_ui;
+use super::voxels::octree_ui;
 use crate::app::State;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use crate::scene::{Background, Lighting, Primitive, Settings, Splatting, Strategy, UpAxis};
@@ -20,8 +20,11 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
         });
         match state.settings.primitive {
             Primitive::Surfel => surfels(ui, &mut state.settings),
-            Primitive::Voxel => voxels_ui(ui, &mut state.settings),
+            Primitive::Voxel => {}
             Primitive::Point => points(ui, &mut state.settings),
+        }
+        if state.settings.draws_cells() {
+            octree_ui(ui, &mut state.settings);
         }
         heading(ui, "Shading");
         rows(ui, "shading", |ui| shading(ui, &mut state.settings));
@@ -226,6 +229,12 @@ fn surfels(ui: &mut Ui, settings: &mut Settings) {
             "Back faces",
             tooltip,
             Checkbox::new(&mut settings.cull_back_faces, "Culled"),
+        );
+        row(
+            ui,
+            "Surfel detail",
+            "One surfel for all points of an octree's cell that is small on the screen: fewer are drawn from afar",
+            Checkbox::new(&mut settings.surfel_lod, "By the octree"),
         );
     });
 }

@@ -242,7 +242,7 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
             ui,
             "Traverse",
             milliseconds(scene.traverse_time.as_secs_f64() * 1e3),
-            "Finding the visible voxels",
+            "Finding the cells to be drawn, and writing what stands for them",
         );
         row(
             ui,

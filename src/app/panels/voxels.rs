@@ -1,12 +1,12 @@
-//! Choices about voxels: how deep the octree goes, and which of its cells are drawn.
+//! Choices about the octree: how deep it goes, and which of its cells are drawn as voxels or surfels.
 
 use super::settings::{choice, heading, row, rows};
 use crate::octree::StopCriterion;
 use crate::scene::{Lod, Settings};
 use egui::{Slider, Ui};
 
-/// The section of the settings for voxels.
-pub(super) fn voxels_ui(ui: &mut Ui, settings: &mut Settings) {
+/// The sections of the settings for what draws cells of the octree.
+pub(super) fn octree_ui(ui: &mut Ui, settings: &mut Settings) {
     heading(ui, "Octree");
     rows(ui, "octree", |ui| stop(ui, &mut settings.stop));
     heading(ui, "Level of detail");
@@ -99,18 +99,18 @@ fn lod(ui: &mut Ui, lod: &mut Lod) {
             (
                 "Pixel threshold",
                 Lod::default(),
-                "Cells that are small on the screen are drawn as one voxel",
+                "Cells that are small on the screen are drawn as one voxel or surfel",
             ),
             ("Fixed level", Lod::Level(7), "All cells of one level"),
             (
-                "Voxel budget",
+                "Budget",
                 Lod::Budget(50_000),
-                "The finest picture of at most so many voxels",
+                "The finest picture of at most so many voxels or surfels",
             ),
             (
                 "Frame time",
                 Lod::FrameTimeMs(16.0),
-                "As many voxels as this machine draws in the time asked for",
+                "As many voxels or surfels as this machine draws in the time asked for",
             ),
         ],
     );
