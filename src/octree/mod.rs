@@ -13,6 +13,7 @@ mod children;
 mod select;
 mod sorted_points;
 mod stop;
+pub mod stored;
 #[cfg(test)]
 mod tests;
 mod uneven;
@@ -21,6 +22,7 @@ mod voxels;
 pub use byte_code::OctreeError;
 pub use select::{SelectStats, SelectView};
 pub use stop::StopCriterion;
+pub use stored::{StoredOctree, StoredOctreeError};
 
 use crate::math::Cube;
 use children::Children;

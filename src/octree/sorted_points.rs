@@ -52,6 +52,20 @@ impl SortedPoints {
         (points, answer)
     }
 
+    /// Points that stand in Morton order already. Precondition: ascending codes of 63 bits, a colour for each.
+    pub(super) fn from_sorted(codes: Vec<u64>, colors: &[[u8; 3]]) -> Self {
+        let partings = parting_levels(&codes);
+        let colors = colors
+            .iter()
+            .map(|&[red, green, blue]| [red, green, blue, 0]);
+        Self {
+            occupied: occupied_cells(&partings),
+            partings,
+            codes,
+            colors_before: voxels::running_sums(colors),
+        }
+    }
+
     /// Bytes held in memory.
     pub(super) fn byte_size(&self) -> usize {
         size_of::<Self>()

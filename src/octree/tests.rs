@@ -310,7 +310,7 @@ fn another_stop_criterion_is_the_same_as_building_anew() {
 }
 
 /// A 60° view with the near plane at 0.05 and 500 pixels along the height.
-fn view_from(eye: Vec3, target: Vec3, lod_px: f32) -> SelectView {
+pub(super) fn view_from(eye: Vec3, target: Vec3, lod_px: f32) -> SelectView {
     let forward = (target - eye).normalize();
     let right = forward.any_orthonormal_vector();
     let up = right.cross(forward);
