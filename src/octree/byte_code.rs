@@ -151,10 +151,14 @@ pub(super) fn leaves_of_masks(
 /// The `count` children of `cells` with these masks.
 fn children(cells: &[u64], masks: &[u8], count: usize) -> Vec<u64> {
     let mut children = Vec::with_capacity(count);
-    for (cell, &mask) in cells.iter().zip(masks) {
-        let mut octants = mask;
+    // The masks of eight cells are one word: where its bits end is harder to foresee eight times than once.
+    for (cells, masks) in cells.chunks(8).zip(masks.chunks(8)) {
+        let mut word = [0; 8];
+        word[..masks.len()].copy_from_slice(masks);
+        let mut octants = u64::from_le_bytes(word);
         while octants != 0 {
-            children.push(cell << 3 | u64::from(octants.trailing_zeros()));
+            let bit = octants.trailing_zeros();
+            children.push(cells[bit as usize / 8] << 3 | u64::from(bit % 8));
             octants &= octants - 1;
         }
     }

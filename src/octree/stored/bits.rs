@@ -52,6 +52,7 @@ impl<'a> BitReader<'a> {
     }
 
     /// The next 64 bits; zeros beyond the end.
+    #[inline]
     fn window(&self) -> u64 {
         let byte = self.next_bit / 8;
         let mut word = [0; 16];
@@ -78,13 +79,15 @@ impl<'a> BitReader<'a> {
 
     /// The next number of [`BitWriter::put_gamma`]; `None` too if it has more than 32 bits.
     pub(super) fn take_gamma(&mut self) -> Option<u32> {
-        let beyond = self.window().trailing_zeros();
+        // At most 63 bits, so all of it is in here.
+        let window = self.window();
+        let beyond = window.trailing_zeros();
         if beyond >= u32::BITS {
             return None;
         }
-        self.skip(beyond + 1)?;
-        let low = self.take(beyond)? as u32;
-        Some(1 << beyond | low)
+        let low = (window >> (beyond + 1)) & ((1 << beyond) - 1);
+        self.skip(2 * beyond + 1)?;
+        Some(1 << beyond | low as u32)
     }
 
     /// The bytes after the one that holds the last bit taken; `None` unless the bits left over in that one are zeros.

@@ -153,7 +153,8 @@ impl Header {
             is_even: true,
         };
         let octree = undivided.with_stop(stop);
-        if octree.masks() != masks {
+        // On one level, leaves with points in each of them can only be where they were.
+        if self.has_several_levels && octree.masks() != masks {
             let most_points = points.most_in_leaf;
             return Err(StoredOctreeError::Inconsistent { most_points });
         }
