@@ -56,12 +56,11 @@ impl<'a> BitReader<'a> {
     fn window(&self) -> u64 {
         let byte = self.next_bit / 8;
         let mut word = [0; 16];
-        match self.bytes.get(byte..byte + 16) {
-            Some(bytes) => word.copy_from_slice(bytes),
-            None => {
-                let rest = self.bytes.get(byte..).unwrap_or_default();
-                word[..rest.len()].copy_from_slice(rest);
-            }
+        if let Some(bytes) = self.bytes.get(byte..byte + 16) {
+            word.copy_from_slice(bytes);
+        } else {
+            let rest = self.bytes.get(byte..).unwrap_or_default();
+            word[..rest.len()].copy_from_slice(rest);
         }
         (u128::from_le_bytes(word) >> (self.next_bit % 8)) as u64
     }

@@ -34,12 +34,11 @@ impl StoredOctree {
         let points = read_points(&mut bits, rest.len(), &leaves, header.point_count)?;
         let rest = bits.into_rest().ok_or(StoredOctreeError::Padding)?;
         let (colors, rest) = split(rest, color_bytes, "colours")?;
-        let (shapes, rest) = match header.has_shapes {
-            true => {
-                let (shapes, rest) = columns::read(rest, header.point_count)?;
-                (Some(shapes), rest)
-            }
-            false => (None, rest),
+        let (shapes, rest) = if header.has_shapes {
+            let (shapes, rest) = columns::read(rest, header.point_count)?;
+            (Some(shapes), rest)
+        } else {
+            (None, rest)
         };
         if !rest.is_empty() {
             let trailing = rest.len();

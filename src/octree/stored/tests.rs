@@ -383,6 +383,8 @@ fn check_readable(bytes: &[u8]) {
     };
     let tree = &read.octree;
     assert_eq!(read.points().len(), tree.point_count());
+    let masks = tree.masks();
+    assert_eq!(bytes[MASKS_AT..MASKS_AT + masks.len()], masks);
     assert_eq!(tree.level_voxels(tree.depth()).len(), tree.leaf_count());
     let again = bytes_of(tree, read.shapes.as_deref());
     assert_eq!(StoredOctree::read_from(&again), Ok(read));
