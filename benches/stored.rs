@@ -3,10 +3,11 @@
 //! Measured: 88,000 points, δ = 2 %, on one thread and on two: `Octree::build` from positions and colours, `Octree::write_to`
 //! and `StoredOctree::read_from`, without and with shapes (normals, radii and scalars that differ from point to point), all
 //! with everything they allocate. Printed: bytes a point of the masks alone and of the whole, for several stop criteria, and
-//! the most memory that reading holds.
+//! the most memory that reading holds, there and for bytes that ask for more than usual.
 //!
 //! Not measured: a disk.
 
+use bytemuck::Zeroable;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use pointreel::cloud::{ShapeRecord, oct_encode};
@@ -31,6 +32,7 @@ fn stored(criterion: &mut Criterion) {
     ] {
         print_size(stop, &build(stop), &shapes);
     }
+    print_dense();
 
     let tree = build(StopCriterion::Loss(0.02));
     let [bare, whole] = [None, Some(&*shapes)].map(|shapes| written(&tree, shapes));
@@ -62,6 +64,35 @@ fn shapes_of(positions: &[Vec3]) -> Vec<ShapeRecord> {
         scalar: position.z,
     };
     positions.iter().map(shape).collect()
+}
+
+/// The bytes that ask for the most memory beside their number: finest cells that all hold a point, so that nothing is left to
+/// say of it, each a leaf of a tree of leaves on several levels, with one shape for all.
+#[expect(clippy::print_stdout, reason = "criterion measures time alone")]
+fn print_dense() {
+    const EDGE: u32 = 64;
+    let cell = 2f32.powi(-21);
+    let mut positions: Vec<Vec3> = (0..EDGE.pow(3))
+        .map(|index| [index % EDGE, index / EDGE % EDGE, index / EDGE / EDGE])
+        .map(|cells| Vec3::from_array(cells.map(|along| along as f32 * cell)))
+        .collect();
+    positions.push(Vec3::ONE);
+    let count = positions.len();
+    let tree = Octree::build(
+        &positions,
+        &vec![[0; 4]; count],
+        StopCriterion::PointsPerOctant(1),
+    );
+    let bytes = written(&tree, Some(&vec![ShapeRecord::zeroed(); count]));
+    let before = memory::peak_from_here();
+    let read = StoredOctree::read_from(&bytes).expect("it was just written");
+    let peak = memory::peak() - before;
+    assert!(read.octree == tree, "what is read is what was written");
+    println!(
+        "{count} points in neighbouring finest cells: {:.2} bytes a point, {:.1} times as many at peak while reading",
+        bytes.len() as f64 / count as f64,
+        peak as f64 / bytes.len() as f64,
+    );
 }
 
 fn written(tree: &Octree, shapes: Option<&[ShapeRecord]>) -> Vec<u8> {
