@@ -26,3 +26,53 @@ pub fn keep_freed_pages() {
         libmimalloc_sys::mi_option_set(PURGE_DELAY, KEPT_MS);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::process::Command;
+
+    /// Set in a process of this test: the value that the option must have there, in milliseconds.
+    const EXPECTED_MS: &str = "POINTREEL_EXPECTED_PURGE_DELAY_MS";
+
+    /// The allocator's own name for the option.
+    const BY_NAME: &str = "MIMALLOC_PURGE_DELAY";
+
+    /// What `mimalloc.h` of version 3 has where nobody sets it.
+    const DEFAULT_MS: &str = "1000";
+
+    fn option_ms() -> c_long {
+        #[allow(
+            unsafe_code,
+            reason = "the allocator has options in its environment or in C alone"
+        )]
+        // SAFETY: the function reads a number of an array of options that is longer than this one's place.
+        unsafe {
+            libmimalloc_sys::mi_option_get(PURGE_DELAY)
+        }
+    }
+
+    /// The number is the library's own affair: another version may give it to another option. What the library reads from
+    /// its environment by name must be what is read by number, and nothing be there but the default otherwise.
+    ///
+    /// The environment is read once, so each value is seen in a process of its own: this test, run again.
+    #[test]
+    fn the_number_is_still_that_of_the_purge_delay() {
+        if let Ok(expected) = std::env::var(EXPECTED_MS) {
+            assert_eq!(option_ms().to_string(), expected);
+            keep_freed_pages();
+            assert_eq!(option_ms(), KEPT_MS);
+            return;
+        }
+        for (set, expected) in [(None, DEFAULT_MS), (Some("4321"), "4321")] {
+            let mut again = Command::new(std::env::current_exe().unwrap());
+            let name = "memory::tests::the_number_is_still_that_of_the_purge_delay";
+            again.args(["--exact", name]).env(EXPECTED_MS, expected);
+            again.env_remove(BY_NAME).env_remove("MIMALLOC_RESET_DELAY");
+            again.envs(set.map(|value| (BY_NAME, value)));
+            let output = again.output().unwrap();
+            let said = String::from_utf8_lossy(&output.stdout);
+            assert!(said.contains("1 passed"), "{BY_NAME} {set:?}: {said}");
+        }
+    }
+}

@@ -55,6 +55,15 @@ impl PackedCell {
         (self.0 >> (LEVELS as usize * axis)) as u32 % FINEST_CELLS >> (LEVELS - level)
     }
 
+    /// The coordinates.
+    pub const fn coordinates(self) -> [u32; 3] {
+        [
+            self.coordinate(0, LEVELS),
+            self.coordinate(1, LEVELS),
+            self.coordinate(2, LEVELS),
+        ]
+    }
+
     /// The Morton code.
     #[inline(always)]
     pub const fn code(self) -> u64 {

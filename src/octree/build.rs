@@ -41,7 +41,8 @@ impl Octree {
         Self::divided(self.cube, Arc::clone(&self.points), stop)
     }
 
-    fn divided(cube: Cube, points: Arc<SortedPoints>, stop: StopCriterion) -> Self {
+    /// The tree of some points in a cube around them.
+    pub(super) fn divided(cube: Cube, points: Arc<SortedPoints>, stop: StopCriterion) -> Self {
         let point_count = points.cells.len();
         let leaves = stop.leaves(&points.occupied, point_count);
         let (level_counts, leaf_count) = match leaves {

@@ -2,9 +2,13 @@
 //!
 //! The bytes of a level say how many bytes the next level has, so the code needs no lengths, and any byte lost, added or
 //! emptied is noticed. What cannot be noticed is an octant moved within its byte.
+//!
+//! How it works: a level at a time, cells as *location codes*: a one, and below it the Morton code of the cell, three bits a
+//! level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a cell of any level
+//! in one word: the root is 1, and a cell of level 21 fills all 64 bits.
 
 use super::{NodeRange, Octree};
-use crate::math::morton::LEVELS;
+use crate::math::morton::{self, LEVELS};
 
 /// Why a byte code is not that of an octree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -35,6 +39,22 @@ pub enum OctreeError {
         index: usize,
         /// Level of the node.
         level: u32,
+    },
+    /// Only leaves above a level that should have nodes.
+    #[error("octree byte code: no node on level {level}, but leaves are said to be there")]
+    EmptyLevel {
+        /// Level without nodes.
+        level: u32,
+    },
+    /// More cells than points, of which each has one at least.
+    #[error("octree byte code: {found} cells down to level {level}, but {most} points")]
+    TooManyCells {
+        /// Level that is too large.
+        level: u32,
+        /// Its cells, and the leaves above it.
+        found: usize,
+        /// Number of points.
+        most: usize,
     },
     /// More bytes than nodes.
     #[error("octree byte code: {trailing} bytes follow the last node")]
@@ -76,49 +96,98 @@ impl Octree {
     /// At depth 0 the code has no bytes and stands for the root. (An octree without points has no code: nothing to store.)
     /// Memory is bounded by the bytes there are: eight cells for each.
     pub fn cells_from_masks(masks: &[u8], depth: u32) -> Result<Vec<[u32; 3]>, OctreeError> {
-        if depth > LEVELS {
-            return Err(OctreeError::TooDeep { depth });
-        }
-        let mut cells = vec![[0; 3]];
-        let mut start = 0;
-        for level in 0..depth {
-            let Some(level_masks) = masks[start..].get(..cells.len()) else {
-                return Err(OctreeError::Truncated {
-                    level,
-                    expected: cells.len(),
-                    found: masks.len() - start,
-                });
-            };
-            if let Some(offset) = level_masks.iter().position(|&mask| mask == 0) {
-                return Err(OctreeError::EmptyNode {
-                    index: start + offset,
-                    level,
-                });
-            }
-            cells = cells
-                .iter()
-                .zip(level_masks)
-                .flat_map(|(&cell, &mask)| children(cell, mask))
-                .collect();
-            start += level_masks.len();
-        }
-        match masks.len() - start {
-            0 => Ok(cells),
-            trailing => Err(OctreeError::TrailingBytes { trailing }),
-        }
+        let leaves = leaves_of_masks(masks, depth, Leaves::OnDeepestLevel, usize::MAX)?;
+        let codes = leaves.into_iter().map(|leaf| leaf ^ ROOT << (3 * depth));
+        Ok(codes.map(morton::decode).collect())
     }
 }
 
-fn children([x, y, z]: [u32; 3], mask: u8) -> impl Iterator<Item = [u32; 3]> {
-    (0..8)
-        .filter(move |octant| mask >> octant & 1 == 1)
-        .map(move |octant| {
-            [
-                x << 1 | octant & 1,
-                y << 1 | octant >> 1 & 1,
-                z << 1 | octant >> 2,
-            ]
-        })
+/// The location code of the root.
+const ROOT: u64 = 1;
+
+/// Where the leaves of a tree are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Leaves {
+    /// All on the deepest level.
+    OnDeepestLevel,
+    /// On any: above the deepest level a mask of zero is a leaf.
+    OnAnyLevel,
+}
+
+/// The location codes of the leaves that `masks` stand for, from the uppermost level down, on each in Morton order. More than
+/// `most_cells` are refused before there is memory for them.
+pub(super) fn leaves_of_masks(
+    masks: &[u8],
+    depth: u32,
+    leaves: Leaves,
+    most_cells: usize,
+) -> Result<Vec<u64>, OctreeError> {
+    if depth > LEVELS {
+        return Err(OctreeError::TooDeep { depth });
+    }
+    let mut found_leaves = Vec::new();
+    let mut cells = vec![ROOT];
+    let mut start = 0;
+    for level in 0..depth {
+        let Some(level_masks) = masks[start..].get(..cells.len()) else {
+            return Err(OctreeError::Truncated {
+                level,
+                expected: cells.len(),
+                found: masks.len() - start,
+            });
+        };
+        let empty = level_masks.iter().position(|&mask| mask == 0);
+        if let Some(offset) = empty.filter(|_| leaves == Leaves::OnDeepestLevel) {
+            return Err(OctreeError::EmptyNode {
+                index: start + offset,
+                level,
+            });
+        }
+        if empty.is_some() {
+            let both = cells.iter().zip(level_masks);
+            found_leaves.extend(both.filter(|(_, mask)| **mask == 0).map(|(cell, _)| *cell));
+        }
+        let level = level + 1;
+        let below: usize = level_masks
+            .iter()
+            .map(|mask| mask.count_ones() as usize)
+            .sum();
+        if below == 0 {
+            return Err(OctreeError::EmptyLevel { level });
+        }
+        let found = found_leaves.len() + below;
+        if found > most_cells {
+            let most = most_cells;
+            return Err(OctreeError::TooManyCells { level, found, most });
+        }
+        cells = children(&cells, level_masks, below);
+        start += level_masks.len();
+    }
+    match masks.len() - start {
+        0 if found_leaves.is_empty() => Ok(cells),
+        0 => {
+            found_leaves.append(&mut cells);
+            Ok(found_leaves)
+        }
+        trailing => Err(OctreeError::TrailingBytes { trailing }),
+    }
+}
+
+/// The `count` children of `cells` with these masks.
+fn children(cells: &[u64], masks: &[u8], count: usize) -> Vec<u64> {
+    let mut children = Vec::with_capacity(count);
+    // The masks of eight cells are one word: where its bits end is harder to foresee eight times than once.
+    for (cells, masks) in cells.chunks(8).zip(masks.chunks(8)) {
+        let mut word = [0; 8];
+        word[..masks.len()].copy_from_slice(masks);
+        let mut octants = u64::from_le_bytes(word);
+        while octants != 0 {
+            let bit = octants.trailing_zeros();
+            children.push(cells[bit as usize / 8] << 3 | u64::from(bit % 8));
+            octants &= octants - 1;
+        }
+    }
+    children
 }
 
 #[cfg(test)]
@@ -180,6 +249,29 @@ mod tests {
         for (masks, depth, expected) in cases {
             assert_eq!(Octree::cells_from_masks(masks, depth), Err(expected));
         }
+    }
+
+    /// Octants 0 and 7 of the root are leaves and divided into octants 1 and 2; the code of the root is one.
+    #[test]
+    fn leaves_on_several_levels_by_hand() {
+        let any =
+            |masks: &[u8], depth, most| leaves_of_masks(masks, depth, Leaves::OnAnyLevel, most);
+        let masks = [0b1000_0001, 0, 0b0000_0110];
+        assert_eq!(any(&masks, 2, 3), Ok(vec![0o10, 0o171, 0o172]));
+        assert_eq!(
+            any(&masks, 2, 2),
+            Err(OctreeError::TooManyCells {
+                level: 2,
+                found: 3,
+                most: 2
+            })
+        );
+        assert_eq!(
+            any(&[0b1000_0001, 0, 0], 2, 9),
+            Err(OctreeError::EmptyLevel { level: 2 })
+        );
+        let finest = any(&[0b1000_0000; 21], 21, 1).unwrap();
+        assert_eq!(finest, [u64::MAX]);
     }
 
     #[test]

@@ -26,6 +26,7 @@ mod cut_tests;
 mod select;
 mod sorted_points;
 mod stop;
+pub mod stored;
 #[cfg(test)]
 mod surfel_tests;
 mod surfels;
@@ -39,6 +40,7 @@ pub use byte_code::OctreeError;
 pub use cut::{Cut, CutHints};
 pub use select::{SelectStats, SelectView};
 pub use stop::StopCriterion;
+pub use stored::{StoredOctree, StoredOctreeError};
 pub use surfels::{LodSurfels, NodeSurfel};
 
 use crate::math::Cube;
@@ -53,7 +55,7 @@ use stop::Leaves;
 /// contiguous range in Morton order, and all else about it follows from them.
 ///
 /// Clones share everything; so do trees of the same points that end on different levels ([`Octree::with_stop`]).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Octree {
     cube: Cube,
     points: Arc<SortedPoints>,
@@ -61,6 +63,17 @@ pub struct Octree {
     /// Nodes of each level from the root's to the deepest; empty without points.
     level_counts: Vec<usize>,
     leaf_count: usize,
+}
+
+impl PartialEq for Octree {
+    /// Trees of the same points are equal when they have the same nodes, whatever was asked for: of two, one is the other with
+    /// some nodes divided further, and so the same if it has as many.
+    fn eq(&self, other: &Self) -> bool {
+        self.cube == other.cube
+            && self.points == other.points
+            && self.level_counts == other.level_counts
+            && self.leaf_count == other.leaf_count
+    }
 }
 
 /// Consecutive nodes of one level, by their points.

@@ -11,7 +11,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// The points of a cloud in Morton order.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub(super) struct SortedPoints {
     /// Their finest cells, by ascending code.
     pub(super) cells: Vec<PackedCell>,
@@ -26,36 +26,61 @@ pub(super) struct SortedPoints {
     pub(super) are_as_given: bool,
 }
 
+impl PartialEq for SortedPoints {
+    /// All else follows from these.
+    fn eq(&self, other: &Self) -> bool {
+        self.cells == other.cells && self.colors_before == other.colors_before
+    }
+}
+
 impl SortedPoints {
     /// Sorts points with these colours. Precondition: `cube` is the one around them.
     pub(super) fn new(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> Self {
         let cells = cube.cells(positions);
         if let Some(partings) = partings_in_order(&cells) {
-            let sum = || voxels::running_sums(colors.iter().copied());
-            let (occupied, colors_before) = rayon::join(|| occupied_cells(&partings), sum);
-            return Self {
-                cells,
-                partings,
-                occupied,
-                colors_before,
-                are_as_given: true,
-            };
+            return Self::in_order(cells, partings, colors.iter().copied());
         }
         let order = order_of_codes(&morton::codes_of(&cells));
-        let count = || {
+        let sort = || {
             let cells: Vec<PackedCell> = order.iter().map(|&index| cells[index as usize]).collect();
             let partings = partings_in_order(&cells).expect("cells were sorted");
             let occupied = occupied_cells(&partings);
             (cells, partings, occupied)
         };
         let sum = || voxels::running_sums(order.iter().map(|&index| colors[index as usize]));
-        let ((cells, partings, occupied), colors_before) = rayon::join(count, sum);
+        let ((cells, partings, occupied), colors_before) = rayon::join(sort, sum);
         Self {
             cells,
             partings,
             occupied,
             colors_before,
             are_as_given: false,
+        }
+    }
+
+    /// Points in the finest cells with these codes; `None` if they do not ascend. Precondition: a colour for each.
+    pub(super) fn from_codes(codes: &[u64], colors: &[[u8; 3]]) -> Option<Self> {
+        let cells: Vec<PackedCell> = codes.iter().copied().map(PackedCell::from_code).collect();
+        let partings = partings_in_order(&cells)?;
+        let colors = colors
+            .iter()
+            .map(|&[red, green, blue]| [red, green, blue, 0]);
+        Some(Self::in_order(cells, partings, colors))
+    }
+
+    fn in_order(
+        cells: Vec<PackedCell>,
+        partings: Vec<u8>,
+        colors: impl ExactSizeIterator<Item = [u8; 4]> + Send,
+    ) -> Self {
+        let count = || occupied_cells(&partings);
+        let (occupied, colors_before) = rayon::join(count, || voxels::running_sums(colors));
+        Self {
+            cells,
+            partings,
+            occupied,
+            colors_before,
+            are_as_given: true,
         }
     }
 

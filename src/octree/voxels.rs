@@ -38,6 +38,11 @@ pub(super) fn running_sums(colors: impl ExactSizeIterator<Item = [u8; 4]>) -> Ve
     sums
 }
 
+/// The one colour that a sum is of.
+pub(super) fn color_of_sum(sum: ColorSum) -> [u8; 3] {
+    [0, 1, 2].map(|field| (sum >> (field * FIELD_BITS)) as u8)
+}
+
 /// One channel of the sum of at most [`MOST_SUMMED`] colours.
 #[inline(always)]
 fn channel_of(sum: ColorSum, channel: u32) -> f32 {
