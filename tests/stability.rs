@@ -313,7 +313,7 @@ fn other_factors_change_next_to_nothing() {
             // A point changes cells when it is within 2⁻²⁴ of the edge of the cube from a border, of which three axes have
             // fewer than 2¹⁰: hardly one of 2000. One that does may fill a cell and empty another.
             assert!(
-                found.abs_diff(expected) <= 4,
+                found.abs_diff(*expected) <= 4,
                 "× {factor:e}: {found} for {expected}"
             );
         }

@@ -38,8 +38,8 @@ impl Octree {
     /// All up to the masks.
     fn header(&self, has_shapes: bool) -> Vec<u8> {
         let several_levels = match self.leaves {
-            Leaves::OnLevel(_) => 0,
-            Leaves::OfPoints(_) => SEVERAL_LEVELS,
+            Leaves::OfPoints(_) if self.point_count() > 0 => SEVERAL_LEVELS,
+            Leaves::OnLevel(_) | Leaves::OfPoints(_) => 0,
         };
         let shapes = if has_shapes { SHAPES } else { 0 };
         let mut bytes = MAGIC.to_vec();
