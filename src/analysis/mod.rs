@@ -8,6 +8,7 @@ mod four_matrices;
 mod lanes;
 mod neighbours;
 mod normals;
+mod openings;
 mod orientation;
 mod point_tree;
 mod radii;
