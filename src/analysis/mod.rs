@@ -12,6 +12,7 @@ mod openings;
 mod orientation;
 mod point_tree;
 mod radii;
+mod robust_planes;
 mod smallest_rows;
 #[cfg(test)]
 pub(crate) mod test_shapes;
@@ -52,11 +53,44 @@ pub struct Planes {
     pub without_plane: Vec<u32>,
 }
 
-/// Estimates the normals of [`estimate_surface`] alone, from `k` neighbours and without turning them to one side.
-pub fn estimate_planes(positions: &[Vec3], k: usize) -> Planes {
+/// How a plane is fitted to neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum PlaneFit {
+    /// Principal components: all points count alike (Hoppe et al. 1992). Fastest, and best against noise that all have.
+    #[default]
+    LeastSquares,
+    /// Principal components of points weighted by their distance from the plane (Cauchy's weights; Holland and Welsch 1977):
+    /// points far off the surface hardly count, nor does the other side of an edge. Takes several times as long.
+    Robust,
+}
+
+impl PlaneFit {
+    /// All ways, in the order in which a list shows them.
+    pub const ALL: [Self; 2] = [Self::LeastSquares, Self::Robust];
+
+    /// Its word in tables and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LeastSquares => "least squares",
+            Self::Robust => "robust",
+        }
+    }
+}
+
+/// Estimates normals alone, from `k` neighbours and without turning them to one side. Those of [`estimate_surface`] are
+/// [`PlaneFit::LeastSquares`].
+pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(k);
-    let planes = normals::fit_planes(&tree, &neighbours);
+    let mut planes = normals::fit_planes(&tree, &neighbours);
+    if fit == PlaneFit::Robust {
+        robust_planes::refine(
+            &tree,
+            &neighbours,
+            &planes.without_plane,
+            &mut planes.normals,
+        );
+    }
     Planes {
         normals: tree.to_file_order(&planes.normals),
         without_plane: tree.to_file_indices(&planes.without_plane),
