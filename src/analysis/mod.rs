@@ -4,6 +4,7 @@
 
 mod bucket_search;
 mod colors;
+mod ellipses;
 mod four_matrices;
 mod lanes;
 mod neighbours;
@@ -23,6 +24,7 @@ pub use colors::{fake_color, scalar_colors};
 pub use neighbours::{Neighbours, nearest_neighbours};
 pub use radii::LONE_RADIUS;
 
+use crate::cloud::Ellipse;
 use glam::Vec3;
 use point_tree::PointTree;
 
@@ -133,4 +135,20 @@ pub fn splat_radii(positions: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
     let mut normals = tree.to_slot_order(normals);
     normals::fill_missing(&tree, &neighbours, &mut normals);
     tree.to_file_order(&radii::closing_radii(&tree, &neighbours, &normals))
+}
+
+/// Ellipses that close the surface as the circles of [`splat_radii`] do, with less area; `None` where a circle is right.
+///
+/// `normals` are of unit length, or zero where the tangent plane has to be estimated. An ellipse has the radius of its point:
+/// see [`Ellipse::half_axes`].
+///
+/// # Panics
+/// Precondition: as many normals as positions.
+pub fn splat_ellipses(positions: &[Vec3], normals: &[Vec3]) -> Vec<Option<Ellipse>> {
+    assert_eq!(positions.len(), normals.len(), "one normal for each point");
+    let tree = PointTree::new(positions);
+    let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
+    let mut normals = tree.to_slot_order(normals);
+    normals::fill_missing(&tree, &neighbours, &mut normals);
+    tree.to_file_order(&ellipses::closing_ellipses(&tree, &neighbours, &normals))
 }

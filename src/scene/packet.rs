@@ -103,6 +103,7 @@ impl Scene {
     pub fn needs(settings: &Settings) -> Needs {
         Needs {
             shapes: settings.primitive == Primitive::Surfel,
+            ellipses: false,
             octree: (settings.primitive == Primitive::Voxel).then_some(settings.stop),
             colors: settings.colors,
         }
