@@ -117,14 +117,14 @@ impl Circle {
         for ((nearness, low), high) in nearness.iter_mut().zip(low).zip(high) {
             *nearness = low.min(*high);
         }
+        let farthest = nearness.iter().copied().fold(f32::INFINITY, f32::min);
         let (mut along, mut across) = (0.0, 0.0);
-        let mut farthest = f32::INFINITY;
-        for place in 0..HALF {
-            farthest = farthest.min(nearness[place]);
-            let [low, high] = [low[place], high[place]].map(|inverse| 1.0 / (inverse * inverse));
+        let doubled = || self.double_cosines.iter().zip(&self.double_sines);
+        for ((low, high), (cosine, sine)) in low.iter().zip(high).zip(doubled()) {
+            let [low, high] = [low, high].map(|inverse| 1.0 / (inverse * inverse));
             let moment = low * low + high * high;
-            along += moment * self.double_cosines[place];
-            across += moment * self.double_sines[place];
+            along += moment * cosine;
+            across += moment * sine;
         }
         let length = along.hypot(across);
         if length.is_nan() || length == 0.0 {
@@ -132,11 +132,10 @@ impl Circle {
         }
         let (double_x, double_y) = (along / length, across / length);
         let mut ratio_squared = 0f32;
-        for place in 0..HALF {
-            let share = nearness[place] / farthest;
+        for (nearness, (cosine, sine)) in nearness.iter().zip(doubled()) {
+            let share = nearness / farthest;
             let reach = 2.0 * share * share - 1.0;
-            let double =
-                self.double_cosines[place] * double_x + self.double_sines[place] * double_y;
+            let double = cosine * double_x + sine * double_y;
             let root = (reach * reach - 1.0 + double * double).max(0.0).sqrt();
             ratio_squared = ratio_squared.max((1.0 - double) / (reach + root));
         }
