@@ -7,10 +7,13 @@ mod colors;
 mod ellipses;
 mod four_matrices;
 mod lanes;
+mod lazy_planes;
 mod neighbours;
 mod normals;
 mod openings;
 mod orientation;
+#[cfg(test)]
+mod plane_tests;
 mod point_tree;
 mod radii;
 mod robust_planes;
@@ -21,6 +24,7 @@ pub(crate) mod test_shapes;
 mod tests;
 
 pub use colors::{fake_color, scalar_colors};
+pub use lazy_planes::LazyPlanes;
 pub use neighbours::{Neighbours, nearest_neighbours};
 pub use radii::LONE_RADIUS;
 
@@ -84,7 +88,7 @@ impl PlaneFit {
 pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(k);
-    let mut planes = normals::fit_planes(&tree, &neighbours);
+    let mut planes = normals::fit_planes(&tree, &neighbours, 0..tree.len());
     if fit == PlaneFit::Robust {
         robust_planes::refine(
             &tree,
@@ -108,11 +112,11 @@ pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
 pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
-    let planes = normals::fit_planes(&tree, &neighbours);
+    let planes = normals::fit_planes(&tree, &neighbours, 0..tree.len());
     let mut normals = planes.normals;
     let radii = radii::closing_radii(&tree, &neighbours, &normals);
     match sensor {
-        Some(sensor) => orientation::face_sensor(&tree, sensor, &mut normals),
+        Some(sensor) => orientation::face_sensor(&tree, sensor, 0, &mut normals),
         None => orientation::face_outwards(&tree, &neighbours, &mut normals),
     }
     Surface {
