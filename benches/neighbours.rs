@@ -14,7 +14,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use pointreel::analysis::{estimate_planes, nearest_neighbours};
+use pointreel::analysis::{PlaneFit, estimate_planes, nearest_neighbours};
 use pointreel::math::{Cube, SymmetricMat3, order_of_codes};
 use pointreel::measure::{AngularError, Orientation};
 use rayon::prelude::*;
@@ -41,7 +41,9 @@ fn neighbours(criterion: &mut Criterion) {
             nearest_neighbours(&positions, NEIGHBOURS).per_point()
         }),
         ("planes", &|| {
-            estimate_planes(&positions, NEIGHBOURS).normals.len()
+            estimate_planes(&positions, NEIGHBOURS, PlaneFit::LeastSquares)
+                .normals
+                .len()
         }),
         ("kiddo", &|| by_kiddo(&positions).len()),
         ("kiddo, Morton order", &|| {
@@ -92,7 +94,7 @@ fn in_morton_order(positions: &[Vec3]) -> Vec<Vec3> {
 #[expect(clippy::print_stdout, reason = "part of the result")]
 fn compare_normals(positions: &[Vec3]) {
     let truth = shapes::bumpy_torus_normals(POINTS);
-    let ours = estimate_planes(positions, NEIGHBOURS).normals;
+    let ours = estimate_planes(positions, NEIGHBOURS, PlaneFit::LeastSquares).normals;
     let lists = by_kiddo(positions);
     let theirs: Vec<Vec3> = lists
         .par_chunks(NEIGHBOURS)

@@ -3,13 +3,18 @@
 //! Measured: 100,000 points in random order, k = 12, on one thread and on as many as there are cores, with everything
 //! allocated. *surface* is all of it (tree, neighbours, normals, radii, orientation over the spanning tree), *surface to
 //! sensor* without the spanning tree, *radii* what a file with normals needs, *neighbours* tree and neighbours with the
-//! lists put into file order.
+//! lists put into file order, *planes* normals alone. *lazy planes* are those of so many percent of the points, consecutive
+//! ones in Morton order, the tree over all points included.
 //!
 //! Not measured: decoding, packing of records.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use pointreel::analysis::{DEFAULT_NEIGHBOURS, estimate_surface, nearest_neighbours, splat_radii};
+use pointreel::analysis::{
+    DEFAULT_NEIGHBOURS, LazyPlanes, PlaneFit, estimate_planes, estimate_surface,
+    nearest_neighbours, splat_ellipses, splat_radii,
+};
+use pointreel::math::{Cube, order_of_codes};
 
 mod shapes;
 
@@ -21,11 +26,23 @@ fn normals(criterion: &mut Criterion) {
     pointreel::memory::keep_freed_pages();
     let (positions, _) = shapes::bumpy_torus(POINTS);
     let known = estimate_surface(&positions, None).normals;
+    let cube = Cube::around(&positions).expect("there are points");
+    let order = order_of_codes(&cube.codes(&positions));
+    let in_morton_order: Vec<Vec3> = order.iter().map(|&i| positions[i as usize]).collect();
+    let planes = |fit| {
+        estimate_planes(&in_morton_order, DEFAULT_NEIGHBOURS, fit)
+            .normals
+            .len()
+    };
+    let lazy = |percent: usize| {
+        let lazy = LazyPlanes::new(&in_morton_order, DEFAULT_NEIGHBOURS, None);
+        lazy.of(0..POINTS / 100 * percent).normals.len()
+    };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let mut group = criterion.benchmark_group("analysis/100000");
     group.throughput(Throughput::Elements(POINTS as u64));
     group.sample_size(20);
-    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 4] = [
+    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 9] = [
         ("surface", &|| {
             estimate_surface(&positions, None).normals.len()
         }),
@@ -35,6 +52,12 @@ fn normals(criterion: &mut Criterion) {
                 .len()
         }),
         ("radii", &|| splat_radii(&positions, &known).len()),
+        ("ellipses", &|| splat_ellipses(&positions, &known).len()),
+        ("planes", &|| planes(PlaneFit::LeastSquares)),
+        ("planes, robust", &|| planes(PlaneFit::Robust)),
+        ("lazy planes, 1 percent", &|| lazy(1)),
+        ("lazy planes, 10 percent", &|| lazy(10)),
+        ("lazy planes, 100 percent", &|| lazy(100)),
         ("neighbours", &|| {
             nearest_neighbours(&positions, DEFAULT_NEIGHBOURS).per_point()
         }),

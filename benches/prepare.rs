@@ -27,6 +27,7 @@ const ROUNDS: usize = 5;
 const FRAME_BYTES: usize = POINTS * (32 + 16 + 16);
 const SURFELS: Needs = Needs {
     shapes: true,
+    ellipses: false,
     octree: None,
     colors: pointreel::sequence::ColorSource::Auto,
 };

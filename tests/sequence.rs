@@ -32,6 +32,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 const SURFELS: Needs = Needs {
     shapes: true,
+    ellipses: false,
     octree: None,
     colors: ColorSource::Auto,
 };
@@ -39,6 +40,7 @@ const SURFELS: Needs = Needs {
 fn voxels(delta: f32) -> Needs {
     Needs {
         shapes: false,
+        ellipses: false,
         octree: Some(StopCriterion::Loss(delta)),
         colors: ColorSource::Auto,
     }

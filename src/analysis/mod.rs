@@ -4,13 +4,19 @@
 
 mod bucket_search;
 mod colors;
+mod ellipses;
 mod four_matrices;
 mod lanes;
+mod lazy_planes;
 mod neighbours;
 mod normals;
+mod openings;
 mod orientation;
+#[cfg(test)]
+mod plane_tests;
 mod point_tree;
 mod radii;
+mod robust_planes;
 mod smallest_rows;
 #[cfg(test)]
 pub(crate) mod test_shapes;
@@ -18,9 +24,11 @@ pub(crate) mod test_shapes;
 mod tests;
 
 pub use colors::{fake_color, scalar_colors};
+pub use lazy_planes::LazyPlanes;
 pub use neighbours::{Neighbours, nearest_neighbours};
 pub use radii::LONE_RADIUS;
 
+use crate::cloud::Ellipse;
 use glam::Vec3;
 use point_tree::PointTree;
 
@@ -51,11 +59,44 @@ pub struct Planes {
     pub without_plane: Vec<u32>,
 }
 
-/// Estimates the normals of [`estimate_surface`] alone, from `k` neighbours and without turning them to one side.
-pub fn estimate_planes(positions: &[Vec3], k: usize) -> Planes {
+/// How a plane is fitted to neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum PlaneFit {
+    /// Principal components: all points count alike (Hoppe et al. 1992). Fastest, and best against noise that all have.
+    #[default]
+    LeastSquares,
+    /// Principal components of points weighted by their distance from the plane (Cauchy's weights; Holland and Welsch 1977):
+    /// points far off the surface hardly count, nor does the other side of an edge. Takes several times as long.
+    Robust,
+}
+
+impl PlaneFit {
+    /// All ways, in the order in which a list shows them.
+    pub const ALL: [Self; 2] = [Self::LeastSquares, Self::Robust];
+
+    /// Its word in tables and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LeastSquares => "least squares",
+            Self::Robust => "robust",
+        }
+    }
+}
+
+/// Estimates normals alone, from `k` neighbours and without turning them to one side. Those of [`estimate_surface`] are
+/// [`PlaneFit::LeastSquares`].
+pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(k);
-    let planes = normals::fit_planes(&tree, &neighbours);
+    let mut planes = normals::fit_planes(&tree, &neighbours, 0..tree.len());
+    if fit == PlaneFit::Robust {
+        robust_planes::refine(
+            &tree,
+            &neighbours,
+            &planes.without_plane,
+            &mut planes.normals,
+        );
+    }
     Planes {
         normals: tree.to_file_order(&planes.normals),
         without_plane: tree.to_file_indices(&planes.without_plane),
@@ -71,11 +112,11 @@ pub fn estimate_planes(positions: &[Vec3], k: usize) -> Planes {
 pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
-    let planes = normals::fit_planes(&tree, &neighbours);
+    let planes = normals::fit_planes(&tree, &neighbours, 0..tree.len());
     let mut normals = planes.normals;
     let radii = radii::closing_radii(&tree, &neighbours, &normals);
     match sensor {
-        Some(sensor) => orientation::face_sensor(&tree, sensor, &mut normals),
+        Some(sensor) => orientation::face_sensor(&tree, sensor, 0, &mut normals),
         None => orientation::face_outwards(&tree, &neighbours, &mut normals),
     }
     Surface {
@@ -98,4 +139,20 @@ pub fn splat_radii(positions: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
     let mut normals = tree.to_slot_order(normals);
     normals::fill_missing(&tree, &neighbours, &mut normals);
     tree.to_file_order(&radii::closing_radii(&tree, &neighbours, &normals))
+}
+
+/// Ellipses that close the surface as the circles of [`splat_radii`] do, with less area; `None` where a circle is right.
+///
+/// `normals` are of unit length, or zero where the tangent plane has to be estimated. An ellipse has the radius of its point:
+/// see [`Ellipse::half_axes`].
+///
+/// # Panics
+/// Precondition: as many normals as positions.
+pub fn splat_ellipses(positions: &[Vec3], normals: &[Vec3]) -> Vec<Option<Ellipse>> {
+    assert_eq!(positions.len(), normals.len(), "one normal for each point");
+    let tree = PointTree::new(positions);
+    let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
+    let mut normals = tree.to_slot_order(normals);
+    normals::fill_missing(&tree, &neighbours, &mut normals);
+    tree.to_file_order(&ellipses::closing_ellipses(&tree, &neighbours, &normals))
 }

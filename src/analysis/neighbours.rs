@@ -14,25 +14,28 @@ use std::ops::Range;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Neighbours {
     per_point: usize,
+    /// Pieces before the first that is here.
+    pieces_before: usize,
     /// The lists of [`POINTS_PER_PIECE`] points each, one after the other. One piece for all would be megabytes that are
     /// filled with zeros before they are written; these never leave the nearest cache in between.
     pieces: Vec<Vec<u32>>,
 }
 
 /// Points whose lists are written by one task: whole buckets.
-const POINTS_PER_PIECE: usize = 64 * LANES;
+pub(super) const POINTS_PER_PIECE: usize = 64 * LANES;
 
 impl Neighbours {
-    /// Lists of `point_count` points, of which `write` gets those of some consecutive ones.
+    /// Lists of consecutive points, of which `write` gets those of some. Precondition: the first one begins a piece.
     fn by_pieces(
-        point_count: usize,
+        points: Range<usize>,
         per_point: usize,
         write: impl Fn(Range<usize>, &mut [u32]) + Sync,
     ) -> Self {
-        let pieces = (0..point_count.div_ceil(POINTS_PER_PIECE)).into_par_iter();
+        let pieces_before = points.start / POINTS_PER_PIECE;
+        let pieces = (pieces_before..points.end.div_ceil(POINTS_PER_PIECE)).into_par_iter();
         let pieces = pieces.map(|piece| {
             let first = piece * POINTS_PER_PIECE;
-            let points = first..point_count.min(first + POINTS_PER_PIECE);
+            let points = first..points.end.min(first + POINTS_PER_PIECE);
             let mut lists = vec![0; points.len() * per_point];
             // A point that is alone has no neighbours.
             if per_point > 0 {
@@ -42,6 +45,7 @@ impl Neighbours {
         });
         Self {
             per_point,
+            pieces_before,
             pieces: pieces.collect(),
         }
     }
@@ -54,7 +58,7 @@ impl Neighbours {
     /// The neighbours of a point, never the point itself.
     pub fn of(&self, index: usize) -> &[u32] {
         let first = index % POINTS_PER_PIECE * self.per_point;
-        &self.pieces[index / POINTS_PER_PIECE][first..first + self.per_point]
+        &self.pieces[index / POINTS_PER_PIECE - self.pieces_before][first..first + self.per_point]
     }
 }
 
@@ -64,7 +68,7 @@ impl Neighbours {
 pub fn nearest_neighbours(positions: &[Vec3], k: usize) -> Neighbours {
     let tree = PointTree::new(positions);
     let by_slot = tree.neighbours(k);
-    Neighbours::by_pieces(positions.len(), by_slot.per_point, |points, lists| {
+    Neighbours::by_pieces(0..positions.len(), by_slot.per_point, |points, lists| {
         let mut order = Vec::new();
         for (list, index) in lists.chunks_exact_mut(by_slot.per_point).zip(points) {
             tree.write_in_order(index as u32, &by_slot, &mut order, list);
@@ -75,9 +79,14 @@ pub fn nearest_neighbours(positions: &[Vec3], k: usize) -> Neighbours {
 impl PointTree {
     /// [`nearest_neighbours`] with slots in place of indices, both as position and as value, and in no order.
     pub(super) fn neighbours(&self, k: usize) -> Neighbours {
+        self.neighbours_of(0..self.len(), k)
+    }
+
+    /// [`PointTree::neighbours`] of some consecutive slots alone. Precondition: the first one begins a piece.
+    pub(super) fn neighbours_of(&self, slots: Range<usize>, k: usize) -> Neighbours {
         let per_point = k.min(self.len().saturating_sub(1));
         let level = Level::new();
-        Neighbours::by_pieces(self.len(), per_point, |slots, lists| {
+        Neighbours::by_pieces(slots, per_point, |slots, lists| {
             let mut search = BucketSearch::new(self, per_point);
             let first_bucket = slots.start / LANES;
             for (place, lists) in lists.chunks_mut(LANES * per_point).enumerate() {

@@ -18,11 +18,12 @@ use super::point_tree::{PointTree, SlotPoint};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x4, f64x4};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// The planes around all points.
+/// The planes around consecutive points.
 #[derive(Debug)]
 pub(super) struct SlotPlanes {
-    /// Unit normals by slot.
+    /// Unit normals in the order of the slots.
     pub(super) normals: Vec<Vec3>,
     /// Slots of the points whose neighbours define no plane, ascending.
     pub(super) without_plane: Vec<u32>,
@@ -31,16 +32,20 @@ pub(super) struct SlotPlanes {
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 9;
 
-/// Fits planes to all points and their neighbours.
-pub(super) fn fit_planes(tree: &PointTree, neighbours: &Neighbours) -> SlotPlanes {
+/// Fits planes to consecutive points and their neighbours.
+pub(super) fn fit_planes(
+    tree: &PointTree,
+    neighbours: &Neighbours,
+    slots: Range<usize>,
+) -> SlotPlanes {
     let level = Level::new();
-    let mut normals = vec![Vec3::Z; tree.len()];
+    let mut normals = vec![Vec3::Z; slots.len()];
     let without_plane: Vec<Vec<u32>> = normals
         .par_chunks_mut(POINTS_PER_TASK)
         .enumerate()
         .map(|(task, normals)| {
             let mut without_plane = Vec::new();
-            let first_slot = POINTS_PER_TASK * task;
+            let first_slot = slots.start + POINTS_PER_TASK * task;
             dispatch!(level, simd => {
                 fit_all(simd, tree.points(), neighbours, first_slot, normals, &mut without_plane);
             });
@@ -99,7 +104,7 @@ fn fit_four<S: Simd>(
     first_slot: usize,
     neighbours: &Neighbours,
 ) -> [(Vec3, bool); FOUR] {
-    // Lanes beyond the last point repeat it.
+    // Lanes beyond the last point repeat it. Blocks of slots end at multiples of four, or with it.
     let last = points.len() - 1;
     let slot_of = |lane: usize| (first_slot + lane).min(last);
     let centers = axes_of_four(simd, |lane| points[slot_of(lane)].register());

@@ -24,10 +24,10 @@ use super::point_tree::{PointTree, SlotPoint};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Turns every normal (by slot) to the half-space that `sensor`, in scene units, is in.
-pub(super) fn face_sensor(tree: &PointTree, sensor: Vec3, normals: &mut [Vec3]) {
+/// Turns the normals of consecutive slots to the half-space that `sensor`, in scene units, is in.
+pub(super) fn face_sensor(tree: &PointTree, sensor: Vec3, first_slot: usize, normals: &mut [Vec3]) {
     let sensor = sensor / tree.unit();
-    for (normal, point) in normals.iter_mut().zip(tree.points()) {
+    for (normal, point) in normals.iter_mut().zip(&tree.points()[first_slot..]) {
         if normal.dot(sensor - point.position) < 0.0 {
             *normal = -*normal;
         }

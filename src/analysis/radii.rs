@@ -9,7 +9,9 @@
 //! about the smallest radius with which a point need not rely on the disks of others.
 //!
 //! Where the cell is open (the rim of a surface, a line of points) it has no farthest place; there, only corners between two
-//! neighbours count, and the lines midway to neighbours.
+//! neighbours count, and the lines midway to neighbours. An opening may be narrower than the directions are apart: the cell
+//! of a point in a row is a strip between two parallel lines. So between two directions the lines that end the cell on both
+//! sides are continued to where they meet ([`super::openings`]).
 //!
 //! Outliers would get disks that hide the scene: a radius is at most a few times the harmonic mean of its neighbours' radii,
 //! which are small for a stray point near a dense surface but grow along in regions that are sparse throughout; and far
@@ -20,8 +22,9 @@
 
 use super::lanes::axes;
 use super::neighbours::Neighbours;
+use super::openings;
 use super::point_tree::{LANES, PointTree, Row, SlotPoint};
-use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, SimdMask, dispatch, f32x8, mask32x8};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -93,14 +96,14 @@ const POINTS_PER_TASK: usize = 1 << 10;
 const OPEN: f32 = 0.5;
 
 /// Directions in the tangent plane along which a cell is measured.
-const DIRECTIONS: usize = 32;
+pub(super) const DIRECTIONS: usize = 32;
 
 /// Directions in one quarter of the circle, both ends included. Those in the others are their opposites, along which
 /// everything is as long with the opposite sign, and their mirror images, along which the products are the same.
-const QUARTER: usize = DIRECTIONS / 4 + 1;
+pub(super) const QUARTER: usize = DIRECTIONS / 4 + 1;
 
 /// Cosines and sines of the evenly spaced directions of one quarter.
-fn quarter_circle() -> [[f32; 2]; QUARTER] {
+pub(super) fn quarter_circle() -> [[f32; 2]; QUARTER] {
     std::array::from_fn(|direction| {
         let turn = direction as f64 / DIRECTIONS as f64;
         let (sine, cosine) = (turn * std::f64::consts::TAU).sin_cos();
@@ -183,22 +186,49 @@ impl Cells<'_> {
         // What is extreme along the circle is a corner or the middle of a side. Beyond the last neighbour nothing is
         // known, so a corner there is taken to be no farther than it, and twice as far out the cell counts as open.
         let known = f32x8::splat(simd, 1.0) / reach_squared.sqrt();
-        let open = known * OPEN;
-        let nowhere = f32x8::splat(simd, f32::INFINITY);
-        let mut smallest = nowhere;
-        let mut before = f32x8::from_slice(simd, &inverse[DIRECTIONS - 1]);
-        let mut here = f32x8::from_slice(simd, &inverse[0]);
-        for direction in 0..DIRECTIONS {
-            let after = f32x8::from_slice(simd, &inverse[(direction + 1) % DIRECTIONS]);
-            let turns = (here - before) * (here - after);
-            let counts = simd.select_f32x8(turns.simd_ge(zero), here, nowhere);
-            let counts = simd.select_f32x8(here.simd_ge(open), counts, nowhere);
-            smallest = smallest.min(counts);
-            before = here;
-            here = after;
+        let (mut smallest, may_open) = smallest_extreme(simd, &inverse, known);
+        if may_open.any_true() {
+            openings::set_open(&self.directions, lines, known.into(), &mut inverse);
+            (smallest, _) = smallest_extreme(simd, &inverse, known);
         }
         (f32x8::splat(simd, 1.0) / smallest.max(known)).into()
     }
+}
+
+/// The smallest inverse distances that count, and which cells may be open between two directions.
+#[inline(always)]
+fn smallest_extreme<S: Simd>(
+    simd: S,
+    inverse: &[Row; DIRECTIONS],
+    known: f32x8<S>,
+) -> (f32x8<S>, mask32x8<S>) {
+    let zero = f32x8::splat(simd, 0.0);
+    let nowhere = f32x8::splat(simd, f32::INFINITY);
+    let open = known * OPEN;
+    let open_between = known * openings::OPEN;
+    let mut smallest = nowhere;
+    let mut least_meeting = nowhere;
+    let mut before = f32x8::from_slice(simd, &inverse[DIRECTIONS - 1]);
+    let mut here = f32x8::from_slice(simd, &inverse[0]);
+    let mut surplus_before = zero;
+    for direction in 0..=DIRECTIONS {
+        let after = f32x8::from_slice(simd, &inverse[(direction + 1) % DIRECTIONS]);
+        let turns = (here - before) * (here - after);
+        let counts = simd.select_f32x8(turns.simd_ge(zero), here, nowhere);
+        let counts = simd.select_f32x8(here.simd_ge(open), counts, nowhere);
+        smallest = smallest.min(counts);
+        // See `openings`; rounding makes surpluses negative.
+        let surplus = (before - here * openings::TWICE_COSINE + after).max(zero);
+        let meeting = surplus_before * (before - open_between)
+            + surplus * (here - open_between - surplus_before);
+        let is_between = before.min(here).simd_ge(open);
+        let meeting = simd.select_f32x8(is_between, meeting, nowhere);
+        least_meeting = least_meeting.min(meeting);
+        surplus_before = surplus;
+        before = here;
+        here = after;
+    }
+    (smallest, least_meeting.simd_lt(zero))
 }
 
 /// Two unit vectors across each of eight and across each other (Duff et al. 2017, *Building an Orthonormal Basis,

@@ -166,8 +166,32 @@ fn few_and_degenerate_points_have_a_surface() {
     );
 }
 
+/// A cell of points in a line is open between two parallel lines, in two directions of no width, wherever these are among the
+/// directions that cells are measured along.
+#[test]
+fn lines_in_any_direction_have_small_disks() {
+    for direction in [
+        Vec3::new(0.25, -2.0, 0.5),
+        Vec3::new(1.0, 0.1, 0.01),
+        Vec3::new(0.1, 0.2, 0.9),
+        Vec3::new(0.3, 0.7, 0.1),
+        Vec3::ONE,
+    ] {
+        let line: Vec<Vec3> = (0..500).map(|i| direction * (i as f32 / 128.0)).collect();
+        let spacing = direction.length() / 128.0;
+        let surface = estimate_surface(&line, None);
+        for (index, radius) in surface.radii.iter().enumerate() {
+            let spacings = radius / spacing;
+            assert!(
+                (0.58..0.65).contains(&spacings),
+                "a radius of {spacings} spacings at {index} along {direction}"
+            );
+        }
+    }
+}
+
 /// Angles in degrees between found and true normals, sign included: mean and largest.
-fn angles(found: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
+pub(super) fn angles(found: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
     let angles: Vec<f32> = found
         .iter()
         .zip(truth)
@@ -352,7 +376,7 @@ proptest! {
             .map(|point| std::array::from_fn(|axis| if axis < flattened { 1 } else { point[axis] }))
             .collect();
         let positions: Vec<Vec3> = points.iter().map(|p| Vec3::from(p.map(f32::from))).collect();
-        let planes = estimate_planes(&positions, k);
+        let planes = estimate_planes(&positions, k, PlaneFit::default());
         prop_assert!(planes.normals.iter().all(|normal| normal.is_normalized()));
         prop_assert_eq!(planes.without_plane, without_plane_by_brute_force(&points, k));
     }

@@ -22,7 +22,7 @@ pub struct ShapeRecord {
     pub normal: [i16; 2],
     /// Half edge length of the splat in scene units.
     pub radius: f32,
-    /// Reserved for anisotropic extents; 0 is a circle.
+    /// Anisotropic extents, see [`super::encode_ellipse`]; 0 is a circle.
     pub ellipse: u32,
     /// The point's free scalar.
     pub scalar: f32,

@@ -151,6 +151,7 @@ impl Scene {
     pub fn needs(settings: &Settings) -> Needs {
         Needs {
             shapes: settings.primitive == Primitive::Surfel,
+            ellipses: false,
             octree: settings.draws_cells().then_some(settings.stop),
             colors: settings.colors,
         }

@@ -64,6 +64,9 @@ impl ColorSource {
 pub struct Needs {
     /// Normals and radii: for surfels.
     pub shapes: bool,
+    /// Ellipses in the shapes, where radii are estimated. Off for drawing, which shows circles: they take twice as
+    /// long as radii.
+    pub ellipses: bool,
     /// An octree of this depth: for voxels, levels of detail and picking.
     pub octree: Option<StopCriterion>,
     /// The colours of points and voxels.

@@ -9,6 +9,7 @@
 //! | stop criterion | – | – | octree, its points not sorted again |
 //! | colours | – | – | points; octree if one is needed |
 //! | shapes wanted now | – | normals and radii the file has not | shapes |
+//! | ellipses wanted now | – | ellipses, where radii are estimated | shapes |
 //!
 //! **Who changed.** [`PreparedFrame::id`] names the content of `points`: equal ids mean equal points, so a renderer that holds
 //! the points of an id need not upload them again. For shapes and octree the `Arc` itself tells: `Arc::ptr_eq`.
@@ -95,6 +96,7 @@ pub struct PreparedFrame {
     /// What the last completion took; decoding included if it happened then.
     pub timings: Timings,
     colors: ColorSource,
+    has_ellipses: bool,
     octree_stop: Option<StopCriterion>,
 }
 
@@ -103,6 +105,7 @@ impl PreparedFrame {
     pub fn satisfies(&self, needs: &Needs) -> bool {
         self.colors == needs.colors.resolve(&self.frame)
             && (!needs.shapes || self.shapes.is_some())
+            && (!needs.ellipses || self.has_ellipses)
             && (needs.octree.is_none() || needs.octree == self.octree_stop)
     }
 
@@ -181,8 +184,18 @@ fn build(
     let colors_need_shapes = colors == ColorSource::Normal
         && same_colors.is_none()
         && records::file_normals(&frame).is_none();
-    if shapes.is_none() && (needs.shapes || colors_need_shapes) {
+    if shapes.is_none() && (needs.shapes || needs.ellipses || colors_need_shapes) {
         shapes = Some(Arc::new(estimated_shapes(&frame, &mut timings, counters)));
+    }
+
+    let mut has_ellipses = existing.is_some_and(|existing| existing.has_ellipses);
+    if let (Some(circles), true) = (&shapes, needs.ellipses && !has_ellipses) {
+        let start = Instant::now();
+        shapes = records::with_ellipses(&frame, circles)
+            .map(Arc::new)
+            .or(shapes);
+        timings.analysis_ms += milliseconds_since(start);
+        has_ellipses = true;
     }
 
     let (id, points) = if let Some(existing) = same_colors {
@@ -235,6 +248,7 @@ fn build(
         lod_surfels,
         timings,
         colors,
+        has_ellipses,
         octree_stop,
     }
 }

@@ -1,7 +1,7 @@
 //! Frames → the records that are drawn, each array written in one pass into memory of the right size.
 
-use crate::analysis::{estimate_surface, fake_color, scalar_colors, splat_radii};
-use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
+use crate::analysis::{estimate_surface, fake_color, scalar_colors, splat_ellipses, splat_radii};
+use crate::cloud::{Frame, PointRecord, ShapeRecord, encode_ellipse, oct_decode, oct_encode};
 use glam::Vec3;
 use std::borrow::Cow;
 
@@ -32,13 +32,17 @@ pub(super) fn file_normals(frame: &Frame) -> Option<&[Vec3]> {
         .filter(|normals| normals.iter().all(|&normal| normal != Vec3::ZERO))
 }
 
+/// The file's radii if every point has one.
+fn file_radii(frame: &Frame) -> Option<&[f32]> {
+    frame
+        .radii()
+        .filter(|radii| radii.iter().all(|&radius| radius > 0.0))
+}
+
 /// Takes what the file has and estimates the rest: a zero normal and a zero radius count as missing.
 pub(super) fn complete_surface(frame: &Frame) -> (CompleteSurface<'_>, SurfaceWork) {
     let positions = frame.positions();
-    let radii = frame
-        .radii()
-        .filter(|radii| radii.iter().all(|&radius| radius > 0.0));
-    match (file_normals(frame), radii) {
+    match (file_normals(frame), file_radii(frame)) {
         (Some(normals), Some(radii)) => (
             CompleteSurface {
                 normals: normals.into(),
@@ -99,6 +103,26 @@ pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec
             .collect(),
         None => shapes.map(|shape| record(shape, 0.0)).collect(),
     }
+}
+
+/// `shapes` with ellipses in place of circles wherever the radius is estimated; `None` if it is nowhere, as a radius of the file
+/// says what a point covers.
+pub(super) fn with_ellipses(frame: &Frame, shapes: &[ShapeRecord]) -> Option<Vec<ShapeRecord>> {
+    if file_radii(frame).is_some() {
+        return None;
+    }
+    let normals: Vec<Vec3> = shapes
+        .iter()
+        .map(|shape| oct_decode(shape.normal))
+        .collect();
+    let ellipses = splat_ellipses(frame.positions(), &normals);
+    let has_radius = |index: usize| frame.radii().is_some_and(|radii| radii[index] > 0.0);
+    let shapes = shapes.iter().zip(ellipses).enumerate();
+    let records = shapes.map(|(index, (&shape, ellipse))| ShapeRecord {
+        ellipse: encode_ellipse(shape.normal, ellipse.filter(|_| !has_radius(index))),
+        ..shape
+    });
+    Some(records.collect())
 }
 
 /// Records in the file's colours. Precondition: the frame has colours; without, the points are uniform.

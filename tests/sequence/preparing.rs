@@ -2,7 +2,7 @@
 
 use super::*;
 use pointreel::analysis::fake_color;
-use pointreel::cloud::oct_decode;
+use pointreel::cloud::{decode_ellipse, oct_decode};
 use pointreel::sequence::{PrepareCounters, UNIFORM_COLOR, complete, prepare};
 
 /// Octrees, surfaces, radii and records made so far.
@@ -184,6 +184,51 @@ fn another_delta_builds_an_octree_and_nothing_else() {
     assert!(second.octree.unwrap().leaf_count() < first.octree.unwrap().leaf_count());
 }
 
+/// Rows of points three times as far apart as the points in them: circles for those who draw, ellipses for those who ask.
+#[test]
+fn ellipses_are_written_for_those_who_ask() {
+    let place = |i: u32| [f64::from(i % 30), 3.0 * f64::from(i / 30), 0.0];
+    let mut raw = RawCloud::from_positions(Positions::F64((0..900).map(place).collect()));
+    let shapes = Needs {
+        shapes: true,
+        ..Needs::default()
+    };
+    let ellipses = Needs {
+        ellipses: true,
+        ..shapes
+    };
+    let counters = PrepareCounters::default();
+    let circles = prepare(0, frame_of(raw.clone()), 0.0, &shapes, &counters);
+    let drawn = circles.shapes.as_ref().unwrap();
+    assert!(drawn.iter().all(|shape| shape.ellipse == 0));
+    assert!(!circles.satisfies(&ellipses));
+
+    let completed = complete(&circles, &ellipses, &counters);
+    assert!(completed.satisfies(&ellipses) && completed.satisfies(&shapes));
+    assert!(Arc::ptr_eq(&completed.points, &circles.points));
+    let asked = completed.shapes.as_ref().unwrap();
+    let mut inner = 0;
+    for (index, (shape, circle)) in asked.iter().zip(drawn.iter()).enumerate() {
+        assert_eq!((shape.normal, shape.radius), (circle.normal, circle.radius));
+        let position = completed.frame.positions()[index];
+        if (10.0..20.0).contains(&position.x) && (30.0..60.0).contains(&position.y) {
+            let found = decode_ellipse(shape.normal, shape.ellipse).unwrap();
+            assert!(found.axis.abs().dot(Vec3::Y) > 0.995, "{}", found.axis);
+            assert!((0.25..0.42).contains(&found.ratio), "{}", found.ratio);
+            inner += 1;
+        }
+    }
+    assert_eq!(inner, 100);
+    let again = complete(&completed, &shapes, &counters);
+    assert!(Arc::ptr_eq(again.shapes.as_ref().unwrap(), asked));
+
+    // A radius of the file says what a point covers.
+    raw.radii = Some(vec![0.5; 900]);
+    let given = prepare(0, frame_of(raw), 0.0, &ellipses, &counters);
+    assert!(given.satisfies(&ellipses));
+    assert!(given.shapes.unwrap().iter().all(|shape| shape.ellipse == 0));
+}
+
 #[test]
 fn the_same_needs_again_do_nothing() {
     let counters = PrepareCounters::default();
@@ -281,6 +326,7 @@ fn frames_without_points_and_with_one_are_prepared() {
         for colors in ColorSource::ALL {
             let needs = Needs {
                 shapes: true,
+                ellipses: true,
                 octree: Some(StopCriterion::Loss(0.05)),
                 colors,
             };

@@ -64,7 +64,7 @@ impl Report {
             ],
             Suite::Accuracy => [
                 "normals: angle to the truth on sampled shapes, either sign; noise is the standard deviation along each axis as a \
-                 part of the diameter; tree, neighbours and components on all threads. leaves: from points to the middles of \
+                 part of the diameter, outliers are 3 % of it off; tree, neighbours and planes on all threads, by least squares and robust. leaves: from points to the middles of \
                  their leaves, scene units and cell edges. lod: pictures of voxels, the whole object in view and from 4 times as \
                  far, against those of all leaves, τ = 0 (– is the truth itself, or a PSNR of equal pictures): PSNR and \
                  FLIP over the picture, FLIP over the pixels that show the object; to surfels: the same against surfels",

@@ -2,7 +2,7 @@
 //!
 //! | table | truth | error |
 //! |---|---|---|
-//! | [`NORMALS`] | shapes whose normals are known, with and without noise | angle, by number of neighbours |
+//! | [`NORMALS`] | shapes whose normals are known, with and without noise and outliers | angle, by number of neighbours and way to fit |
 //! | [`LEAVES`] | the points of each sequence | distance to the middle of the leaf that stands for a point, by δ |
 //! | [`LOD`] | the picture of all leaves, τ = 0, and that of surfels | PSNR and FLIP of the picture, by LOD threshold τ |
 //!
@@ -31,6 +31,7 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     // Normals.
     Column::text("shape", "shape"),
     Column::percent("noise", "noise", 1),
+    Column::percent("outliers", "outliers", 0),
     Column::number("neighbours", "k", 0),
     // Leaves and levels of detail.
     Column::text("sequence", "sequence"),
@@ -45,6 +46,12 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("angle_deg_mean", "mean °", 2),
     Column::number("angle_deg_p95", "95 % °", 2),
     Column::number("angle_deg_max", "most °", 2),
+    Column::number("robust_ms_median", "robust ms", 2),
+    Column::number("robust_ms_q1", "25 %", 2).hidden(),
+    Column::number("robust_ms_q3", "75 %", 2).hidden(),
+    Column::number("robust_angle_deg_mean", "robust mean °", 2),
+    Column::number("robust_angle_deg_p95", "robust 95 % °", 2),
+    Column::number("robust_angle_deg_max", "robust most °", 2),
     // Leaves.
     Column::percent("loss", "loss", 2),
     Column::number("depth", "depth", 1),

@@ -1,11 +1,12 @@
-//! Normals on known shapes: angle to the truth and time by noise and number of neighbours.
+//! Normals on known shapes: angle to the truth and time by noise, outliers and number of neighbours, of least squares and of
+//! robust fits.
 //!
 //! Signs are not compared: they come later, from the neighbourhood graph or the sensor. The time is that of the whole
-//! estimate (tree, neighbours, principal components) on all threads that the program has.
+//! estimate (tree, neighbours, planes) on all threads that the program has.
 
-use super::shapes::Shape;
+use super::shapes::{OUTLIERS, Sampled, Shape};
 use super::{NORMALS, row};
-use crate::analysis::estimate_planes;
+use crate::analysis::{PlaneFit, estimate_planes};
 use crate::bench::report::Cell;
 use crate::bench::runner::milliseconds_since;
 use crate::bench::suites::Run;
@@ -17,68 +18,109 @@ use std::time::Instant;
 /// Points on each shape: of a sphere, about a hundred along its diameter.
 const POINTS: usize = 20_000;
 
-/// Standard deviations of the noise, as parts of the diameter.
-const NOISES: [f32; 4] = [0.0, 0.005, 0.01, 0.02];
+/// What is wrong with the points: the standard deviation of noise, as a part of the diameter, and whether one point in
+/// [`OUTLIERS`] is far off the surface.
+const DISTURBANCES: [(f32, bool); 6] = [
+    (0.0, false),
+    (0.005, false),
+    (0.01, false),
+    (0.02, false),
+    (0.0, true),
+    (0.005, true),
+];
 
 /// Numbers of neighbours; the program's own 12 is between the first two.
 const NEIGHBOURS: [usize; 3] = [8, 16, 32];
 
-/// One for each shape with each noise.
-pub(super) const STEPS: usize = Shape::ALL.len() * NOISES.len();
+/// One for each shape with each disturbance.
+pub(super) const STEPS: usize = Shape::ALL.len() * DISTURBANCES.len();
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     for shape in Shape::ALL {
-        for noise in NOISES {
+        for (noise, has_outliers) in DISTURBANCES {
             // Written as a person would: free of the rounding to f32.
             let noise_share = f64::from((noise * 1e4).round()) / 1e4;
-            run.begin_step(format!("{}, {} % noise", shape.name(), noise_share * 100.0))?;
-            let truth = shape.sample(POINTS, noise);
+            let outlier_share = f64::from(u8::from(has_outliers)) / OUTLIERS as f64;
+            run.begin_step(format!(
+                "{}, {} % noise, {} % outliers",
+                shape.name(),
+                noise_share * 100.0,
+                outlier_share * 100.0
+            ))?;
+            let mut truth = shape.sample(POINTS, noise);
+            if has_outliers {
+                shape.scatter(&mut truth);
+            }
             for neighbours in NEIGHBOURS {
-                let mut times_ms = Vec::new();
-                let mut normals = Vec::new();
-                for round in 0..run.options.warmup + run.options.repeat {
-                    run.check_cancelled()?;
-                    let start = Instant::now();
-                    let estimated =
-                        estimate_planes(black_box(&truth.positions), neighbours).normals;
-                    let time_ms = milliseconds_since(start);
-                    if round >= run.options.warmup {
-                        times_ms.push(time_ms);
-                    }
-                    // Freeing those before is not part of estimating.
-                    normals = estimated;
+                let mut cells = vec![
+                    ("shape", Cell::Text(shape.name().to_owned())),
+                    ("noise", Cell::Number(noise_share)),
+                    ("outliers", Cell::Number(outlier_share)),
+                    ("neighbours", Cell::Number(neighbours as f64)),
+                    ("points", Cell::Number(POINTS as f64)),
+                ];
+                for fit in PlaneFit::ALL {
+                    let values = measure_fit(run, &truth, neighbours, fit)?;
+                    let keys = keys(fit);
+                    cells.extend(keys.into_iter().zip(values.map(Cell::maybe)));
                 }
-                let error = AngularError::of(&normals, &truth.normals, Orientation::Ignored);
-                let time = Quantiles::of(&times_ms);
-                run.report.rows.push(row(
-                    NORMALS,
-                    &[
-                        ("shape", Cell::Text(shape.name().to_owned())),
-                        ("noise", Cell::Number(noise_share)),
-                        ("neighbours", Cell::Number(neighbours as f64)),
-                        ("points", Cell::Number(POINTS as f64)),
-                        (
-                            "normals_ms_median",
-                            Cell::maybe(time.map(|time| time.median)),
-                        ),
-                        ("normals_ms_q1", Cell::maybe(time.map(|time| time.q1))),
-                        ("normals_ms_q3", Cell::maybe(time.map(|time| time.q3))),
-                        (
-                            "angle_deg_mean",
-                            Cell::maybe(error.map(|error| error.mean_deg)),
-                        ),
-                        (
-                            "angle_deg_p95",
-                            Cell::maybe(error.map(|error| error.p95_deg)),
-                        ),
-                        (
-                            "angle_deg_max",
-                            Cell::maybe(error.map(|error| error.max_deg)),
-                        ),
-                    ],
-                ));
+                run.report.rows.push(row(NORMALS, &cells));
             }
         }
     }
     Ok(())
+}
+
+/// Columns of what [`measure_fit`] measures.
+fn keys(fit: PlaneFit) -> [&'static str; 6] {
+    match fit {
+        PlaneFit::LeastSquares => [
+            "normals_ms_median",
+            "normals_ms_q1",
+            "normals_ms_q3",
+            "angle_deg_mean",
+            "angle_deg_p95",
+            "angle_deg_max",
+        ],
+        PlaneFit::Robust => [
+            "robust_ms_median",
+            "robust_ms_q1",
+            "robust_ms_q3",
+            "robust_angle_deg_mean",
+            "robust_angle_deg_p95",
+            "robust_angle_deg_max",
+        ],
+    }
+}
+
+/// Median and quartiles of the time in milliseconds; mean, 95th percentile and largest of the angles in degrees.
+fn measure_fit(
+    run: &mut Run<'_>,
+    truth: &Sampled,
+    neighbours: usize,
+    fit: PlaneFit,
+) -> Result<[Option<f64>; 6], BenchError> {
+    let mut times_ms = Vec::new();
+    let mut normals = Vec::new();
+    for round in 0..run.options.warmup + run.options.repeat {
+        run.check_cancelled()?;
+        let start = Instant::now();
+        let estimated = estimate_planes(black_box(&truth.positions), neighbours, fit).normals;
+        let time_ms = milliseconds_since(start);
+        if round >= run.options.warmup {
+            times_ms.push(time_ms);
+        }
+        // Freeing those before is not part of estimating.
+        normals = estimated;
+    }
+    let error = AngularError::of(&normals, &truth.normals, Orientation::Ignored);
+    let time = Quantiles::of(&times_ms);
+    Ok([
+        time.map(|time| time.median),
+        time.map(|time| time.q1),
+        time.map(|time| time.q3),
+        error.map(|error| error.mean_deg),
+        error.map(|error| error.p95_deg),
+        error.map(|error| error.max_deg),
+    ])
 }

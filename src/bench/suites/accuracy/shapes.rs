@@ -22,6 +22,13 @@ pub(super) enum Shape {
 /// Radius of the tube of the torus.
 const TUBE: f32 = 0.4;
 
+/// One point in so many is an outlier, where there are any.
+pub(super) const OUTLIERS: usize = 20;
+
+/// Standard deviation of an outlier along each axis, as a part of the diameter: about twice the distance between points of
+/// the sphere, so that it is a neighbour of others.
+const OUTLIER_DEVIATION: f32 = 0.03;
+
 /// Points with their normals.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sampled {
@@ -67,6 +74,16 @@ impl Shape {
             *position += deviation * random.normal_deviates();
         }
         sampled
+    }
+
+    /// Moves one point in [`OUTLIERS`] off the surface, by a normal deviate along each axis of [`OUTLIER_DEVIATION`] of the
+    /// diameter.
+    pub(super) fn scatter(self, sampled: &mut Sampled) {
+        let mut random = Random(0x0ff + self as u64);
+        let deviation = OUTLIER_DEVIATION * self.diameter();
+        for position in sampled.positions.iter_mut().step_by(OUTLIERS) {
+            *position += deviation * random.normal_deviates();
+        }
     }
 
     /// One point with its normal, or none where the surface has less area than its parameters say.
@@ -210,6 +227,28 @@ mod tests {
                 .sum();
             (area, x * x)
         })
+    }
+
+    #[test]
+    fn one_point_in_twenty_is_an_outlier() {
+        let exact = Shape::Sphere.sample(20_000, 0.0);
+        let mut scattered = exact.clone();
+        Shape::Sphere.scatter(&mut scattered);
+        assert_eq!(exact.normals, scattered.normals);
+        let offsets: Vec<Vec3> = exact
+            .positions
+            .iter()
+            .zip(&scattered.positions)
+            .map(|(exact, scattered)| *scattered - *exact)
+            .filter(|offset| *offset != Vec3::ZERO)
+            .collect();
+        assert_eq!(offsets.len(), 1000);
+        let squares: f32 = offsets
+            .iter()
+            .map(|offset| offset.length_squared() / 3.0)
+            .sum();
+        let deviation = (squares / 1000.0).sqrt();
+        assert!((deviation / 0.06 - 1.0).abs() < 0.06, "{deviation}");
     }
 
     #[test]
