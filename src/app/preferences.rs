@@ -58,6 +58,10 @@ impl Default for Preferences {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "a switch of the window is a word in the file"
+)]
 struct Stored {
     version: u32,
     primitive: String,

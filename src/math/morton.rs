@@ -52,7 +52,7 @@ impl PackedCell {
     /// The coordinate along an axis of the cell of `level` that this one is in.
     #[inline(always)]
     pub(crate) const fn coordinate(self, axis: usize, level: u32) -> u32 {
-        (self.0 >> (LEVELS as usize * axis)) as u32 % FINEST_CELLS >> (LEVELS - level)
+        ((self.0 >> (LEVELS as usize * axis)) as u32 % FINEST_CELLS) >> (LEVELS - level)
     }
 
     /// The coordinates.

@@ -259,7 +259,9 @@ impl Sorter<'_> {
             } else {
                 (&*first, &mut *second)
             };
-            from.iter().for_each(|&item| scatter(item, digit, next, to));
+            for &item in from {
+                scatter(item, digit, next, to);
+            }
             in_second = !in_second;
         }
         in_second

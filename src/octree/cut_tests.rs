@@ -122,7 +122,7 @@ fn cells_that_remember(
         tree: &Octree,
         view: &SelectView,
         was: &HashMap<usize, u32>,
-        node: NodeRange,
+        node: &NodeRange,
         cell: [u32; 3],
         found: &mut HashSet<Cell>,
     ) {
@@ -151,9 +151,9 @@ fn cells_that_remember(
             found.insert((node.level, cell));
             return;
         }
-        for (octant, child) in tree.points.children(&node) {
+        for (octant, child) in tree.points.children(node) {
             let cell = std::array::from_fn(|axis| 2 * cell[axis] + (octant >> axis & 1));
-            visit(tree, view, was, child, cell, found);
+            visit(tree, view, was, &child, cell, found);
         }
     }
     let root = NodeRange {
@@ -161,7 +161,7 @@ fn cells_that_remember(
         points: tree.all_points(),
     };
     let mut found = HashSet::new();
-    visit(tree, view, was, root, [0; 3], &mut found);
+    visit(tree, view, was, &root, [0; 3], &mut found);
     found
 }
 

@@ -58,7 +58,7 @@ impl Octree {
         view: &SelectView,
         hints: CutHints<'_>,
     ) -> (Cut, f32) {
-        let kept = hints.before.map(|before| before.lod_px());
+        let kept = hints.before.map(Cut::lod_px);
         if let Some(lod_px) = kept.filter(|&lod_px| lod_px >= view.lod_px) {
             let cut = self.cut(&SelectView { lod_px, ..*view }, hints);
             let is_used_up = cut.node_count() >= most_nodes - most_nodes / 4;

@@ -220,9 +220,9 @@ impl Traversal<'_> {
         };
         children.sort_unstable_by_key(of_eye);
         if point_count < PARALLEL_POINTS {
-            children
-                .into_iter()
-                .for_each(|child| self.visit(child, cut));
+            for child in children {
+                self.visit(child, cut);
+            }
             return;
         }
         let cuts: Vec<Cut> = children
@@ -233,7 +233,9 @@ impl Traversal<'_> {
                 cut
             })
             .collect();
-        cuts.into_iter().for_each(|part| cut.append(part));
+        for part in cuts {
+            cut.append(part);
+        }
     }
 
     /// The planes that the sphere is not entirely inside of; `None` when it is outside of one.

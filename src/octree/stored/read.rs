@@ -44,7 +44,7 @@ impl StoredOctree {
             let trailing = rest.len();
             return Err(StoredOctreeError::TrailingBytes { trailing });
         }
-        let octree = header.octree(masks, points, colors.as_chunks().0)?;
+        let octree = header.octree(masks, &points, colors.as_chunks().0)?;
         Ok(Self { octree, shapes })
     }
 }
@@ -135,7 +135,7 @@ impl Header {
     fn octree(
         &self,
         masks: &[u8],
-        points: ReadPoints,
+        points: &ReadPoints,
         colors: &[[u8; 3]],
     ) -> Result<Octree, StoredOctreeError> {
         let stop = if self.has_several_levels {
