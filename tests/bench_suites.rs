@@ -270,8 +270,8 @@ fn errors_are_measured_beside_times() {
     let never = AtomicBool::new(false);
     let report = run(&demo(), &options, &common::context(), &watch, &never).unwrap();
     let last_step = last_step.into_inner().unwrap();
-    // 16 kinds of shapes; preparing, leaves and two distances.
-    assert_eq!((last_step.done, last_step.total), (19, 20));
+    // 24 kinds of shapes; preparing, leaves and two distances.
+    assert_eq!((last_step.done, last_step.total), (27, 28));
     assert_files_agree(&report);
     let names: Vec<String> = report
         .tables()
