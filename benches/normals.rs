@@ -42,7 +42,7 @@ fn normals(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("analysis/100000");
     group.throughput(Throughput::Elements(POINTS as u64));
     group.sample_size(20);
-    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 9] = [
+    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 10] = [
         ("surface", &|| {
             estimate_surface(&positions, None).normals.len()
         }),

@@ -91,7 +91,7 @@ pub struct PreparedFrame {
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
     /// The index of the points in the colours of `points`, if it was asked for.
     pub octree: Option<Arc<Octree>>,
-    /// The surfels of the octree's nodes, if it has both surfels and an octree; worked out when they are drawn.
+    /// The surfels of the octree's nodes, if both surfels and an octree were asked for; worked out when they are drawn.
     pub lod_surfels: Option<Arc<LodSurfels>>,
     /// What the last completion took; decoding included if it happened then.
     pub timings: Timings,
@@ -225,7 +225,11 @@ fn build(
         Some((stop, Arc::new(octree)))
     });
     let (octree_stop, octree) = octree.unzip();
-    let lod_surfels = octree.as_ref().zip(shapes.as_ref());
+    let is_asked_for = needs.shapes && needs.octree.is_some();
+    let lod_surfels = octree
+        .as_ref()
+        .zip(shapes.as_ref())
+        .filter(|_| is_asked_for);
     let lod_surfels = lod_surfels.map(|(octree, shapes)| {
         let known = existing.and_then(|existing| existing.lod_surfels.clone());
         known

@@ -1,0 +1,121 @@
+//! Levels of detail in pictures: surfels of octree cells beside all surfels.
+
+mod common;
+
+use common::{camera_at, covered, draw, plain, sphere};
+use glam::DVec3;
+use pointreel::cloud::{Frame, Positions, RawCloud};
+use pointreel::measure::{flip, mean_squared_error, psnr_db};
+use pointreel::scene::{Lod, Scene, ScenePacket, Settings};
+use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [240, 240];
+const POINTS: u32 = 40_000;
+const BLACK: [u8; 3] = [0; 3];
+
+fn by_octree(lod: Lod) -> Settings {
+    Settings {
+        surfel_lod: true,
+        lod,
+        ..plain()
+    }
+}
+
+/// A closed sphere of radius 1 with colours that change along it.
+fn closed_sphere(settings: &Settings) -> PreparedFrame {
+    let surfels = sphere(POINTS, 1.0);
+    let positions = surfels.iter().map(|surfel| surfel.position.to_array());
+    let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
+    let color = |normal: glam::Vec3| {
+        let [red, green, blue] = (normal * 100.0 + 128.0).to_array().map(|value| value as u8);
+        [red, green, blue, 255]
+    };
+    raw.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
+    raw.normals = Some(
+        surfels
+            .iter()
+            .map(|surfel| surfel.normal.to_array())
+            .collect(),
+    );
+    let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
+    let needs = Scene::needs(settings);
+    prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
+}
+
+fn packet(frame: &PreparedFrame, distance: f64, settings: &Settings) -> ScenePacket {
+    Scene::default().packet(frame, DVec3::ZERO, &camera_at(distance), settings, SIZE)
+}
+
+/// From afar a fraction of the surfels makes nearly the same picture, and a closed one.
+#[test]
+fn few_surfels_stand_for_many() {
+    let frame = closed_sphere(&by_octree(Lod::default()));
+    let all = packet(&frame, 4.0, &plain());
+    let truth = draw(&all);
+    let mut errors = Vec::new();
+    for lod_px in [1.0, 2.0, 4.0] {
+        let few = packet(&frame, 4.0, &by_octree(Lod::ThresholdPx(lod_px)));
+        assert_eq!(few.shapes.as_ref().unwrap().len(), few.points.len());
+        let picture = draw(&few);
+        let error = flip(&truth, &picture).unwrap().mean();
+        errors.push((few.points.len(), error));
+        // Coarser disks reach over the outline by their own size; nothing opens.
+        let (expected, found) = (covered(&truth, BLACK), covered(&picture, BLACK));
+        assert!(
+            found >= expected * 99 / 100 && found <= expected * 125 / 100,
+            "{found} pixels instead of {expected} at {lod_px} px"
+        );
+    }
+    assert!(
+        errors.is_sorted_by(|a, b| a.0 > b.0 && a.1 < b.1),
+        "{errors:?}"
+    );
+    assert!(errors[0].0 < POINTS as usize / 2, "{errors:?}");
+    assert!(errors[2].0 < POINTS as usize / 20, "{errors:?}");
+    assert!(errors[0].1 < 0.02, "{errors:?}");
+}
+
+/// What normal cones leave out would not have been drawn.
+#[test]
+fn what_faces_away_is_left_out_and_not_missed() {
+    let settings = by_octree(Lod::ThresholdPx(0.0));
+    let frame = closed_sphere(&settings);
+    let two_sided = Settings {
+        cull_back_faces: false,
+        ..settings
+    };
+    let front = packet(&frame, 2.0, &settings);
+    let both = packet(&frame, 2.0, &two_sided);
+    assert_eq!(both.points.len(), POINTS as usize);
+    // From twice the radius away a quarter of a sphere is seen.
+    let share = front.points.len() as f64 / f64::from(POINTS);
+    assert!((0.25..0.45).contains(&share), "{share}");
+    let drawn = draw(&front);
+    let culled_by_the_gpu = draw(&ScenePacket { settings, ..both });
+    // Sums of weights come in another order.
+    let error = mean_squared_error(&culled_by_the_gpu, &drawn).unwrap();
+    assert!(psnr_db(error) > 50.0, "{} dB", psnr_db(error));
+}
+
+#[test]
+fn a_frame_without_an_octree_shows_all_of_its_surfels() {
+    let frame = closed_sphere(&plain());
+    assert!(frame.lod_surfels.is_none());
+    let packet = packet(&frame, 4.0, &by_octree(Lod::Level(3)));
+    assert_eq!(packet.points.len(), POINTS as usize);
+}
+
+#[test]
+fn a_budget_of_surfels_is_kept() {
+    let frame = closed_sphere(&by_octree(Lod::default()));
+    for budget in [500, 5_000] {
+        let drawn = packet(&frame, 3.0, &by_octree(Lod::Budget(budget)))
+            .points
+            .len();
+        assert!(
+            (budget as usize / 4..=budget as usize).contains(&drawn),
+            "{drawn} of {budget}"
+        );
+    }
+}
