@@ -1,14 +1,14 @@
 //! Building the octree of one frame (paper 000, Table III, column *build*).
 //!
 //! Measured: `Octree::build` from positions and colours in memory, on one and two threads, at δ = 2, 10 and 50 % and with at
-//! most eight points a leaf, with everything it allocates; `Octree::with_stop` when δ changes; the most memory that a build
+//! most eight points a leaf, with everything it allocates; of points that are in Morton order already, as those of frames are; `Octree::with_stop` when δ changes; the most memory that a build
 //! holds; and beside it, in the same run, a textbook radix sort of the same 63-bit Morton codes (eight passes of eight
 //! bits), alone and with the point indices that a build needs. Times vary between machines; the ratio to the sort does not.
 //!
 //! Not measured: decoding the frame, making the codes (for the bare sorts), handing the memory back to the system.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use pointreel::math::Cube;
+use pointreel::math::{Cube, order_of_codes};
 use pointreel::octree::{Octree, StopCriterion};
 use std::hint::black_box;
 
@@ -21,6 +21,12 @@ fn build(criterion: &mut Criterion) {
     pointreel::memory::keep_freed_pages();
     for count in [88_000, 1_000_000] {
         let (positions, colors) = shapes::bumpy_torus(count);
+        let cube = Cube::around(&positions).expect("there are points");
+        let codes = cube.codes(&positions);
+        let in_order: (Vec<_>, Vec<_>) = order_of_codes(&codes)
+            .into_iter()
+            .map(|index| (positions[index as usize], colors[index as usize]))
+            .unzip();
         let mut group = criterion.benchmark_group(format!("octree/{count}"));
         group.throughput(Throughput::Elements(count as u64));
         group.sample_size(if count > 500_000 { 10 } else { 50 });
@@ -34,6 +40,12 @@ fn build(criterion: &mut Criterion) {
                     bencher.iter(|| build(StopCriterion::Loss(delta)));
                 });
             }
+            let id = BenchmarkId::new(format!("build in Morton order, {threads} threads"), 0.02);
+            group.bench_function(id, |bencher| {
+                let stop = StopCriterion::Loss(0.02);
+                let (positions, colors) = &in_order;
+                bencher.iter(|| pool.install(|| Octree::build(positions, colors, stop)));
+            });
             for (from, to) in [(0.02, 0.1), (0.1, 0.02)] {
                 let tree = build(StopCriterion::Loss(from));
                 let id = BenchmarkId::new(
@@ -57,8 +69,6 @@ fn build(criterion: &mut Criterion) {
                 per_point(tree.byte_size()),
             );
         }
-        let cube = Cube::around(&positions).expect("there are points");
-        let codes = cube.codes(&positions);
         let pairs: Vec<(u64, u32)> = codes.iter().copied().zip(0..).collect();
         group.bench_function("bare radix sort, codes", |bencher| {
             bencher.iter_batched_ref(

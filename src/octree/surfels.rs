@@ -83,6 +83,13 @@ impl LodSurfels {
         }
     }
 
+    /// The same, with nothing worked out yet.
+    #[must_use]
+    pub fn anew(&self) -> Self {
+        let (points, shapes) = (Arc::clone(&self.points), Arc::clone(&self.shapes));
+        Self::new(Arc::clone(&self.octree), points, shapes)
+    }
+
     /// The tree.
     pub fn octree(&self) -> &Arc<Octree> {
         &self.octree

@@ -3,6 +3,7 @@
 pub(super) mod accuracy;
 pub(super) mod draw;
 pub(super) mod octree;
+mod traversals;
 
 use super::cover::Cover;
 use super::report::{Row, SequenceSummary};

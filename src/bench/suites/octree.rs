@@ -3,6 +3,7 @@
 //! Builds and traversals run on one thread, the calling one, as the paper's do. Each traversal fills memory that the one before
 //! it left, as playing does; the viewpoints are those from which surfels cover 25 to 85 % of the picture.
 
+use super::traversals::Traversals;
 use super::{Run, Subject, mean, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::milliseconds_since;
@@ -15,6 +16,9 @@ use std::time::Instant;
 
 /// The losses of the paper's table.
 const DELTAS: [f32; 3] = [0.02, 0.10, 0.50];
+
+/// LOD threshold of the traversals, pixels: the usual one.
+const LOD_PX: f32 = 1.0;
 
 /// One step to prepare a frame, one to place its viewpoints, one for each δ.
 const STEPS_PER_FRAME: usize = 2 + DELTAS.len();
@@ -52,9 +56,7 @@ struct Samples {
     nodes: Vec<f64>,
     leaves: Vec<f64>,
     build_ms: Vec<f64>,
-    traverse_ms: Vec<f64>,
-    visited_nodes: Vec<f64>,
-    emitted_voxels: Vec<f64>,
+    traversals: Traversals,
 }
 
 pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
@@ -97,7 +99,8 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
                 percent(delta)
             ))?;
             let octree = measure_build(run, &frame, delta, samples)?;
-            measure_traversal(run, subject, &octree, &cameras, samples)?;
+            let traversals = &mut samples.traversals;
+            traversals.measure(run, subject, &octree, &cameras, LOD_PX)?;
         }
     }
     if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
@@ -149,33 +152,6 @@ fn measure_build(
     Ok(octree)
 }
 
-fn measure_traversal(
-    run: &Run<'_>,
-    subject: &Subject<'_>,
-    octree: &Octree,
-    cameras: &[Camera],
-    samples: &mut Samples,
-) -> Result<(), BenchError> {
-    let origin = subject.sequence.origin();
-    let mut voxels = Vec::new();
-    for round in 0..run.options.warmup + run.options.repeat {
-        for camera in cameras {
-            run.check_cancelled()?;
-            let view = camera.transform(origin, run.options.viewport_px);
-            let start = Instant::now();
-            let select_view = view.select_view(1.0);
-            let selected = octree.select(&select_view, black_box(&mut voxels));
-            let traverse_ms = milliseconds_since(start);
-            if round >= run.options.warmup {
-                samples.traverse_ms.push(traverse_ms);
-                samples.visited_nodes.push(selected.visited_nodes as f64);
-                samples.emitted_voxels.push(selected.emitted as f64);
-            }
-        }
-    }
-    Ok(())
-}
-
 /// δ in whole percent, free of the rounding to f32.
 fn percent(delta: f32) -> f64 {
     f64::from(delta * 100.0).round()
@@ -184,7 +160,7 @@ fn percent(delta: f32) -> f64 {
 impl Samples {
     fn row(&self, sequence: &str, delta: f32, points: f64) -> Row {
         let build = Quantiles::of(&self.build_ms);
-        let traverse = Quantiles::of(&self.traverse_ms);
+        let traverse = Quantiles::of(&self.traversals.times_ms);
         Row::new(vec![
             Cell::Text(sequence.to_owned()),
             Cell::Number(percent(delta) / 100.0),
@@ -201,9 +177,9 @@ impl Samples {
             Cell::maybe(traverse.map(|q| q.q1)),
             Cell::maybe(traverse.map(|q| q.q3)),
             Cell::maybe(traverse.map(|q| q.mean)),
-            Cell::Number(mean(&self.visited_nodes)),
-            Cell::Number(mean(&self.emitted_voxels)),
-            Cell::Number(self.traverse_ms.len() as f64),
+            Cell::Number(mean(&self.traversals.visited_nodes)),
+            Cell::Number(mean(&self.traversals.emitted_voxels)),
+            Cell::Number(self.traversals.times_ms.len() as f64),
         ])
     }
 }

@@ -12,15 +12,13 @@
 use super::pictures::{Drawing, Picture, draw, parts};
 use super::{LOD, row, voxel_settings};
 use crate::bench::report::{Cell, Row};
-use crate::bench::runner::milliseconds_since;
 use crate::bench::scenario;
+use crate::bench::suites::traversals::Traversals;
 use crate::bench::suites::{Run, Subject, mean, surfel_settings};
 use crate::bench::{BenchError, Quantiles};
 use crate::measure::psnr_db;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::PreparedFrame;
-use std::hint::black_box;
-use std::time::Instant;
 
 /// LOD thresholds, pixels; the first is the truth.
 const LOD_PX: [f32; 5] = [0.0, 1.0, 2.0, 4.0, 8.0];
@@ -35,9 +33,7 @@ pub(super) struct Samples([ThresholdSamples; LOD_PX.len()]);
 /// One number for each picture, or for each traversal.
 #[derive(Default)]
 struct ThresholdSamples {
-    drawn_voxels: Vec<f64>,
-    visited_nodes: Vec<f64>,
-    traverse_ms: Vec<f64>,
+    traversals: Traversals,
     object_share: Vec<f64>,
     squared_error: Vec<f64>,
     flip: Vec<f64>,
@@ -82,7 +78,10 @@ impl Samples {
             }
         }
         for (lod_px, samples) in LOD_PX.into_iter().zip(&mut self.0) {
-            samples.time_traversals(run, subject, frame, &cameras, lod_px)?;
+            if let Some(octree) = &frame.octree {
+                let traversals = &mut samples.traversals;
+                traversals.measure(run, subject, octree, &cameras, lod_px)?;
+            }
         }
         Ok(())
     }
@@ -110,39 +109,8 @@ impl ThresholdSamples {
         Ok(())
     }
 
-    /// Each traversal fills memory that the one before it left, as playing does.
-    fn time_traversals(
-        &mut self,
-        run: &Run<'_>,
-        subject: &Subject<'_>,
-        frame: &PreparedFrame,
-        cameras: &[Camera],
-        lod_px: f32,
-    ) -> Result<(), BenchError> {
-        let Some(octree) = &frame.octree else {
-            return Ok(());
-        };
-        let mut voxels = Vec::new();
-        for round in 0..run.options.warmup + run.options.repeat {
-            for camera in cameras {
-                run.check_cancelled()?;
-                let view = camera.transform(subject.sequence.origin(), run.options.viewport_px);
-                let start = Instant::now();
-                let select_view = view.select_view(lod_px);
-                let selected = octree.select(&select_view, black_box(&mut voxels));
-                let traverse_ms = milliseconds_since(start);
-                if round >= run.options.warmup {
-                    self.traverse_ms.push(traverse_ms);
-                    self.visited_nodes.push(selected.visited_nodes as f64);
-                    self.drawn_voxels.push(selected.emitted as f64);
-                }
-            }
-        }
-        Ok(())
-    }
-
     fn row(&self, sequence: &str, distance: f64, lod_px: f32) -> Row {
-        let traverse = Quantiles::of(&self.traverse_ms);
+        let traverse = Quantiles::of(&self.traversals.times_ms);
         let is_compared = !self.flip.is_empty();
         let if_compared = |error: f64| Cell::maybe(is_compared.then_some(error));
         // Of equal pictures it is infinite, which JSON cannot say.
@@ -153,8 +121,14 @@ impl ThresholdSamples {
                 ("sequence", Cell::Text(sequence.to_owned())),
                 ("lod_px", Cell::Number(f64::from(lod_px))),
                 ("distance", Cell::Number(distance)),
-                ("drawn_voxels", Cell::Number(mean(&self.drawn_voxels))),
-                ("visited_nodes", Cell::Number(mean(&self.visited_nodes))),
+                (
+                    "drawn_voxels",
+                    Cell::Number(mean(&self.traversals.emitted_voxels)),
+                ),
+                (
+                    "visited_nodes",
+                    Cell::Number(mean(&self.traversals.visited_nodes)),
+                ),
                 (
                     "traverse_ms_median",
                     Cell::maybe(traverse.map(|q| q.median)),

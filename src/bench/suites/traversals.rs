@@ -1,0 +1,47 @@
+//! Traversals by the clock, for every suite that reports them.
+
+use super::{Run, Subject};
+use crate::bench::BenchError;
+use crate::bench::runner::milliseconds_since;
+use crate::octree::Octree;
+use crate::scene::Camera;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// One number for each traversal.
+#[derive(Default)]
+pub(super) struct Traversals {
+    pub(super) times_ms: Vec<f64>,
+    pub(super) visited_nodes: Vec<f64>,
+    pub(super) emitted_voxels: Vec<f64>,
+}
+
+impl Traversals {
+    /// Adds those of one tree from every camera, in rounds. Each fills memory that the one before it left, as playing does.
+    pub(super) fn measure(
+        &mut self,
+        run: &Run<'_>,
+        subject: &Subject<'_>,
+        octree: &Octree,
+        cameras: &[Camera],
+        lod_px: f32,
+    ) -> Result<(), BenchError> {
+        let mut voxels = Vec::new();
+        for round in 0..run.options.warmup + run.options.repeat {
+            for camera in cameras {
+                run.check_cancelled()?;
+                let view = camera.transform(subject.sequence.origin(), run.options.viewport_px);
+                let start = Instant::now();
+                let select_view = view.select_view(lod_px);
+                let selected = octree.select(&select_view, black_box(&mut voxels));
+                let time_ms = milliseconds_since(start);
+                if round >= run.options.warmup {
+                    self.times_ms.push(time_ms);
+                    self.visited_nodes.push(selected.visited_nodes as f64);
+                    self.emitted_voxels.push(selected.emitted as f64);
+                }
+            }
+        }
+        Ok(())
+    }
+}
