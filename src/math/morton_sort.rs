@@ -22,6 +22,8 @@
 //!
 //! The sort is stable: equal codes stay in the order of their indices. Nothing depends on timing or threads.
 
+use std::collections::VecDeque;
+
 const DIGIT_BITS: u32 = 9;
 const DIGIT_VALUES: usize = 1 << DIGIT_BITS;
 const DIGITS: usize = 4;
@@ -92,28 +94,32 @@ pub fn order_of_codes(codes: &[u64]) -> Vec<u32> {
     if codes.len() < 2 * PARALLEL_CODES || rayon::current_num_threads() == 1 {
         let unsorted = codes.iter().zip(0..);
         let unsorted = unsorted.map(|(&code, index)| layout.item(code, index));
-        return sorter
-            .sort(unsorted, &mut items, &mut scratch)
+        let mut passes = Passes::over(layout, unsorted.clone());
+        passes.take_first(unsorted, &mut items);
+        let sorted = passes.take_others(&mut items, &mut scratch);
+        sorter.sort_runs(sorted);
+        return sorted
             .iter()
             .map(|&item| layout.index(item) as u32)
             .collect();
     }
-    let mut parted = vec![0; codes.len()];
-    let middle = sorter.partition_near_half(&mut parted);
-    let (parted_low, parted_high) = parted.split_at(middle);
+    let middle = sorter.partition_near_half(&mut scratch);
     let (low, high) = items.split_at_mut(middle);
-    let (low_scratch, high_scratch) = scratch.split_at_mut(middle);
+    let (parted_low, parted_high) = scratch.split_at_mut(middle);
     let mut order = vec![0; codes.len()];
     let (low_order, high_order) = order.split_at_mut(middle);
-    let sort = |parted: &[u64], items: &mut [u64], scratch: &mut [u64], order: &mut [u32]| {
-        let sorted = sorter.sort(parted.iter().copied(), items, scratch);
+    let sort = |parted: &mut [u64], items: &mut [u64], order: &mut [u32]| {
+        let mut passes = Passes::over(layout, parted.iter().copied());
+        passes.take_first(parted.iter().copied(), items);
+        let sorted = passes.take_others(items, parted);
+        sorter.sort_runs(sorted);
         for (index, &item) in order.iter_mut().zip(&*sorted) {
             *index = layout.index(item) as u32;
         }
     };
     rayon::join(
-        || sort(parted_low, low, low_scratch, low_order),
-        || sort(parted_high, high, high_scratch, high_order),
+        || sort(parted_low, low, low_order),
+        || sort(parted_high, high, high_order),
     );
     order
 }
@@ -173,99 +179,106 @@ impl Sorter<'_> {
         middle
     }
 
-    /// The items `unsorted` by the whole codes that their indices name, stably, in one of two places of as many; only the
-    /// indices are right.
-    fn sort<'b>(
-        &self,
-        unsorted: impl Iterator<Item = u64> + Clone,
-        place: &'b mut [u64],
-        other: &'b mut [u64],
-    ) -> &'b mut [u64] {
-        let (sorted, scratch) = if self.sort_by_upper_bits(unsorted, place, other) {
-            (other, place)
-        } else {
-            (place, other)
-        };
+    /// Sorts items that are sorted by their upper bits by the whole codes that their indices name, stably; leaves only indices
+    /// right.
+    fn sort_runs(&self, items: &mut [u64]) {
         let index_bits = self.layout.index_bits;
-        for run in sorted.chunk_by_mut(|a, b| a >> index_bits == b >> index_bits) {
+        for run in items.chunk_by_mut(|a, b| a >> index_bits == b >> index_bits) {
             if run.len() > 1 {
-                self.sort_run(run, scratch);
+                self.sort_run(run);
             }
         }
-        sorted
     }
 
     /// Sorts a run of items that agree in their upper bits by the low bits of their codes; leaves only indices right.
-    fn sort_run(&self, run: &mut [u64], scratch: &mut [u64]) {
+    fn sort_run(&self, run: &mut [u64]) {
         let layout = self.layout;
         let code_of = |item: u64| self.codes[layout.index(item)];
         if run.len() <= SHORT_RUN {
             run.sort_unstable_by_key(|&item| (code_of(item), item));
             return;
         }
-        let index_of = |item: u64| layout.index(item) as u64;
         for item in &mut *run {
-            *item = layout.low_item(code_of(*item), index_of(*item));
+            *item = layout.low_item(code_of(*item), layout.index(*item) as u64);
         }
-        let unsorted = run.to_vec();
-        let scratch = &mut scratch[..run.len()];
-        if self.sort_by_upper_bits(unsorted.iter().copied(), run, scratch) {
-            run.copy_from_slice(scratch);
-        }
+        let mut passes = Passes::over(layout, run.iter().copied());
+        let mut scratch = vec![0; run.len()];
+        passes.take_first(run.iter().copied(), &mut scratch);
+        let sorted = passes.take_others(&mut scratch, run).to_vec();
+        run.copy_from_slice(&sorted);
     }
+}
 
-    /// Writes items by their bits above the index, stably, to one of two places of as many; whether to the second.
-    fn sort_by_upper_bits(
-        &self,
-        unsorted: impl Iterator<Item = u64> + Clone,
-        first: &mut [u64],
-        second: &mut [u64],
-    ) -> bool {
-        let layout = self.layout;
-        let item_count = first.len();
+/// The passes of a radix sort by the bits above the index, from the lowest digit up.
+struct Passes {
+    layout: ItemLayout,
+    item_count: usize,
+    /// The digits in which items differ, and where the next item with each value goes.
+    left: VecDeque<(usize, [u32; DIGIT_VALUES])>,
+}
+
+impl Passes {
+    /// Those that sort `items`.
+    fn over(layout: ItemLayout, items: impl Iterator<Item = u64>) -> Self {
+        let mut item_count = 0;
         let mut counts = vec![[0u32; DIGIT_VALUES]; DIGITS];
-        for item in unsorted.clone() {
+        for item in items {
+            item_count += 1;
             for (digit, counts) in counts.iter_mut().enumerate() {
                 counts[layout.digit(item, digit)] += 1;
             }
         }
-        let mut next_places = counts.iter_mut().enumerate().filter_map(|(digit, counts)| {
-            // In such a digit all items agree.
-            if counts.iter().any(|&count| count as usize == item_count) {
-                return None;
-            }
-            let mut next = 0;
-            for count in counts.iter_mut() {
-                next += std::mem::replace(count, next);
-            }
-            Some((digit, counts))
-        });
-        let scatter = |item: u64, digit: usize, next: &mut [u32; DIGIT_VALUES], to: &mut [u64]| {
-            let place = &mut next[layout.digit(item, digit)];
-            to[*place as usize] = item;
-            *place += 1;
+        let differ = |counts: &[u32; DIGIT_VALUES]| {
+            counts.iter().all(|&count| (count as usize) < item_count)
         };
-        let Some((digit, next)) = next_places.next() else {
-            for (place, item) in first.iter_mut().zip(unsorted) {
+        let places = |counts: [u32; DIGIT_VALUES]| {
+            let mut next = 0;
+            counts.map(|count| {
+                next += count;
+                next - count
+            })
+        };
+        let digits = counts.into_iter().enumerate();
+        let left = digits
+            .filter(|(_, counts)| differ(counts))
+            .map(|(digit, counts)| (digit, places(counts)))
+            .collect();
+        Self {
+            layout,
+            item_count,
+            left,
+        }
+    }
+
+    /// Writes the items to another place, by the first digit if they differ in any.
+    fn take_first(&mut self, items: impl Iterator<Item = u64>, to: &mut [u64]) {
+        assert_eq!(to.len(), self.item_count, "a place for each item");
+        if let Some((digit, mut next)) = self.left.pop_front() {
+            items.for_each(|item| scatter(self.layout.digit(item, digit), item, &mut next, to));
+        } else {
+            for (place, item) in to.iter_mut().zip(items) {
                 *place = item;
             }
-            return false;
-        };
-        unsorted.for_each(|item| scatter(item, digit, next, first));
-        let mut in_second = false;
-        for (digit, next) in next_places {
-            let (from, to) = if in_second {
-                (&*second, &mut *first)
-            } else {
-                (&*first, &mut *second)
-            };
-            for &item in from {
-                scatter(item, digit, next, to);
-            }
-            in_second = !in_second;
         }
-        in_second
     }
+
+    /// Writes the items from one place to the other and back, by one digit after the other; the place where they are sorted.
+    fn take_others<'a>(&mut self, mut from: &'a mut [u64], mut to: &'a mut [u64]) -> &'a mut [u64] {
+        while let Some((digit, mut next)) = self.left.pop_front() {
+            for &item in &*from {
+                scatter(self.layout.digit(item, digit), item, &mut next, to);
+            }
+            (from, to) = (to, from);
+        }
+        from
+    }
+}
+
+/// Puts an item where the next one with its digit goes.
+fn scatter(digit: usize, item: u64, next: &mut [u32; DIGIT_VALUES], to: &mut [u64]) {
+    let place = &mut next[digit];
+    to[*place as usize] = item;
+    *place += 1;
 }
 
 #[cfg(test)]
