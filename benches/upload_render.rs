@@ -5,13 +5,16 @@
 //! surfels (two-pass-enlarged, 2x), 640×480, a sphere that covers about half of it. All by the CPU's clock, on the
 //! adapter that the program would take, which is printed first; `WGPU_BACKEND` and `VK_DRIVER_FILES` choose another.
 //!
+//! `draw in order` is a picture of 1,000,000 points, and of 100,000 surfels, in Morton order, in which frames keep them, and in
+//! random order.
+//!
 //! Not measured: decoding, normals, compiling pipelines, reading back, showing. GPU time, voxels, real scans and the
 //! picture size of the paper are the business of `pointreel bench`.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
-use pointreel::math::Aabb;
+use pointreel::math::{Aabb, Cube, order_of_codes};
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::scene::{Camera, Primitive, ScenePacket, Settings, Strategy, UpAxis};
@@ -19,13 +22,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 const POINTS: usize = 100_000;
+/// For the order of points: more than caches hold.
+const MANY_POINTS: usize = 1_000_000;
 const SIZE_PX: [u32; 2] = [640, 480];
 
-/// A sphere of radius 1 with evenly spread surfels that close its surface.
-fn sphere(primitive: Primitive, strategy: Strategy) -> ScenePacket {
+/// A sphere of radius 1 with so many evenly spread surfels that close its surface.
+fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket {
     let golden_angle = std::f32::consts::PI * (3.0 - 5f32.sqrt());
-    let directions = (0..POINTS).map(|index| {
-        let y = 1.0 - 2.0 * (index as f32 + 0.5) / POINTS as f32;
+    let directions = (0..count).map(move |index| {
+        let y = 1.0 - 2.0 * (index as f32 + 0.5) / count as f32;
         let (sin, cos) = (golden_angle * index as f32).sin_cos();
         let radius = (1.0 - y * y).sqrt();
         Vec3::new(cos * radius, y, sin * radius)
@@ -37,7 +42,7 @@ fn sphere(primitive: Primitive, strategy: Strategy) -> ScenePacket {
             .to_array()
             .map(|channel| channel as u8),
     });
-    let spacing = (4.0 * std::f32::consts::PI / POINTS as f32).sqrt();
+    let spacing = (4.0 * std::f32::consts::PI / count as f32).sqrt();
     let shapes = directions.map(|direction| ShapeRecord {
         normal: oct_encode(direction),
         radius: spacing,
@@ -77,6 +82,17 @@ fn copy(packet: &ScenePacket) -> ScenePacket {
     }
 }
 
+/// The same cloud in the order of these indices.
+fn reordered(packet: &ScenePacket, order: &[u32]) -> ScenePacket {
+    let order = order.iter().map(|&index| index as usize);
+    let shapes = packet.shapes.as_ref();
+    ScenePacket {
+        points: Arc::new(order.clone().map(|index| packet.points[index]).collect()),
+        shapes: shapes.map(|shapes| Arc::new(order.map(|index| shapes[index]).collect())),
+        ..packet.clone()
+    }
+}
+
 fn upload(renderer: &mut GpuRenderer, packet: &ScenePacket) {
     renderer
         .prepare(packet)
@@ -112,7 +128,7 @@ fn strategies(criterion: &mut Criterion) {
                 .warm_up_time(Duration::from_secs(1))
                 .measurement_time(Duration::from_secs(3));
             for &strategy in Strategy::ALL {
-                let packet = sphere(primitive, strategy);
+                let packet = sphere(POINTS, primitive, strategy);
                 let mut renderer = GpuRenderer::new(Arc::clone(&context)).expect("a renderer");
                 draw(&mut renderer, &packet);
                 group.bench_function(
@@ -132,5 +148,36 @@ fn strategies(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, strategies);
+/// What the order of points does to drawing them: that of frames, and a random one.
+fn order(criterion: &mut Criterion) {
+    let context = Context::headless(&ContextOptions::default()).expect("an adapter");
+    for (primitive, count) in [(Primitive::Point, MANY_POINTS), (Primitive::Surfel, POINTS)] {
+        let in_rows = sphere(count, primitive, Strategy::Storage);
+        let positions: Vec<Vec3> = in_rows
+            .points
+            .iter()
+            .map(|point| point.position.into())
+            .collect();
+        let cube = Cube::around(&positions).expect("there are points");
+        let morton = order_of_codes(&cube.codes(&positions));
+        let mut random: Vec<u32> = (0..count as u32).collect();
+        random.sort_unstable_by_key(|&index| index.wrapping_mul(0x9e37_79b9).rotate_left(16));
+        let mut group = criterion.benchmark_group(format!("draw in order/{primitive}/{count}"));
+        group
+            .throughput(Throughput::Elements(count as u64))
+            .sample_size(20)
+            .warm_up_time(Duration::from_secs(1))
+            .measurement_time(Duration::from_secs(3));
+        for (name, order) in [("Morton", &morton), ("random", &random)] {
+            let packet = reordered(&in_rows, order);
+            let mut renderer = GpuRenderer::new(Arc::clone(&context)).expect("a renderer");
+            group.bench_function(name, |bencher| {
+                bencher.iter(|| draw(&mut renderer, &packet))
+            });
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(benches, strategies, order);
 criterion_main!(benches);

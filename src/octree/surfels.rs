@@ -4,12 +4,13 @@
 //! one plane: it reaches to the farthest of them, so a surface that is closed at the finest level is closed at all. A *normal
 //! cone* around the mean normal holds those of all points; where it faces away from the eye, so do they.
 //!
-//! How it works: the points of a node are a contiguous range, so a level is worked out in one pass over the records of all
-//! points, when it is first asked for, and kept. What is drawn of it are contiguous pieces. Leaves, where all are on one level, are
+//! How it works: the points of a node are a contiguous range. The surfels of a cut are worked out from the points under it, in one
+//! pass over their records, and forgotten; a level of which as many points were read as there are is worked out whole and kept,
+//! and what is drawn of it are contiguous pieces. So a frame that is seen once reads each point once, and a view that moves
+//! about copies, having paid at most twice for what it copies. Leaves, where all are on one level, are
 //! drawn as the very points they hold, so that nothing is lost where nothing is small.
 //!
-//! When it wins: where splats are small on the screen and many. A level costs about as much as its points' records are long to
-//! read, so a frame that is seen once from afar pays for two or three levels, and no more.
+//! When it wins: where splats are small on the screen and many.
 
 use super::write::{NodeWriter, Nodes};
 use super::{Cut, NodeRange, Octree, stop::Leaves};
@@ -17,6 +18,7 @@ use crate::cloud::{PointRecord, ShapeRecord, oct_decode, oct_encode};
 use crate::math::morton::LEVELS;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// The surfel of a node.
@@ -39,7 +41,15 @@ pub struct LodSurfels {
     octree: Arc<Octree>,
     points: Arc<Vec<PointRecord>>,
     shapes: Arc<Vec<ShapeRecord>>,
-    levels: [OnceLock<SurfelLevel>; LEVELS as usize + 1],
+    levels: [KeptLevel; LEVELS as usize + 1],
+}
+
+/// A level, once it is worth keeping.
+#[derive(Debug, Default)]
+struct KeptLevel {
+    /// Points read for nodes of the level that were not kept.
+    points_read: AtomicUsize,
+    surfels: OnceLock<SurfelLevel>,
 }
 
 #[derive(Debug)]
@@ -79,7 +89,7 @@ impl LodSurfels {
             octree,
             points,
             shapes,
-            levels: [const { OnceLock::new() }; LEVELS as usize + 1],
+            levels: Default::default(),
         }
     }
 
@@ -128,16 +138,44 @@ impl LodSurfels {
     pub fn write(&self, cut: &Cut, points: &mut Vec<PointRecord>, shapes: &mut Vec<ShapeRecord>) {
         points.clear();
         shapes.clear();
+        let passing: Vec<NodeRange> = cut
+            .ranges
+            .iter()
+            .filter(|range| !self.octree.is_leaf_range(range) && !self.is_kept(range))
+            .cloned()
+            .collect();
+        let mut worked_out = Vec::new();
+        self.octree
+            .points
+            .write_nodes(&passing, self, &mut worked_out);
+        let mut worked_out = worked_out.as_slice();
+        let mut passing = passing.iter().peekable();
         for range in &cut.ranges {
-            if self.octree.is_leaf_range(range) {
+            let surfels = if self.octree.is_leaf_range(range) {
                 points.extend_from_slice(&self.points[range.points.clone()]);
                 shapes.extend_from_slice(&self.shapes[range.points.clone()]);
+                continue;
+            } else if passing.next_if_eq(&range).is_some() {
+                let count = self.octree.points.count_nodes(std::slice::from_ref(range));
+                worked_out.split_off(..count).unwrap_or_default()
             } else {
-                let surfels = self.of_nodes(range);
-                points.extend(surfels.iter().map(|surfel| surfel.point));
-                shapes.extend(surfels.iter().map(|surfel| surfel.shape));
-            }
+                self.of_nodes(range)
+            };
+            points.extend(surfels.iter().map(|surfel| surfel.point));
+            shapes.extend(surfels.iter().map(|surfel| surfel.shape));
         }
+    }
+
+    /// Whether the level of some nodes that are to be drawn is kept, or is now.
+    fn is_kept(&self, range: &NodeRange) -> bool {
+        let level = &self.levels[range.level as usize];
+        if level.surfels.get().is_some() {
+            return true;
+        }
+        let read = level
+            .points_read
+            .fetch_add(range.points.len(), Ordering::Relaxed);
+        read >= self.points.len() && !self.surfel_level(range.level).surfels.is_empty()
     }
 
     /// Whether the points of a node all face away from `eye`. They are in a sphere; `false` where that is not known.
@@ -191,7 +229,7 @@ impl LodSurfels {
     }
 
     fn surfel_level(&self, level: u32) -> &SurfelLevel {
-        self.levels[level as usize].get_or_init(|| {
+        self.levels[level as usize].surfels.get_or_init(|| {
             let sorted = &self.octree.points;
             let all = 0..self.points.len();
             let mut before = 0;
