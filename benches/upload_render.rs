@@ -172,7 +172,7 @@ fn order(criterion: &mut Criterion) {
             let packet = reordered(&in_rows, order);
             let mut renderer = GpuRenderer::new(Arc::clone(&context)).expect("a renderer");
             group.bench_function(name, |bencher| {
-                bencher.iter(|| draw(&mut renderer, &packet))
+                bencher.iter(|| draw(&mut renderer, &packet));
             });
         }
         group.finish();

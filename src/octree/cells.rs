@@ -47,11 +47,11 @@ impl SortedPoints {
         let mut next = first;
         // In most places nothing begins, which one look at a row tells.
         let rows = self.partings[first..end].as_chunks::<ROW>().0;
-        let begins = |row: &&[u8; ROW]| {
-            !row.iter()
-                .fold(false, |any, &parting| any | (parting <= byte))
+        let least = |row: &[u8; ROW]| {
+            row.iter()
+                .fold(u8::MAX, |least, &parting| least.min(parting))
         };
-        next += ROW * rows.iter().take_while(begins).count();
+        next += ROW * rows.iter().take_while(|row| least(row) > byte).count();
         let (words, rest) = self.partings[next..end].as_chunks::<WORD>();
         for &partings in words {
             let found = beginnings(partings, level);

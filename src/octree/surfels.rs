@@ -62,7 +62,7 @@ struct SurfelLevel {
 /// Points whose beginnings are counted one by one.
 const RANK_POINTS: usize = 64;
 
-/// Cells are not tested for facing away above this level: there they are as large as the object.
+/// Cells above this level are not tested for facing away: they are as large as the object.
 const FIRST_CONE_LEVEL: u32 = 3;
 
 /// Below so many points a node on average, it costs more to test whether they face away than to draw them.
@@ -186,7 +186,7 @@ impl LodSurfels {
         center: Vec3,
         sphere_radius: f32,
     ) -> bool {
-        if !self.has_cones(node.level) {
+        if self.cone_level() != Some(node.level) {
             return false;
         }
         let level = self.surfel_level(node.level);
@@ -196,17 +196,12 @@ impl LodSurfels {
 
     /// Whether nodes below a level may be dropped because they face away.
     pub(super) fn may_hide_below(&self, level: u32) -> bool {
-        self.finest_cones().is_some_and(|finest| level < finest)
+        self.cone_level().is_some_and(|cones| level < cones)
     }
 
-    /// Every second level up from the finest with cones: a node that faces away has a parent that nearly does.
-    fn has_cones(&self, level: u32) -> bool {
-        self.finest_cones()
-            .is_some_and(|finest| level <= finest && (finest - level).is_multiple_of(2))
-            && level >= FIRST_CONE_LEVEL
-    }
-
-    fn finest_cones(&self) -> Option<u32> {
+    /// The one level whose nodes are tested for facing away: the finest at which that is less than drawing them. Those above
+    /// it would each take a pass over all points, to spare some visits.
+    fn cone_level(&self) -> Option<u32> {
         let are_large = |count: &usize| count * POINTS_PER_CONE <= self.points.len();
         let level = self.octree.level_counts().iter().rposition(are_large)? as u32;
         (level >= FIRST_CONE_LEVEL).then_some(level)
