@@ -1,5 +1,7 @@
 //! Levels of detail in pictures: surfels of octree cells beside all surfels.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod common;
 
 use common::{camera_at, covered, draw, plain, sphere};

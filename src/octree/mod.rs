@@ -4,8 +4,8 @@
 //! The points of any cell of any level are a contiguous range in Morton order. A cell begins with every point that *parts*
 //! from the one before it on that level or above; one byte a point, its parting level, thus tells where the nodes of all levels
 //! begin and end. So nothing is stored for a node: it is a level and a range of points, its children are found by looking over
-//! the bytes of that range (eight in one word, see [`cells`]), and what is drawn for it is worked out from its points
-//! ([`voxels`]). A tree for another stop criterion is the same points and another number.
+//! the bytes of that range (eight in one word, see `octree/cells.rs`), and what is drawn for it is worked out from its points
+//! (`voxels.rs`). A tree for another stop criterion is the same points and another number.
 //!
 //! When it wins: building is little more than sorting, a tree takes 17 bytes a point however deep it is, and a view reads
 //! just the bytes of the points that it draws, in order. A tree of nodes beside it took a third of the building time, and
