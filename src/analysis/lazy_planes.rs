@@ -76,15 +76,18 @@ impl LazyPlanes {
     }
 
     fn block(&self, block: usize) -> &normals::SlotPlanes {
-        self.blocks[block].get_or_init(|| {
-            let first_slot = block * POINTS_PER_PIECE;
-            let slots = first_slot..self.tree.len().min(first_slot + POINTS_PER_PIECE);
-            let neighbours = self.tree.neighbours_of(slots.clone(), self.k);
-            let mut planes = normals::fit_planes(&self.tree, &neighbours, slots);
-            if let Some(sensor) = self.sensor {
-                orientation::face_sensor(&self.tree, sensor, first_slot, &mut planes.normals);
-            }
-            planes
-        })
+        if let Some(planes) = self.blocks[block].get() {
+            return planes;
+        }
+        // Not inside of `get_or_init`: a thread that waits for its share of the work may take up other work, and come by here
+        // again. If two estimate the same, one of them is dropped.
+        let first_slot = block * POINTS_PER_PIECE;
+        let slots = first_slot..self.tree.len().min(first_slot + POINTS_PER_PIECE);
+        let neighbours = self.tree.neighbours_of(slots.clone(), self.k);
+        let mut planes = normals::fit_planes(&self.tree, &neighbours, slots);
+        if let Some(sensor) = self.sensor {
+            orientation::face_sensor(&self.tree, sensor, first_slot, &mut planes.normals);
+        }
+        self.blocks[block].get_or_init(|| planes)
     }
 }

@@ -5,6 +5,7 @@ use super::*;
 use crate::analysis::test_shapes::{self, Random};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode, oct_encode};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use std::collections::HashSet;
 
 /// A torus in Morton order, its surfels with radii that differ.
@@ -202,5 +203,28 @@ fn a_coarse_cut_is_drawn_as_surfels_of_its_levels() {
                 assert!(found.eq(expected.iter().copied()));
             }
         }
+    }
+}
+
+/// Traversals that share the work of a level with others that want the same level: none waits for itself.
+#[test]
+fn many_traversals_at_once_end() {
+    let view = view_from(Vec3::new(0.5, 1.0, 3.5), Vec3::ZERO, 2.0);
+    for _ in 0..5 {
+        let surfels = torus_surfels(60_000, StopCriterion::Loss(0.02));
+        let counts: Vec<usize> = (0..32)
+            .into_par_iter()
+            .map(|_| {
+                let hints = CutHints {
+                    back_faces: Some(&surfels),
+                    before: None,
+                };
+                let cut = surfels.octree().cut(&view, hints);
+                let (mut points, mut shapes) = (Vec::new(), Vec::new());
+                surfels.write(&cut, &mut points, &mut shapes);
+                points.len()
+            })
+            .collect();
+        assert!(counts.iter().all(|&count| count == counts[0]), "{counts:?}");
     }
 }

@@ -194,6 +194,13 @@ impl LodSurfels {
         faces_away(surfel, center - eye, sphere_radius)
     }
 
+    /// Works out what [`LodSurfels::all_face_away`] asks for, before many threads do.
+    pub(super) fn work_out_cones(&self) {
+        if let Some(level) = self.cone_level() {
+            self.surfel_level(level);
+        }
+    }
+
     /// Whether nodes below a level may be dropped because they face away.
     pub(super) fn may_hide_below(&self, level: u32) -> bool {
         self.cone_level().is_some_and(|cones| level < cones)
@@ -224,28 +231,37 @@ impl LodSurfels {
     }
 
     fn surfel_level(&self, level: u32) -> &SurfelLevel {
-        self.levels[level as usize].surfels.get_or_init(|| {
-            let sorted = &self.octree.points;
-            let all = 0..self.points.len();
-            let mut before = 0;
-            let nodes_before = (0..=self.points.len() / RANK_POINTS)
-                .map(|group| {
-                    let first = RANK_POINTS * group;
-                    let end = all.end.min(first + RANK_POINTS);
-                    let here = before;
-                    before += sorted.count_beginnings(level, first..end) as u32;
-                    here
-                })
-                .collect();
-            let mut surfels = Vec::new();
-            if !all.is_empty() {
-                sorted.write_nodes(&[NodeRange { level, points: all }], self, &mut surfels);
-            }
-            SurfelLevel {
-                surfels,
-                nodes_before,
-            }
-        })
+        let kept = &self.levels[level as usize].surfels;
+        if let Some(level) = kept.get() {
+            return level;
+        }
+        // Not inside of `get_or_init`: a thread that waits for its share of the level may take up other work, and come by here
+        // again. If two work out the same, one of them is dropped.
+        let worked_out = self.work_out(level);
+        kept.get_or_init(|| worked_out)
+    }
+
+    fn work_out(&self, level: u32) -> SurfelLevel {
+        let sorted = &self.octree.points;
+        let all = 0..self.points.len();
+        let mut before = 0;
+        let nodes_before = (0..=self.points.len() / RANK_POINTS)
+            .map(|group| {
+                let first = RANK_POINTS * group;
+                let end = all.end.min(first + RANK_POINTS);
+                let here = before;
+                before += sorted.count_beginnings(level, first..end) as u32;
+                here
+            })
+            .collect();
+        let mut surfels = Vec::new();
+        if !all.is_empty() {
+            sorted.write_nodes(&[NodeRange { level, points: all }], self, &mut surfels);
+        }
+        SurfelLevel {
+            surfels,
+            nodes_before,
+        }
     }
 }
 

@@ -37,6 +37,9 @@ impl Octree {
         };
         if self.point_count() > 0 {
             let before = hints.before.map(CutByPoints::new);
+            if let Some(surfels) = hints.back_faces {
+                surfels.work_out_cones();
+            }
             let traversal = Traversal {
                 tree: self,
                 view: *view,
