@@ -7,7 +7,7 @@
 //! level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a cell of any level
 //! in one word: the root is 1, and a cell of level 21 fills all 64 bits.
 
-use super::{NodeRange, Octree};
+use super::{NodeRange, Octree, stop::Leaves};
 use crate::math::morton::{self, LEVELS};
 
 /// Why a byte code is not that of an octree.
@@ -68,6 +68,16 @@ impl Octree {
     /// One byte for each node above the deepest level, breadth-first; bit `o` is set when octant `o` is occupied, none is for a
     /// leaf. Together with the depth it is the whole shape of the tree (000 §VI-A): see [`Octree::cells_from_masks`].
     pub fn masks(&self) -> Vec<u8> {
+        match self.leaves {
+            Leaves::OnLevel(_) => (0..self.depth())
+                .flat_map(|level| self.points.masks_of_level(level))
+                .collect(),
+            Leaves::OfPoints(_) => self.masks_by_division(),
+        }
+    }
+
+    /// Those of a tree with leaves on several levels.
+    fn masks_by_division(&self) -> Vec<u8> {
         let mut masks = Vec::with_capacity(self.node_count());
         let mut nodes = vec![NodeRange {
             level: 0,
@@ -96,7 +106,7 @@ impl Octree {
     /// At depth 0 the code has no bytes and stands for the root. (An octree without points has no code: nothing to store.)
     /// Memory is bounded by the bytes there are: eight cells for each.
     pub fn cells_from_masks(masks: &[u8], depth: u32) -> Result<Vec<[u32; 3]>, OctreeError> {
-        let leaves = leaves_of_masks(masks, depth, Leaves::OnDeepestLevel, usize::MAX)?;
+        let leaves = leaves_of_masks(masks, depth, LeafLevels::OnDeepestLevel, usize::MAX)?;
         let codes = leaves.into_iter().map(|leaf| leaf ^ ROOT << (3 * depth));
         Ok(codes.map(morton::decode).collect())
     }
@@ -107,7 +117,7 @@ const ROOT: u64 = 1;
 
 /// Where the leaves of a tree are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Leaves {
+pub(super) enum LeafLevels {
     /// All on the deepest level.
     OnDeepestLevel,
     /// On any: above the deepest level a mask of zero is a leaf.
@@ -119,7 +129,7 @@ pub(super) enum Leaves {
 pub(super) fn leaves_of_masks(
     masks: &[u8],
     depth: u32,
-    leaves: Leaves,
+    leaves: LeafLevels,
     most_cells: usize,
 ) -> Result<Vec<u64>, OctreeError> {
     if depth > LEVELS {
@@ -137,7 +147,7 @@ pub(super) fn leaves_of_masks(
             });
         };
         let empty = level_masks.iter().position(|&mask| mask == 0);
-        if let Some(offset) = empty.filter(|_| leaves == Leaves::OnDeepestLevel) {
+        if let Some(offset) = empty.filter(|_| leaves == LeafLevels::OnDeepestLevel) {
             return Err(OctreeError::EmptyNode {
                 index: start + offset,
                 level,
@@ -255,7 +265,7 @@ mod tests {
     #[test]
     fn leaves_on_several_levels_by_hand() {
         let any =
-            |masks: &[u8], depth, most| leaves_of_masks(masks, depth, Leaves::OnAnyLevel, most);
+            |masks: &[u8], depth, most| leaves_of_masks(masks, depth, LeafLevels::OnAnyLevel, most);
         let masks = [0b1000_0001, 0, 0b0000_0110];
         assert_eq!(any(&masks, 2, 3), Ok(vec![0o10, 0o171, 0o172]));
         assert_eq!(

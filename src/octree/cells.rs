@@ -84,6 +84,26 @@ impl SortedPoints {
         })
     }
 
+    /// The occupied octants of every cell of a level above 21, in Morton order: in one pass, as a cell of the level below begins
+    /// wherever one of this level does.
+    pub(super) fn masks_of_level(&self, level: u32) -> Vec<u8> {
+        let mut masks = Vec::with_capacity(self.occupied[level as usize]);
+        let mut mask = 0;
+        for (cell, &parting) in self.cells.iter().zip(&self.partings) {
+            if u32::from(parting) <= level + 1 {
+                if u32::from(parting) <= level && mask != 0 {
+                    masks.push(mask);
+                    mask = 0;
+                }
+                mask |= 1 << cell.octant(level + 1);
+            }
+        }
+        if mask != 0 {
+            masks.push(mask);
+        }
+        masks
+    }
+
     /// Whether the node of `level` with these points is not divided.
     #[inline]
     pub(super) fn is_leaf(&self, leaves: Leaves, level: u32, points: &Range<usize>) -> bool {

@@ -3,7 +3,7 @@
 use super::bits::BitReader;
 use super::{MAGIC, SEVERAL_LEVELS, SHAPES, StoredOctree, StoredOctreeError, VERSION, columns};
 use crate::math::{Cube, morton::LEVELS};
-use crate::octree::byte_code::{Leaves, leaves_of_masks};
+use crate::octree::byte_code::{LeafLevels, leaves_of_masks};
 use crate::octree::sorted_points::SortedPoints;
 use crate::octree::{Octree, StopCriterion};
 use glam::Vec3;
@@ -119,9 +119,9 @@ impl Header {
             };
         }
         let leaves = if self.has_several_levels {
-            Leaves::OnAnyLevel
+            LeafLevels::OnAnyLevel
         } else {
-            Leaves::OnDeepestLevel
+            LeafLevels::OnDeepestLevel
         };
         let mut leaves = leaves_of_masks(masks, self.depth, leaves, self.point_count)?;
         if self.has_several_levels {

@@ -60,28 +60,41 @@ impl Octree {
     /// How many points each leaf has, and what its place in the tree does not say of their codes.
     fn point_bits(&self) -> Vec<u8> {
         let mut bits = BitWriter::default();
-        let root = NodeRange {
-            level: 0,
-            points: self.all_points(),
-        };
-        if !root.points.is_empty() {
-            self.put_leaves_below(root, &mut bits);
+        let points = self.all_points();
+        match self.leaves {
+            Leaves::OnLevel(level) => self.put_leaves(&NodeRange { level, points }, &mut bits),
+            Leaves::OfPoints(_) if points.is_empty() => {}
+            Leaves::OfPoints(_) => {
+                self.put_leaves_below(&NodeRange { level: 0, points }, &mut bits)
+            }
         }
         bits.into_bytes()
     }
 
     /// Recursion is bounded by the 21 levels.
-    fn put_leaves_below(&self, node: NodeRange, bits: &mut BitWriter) {
-        if !self.is_leaf(node.level, &node.points) {
-            for (_, child) in self.points.children(&node) {
-                self.put_leaves_below(child, bits);
-            }
+    fn put_leaves_below(&self, node: &NodeRange, bits: &mut BitWriter) {
+        if self.is_leaf(node.level, &node.points) {
+            self.put_leaves(node, bits);
             return;
         }
-        let below = 3 * (LEVELS - node.level);
-        bits.put_gamma(node.points.len() as u32);
-        for cell in &self.points.cells[node.points] {
-            bits.put(cell.code() & ((1 << below) - 1), below);
+        for (_, child) in self.points.children(node) {
+            self.put_leaves_below(&child, bits);
+        }
+    }
+
+    /// Consecutive leaves of one level.
+    fn put_leaves(&self, leaves: &NodeRange, bits: &mut BitWriter) {
+        let below = 3 * (LEVELS - leaves.level);
+        let mut first = leaves.points.start;
+        while first < leaves.points.end {
+            let end = self
+                .points
+                .next_beginning(leaves.level, first + 1, leaves.points.end);
+            bits.put_gamma((end - first) as u32);
+            for cell in &self.points.cells[first..end] {
+                bits.put(cell.code() & ((1 << below) - 1), below);
+            }
+            first = end;
         }
     }
 }
