@@ -41,7 +41,7 @@
 //! # Errors
 //! Coordinates are kept to a 2²¹st of the cube's edge, all else bit by bit; alpha, which trees do not have, is lost. Any flipped
 //! bit is noticed by the checksum. Bytes made to pass it are read as a valid tree or refused: every number that claims
-//! something is checked before memory is reserved for it, so that no more than some thirty times the bytes are (19 measured
+//! something is checked before memory is reserved for it, so that no more than some thirty times the bytes are (27 measured
 //! for the densest tree, `benches/stored.rs`).
 
 mod bits;

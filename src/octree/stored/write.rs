@@ -65,7 +65,7 @@ impl Octree {
             Leaves::OnLevel(level) => self.put_leaves(&NodeRange { level, points }, &mut bits),
             Leaves::OfPoints(_) if points.is_empty() => {}
             Leaves::OfPoints(_) => {
-                self.put_leaves_below(&NodeRange { level: 0, points }, &mut bits)
+                self.put_leaves_below(&NodeRange { level: 0, points }, &mut bits);
             }
         }
         bits.into_bytes()
