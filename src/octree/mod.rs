@@ -23,6 +23,7 @@ mod cells;
 mod cut;
 #[cfg(test)]
 mod cut_tests;
+mod node_surfel;
 mod select;
 mod sorted_points;
 mod stop;
@@ -38,10 +39,11 @@ mod write;
 
 pub use byte_code::OctreeError;
 pub use cut::{Cut, CutHints};
+pub use node_surfel::NodeSurfel;
 pub use select::{SelectStats, SelectView};
 pub use stop::StopCriterion;
 pub use stored::{StoredOctree, StoredOctreeError};
-pub use surfels::{LodSurfels, NodeSurfel};
+pub use surfels::LodSurfels;
 
 use crate::math::Cube;
 use sorted_points::SortedPoints;
