@@ -7,7 +7,7 @@
 //! level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a cell of any level
 //! in one word: the root is 1, and a cell of level 21 fills all 64 bits.
 
-use super::{NodeRange, Octree, stop::Leaves};
+use super::{Octree, stop::Leaves};
 use crate::math::morton::{self, LEVELS};
 
 /// Why a byte code is not that of an octree.
@@ -79,10 +79,7 @@ impl Octree {
     /// Those of a tree with leaves on several levels.
     fn masks_by_division(&self) -> Vec<u8> {
         let mut masks = Vec::with_capacity(self.node_count());
-        let mut nodes = vec![NodeRange {
-            level: 0,
-            points: self.all_points(),
-        }];
+        let mut nodes = vec![self.root()];
         for _ in 0..self.depth() {
             let mut below = Vec::new();
             for node in &nodes {

@@ -125,8 +125,7 @@ impl SortedPoints {
 
     /// The number of nodes that some ranges are.
     pub(super) fn count_nodes(&self, ranges: &[NodeRange]) -> usize {
-        let count =
-            |range: &NodeRange| count_at_most(&self.partings[range.points.clone()], range.level);
+        let count = |range: &NodeRange| self.count_beginnings(range.level, range.points.clone());
         ranges.iter().map(count).sum()
     }
 }

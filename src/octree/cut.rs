@@ -32,17 +32,12 @@ impl Cut {
         self.lod_px
     }
 
-    /// What it took to find them.
+    /// What it took to find them; where one was chosen of several cuts, the nodes visited for all of them.
     pub fn stats(&self) -> SelectStats {
         SelectStats {
             visited_nodes: self.tested.nodes + self.node_count - self.tested.emitted,
             emitted: self.node_count,
         }
-    }
-
-    /// Counts the nodes that were visited for other cuts too.
-    pub(super) fn set_visited_nodes(&mut self, visited_nodes: usize) {
-        self.tested.nodes = visited_nodes + self.tested.emitted - self.node_count;
     }
 
     /// Emits nodes; those that follow upon the last emitted ones join them.

@@ -39,7 +39,8 @@ fn a_budget_is_used_as_far_as_whole_steps_of_the_threshold_allow() {
     let all = cut(&tree, &view, None).node_count();
     assert!(all > 10_000);
     for most_nodes in [1, 10, 300, 5000, all - 1, all, usize::MAX] {
-        let (best, lod_px) = tree.cut_at_most(most_nodes, &view, CutHints::default());
+        let best = tree.cut_at_most(most_nodes, &view, CutHints::default());
+        let lod_px = best.lod_px();
         assert!(best.node_count() <= most_nodes);
         assert!(best.stats().visited_nodes >= best.node_count());
         let again = cut(&tree, &SelectView { lod_px, ..view }, None);
@@ -156,12 +157,8 @@ fn cells_that_remember(
             visit(tree, view, was, &child, cell, found);
         }
     }
-    let root = NodeRange {
-        level: 0,
-        points: tree.all_points(),
-    };
     let mut found = HashSet::new();
-    visit(tree, view, was, &root, [0; 3], &mut found);
+    visit(tree, view, was, &tree.root(), [0; 3], &mut found);
     found
 }
 
@@ -169,19 +166,20 @@ fn cells_that_remember(
 fn a_budget_keeps_its_threshold_while_it_fits() {
     let tree = torus_tree(20_000);
     let at = |distance: f32| view_from(Vec3::new(0.5, 2.0, distance), Vec3::ZERO, 0.5);
-    let (first, lod_px) = tree.cut_at_most(3_000, &at(3.0), CutHints::default());
+    let first = tree.cut_at_most(3_000, &at(3.0), CutHints::default());
+    let lod_px = first.lod_px();
     let hints = CutHints {
         before: Some(&first),
         ..CutHints::default()
     };
     // Farther away fewer cells are needed, but not many fewer.
-    let (kept, kept_px) = tree.cut_at_most(3_000, &at(3.1), hints);
-    assert_eq!(kept_px, lod_px);
+    let kept = tree.cut_at_most(3_000, &at(3.1), hints);
+    assert_eq!(kept.lod_px(), lod_px);
     assert!((2_250..=3_000).contains(&kept.node_count()));
-    let (finer, finer_px) = tree.cut_at_most(3_000, &at(12.0), hints);
-    assert!(finer_px < lod_px && finer.node_count() <= 3_000);
-    let (coarser, coarser_px) = tree.cut_at_most(300, &at(3.0), hints);
-    assert!(coarser_px > lod_px && coarser.node_count() <= 300);
+    let finer = tree.cut_at_most(3_000, &at(12.0), hints);
+    assert!(finer.lod_px() < lod_px && finer.node_count() <= 3_000);
+    let coarser = tree.cut_at_most(300, &at(3.0), hints);
+    assert!(coarser.lod_px() > lod_px && coarser.node_count() <= 300);
 }
 
 #[test]

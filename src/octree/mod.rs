@@ -138,9 +138,12 @@ impl Octree {
         size_of::<Self>() + self.points.byte_size() + size_of_val(self.level_counts.as_slice())
     }
 
-    /// All points, which are the root's.
-    fn all_points(&self) -> Range<usize> {
-        0..self.point_count()
+    /// The root, which has all points.
+    fn root(&self) -> NodeRange {
+        NodeRange {
+            level: 0,
+            points: 0..self.point_count(),
+        }
     }
 
     /// Whether the node of `level` with these points is not divided.

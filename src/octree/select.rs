@@ -45,25 +45,20 @@ impl Octree {
     }
 
     /// The cut of at most `most_nodes` nodes with the smallest LOD threshold from `view.lod_px` up, in steps of a 32nd of an
-    /// octave (2 %); and that threshold in pixels.
+    /// octave (2 %).
     ///
     /// Cells that the eye is in are always divided, so that around it some more are emitted than a very small number.
     ///
     /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap beside drawing:
     /// it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it still fits: a
     /// threshold that emits at least three quarters of what is allowed stays.
-    pub fn cut_at_most(
-        &self,
-        most_nodes: usize,
-        view: &SelectView,
-        hints: CutHints<'_>,
-    ) -> (Cut, f32) {
+    pub fn cut_at_most(&self, most_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
         let kept = hints.before.map(Cut::lod_px);
         if let Some(lod_px) = kept.filter(|&lod_px| lod_px >= view.lod_px) {
             let cut = self.cut(&SelectView { lod_px, ..*view }, hints);
             let is_used_up = cut.node_count() >= most_nodes - most_nodes / 4;
             if cut.node_count() <= most_nodes && (is_used_up || lod_px == view.lod_px) {
-                return (cut, lod_px);
+                return cut;
             }
         }
         let anew = CutHints {
@@ -92,9 +87,8 @@ impl Octree {
                 }
             }
         }
-        best.set_visited_nodes(visited_nodes);
-        let lod_px = best.lod_px();
-        (best, lod_px)
+        best.tested.nodes += visited_nodes - best.stats().visited_nodes;
+        best
     }
 }
 

@@ -27,6 +27,9 @@ pub struct LodSurfels {
     octree: Arc<Octree>,
     points: Arc<Vec<PointRecord>>,
     shapes: Arc<Vec<ShapeRecord>>,
+    /// The one level whose nodes are tested for facing away: the finest at which that is less than drawing them. Those above
+    /// it would each take a pass over all points, to spare some visits.
+    cone_level: Option<u32>,
     levels: [KeptLevel; LEVELS as usize + 1],
 }
 
@@ -72,6 +75,7 @@ impl LodSurfels {
             "points of the octree in the order they were given"
         );
         Self {
+            cone_level: cone_level(&octree),
             octree,
             points,
             shapes,
@@ -172,7 +176,7 @@ impl LodSurfels {
         center: Vec3,
         sphere_radius: f32,
     ) -> bool {
-        if self.cone_level() != Some(node.level) {
+        if self.cone_level != Some(node.level) {
             return false;
         }
         let level = self.surfel_level(node.level);
@@ -182,22 +186,14 @@ impl LodSurfels {
 
     /// Works out what [`LodSurfels::all_face_away`] asks for, before many threads do.
     pub(super) fn work_out_cones(&self) {
-        if let Some(level) = self.cone_level() {
+        if let Some(level) = self.cone_level {
             self.surfel_level(level);
         }
     }
 
     /// Whether nodes below a level may be dropped because they face away.
     pub(super) fn may_hide_below(&self, level: u32) -> bool {
-        self.cone_level().is_some_and(|cones| level < cones)
-    }
-
-    /// The one level whose nodes are tested for facing away: the finest at which that is less than drawing them. Those above
-    /// it would each take a pass over all points, to spare some visits.
-    fn cone_level(&self) -> Option<u32> {
-        let are_large = |count: &usize| count * POINTS_PER_CONE <= self.points.len();
-        let level = self.octree.level_counts().iter().rposition(are_large)? as u32;
-        (level >= FIRST_CONE_LEVEL).then_some(level)
+        self.cone_level.is_some_and(|cones| level < cones)
     }
 
     /// The surfels of consecutive nodes.
@@ -249,6 +245,12 @@ impl LodSurfels {
             nodes_before,
         }
     }
+}
+
+fn cone_level(octree: &Octree) -> Option<u32> {
+    let are_large = |count: &usize| count * POINTS_PER_CONE <= octree.point_count();
+    let level = octree.level_counts().iter().rposition(are_large)? as u32;
+    (level >= FIRST_CONE_LEVEL).then_some(level)
 }
 
 impl Octree {

@@ -49,10 +49,7 @@ impl Octree {
                 before,
             };
             let root = Visit {
-                node: NodeRange {
-                    level: 0,
-                    points: self.all_points(),
-                },
+                node: self.root(),
                 cell: [0; 3],
                 planes: ALL_PLANES,
             };

@@ -56,11 +56,7 @@ impl Octree {
     pub fn level_voxels(&self, level: u32) -> Vec<VoxelRecord> {
         let mut ranges = Vec::new();
         if self.level_counts.len() > level as usize {
-            let root = NodeRange {
-                level: 0,
-                points: self.all_points(),
-            };
-            self.cut_at(level, root, &mut ranges);
+            self.cut_at(level, self.root(), &mut ranges);
         }
         let mut voxels = Vec::new();
         self.write_ranges(&ranges, &mut voxels);

@@ -70,7 +70,8 @@ impl Lod {
                 lod_px: FINEST_USEFUL_PX,
                 ..*view
             };
-            let (cut, lod_px) = octree.cut_at_most(most_nodes as usize, &view, hints);
+            let cut = octree.cut_at_most(most_nodes as usize, &view, hints);
+            let lod_px = cut.lod_px();
             (cut, Some(lod_px))
         };
         match self {

@@ -60,12 +60,12 @@ impl Octree {
     /// How many points each leaf has, and what its place in the tree does not say of their codes.
     fn point_bits(&self) -> Vec<u8> {
         let mut bits = BitWriter::default();
-        let points = self.all_points();
+        let root = self.root();
         match self.leaves {
-            Leaves::OnLevel(level) => self.put_leaves(&NodeRange { level, points }, &mut bits),
-            Leaves::OfPoints(_) if points.is_empty() => {}
+            Leaves::OnLevel(level) => self.put_leaves(&NodeRange { level, ..root }, &mut bits),
+            Leaves::OfPoints(_) if root.points.is_empty() => {}
             Leaves::OfPoints(_) => {
-                self.put_leaves_below(&NodeRange { level: 0, points }, &mut bits);
+                self.put_leaves_below(&root, &mut bits);
             }
         }
         bits.into_bytes()
