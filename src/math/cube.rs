@@ -91,13 +91,12 @@ impl Cube {
         let quantizer = Quantizer::new(self);
         let level = Level::new();
         let mut cells = vec![0; points.len()];
-        // Coordinates are taken apart a block at a time: the same operation on neighbouring numbers is one SIMD instruction.
         cells
             .par_chunks_mut(BLOCK)
             .zip(points.par_chunks(BLOCK))
             .with_min_len(BLOCKS_PER_TASK)
             .for_each(|(cells, points)| {
-                dispatch!(level, _simd => quantizer.add_cells::<INTERLEAVED>(points, cells));
+                dispatch!(level, _simd => quantizer.write_cells::<INTERLEAVED>(points, cells));
             });
         cells
     }
@@ -105,6 +104,9 @@ impl Cube {
 
 /// Points that are quantised together.
 const BLOCK: usize = 64;
+
+/// A multiple of three coordinates, and of as many as registers hold.
+const TURN: usize = 12;
 
 /// Blocks that are worth handing to another thread: 16,384 points.
 const BLOCKS_PER_TASK: usize = 256;
@@ -134,22 +136,33 @@ impl Quantizer {
         }
     }
 
-    /// Writes the cells of at most [`BLOCK`] points over zeros.
+    /// Writes the cells of at most [`BLOCK`] points.
+    ///
+    /// Coordinates are taken as they stand in memory, x, y and z in turn, which repeats every [`TURN`] of them: registers of four
+    /// are filled by one instruction, and know what to do for each place.
     #[inline(always)]
-    fn add_cells<const INTERLEAVED: bool>(&self, points: &[Vec3], cells: &mut [u64]) {
-        for axis in 0..3 {
-            let mut offsets = [0.0; BLOCK];
-            for (offset, point) in offsets.iter_mut().zip(points) {
-                *offset = f64::from(point[axis]);
+    fn write_cells<const INTERLEAVED: bool>(&self, points: &[Vec3], cells: &mut [u64]) {
+        let mins: [f64; TURN] = std::array::from_fn(|place| self.min[place % 3]);
+        let part = |coordinate: f32, place: usize| {
+            let index = self.index(f64::from(coordinate) - mins[place]);
+            if INTERLEAVED {
+                morton::spread(index) << (place % 3)
+            } else {
+                index << (LEVELS as usize * (place % 3))
             }
-            for (cell, offset) in cells.iter_mut().zip(offsets) {
-                let index = self.index(offset - self.min[axis]);
-                *cell |= if INTERLEAVED {
-                    morton::spread(index) << axis
-                } else {
-                    index << (LEVELS as usize * axis)
-                };
-            }
+        };
+        let mut parts = [0; 3 * BLOCK];
+        let (turns, rest) = bytemuck::cast_slice(points).as_chunks::<TURN>();
+        let (parts_of_turns, parts_of_rest) = parts.split_at_mut(TURN * turns.len());
+        let (parts_of_turns, _) = parts_of_turns.as_chunks_mut::<TURN>();
+        for (parts, turn) in parts_of_turns.iter_mut().zip(turns) {
+            *parts = std::array::from_fn(|place| part(turn[place], place));
+        }
+        for (place, (into, &coordinate)) in parts_of_rest.iter_mut().zip(rest).enumerate() {
+            *into = part(coordinate, place);
+        }
+        for (cell, [x, y, z]) in cells.iter_mut().zip(parts.as_chunks::<3>().0) {
+            *cell = x | y | z;
         }
     }
 

@@ -4,7 +4,7 @@ mod aabb;
 mod cube;
 mod frustum;
 pub mod morton;
-mod morton_sort;
+pub(crate) mod morton_sort;
 mod symmetric_eigen;
 
 pub use aabb::Aabb;

@@ -6,9 +6,6 @@
 //! cells above the level at which their highest different bit lies ([`PackedCell`] says which); paper 000 §VI-A needs no more
 //! than that to count the occupied cells of every level.
 
-use fearless_simd::{Level, dispatch};
-use rayon::prelude::*;
-
 /// Levels below the root: 21 × 3 bits fill 63 of 64.
 pub const LEVELS: u32 = 21;
 
@@ -87,39 +84,16 @@ impl PackedCell {
     /// The first level (1 to 21) at which two finest cells are in different cells, or [`NEVER_PART`]; and whether their codes are in
     /// ascending order, or equal.
     #[inline(always)]
-    pub(crate) const fn parting(self, next: Self) -> (u8, bool) {
+    pub(crate) fn parting(self, next: Self) -> (u8, bool) {
         let different = self.0 ^ next.0;
-        let along_any = (different | different >> LEVELS | different >> (2 * LEVELS)) as u32;
-        match (along_any % FINEST_CELLS).checked_ilog2() {
-            Some(highest_bit) => {
-                let octants = LOWEST << highest_bit;
-                let ascends = self.0 & octants < next.0 & octants;
-                ((LEVELS - highest_bit) as u8, ascends)
-            }
-            None => (NEVER_PART, true),
-        }
-    }
-}
-
-/// The Morton codes of `cells`.
-pub fn codes_of(cells: &[PackedCell]) -> Vec<u64> {
-    let mut codes = vec![0; cells.len()];
-    codes
-        .par_chunks_mut(CELLS_PER_TASK)
-        .zip(cells.par_chunks(CELLS_PER_TASK))
-        .for_each(|(codes, cells)| {
-            dispatch!(Level::new(), _simd => encode_all(cells, codes));
-        });
-    codes
-}
-
-/// Cells that are worth handing to another thread.
-const CELLS_PER_TASK: usize = 1 << 14;
-
-#[inline(always)]
-fn encode_all(cells: &[PackedCell], codes: &mut [u64]) {
-    for (code, cell) in codes.iter_mut().zip(cells) {
-        *code = cell.code();
+        let along_any =
+            (different | different >> LEVELS | different >> (2 * LEVELS)) as u32 % FINEST_CELLS;
+        // The exponent of a number of 21 bits, exact as an f32, is its highest bit; this is one SIMD instruction. That of 0 is −127.
+        let exponent = ((along_any as i32 as f32).to_bits() >> 23) as i32 - 127;
+        let parting = (LEVELS as i32 - exponent).min(i32::from(NEVER_PART));
+        let octants = LOWEST.wrapping_shl(exponent as u32);
+        let ascends = (self.0 & octants) as i64 <= (next.0 & octants) as i64;
+        (parting as u8, ascends)
     }
 }
 

@@ -1,284 +1,355 @@
-//! The order of Morton codes, and so of the points they belong to.
+//! Sorting by Morton codes: points are put in the order in which an octree visits them.
 //!
-//! How it works: a radix sort from the lowest digit up (LSD), but only over the highest 36 bits of the code, the first
-//! 12 octree levels. An item is one `u64`: those bits above the index of the point, so that code and index travel in 8 bytes
-//! and four passes of 9 bits sort them. (More than 2²⁸ points need 31 bits for the index and leave 33 for the code.)
+//! How it works: codes, each with what goes with it, are first parted into 512 buckets by their highest nine bits (the cells
+//! of octree level 3), chunk by chunk. Then each bucket is gathered from all chunks and sorted.
 //!
 //! ```text
-//! 63 ......... 55 54 ........ 46 45 ........ 37 36 ....... 28 27 ......... 0
-//!   fourth digit    third digit   second digit   first digit    point index
+//! codes ── chunks of 32,768 ──► each chunk parted ── bucket after bucket, from all chunks ──► sorted
+//!          a task each          into buckets         a task each
 //! ```
 //!
-//! Points that share all 12 levels now stand in runs, which are sorted by the bits left: short runs by comparison,
-//! long ones (an outlier far away squeezes the whole cloud into few cells) by a second radix sort.
+//! A bucket is sorted by a radix sort, from the lowest digit up, of numbers that have the code's bits above an index; but only
+//! by as many of the bits in which its codes differ as tell most points of a surface apart, which makes two passes. What they
+//! leave is a few neighbours in the wrong order, for an insertion sort. Clouds that are no surfaces, or that an outlier
+//! squeezes into few cells, leave more, which is then sorted by comparison.
 //!
-//! When it wins: at 12 levels the cells of a scanned surface hold one point, so half of the passes that a sort of
-//! all 63 bits makes would move nothing. A digit in which all items agree costs no pass either. Digits of 9 bits write to 512
-//! places at a time, whose lines the nearest cache holds; three passes of 11 bits take a fifth longer for a million points.
+//! When it wins: each point is moved once through memory, to its bucket, and all else happens in the second cache, while a radix
+//! sort of the whole moves it once for each digit and then fetches what goes with each code from anywhere. Tasks share nothing.
 //!
 //! Codes that are in order already are left alone, which one look over them tells.
 //!
-//! Halves of many codes, parted by the highest digit, are sorted by two threads.
-//!
-//! The sort is stable: equal codes stay in the order of their indices. Nothing depends on timing or threads.
+//! The sort is stable: equal codes stay in the order in which they were given. Nothing depends on timing or threads.
 
-use std::collections::VecDeque;
-
-const DIGIT_BITS: u32 = 9;
-const DIGIT_VALUES: usize = 1 << DIGIT_BITS;
-const DIGITS: usize = 4;
-const CODE_BITS: u32 = 63;
-
-/// How code and index share an item.
-#[derive(Debug, Clone, Copy)]
-struct ItemLayout {
-    index_bits: u32,
-}
-
-impl ItemLayout {
-    /// For so many codes.
-    fn of(count: usize) -> Self {
-        const MOST_INDEX_BITS: u32 = 31;
-        const FEWEST_INDEX_BITS: u32 = u64::BITS - DIGIT_BITS * DIGITS as u32;
-        assert!(
-            count as u64 <= 1 << MOST_INDEX_BITS,
-            "indices of {count} points do not fit {MOST_INDEX_BITS} bits",
-        );
-        let index_bits = if count as u64 <= 1 << FEWEST_INDEX_BITS {
-            FEWEST_INDEX_BITS
-        } else {
-            MOST_INDEX_BITS
-        };
-        Self { index_bits }
-    }
-
-    /// Bits of a code that find no room beside the index.
-    fn low_bits(self) -> u32 {
-        CODE_BITS + self.index_bits - u64::BITS
-    }
-
-    fn item(self, code: u64, index: u64) -> u64 {
-        code >> self.low_bits() << self.index_bits | index
-    }
-
-    /// With the bits of the code that [`ItemLayout::item`] leaves out.
-    fn low_item(self, code: u64, index: u64) -> u64 {
-        (code & ((1 << self.low_bits()) - 1)) << self.index_bits | index
-    }
-
-    fn index(self, item: u64) -> usize {
-        (item & ((1 << self.index_bits) - 1)) as usize
-    }
-
-    /// From the lowest digit up. The highest has fewer bits where the index has more.
-    fn digit(self, item: u64, digit: usize) -> usize {
-        (item >> (self.index_bits + DIGIT_BITS * digit as u32)) as usize & (DIGIT_VALUES - 1)
-    }
-}
-
-/// Below this a comparison sort is done before the digit counters of a radix sort are cleared.
-const SHORT_RUN: usize = 1024;
+use rayon::prelude::*;
 
 /// The indices of 63-bit `codes` in the order of the codes; of equal codes by ascending index.
 ///
 /// # Panics
-/// Preconditions: at most 2³¹ codes, each below 2⁶³.
+/// Preconditions: at most 2³² codes, each below 2⁶³.
 pub fn order_of_codes(codes: &[u64]) -> Vec<u32> {
-    let layout = ItemLayout::of(codes.len());
+    assert!(
+        codes.len() as u64 <= 1 << 32,
+        "indices of {} codes do not fit 32 bits",
+        codes.len()
+    );
     if codes.is_sorted() {
         return (0..codes.len() as u32).collect();
     }
-    let sorter = Sorter { codes, layout };
-    let mut items = vec![0; codes.len()];
-    let mut scratch = vec![0; codes.len()];
-    if codes.len() < 2 * PARALLEL_CODES || rayon::current_num_threads() == 1 {
-        let unsorted = codes.iter().zip(0..);
-        let unsorted = unsorted.map(|(&code, index)| layout.item(code, index));
-        let mut passes = Passes::over(layout, unsorted.clone());
-        passes.take_first(unsorted, &mut items);
-        let sorted = passes.take_others(&mut items, &mut scratch);
-        sorter.sort_runs(sorted);
-        return sorted
-            .iter()
-            .map(|&item| layout.index(item) as u32)
-            .collect();
-    }
-    let middle = sorter.partition_near_half(&mut scratch);
-    let (low, high) = items.split_at_mut(middle);
-    let (parted_low, parted_high) = scratch.split_at_mut(middle);
+    let buckets = Buckets::new(codes, |index| index as u32);
     let mut order = vec![0; codes.len()];
-    let (low_order, high_order) = order.split_at_mut(middle);
-    let sort = |parted: &mut [u64], items: &mut [u64], order: &mut [u32]| {
-        let mut passes = Passes::over(layout, parted.iter().copied());
-        passes.take_first(parted.iter().copied(), items);
-        let sorted = passes.take_others(items, parted);
-        sorter.sort_runs(sorted);
-        for (index, &item) in order.iter_mut().zip(&*sorted) {
-            *index = layout.index(item) as u32;
-        }
-    };
-    rayon::join(
-        || sort(parted_low, low, low_order),
-        || sort(parted_high, high, high_order),
-    );
+    buckets.sort_each(buckets.places(&mut order), |_, indices, order| {
+        order.copy_from_slice(indices);
+    });
     order
 }
 
-/// Below this, codes are not shared out among threads.
-const PARALLEL_CODES: usize = 1 << 14;
+const CODE_BITS: u32 = 63;
+const BUCKET_BITS: u32 = 9;
+const BUCKETS: usize = 1 << BUCKET_BITS;
 
-struct Sorter<'a> {
-    codes: &'a [u64],
-    layout: ItemLayout,
+/// Codes that are parted together: what they are read from and written to stays in the second cache.
+const CHUNK: usize = 1 << 15;
+
+/// Codes, and what goes with each, parted by the highest bits of the codes.
+pub(crate) struct Buckets<T> {
+    /// Chunk after chunk, within each by bucket, within that in the order given.
+    codes: Vec<u64>,
+    carried: Vec<T>,
+    /// Where each bucket ends in each chunk.
+    ends: Vec<[u32; BUCKETS]>,
+    /// Codes of each bucket in all chunks.
+    lens: [usize; BUCKETS],
 }
 
-impl Sorter<'_> {
-    /// Writes the items of all codes, first those with a small highest digit, then the others, both in their order; how many
-    /// come first: about half, as far as whole digits allow. On two threads, a half of the codes each.
-    fn partition_near_half(&self, items: &mut [u64]) -> usize {
-        let layout = self.layout;
-        let (front, back) = self.codes.split_at(self.codes.len() / 2);
-        let highest_digit = |code: u64| layout.digit(layout.item(code, 0), DIGITS - 1);
-        let count = |codes: &[u64]| {
-            let mut counts = [0u32; DIGIT_VALUES];
-            for &code in codes {
-                counts[highest_digit(code)] += 1;
-            }
-            counts
-        };
-        let (front_counts, back_counts) = rayon::join(|| count(front), || count(back));
-        let (mut front_low, mut back_low) = (0, 0);
-        let mut first_high = 0;
-        while front_low + back_low < self.codes.len() / 2 {
-            front_low += front_counts[first_high] as usize;
-            back_low += back_counts[first_high] as usize;
-            first_high += 1;
-        }
-        let middle = front_low + back_low;
-        let (low, high) = items.split_at_mut(middle);
-        let (low_of_front, low_of_back) = low.split_at_mut(front_low);
-        let (high_of_front, high_of_back) = high.split_at_mut(front.len() - front_low);
-        let partition = |codes: &[u64], first_index: u64, low: &mut [u64], high: &mut [u64]| {
-            let (mut low_count, mut high_count) = (0, 0);
-            for (&code, index) in codes.iter().zip(first_index..) {
-                let is_high = highest_digit(code) >= first_high;
-                // Written to both, and only one moves on.
-                for (items, count) in [(&mut *low, low_count), (&mut *high, high_count)] {
-                    if let Some(item) = items.get_mut(count) {
-                        *item = layout.item(code, index);
-                    }
-                }
-                low_count += usize::from(!is_high);
-                high_count += usize::from(is_high);
-            }
-        };
-        rayon::join(
-            || partition(front, 0, low_of_front, high_of_front),
-            || partition(back, front.len() as u64, low_of_back, high_of_back),
-        );
-        middle
-    }
-
-    /// Sorts items that are sorted by their upper bits by the whole codes that their indices name, stably; leaves only indices
-    /// right.
-    fn sort_runs(&self, items: &mut [u64]) {
-        let index_bits = self.layout.index_bits;
-        for run in items.chunk_by_mut(|a, b| a >> index_bits == b >> index_bits) {
-            if run.len() > 1 {
-                self.sort_run(run);
-            }
-        }
-    }
-
-    /// Sorts a run of items that agree in their upper bits by the low bits of their codes; leaves only indices right.
-    fn sort_run(&self, run: &mut [u64]) {
-        let layout = self.layout;
-        let code_of = |item: u64| self.codes[layout.index(item)];
-        if run.len() <= SHORT_RUN {
-            run.sort_unstable_by_key(|&item| (code_of(item), item));
-            return;
-        }
-        for item in &mut *run {
-            *item = layout.low_item(code_of(*item), layout.index(*item) as u64);
-        }
-        let mut passes = Passes::over(layout, run.iter().copied());
-        let mut scratch = vec![0; run.len()];
-        passes.take_first(run.iter().copied(), &mut scratch);
-        let sorted = passes.take_others(&mut scratch, run).to_vec();
-        run.copy_from_slice(&sorted);
-    }
-}
-
-/// The passes of a radix sort by the bits above the index, from the lowest digit up.
-struct Passes {
-    layout: ItemLayout,
-    item_count: usize,
-    /// The digits in which items differ, and where the next item with each value goes.
-    left: VecDeque<(usize, [u32; DIGIT_VALUES])>,
-}
-
-impl Passes {
-    /// Those that sort `items`.
-    fn over(layout: ItemLayout, items: impl Iterator<Item = u64>) -> Self {
-        let mut item_count = 0;
-        let mut counts = vec![[0u32; DIGIT_VALUES]; DIGITS];
-        for item in items {
-            item_count += 1;
-            for (digit, counts) in counts.iter_mut().enumerate() {
-                counts[layout.digit(item, digit)] += 1;
-            }
-        }
-        let differ = |counts: &[u32; DIGIT_VALUES]| {
-            counts.iter().all(|&count| (count as usize) < item_count)
-        };
-        let places = |counts: [u32; DIGIT_VALUES]| {
-            let mut next = 0;
-            counts.map(|count| {
-                next += count;
-                next - count
+impl<T: Copy + Default + Send + Sync> Buckets<T> {
+    /// Parts 63-bit `codes`, each with what `carried` says goes with its index.
+    pub(crate) fn new(codes: &[u64], carried: impl Fn(usize) -> T + Sync) -> Self {
+        let mut parted_codes = vec![0; codes.len()];
+        let mut parted_carried = vec![T::default(); codes.len()];
+        let ends: Vec<[u32; BUCKETS]> = codes
+            .par_chunks(CHUNK)
+            .zip(parted_codes.par_chunks_mut(CHUNK))
+            .zip(parted_carried.par_chunks_mut(CHUNK))
+            .enumerate()
+            .map(|(chunk, ((codes, parted_codes), parted_carried))| {
+                let first = CHUNK * chunk;
+                let mut next = [0; 2 * BUCKETS];
+                let ends = scatter(codes, &mut next, bucket_of, |index, code, place| {
+                    parted_codes[place] = code;
+                    parted_carried[place] = carried(first + index);
+                });
+                ends.try_into().expect("an end for each bucket")
             })
-        };
-        let digits = counts.into_iter().enumerate();
-        let left = digits
-            .filter(|(_, counts)| differ(counts))
-            .map(|(digit, counts)| (digit, places(counts)))
             .collect();
+        let mut lens = [0; BUCKETS];
+        for ends in &ends {
+            let mut start = 0;
+            for (len, &end) in lens.iter_mut().zip(ends) {
+                *len += (end - start) as usize;
+                start = end;
+            }
+        }
         Self {
-            layout,
-            item_count,
-            left,
+            codes: parted_codes,
+            carried: parted_carried,
+            ends,
+            lens,
         }
     }
 
-    /// Writes the items to another place, by the first digit if they differ in any.
-    fn take_first(&mut self, items: impl Iterator<Item = u64>, to: &mut [u64]) {
-        assert_eq!(to.len(), self.item_count, "a place for each item");
-        if let Some((digit, mut next)) = self.left.pop_front() {
-            items.for_each(|item| scatter(self.layout.digit(item, digit), item, &mut next, to));
-        } else {
-            for (place, item) in to.iter_mut().zip(items) {
-                *place = item;
-            }
-        }
+    /// The part of `out` that belongs to each bucket. Precondition: as many as there are codes.
+    pub(crate) fn places<'o, O>(&self, mut out: &'o mut [O]) -> Vec<&'o mut [O]> {
+        let place = |&len: &usize| out.split_off_mut(..len);
+        self.lens.iter().filter_map(place).collect()
     }
 
-    /// Writes the items from one place to the other and back, by one digit after the other; the place where they are sorted.
-    fn take_others<'a>(&mut self, mut from: &'a mut [u64], mut to: &'a mut [u64]) -> &'a mut [u64] {
-        while let Some((digit, mut next)) = self.left.pop_front() {
-            for &item in &*from {
-                scatter(self.layout.digit(item, digit), item, &mut next, to);
-            }
-            (from, to) = (to, from);
-        }
-        from
+    /// Hands the codes of each bucket to `write`, in order, with what goes with each, and the place of the bucket. Those without
+    /// codes are left out.
+    pub(crate) fn sort_each<P: Send>(
+        &self,
+        places: Vec<P>,
+        write: impl Fn(&[u64], &[T], P) + Sync,
+    ) {
+        places
+            .into_par_iter()
+            .enumerate()
+            .filter(|&(bucket, _)| self.lens[bucket] > 0)
+            .for_each_init(Sorter::default, |sorter, (bucket, place)| {
+                sorter.gather(self, bucket);
+                let (codes, carried) = sorter.sort();
+                write(codes, carried, place);
+            });
     }
 }
 
-/// Puts an item where the next one with its digit goes.
-fn scatter(digit: usize, item: u64, next: &mut [u32; DIGIT_VALUES], to: &mut [u64]) {
-    let place = &mut next[digit];
-    to[*place as usize] = item;
-    *place += 1;
+fn bucket_of(code: u64) -> usize {
+    (code >> (CODE_BITS - BUCKET_BITS)) as usize % BUCKETS
+}
+
+/// Sorts one bucket after another in the same memory.
+#[derive(Default)]
+struct Sorter<T> {
+    codes: Vec<u64>,
+    carried: Vec<T>,
+    items: Vec<u64>,
+    scratch: Vec<u64>,
+    carried_in_order: Vec<T>,
+    next: Vec<u32>,
+}
+
+impl<T: Copy + Default> Sorter<T> {
+    /// Takes a bucket from all chunks.
+    fn gather(&mut self, buckets: &Buckets<T>, bucket: usize) {
+        self.codes.clear();
+        self.carried.clear();
+        let chunks = buckets.codes.chunks(CHUNK);
+        let chunks = chunks.zip(buckets.carried.chunks(CHUNK));
+        for (ends, (codes, carried)) in buckets.ends.iter().zip(chunks) {
+            let start = bucket.checked_sub(1).map_or(0, |before| ends[before]);
+            let piece = start as usize..ends[bucket] as usize;
+            self.codes.extend_from_slice(&codes[piece.clone()]);
+            self.carried.extend_from_slice(&carried[piece]);
+        }
+    }
+
+    /// The codes in order, and what goes with each.
+    fn sort(&mut self) -> (&[u64], &[T]) {
+        let count = self.codes.len();
+        if self.items.len() < count {
+            self.items.resize(count, 0);
+            self.scratch.resize(count, 0);
+            self.carried_in_order.resize(count, T::default());
+        }
+        let (items, scratch) = (&mut self.items[..count], &mut self.scratch[..count]);
+        let layout = ItemLayout::of(&self.codes);
+        let (items, codes) = sort(&self.codes, layout, items, scratch, &mut self.next);
+        let carried = &mut self.carried_in_order[..count];
+        for ((code, carried), &mut item) in codes.iter_mut().zip(&mut *carried).zip(items) {
+            let index = layout.index(item);
+            *code = self.codes[index];
+            *carried = self.carried[index];
+        }
+        (codes, carried)
+    }
+}
+
+/// How one number holds some bits of a code above the index of the code: the upper ones of the bits in which codes differ, as many
+/// as there is room for.
+#[derive(Debug, Clone, Copy)]
+struct ItemLayout {
+    index_bits: u32,
+    kept_bits: u32,
+    /// The lowest bits of a code, which are not kept.
+    left_out_bits: u32,
+}
+
+impl ItemLayout {
+    fn of(codes: &[u64]) -> Self {
+        let index_bits = usize::BITS - codes.len().leading_zeros();
+        let differing = codes.iter().fold(0, |bits, code| bits | code ^ codes[0]);
+        let differing_bits = u64::BITS - differing.leading_zeros();
+        let kept_bits = differing_bits.min(u64::BITS - index_bits);
+        Self {
+            index_bits,
+            kept_bits,
+            left_out_bits: differing_bits - kept_bits,
+        }
+    }
+
+    #[inline(always)]
+    fn item(self, code: u64, index: usize) -> u64 {
+        let kept = code >> self.left_out_bits & ((1 << self.kept_bits) - 1);
+        kept << self.index_bits | index as u64
+    }
+
+    #[inline(always)]
+    fn index(self, item: u64) -> usize {
+        (item & ((1 << self.index_bits) - 1)) as usize
+    }
+
+    /// Digits, from the lowest up, of the upper ones of the bits kept, that tell most of `count` points of a surface apart.
+    fn digits(self, count: usize) -> impl Iterator<Item = Digit> {
+        /// Up to so many points are sorted by comparison before the counters of a radix sort are cleared.
+        const FEW: usize = 64;
+        const MOST_BITS: u32 = 11;
+        // Three bits divide a surface by four. One level more, so that few cells have two points.
+        let telling_bits = if count > FEW {
+            count.ilog2() * 3 / 2 + 4
+        } else {
+            0
+        };
+        let bits = telling_bits.min(self.kept_bits);
+        let digits = bits.div_ceil(MOST_BITS);
+        let bits_each = bits.div_ceil(digits.max(1));
+        let end = self.index_bits + self.kept_bits;
+        (1..=digits).rev().map(move |from_top| Digit {
+            first_bit: end
+                .saturating_sub(from_top * bits_each)
+                .max(self.index_bits),
+            bits: bits_each,
+        })
+    }
+}
+
+/// Some bits of a number.
+#[derive(Debug, Clone, Copy)]
+struct Digit {
+    first_bit: u32,
+    bits: u32,
+}
+
+impl Digit {
+    #[inline(always)]
+    fn of(self, item: u64) -> usize {
+        (item >> self.first_bit) as usize & ((1 << self.bits) - 1)
+    }
+}
+
+/// The items of `codes` in their order, stably, in one of the two places; and the other one.
+fn sort<'a>(
+    codes: &[u64],
+    layout: ItemLayout,
+    mut items: &'a mut [u64],
+    mut scratch: &'a mut [u64],
+    next: &mut Vec<u32>,
+) -> (&'a mut [u64], &'a mut [u64]) {
+    for (index, (item, &code)) in items.iter_mut().zip(codes).enumerate() {
+        *item = layout.item(code, index);
+    }
+    for digit in layout.digits(codes.len()) {
+        scatter_items(items, scratch, digit, next);
+        (items, scratch) = (scratch, items);
+    }
+    sort_nearly_sorted(items);
+    if layout.left_out_bits > 0 {
+        let kept = |item: u64| item >> layout.index_bits;
+        for run in items.chunk_by_mut(|&a, &b| kept(a) == kept(b)) {
+            if run.len() > 1 {
+                run.sort_unstable_by_key(|&item| (codes[layout.index(item)], item));
+            }
+        }
+    }
+    (items, scratch)
+}
+
+/// One pass of a radix sort.
+// A function of its own, so that its loops have all registers.
+#[inline(never)]
+fn scatter_items(from: &[u64], to: &mut [u64], digit: Digit, next: &mut Vec<u32>) {
+    next.resize(2 << digit.bits, 0);
+    scatter(
+        from,
+        next,
+        |item| digit.of(item),
+        |_, item, place| to[place] = item,
+    );
+}
+
+/// Tells `put` the index of each number, the number and its place: first those of small digits, equal ones in the order given.
+/// Returns where each digit ends. `next` has room for two counters a digit.
+///
+/// The front and the back half are gone through side by side, with counters of their own: neighbours often have the same
+/// digit, and a counter that was just written is slow to read.
+#[inline(always)]
+fn scatter<'n>(
+    from: &[u64],
+    next: &'n mut [u32],
+    digit: impl Fn(u64) -> usize,
+    mut put: impl FnMut(usize, u64, usize),
+) -> &'n [u32] {
+    next.fill(0);
+    let (next_of_front, next_of_back) = next.split_at_mut(next.len() / 2);
+    let middle = from.len() / 2;
+    let (front, back) = from.split_at(middle);
+    let (back, odd) = back.split_at(middle);
+    for (&a, &b) in front.iter().zip(back) {
+        next_of_front[digit(a)] += 1;
+        next_of_back[digit(b)] += 1;
+    }
+    for &item in odd {
+        next_of_back[digit(item)] += 1;
+    }
+    let mut start = 0;
+    for (front, back) in next_of_front.iter_mut().zip(&mut *next_of_back) {
+        start += std::mem::replace(front, start);
+        start += std::mem::replace(back, start);
+    }
+    let mut put_next = |index: usize, item: u64, next: &mut [u32]| {
+        let next = &mut next[digit(item)];
+        let place = *next as usize;
+        // Written before `put` writes anything, so that it need not be read again.
+        *next += 1;
+        put(index, item, place);
+    };
+    for (index, (&a, &b)) in front.iter().zip(back).enumerate() {
+        put_next(index, a, next_of_front);
+        put_next(middle + index, b, next_of_back);
+    }
+    for &item in odd {
+        put_next(from.len() - 1, item, next_of_back);
+    }
+    // Once all are in place, starts have become ends.
+    next_of_back
+}
+
+/// Sorts numbers of which most are in place and the others near.
+fn sort_nearly_sorted(items: &mut [u64]) {
+    /// An insertion sort has no business here if a number is further away.
+    const FAR: usize = 32;
+    for i in 1..items.len() {
+        let item = items[i];
+        let mut place = i;
+        while place > 0 && items[place - 1] > item {
+            if i - place == FAR {
+                items[place] = item;
+                items.sort_unstable();
+                return;
+            }
+            items[place] = items[place - 1];
+            place -= 1;
+        }
+        items[place] = item;
+    }
 }
 
 #[cfg(test)]
@@ -325,9 +396,26 @@ mod tests {
         assert_sorted_like_std(&codes);
     }
 
-    /// Many enough to be parted: evenly, and where all but one share the highest digit or none is in the lower half.
+    /// Many in one bucket, which differ in more bits than an item keeps, some in those that it does not keep alone.
     #[test]
-    fn halves_by_any_number_of_threads() {
+    fn codes_that_an_item_has_no_room_for() {
+        let codes: Vec<u64> = (0..9000)
+            .map(|i| mixed(i) % 64 << 48 | mixed(i + 7) & 7)
+            .collect();
+        assert_sorted_like_std(&codes);
+    }
+
+    /// Few enough in one bucket that items keep all, but most alike in the bits that passes are made over.
+    #[test]
+    fn codes_that_passes_leave_unsorted() {
+        let mut codes: Vec<u64> = (0..1000).map(|i| mixed(i) & 0xf_ffff).collect();
+        codes[500] |= 1 << 53;
+        assert_sorted_like_std(&codes);
+    }
+
+    /// Several chunks: evenly, and where all but one are in one bucket, the first or the last.
+    #[test]
+    fn chunks_by_any_number_of_threads() {
         let even: Vec<u64> = (0..70_000).map(|i| mixed(i) >> 1).collect();
         let mut low: Vec<u64> = even.iter().map(|code| code >> 12).collect();
         low[69_999] = (1 << 63) - 1;

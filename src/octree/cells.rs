@@ -8,6 +8,7 @@
 use super::NodeRange;
 use super::sorted_points::SortedPoints;
 use super::stop::Leaves;
+use fearless_simd::{Level, dispatch};
 use std::ops::Range;
 
 /// Partings compared at a time.
@@ -132,48 +133,70 @@ impl SortedPoints {
 
 /// How many of `partings` are at most `level`.
 fn count_at_most(partings: &[u8], level: u32) -> usize {
-    let level = level as u8;
-    // Counts of a byte each, which one register adds up; a chunk is as long as they cannot overflow.
-    let sum_of_chunk = |partings: &[u8]| {
-        let (rows, rest) = partings.as_chunks::<32>();
-        let mut counts = [0u8; 32];
-        for row in rows {
-            for (count, &parting) in counts.iter_mut().zip(row) {
-                *count += u8::from(parting <= level);
-            }
-        }
-        let rest = rest.iter().filter(|&&parting| parting <= level).count();
-        rest + counts
-            .iter()
-            .map(|&count| usize::from(count))
-            .sum::<usize>()
-    };
-    partings.chunks(32 * 255).map(sum_of_chunk).sum()
+    dispatch!(Level::new(), _simd => count_in_lanes(partings, level as u8))
+}
+
+#[inline(always)]
+fn count_in_lanes(partings: &[u8], level: u8) -> usize {
+    // As many as a byte can count.
+    let (rows, rest) = partings.as_chunks::<128>();
+    let count_in_row =
+        |row: &[u8; 128]| -> u8 { row.iter().map(|&parting| u8::from(parting <= level)).sum() };
+    let in_rows: usize = rows.iter().map(|row| usize::from(count_in_row(row))).sum();
+    in_rows + rest.iter().filter(|&&parting| parting <= level).count()
 }
 
 /// Writes the first points of the cells of `level` among the points from `first` on, whose partings are given, to the
-/// beginning of `out`, and says how many there are. Precondition: room for one more than there are partings.
+/// beginning of `out`, and says how many there are. Precondition: room for a word more than there are partings.
 #[inline(always)]
 pub(super) fn write_beginnings(partings: &[u8], level: u32, first: u32, out: &mut [u32]) -> usize {
     let mut count = 0;
     let mut point = first;
     let (words, rest) = partings.as_chunks::<WORD>();
-    for word in words {
-        if beginnings(*word, level) != 0 {
-            for (&parting, point) in word.iter().zip(point..) {
-                // Overwritten until a point that begins a cell moves on.
-                out[count] = point;
-                count += usize::from(u32::from(parting) <= level);
-            }
+    let mut write = |word: [u8; WORD]| {
+        let set = beginning_set(word, level) as usize;
+        let out: &mut [u32; WORD] = out[count..].first_chunk_mut().expect("room for a word");
+        // All are written, and those behind the ones that begin a cell are written over.
+        for (out, place) in out.iter_mut().zip(PLACES_IN_WORD[set]) {
+            *out = point + u32::from(place);
         }
+        count += set.count_ones() as usize;
         point += WORD as u32;
-    }
-    for (&parting, point) in rest.iter().zip(point..) {
-        out[count] = point;
-        count += usize::from(u32::from(parting) <= level);
+    };
+    words.iter().for_each(|&word| write(word));
+    if !rest.is_empty() {
+        let mut word = [u8::MAX >> 1; WORD];
+        word[..rest.len()].copy_from_slice(rest);
+        write(word);
     }
     count
 }
+
+/// One bit for every byte of `partings` that is at most `level`.
+#[inline(always)]
+fn beginning_set(partings: [u8; WORD], level: u32) -> u8 {
+    // Every bit is moved to the highest byte, and no two to the same place.
+    const TO_HIGHEST_BYTE: u64 = 0x0102_0408_1020_4080;
+    ((beginnings(partings, level) >> 7).wrapping_mul(TO_HIGHEST_BYTE) >> 56) as u8
+}
+
+/// The places of the bits of every byte, ascending; what follows them is of no importance.
+static PLACES_IN_WORD: [[u8; WORD]; 256] = {
+    let mut places = [[0; WORD]; 256];
+    let mut set = 0;
+    while set < 256 {
+        let (mut count, mut place) = (0, 0);
+        while place < WORD {
+            if set >> place & 1 == 1 {
+                places[set][count] = place as u8;
+                count += 1;
+            }
+            place += 1;
+        }
+        set += 1;
+    }
+    places
+};
 
 #[cfg(test)]
 mod tests {
@@ -205,7 +228,7 @@ mod tests {
                     .map(|i| i + 1000)
                     .collect();
                 assert_eq!(count_at_most(&partings, level), expected.len());
-                let mut out = vec![0; count as usize + 1];
+                let mut out = vec![0; count as usize + WORD];
                 let written = write_beginnings(&partings, level, 1000, &mut out);
                 assert_eq!(out[..written], expected);
             }

@@ -4,9 +4,10 @@ use super::stop::OccupiedCells;
 use super::voxels::{self, ColorSum};
 use crate::math::{
     Cube,
-    morton::{self, LEVELS, PackedCell},
-    order_of_codes,
+    morton::{LEVELS, PackedCell},
+    morton_sort::Buckets,
 };
+use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -36,25 +37,22 @@ impl PartialEq for SortedPoints {
 impl SortedPoints {
     /// Sorts points with these colours. Precondition: `cube` is the one around them.
     pub(super) fn new(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> Self {
-        let cells = cube.cells(positions);
-        if let Some(partings) = partings_in_order(&cells) {
+        let in_order = |positions| {
+            let cells = cube.cells(positions);
+            partings_in_order(&cells).map(|partings| (cells, partings))
+        };
+        // A look at some of them mostly tells.
+        let some = &positions[..positions.len().min(1000)];
+        if in_order(some).is_some()
+            && let Some((cells, partings)) = in_order(positions)
+        {
             return Self::in_order(cells, partings, colors.iter().copied());
         }
-        let order = order_of_codes(&morton::codes_of(&cells));
-        let sort = || {
-            let cells: Vec<PackedCell> = order.iter().map(|&index| cells[index as usize]).collect();
-            let partings = partings_in_order(&cells).expect("cells were sorted");
-            let occupied = occupied_cells(&partings);
-            (cells, partings, occupied)
-        };
-        let sum = || voxels::running_sums(order.iter().map(|&index| colors[index as usize]));
-        let ((cells, partings, occupied), colors_before) = rayon::join(sort, sum);
+        let (cells, colors) = sorted(cube.codes(positions), colors);
+        let partings = partings_in_order(&cells).expect("cells were sorted");
         Self {
-            cells,
-            partings,
-            occupied,
-            colors_before,
             are_as_given: false,
+            ..Self::in_order(cells, partings, colors.iter().copied())
         }
     }
 
@@ -93,6 +91,28 @@ impl SortedPoints {
     }
 }
 
+/// The cells of codes in their order, in the same memory, and colours with them.
+fn sorted(codes: Vec<u64>, colors: &[[u8; 4]]) -> (Vec<PackedCell>, Vec<[u8; 4]>) {
+    let buckets = Buckets::new(&codes, |point| colors[point]);
+    let mut cells: Vec<PackedCell> = bytemuck::cast_vec(codes);
+    let mut colors = vec![[0; 4]; cells.len()];
+    let cell_places = buckets.places(&mut cells);
+    let color_places = buckets.places(&mut colors);
+    let places: Vec<_> = cell_places.into_iter().zip(color_places).collect();
+    buckets.sort_each(places, |codes, sorted_colors, (cells, colors)| {
+        dispatch!(Level::new(), _simd => write_cells(codes, cells));
+        colors.copy_from_slice(sorted_colors);
+    });
+    (cells, colors)
+}
+
+#[inline(always)]
+fn write_cells(codes: &[u64], cells: &mut [PackedCell]) {
+    for (cell, &code) in cells.iter_mut().zip(codes) {
+        *cell = PackedCell::from_code(code);
+    }
+}
+
 /// Cells that are worth handing to another thread.
 const CELLS_PER_TASK: usize = 1 << 14;
 
@@ -113,17 +133,28 @@ fn partings_in_order(cells: &[PackedCell]) -> Option<Vec<u8>> {
 /// Writes the levels at which all but the first of `cells` part from the ones before them, as far as they are asked for, or
 /// to where their codes do not ascend; whether they do.
 fn write_partings(cells: &[PackedCell], partings: &mut [u8]) -> bool {
-    let pairs = cells.array_windows::<2>();
-    let mut ascend = true;
-    for (parting, [before, cell]) in partings.iter_mut().zip(pairs) {
+    dispatch!(Level::new(), _simd => {
+        let mut cells = cells;
+        partings.chunks_mut(BLOCK).all(|partings| {
+            let pairs = &cells[..=partings.len()];
+            cells = &cells[partings.len()..];
+            write_partings_of_block(pairs, partings)
+        })
+    })
+}
+
+/// Points that are looked at before it is asked whether they ascend.
+const BLOCK: usize = 256;
+
+#[inline(always)]
+fn write_partings_of_block(cells: &[PackedCell], partings: &mut [u8]) -> bool {
+    let mut descend = false;
+    for (parting, (before, cell)) in partings.iter_mut().zip(cells.iter().zip(&cells[1..])) {
         let ascends;
         (*parting, ascends) = before.parting(*cell);
-        ascend &= ascends;
-        if !ascend {
-            break;
-        }
+        descend |= !ascends;
     }
-    ascend
+    !descend
 }
 
 /// Cells of every level that hold a point: one for each code that parted there or above.

@@ -30,9 +30,12 @@ pub(super) fn running_sums(colors: impl ExactSizeIterator<Item = [u8; 4]>) -> Ve
     let mut sums = Vec::with_capacity(colors.len() + 1);
     let mut sum: ColorSum = 0;
     sums.push(sum);
-    sums.extend(colors.map(|[red, green, blue, _]| {
-        let [red, green, blue] = [red, green, blue].map(ColorSum::from);
-        sum = sum.wrapping_add(red | green << FIELD_BITS | blue << (2 * FIELD_BITS));
+    sums.extend(colors.map(|color| {
+        let color = ColorSum::from(u32::from_le_bytes(color));
+        let red = color & 0xff;
+        let green = (color & 0xff00) << (FIELD_BITS - 8);
+        let blue = (color & 0xff_0000) << (2 * FIELD_BITS - 16);
+        sum = sum.wrapping_add(red | green | blue);
         sum
     }));
     sums
@@ -45,10 +48,8 @@ pub(super) fn color_of_sum(sum: ColorSum) -> [u8; 3] {
 
 /// One channel of the sum of at most [`MOST_SUMMED`] colours.
 #[inline(always)]
-fn channel_of(sum: ColorSum, channel: u32) -> f32 {
-    let field = (sum >> (channel * FIELD_BITS)) as u32 & ((1 << FIELD_BITS) - 1);
-    // A signed conversion is one instruction.
-    field as i32 as f32
+fn field_of(sum: ColorSum, channel: u32) -> u32 {
+    (sum >> (channel * FIELD_BITS)) as u32 & ((1 << FIELD_BITS) - 1)
 }
 
 impl Octree {
@@ -88,7 +89,7 @@ impl Octree {
         let writer = VoxelWriter {
             points: &self.points,
             min: self.cube.min,
-            edges: std::array::from_fn(|level| self.cube.cell_edge(level as u32)),
+            edge: self.cube.edge,
         };
         self.points.write_nodes(ranges, &writer, out);
     }
@@ -97,7 +98,8 @@ impl Octree {
 struct VoxelWriter<'a> {
     points: &'a SortedPoints,
     min: Vec3,
-    edges: [f32; LEVELS as usize + 1],
+    /// Of the root.
+    edge: f32,
 }
 
 impl NodeWriter for VoxelWriter<'_> {
@@ -110,21 +112,35 @@ impl NodeWriter for VoxelWriter<'_> {
         let count = out.len().min(BATCH);
         let (firsts, ends) = (&nodes.firsts[..count], &nodes.ends[..count]);
         let levels = &nodes.levels[..count];
-        let gathered = self.gather(firsts, ends, levels);
+        let mut gathered = Gathered::zeroed();
+        self.gather(firsts, ends, &mut gathered);
+        let mut edges = [0.0; BATCH];
+        for (edge, &level) in edges[..count].iter_mut().zip(levels) {
+            *edge = self.edge * power_of_two(-(level as i32));
+        }
         let mut centers = [[0.0; BATCH]; 3];
         for (axis, centers) in centers.iter_mut().enumerate() {
-            let cells = gathered.cells.iter().zip(&gathered.edges);
-            for ((center, (cell, &edge)), &level) in centers.iter_mut().zip(cells).zip(levels) {
+            // Twice as many numbers of 32 bits go into a register, so the cells are taken apart first.
+            let mut finest = [0; BATCH];
+            for (coordinate, cell) in finest[..count].iter_mut().zip(&gathered.cells) {
+                *coordinate = cell.coordinate(axis, LEVELS);
+            }
+            let cells = finest.iter().zip(levels).zip(&edges);
+            for (center, ((&coordinate, &level), &edge)) in centers[..count].iter_mut().zip(cells) {
                 // Below 2²¹; a signed conversion is one instruction.
-                let coordinate = cell.coordinate(axis, level) as i32 as f32;
+                let coordinate = (coordinate >> (LEVELS - level)) as i32 as f32;
                 *center = self.min[axis] + (coordinate + 0.5) * edge;
             }
         }
         let mut means = [[0.0; BATCH]; 3];
         for (channel, means) in (0..).zip(&mut means) {
-            let sums = gathered.sums.iter().zip(&gathered.shares);
+            let mut fields = [0; BATCH];
+            for (field, &sum) in fields[..count].iter_mut().zip(&gathered.sums) {
+                *field = field_of(sum, channel);
+            }
+            let sums = fields.iter().zip(&gathered.shares);
             for (mean, (&sum, &share)) in means[..count].iter_mut().zip(sums) {
-                *mean = channel_of(sum, channel) * share;
+                *mean = sum as i32 as f32 * share;
             }
         }
         if gathered.most_points > MOST_SUMMED {
@@ -146,9 +162,9 @@ impl NodeWriter for VoxelWriter<'_> {
 }
 
 /// What is read for the nodes of a batch.
+#[derive(Zeroable)]
 struct Gathered {
     cells: [PackedCell; BATCH],
-    edges: [f32; BATCH],
     /// Colours summed up.
     sums: [ColorSum; BATCH],
     /// One over the numbers of points.
@@ -158,30 +174,20 @@ struct Gathered {
 
 impl VoxelWriter<'_> {
     #[inline(always)]
-    fn gather(&self, firsts: &[u32], ends: &[u32], levels: &[u32]) -> Gathered {
-        let mut gathered = Gathered {
-            cells: [PackedCell::zeroed(); BATCH],
-            edges: [0.0; BATCH],
-            sums: [0; BATCH],
-            shares: [0.0; BATCH],
-            most_points: 0,
-        };
-        let before = &self.points.colors_before;
-        let counts = &mut gathered.shares[..firsts.len()];
-        let nodes = firsts.iter().zip(ends).zip(levels);
-        for (node, ((&first, &end), &level)) in nodes.enumerate().take(BATCH) {
-            gathered.cells[node] = self.points.cells[first as usize];
-            gathered.edges[node] = self.edges[level as usize];
-            gathered.sums[node] = before[end as usize].wrapping_sub(before[first as usize]);
-            let count = end - first;
-            counts[node] = count as i32 as f32;
-            gathered.most_points = gathered.most_points.max(count);
+    fn gather(&self, firsts: &[u32], ends: &[u32], gathered: &mut Gathered) {
+        let before = self.points.colors_before.as_slice();
+        let nodes = firsts.iter().zip(ends);
+        let out = gathered.cells.iter_mut().zip(&mut gathered.sums);
+        for ((&first, &end), (cell, sum)) in nodes.clone().zip(out) {
+            *cell = self.points.cells[first as usize];
+            *sum = before[end as usize].wrapping_sub(before[first as usize]);
         }
-        // One division a node; a mean halfway between two numbers may be rounded to either.
-        for share in counts {
-            *share = 1.0 / *share;
+        for ((&first, &end), share) in nodes.zip(&mut gathered.shares) {
+            // One division a node; a mean halfway between two numbers may be rounded to either.
+            *share = 1.0 / (end - first) as i32 as f32;
         }
-        gathered
+        let counts = firsts.iter().zip(ends).map(|(&first, &end)| end - first);
+        gathered.most_points = counts.fold(0, u32::max);
     }
 
     /// Mean colours of nodes whose sums do not fit a field.
@@ -198,13 +204,19 @@ impl VoxelWriter<'_> {
                     .map(|first| {
                         let end = end.min(first + MOST_SUMMED);
                         let sum = before[end as usize].wrapping_sub(before[first as usize]);
-                        f64::from(channel_of(sum, channel))
+                        f64::from(field_of(sum, channel))
                     })
                     .sum();
                 means[node] = (sum / f64::from(end - first)) as f32;
             }
         }
     }
+}
+
+/// Of an exponent from −126 to 127.
+#[inline(always)]
+fn power_of_two(exponent: i32) -> f32 {
+    f32::from_bits(((exponent + 127) as u32) << 23)
 }
 
 /// A number in 0..=255, rounded.

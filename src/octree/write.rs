@@ -101,7 +101,8 @@ const PIECE_POINTS: usize = 1 << 14;
 /// Points whose parting levels are looked at together.
 const BLOCK: usize = 64;
 
-const CAPACITY: usize = BATCH + BLOCK + 1;
+/// What may be left of a batch, a block of new ones, and what [`write_beginnings`] wants beyond.
+const CAPACITY: usize = BATCH + BLOCK + 8;
 
 /// Nodes that wait for a batch to become full.
 struct Batch {
@@ -182,7 +183,9 @@ impl Batch {
         };
         writer.write(&nodes, now);
         for property in [&mut self.firsts, &mut self.ends, &mut self.levels] {
-            property.copy_within(count..self.count, 0);
+            // As many as there may be: a number that is known makes it some registers.
+            let (written, left) = property.split_at_mut(BATCH);
+            written.copy_from_slice(&left[..BATCH]);
         }
         self.count -= count;
         left
