@@ -165,7 +165,7 @@ impl<T: Copy + Default> Sorter<T> {
         let (items, codes) = sort(&self.codes, layout, items, scratch, &mut self.next);
         let carried = &mut self.carried_in_order[..count];
         for ((code, carried), &mut item) in codes.iter_mut().zip(&mut *carried).zip(items) {
-            let index = layout.index(item);
+            let index = layout.index_of(item);
             *code = self.codes[index];
             *carried = self.carried[index];
         }
@@ -177,34 +177,36 @@ impl<T: Copy + Default> Sorter<T> {
 /// as there is room for.
 #[derive(Debug, Clone, Copy)]
 struct ItemLayout {
-    index_bits: u32,
-    kept_bits: u32,
+    /// Bits of the index.
+    index: u32,
+    /// Bits of the code that are kept.
+    kept: u32,
     /// The lowest bits of a code, which are not kept.
-    left_out_bits: u32,
+    left_out: u32,
 }
 
 impl ItemLayout {
     fn of(codes: &[u64]) -> Self {
-        let index_bits = usize::BITS - codes.len().leading_zeros();
+        let index = usize::BITS - codes.len().leading_zeros();
         let differing = codes.iter().fold(0, |bits, code| bits | code ^ codes[0]);
         let differing_bits = u64::BITS - differing.leading_zeros();
-        let kept_bits = differing_bits.min(u64::BITS - index_bits);
+        let kept = differing_bits.min(u64::BITS - index);
         Self {
-            index_bits,
-            kept_bits,
-            left_out_bits: differing_bits - kept_bits,
+            index,
+            kept,
+            left_out: differing_bits - kept,
         }
     }
 
     #[inline(always)]
     fn item(self, code: u64, index: usize) -> u64 {
-        let kept = code >> self.left_out_bits & ((1 << self.kept_bits) - 1);
-        kept << self.index_bits | index as u64
+        let kept = code >> self.left_out & ((1 << self.kept) - 1);
+        kept << self.index | index as u64
     }
 
     #[inline(always)]
-    fn index(self, item: u64) -> usize {
-        (item & ((1 << self.index_bits) - 1)) as usize
+    fn index_of(self, item: u64) -> usize {
+        (item & ((1 << self.index) - 1)) as usize
     }
 
     /// Digits, from the lowest up, of the upper ones of the bits kept, that tell most of `count` points of a surface apart.
@@ -218,14 +220,12 @@ impl ItemLayout {
         } else {
             0
         };
-        let bits = telling_bits.min(self.kept_bits);
+        let bits = telling_bits.min(self.kept);
         let digits = bits.div_ceil(MOST_BITS);
         let bits_each = bits.div_ceil(digits.max(1));
-        let end = self.index_bits + self.kept_bits;
+        let end = self.index + self.kept;
         (1..=digits).rev().map(move |from_top| Digit {
-            first_bit: end
-                .saturating_sub(from_top * bits_each)
-                .max(self.index_bits),
+            first_bit: end.saturating_sub(from_top * bits_each).max(self.index),
             bits: bits_each,
         })
     }
@@ -261,11 +261,11 @@ fn sort<'a>(
         (items, scratch) = (scratch, items);
     }
     sort_nearly_sorted(items);
-    if layout.left_out_bits > 0 {
-        let kept = |item: u64| item >> layout.index_bits;
+    if layout.left_out > 0 {
+        let kept = |item: u64| item >> layout.index;
         for run in items.chunk_by_mut(|&a, &b| kept(a) == kept(b)) {
             if run.len() > 1 {
-                run.sort_unstable_by_key(|&item| (codes[layout.index(item)], item));
+                run.sort_unstable_by_key(|&item| (codes[layout.index_of(item)], item));
             }
         }
     }
@@ -400,7 +400,7 @@ mod tests {
     #[test]
     fn codes_that_an_item_has_no_room_for() {
         let codes: Vec<u64> = (0..9000)
-            .map(|i| mixed(i) % 64 << 48 | mixed(i + 7) & 7)
+            .map(|i| (mixed(i) % 64) << 48 | mixed(i + 7) & 7)
             .collect();
         assert_sorted_like_std(&codes);
     }

@@ -163,7 +163,9 @@ pub(super) fn write_beginnings(partings: &[u8], level: u32, first: u32, out: &mu
         count += set.count_ones() as usize;
         point += WORD as u32;
     };
-    words.iter().for_each(|&word| write(word));
+    for &word in words {
+        write(word);
+    }
     if !rest.is_empty() {
         let mut word = [u8::MAX >> 1; WORD];
         word[..rest.len()].copy_from_slice(rest);
