@@ -107,8 +107,6 @@ impl NodeWriter for VoxelWriter<'_> {
 
     #[inline(always)]
     fn write(&self, nodes: &Nodes<'_>, out: &mut [VoxelRecord]) {
-        // A number that the compiler does not know: loops over a whole batch would be unrolled to more code than the
-        // processor keeps decoded.
         let count = out.len().min(BATCH);
         let (firsts, ends) = (&nodes.firsts[..count], &nodes.ends[..count]);
         let levels = &nodes.levels[..count];
