@@ -1,7 +1,6 @@
 //! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
 
-use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
-use crate::render::{RenderError, RenderStats, Renderer};
+use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer};
 use crate::scene::{Camera, Scene, SceneStats, Settings, UpAxis};
 use crate::sequence::{Direction, FrameError, Loader, PreparedFrame, Sequence};
 use image::RgbaImage;
@@ -101,33 +100,24 @@ pub struct OctreeStats {
 pub struct Headless {
     sequence: Arc<Sequence>,
     loader: Loader,
-    renderer: GpuRenderer,
+    renderer: AnyRenderer,
     scene: Scene,
 }
 
 impl Headless {
-    /// A renderer for the frames that `loader` loads.
-    pub fn new(
-        sequence: Arc<Sequence>,
-        loader: Loader,
-        context: Arc<Context>,
-    ) -> Result<Self, RenderError> {
-        Ok(Self {
+    /// Draws the frames that `loader` loads.
+    pub fn new(sequence: Arc<Sequence>, loader: Loader, renderer: AnyRenderer) -> Self {
+        Self {
             sequence,
             loader,
-            renderer: GpuRenderer::new(context)?,
+            renderer,
             scene: Scene::default(),
-        })
+        }
     }
 
-    /// Opens the adapter that a window would take.
-    pub fn open_adapter() -> Result<Arc<Context>, RenderError> {
-        Context::headless(&ContextOptions::default())
-    }
-
-    /// The adapter that draws.
-    pub fn context(&self) -> &Arc<Context> {
-        self.renderer.context()
+    /// What draws.
+    pub fn renderer(&self) -> &AnyRenderer {
+        &self.renderer
     }
 
     /// Waits for frame `index` with all that `settings` need; later frames are prepared meanwhile.
@@ -154,7 +144,7 @@ impl Headless {
             .packet(frame, self.sequence.origin(), camera, settings, size_px);
         self.renderer.prepare(&packet)?;
         self.renderer.render()?;
-        self.renderer.wait_gpu_ms();
+        self.renderer.wait();
         self.renderer.read_image()
     }
 

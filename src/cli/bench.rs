@@ -3,7 +3,7 @@
 use super::arguments::{DEMO_INPUT, open_sequence, size_px};
 use super::{answer, say};
 use crate::bench::{self, BenchOptions, Progress, Suite};
-use crate::headless::Headless;
+use crate::render::gpu::{Context, ContextOptions};
 use anyhow::Context as _;
 use clap::Args;
 use std::io::{IsTerminal as _, Write as _};
@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         repeat: arguments.repeat,
         ..BenchOptions::new(arguments.suite)
     };
-    let context = Headless::open_adapter()?;
+    let context = Context::headless(&ContextOptions::default())?;
     let report = bench::run(
         &inputs,
         &options,

@@ -3,7 +3,8 @@
 use super::arguments::{CameraArgs, PictureArgs, open_sequence, size_px};
 use super::say;
 use crate::headless::{Headless, PictureStats};
-use crate::scene::{Camera, Settings};
+use crate::render::AnyRenderer;
+use crate::scene::{Camera, RendererChoice, Settings};
 use crate::sequence::{Loader, LoaderOptions, Sequence};
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -39,6 +40,10 @@ pub(super) struct RenderArgs {
 
     #[command(flatten)]
     camera: CameraArgs,
+
+    /// Who draws: auto (the GPU if there is a real one, else the processor), gpu or cpu
+    #[arg(long, value_name = "RENDERER", default_value = "auto")]
+    renderer: RendererChoice,
 
     /// JSON file to write counters and times to
     #[arg(long, value_name = "STATS.json")]
@@ -102,9 +107,10 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     }
     let settings = arguments.picture.settings_over(Settings::default());
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
-    let mut headless = Headless::new(Arc::clone(&sequence), loader, Headless::open_adapter()?)?;
+    let renderer = AnyRenderer::open(arguments.renderer)?;
+    let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
     let mut stats = Stats {
-        adapter: headless.context().adapter_summary(),
+        adapter: headless.renderer().summary(),
         size: arguments.size,
         primitive: settings.primitive.to_string(),
         splatting: settings.splatting.to_string(),

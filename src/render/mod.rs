@@ -1,6 +1,10 @@
 //! From a [`ScenePacket`] to pixels. Consumers (window, headless, benchmarks) see only the [`Renderer`] trait.
 
+mod any;
+pub mod cpu;
 pub mod gpu;
+
+pub use any::AnyRenderer;
 
 use crate::scene::ScenePacket;
 

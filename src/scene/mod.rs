@@ -10,5 +10,6 @@ pub use camera::{Camera, UpAxis, ViewPreset, ViewTransform};
 pub use lod::Lod;
 pub use packet::{Scene, ScenePacket, SceneStats, Voxels};
 pub use settings::{
-    Background, Lighting, ParseChoiceError, Primitive, Settings, Splatting, Strategy,
+    Background, Lighting, ParseChoiceError, Primitive, RendererChoice, Settings, Splatting,
+    Strategy,
 };

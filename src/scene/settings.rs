@@ -94,6 +94,18 @@ choices! {
     }
 }
 
+choices! {
+    /// Who draws.
+    RendererChoice, "renderer" {
+        /// The GPU if there is a real one, else the processor.
+        Auto = "auto",
+        /// The adapter of the graphics library, be it a software one.
+        Gpu = "gpu",
+        /// The processor, without any driver.
+        Cpu = "cpu",
+    }
+}
+
 impl Splatting {
     /// Factors on the splat radius in the visibility and in the attribute pass.
     pub fn scales(self, enlargement: f32) -> [f32; 2] {

@@ -142,6 +142,11 @@ impl Context {
         format!("{name} ({device_type:?}, {backend:?}, {driver} {driver_info})")
     }
 
+    /// Whether the adapter is a program that draws on the processor.
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
     /// Largest edge of a picture.
     pub fn max_edge_px(&self) -> u32 {
         self.limits.max_texture_dimension_2d

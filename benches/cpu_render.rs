@@ -1,0 +1,139 @@
+//! Pictures by the software renderer beside those by the graphics library: `cargo bench --bench cpu_render`.
+//!
+//! Measured, at 1920×1080 of a bumpy torus in Morton order that fills the picture: 1,000,000 points (one pixel each), 100,000
+//! surfels (two-pass-enlarged, 2×) and voxels (τ 1 px) from the packet until the picture is finished in memory, by the
+//! software renderer on one and on two threads, and by the adapter that the program would take (no read back), whose name is printed
+//! first. Points and surfels also from ten times as far, where the picture costs less, and from within, where most is culled.
+//!
+//! `plain fill` is what the memory of the picture takes to be written.
+//!
+//! Not measured: decoding, normals, octrees, boxes around blocks of records (once a frame: `prepare`), showing.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use glam::{DVec3, Vec3};
+use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
+use pointreel::math::{Aabb, Cube, order_of_codes};
+use pointreel::octree::{Octree, StopCriterion};
+use pointreel::render::Renderer;
+use pointreel::render::cpu::CpuRenderer;
+use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
+use pointreel::scene::{Camera, Primitive, ScenePacket, Settings, UpAxis, Voxels};
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Duration;
+
+mod shapes;
+
+use shapes::threads;
+
+const SIZE_PX: [u32; 2] = [1920, 1080];
+
+/// The torus as seen from a distance of so many units from its middle.
+fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
+    let (positions, colors) = shapes::bumpy_torus(count);
+    let normals = shapes::bumpy_torus_normals(count);
+    let cube = Cube::around(&positions).expect("there are points");
+    let order = order_of_codes(&cube.codes(&positions));
+    let order = order.iter().map(|&index| index as usize);
+    let points: Vec<PointRecord> = order
+        .clone()
+        .map(|index| PointRecord {
+            position: positions[index].to_array(),
+            color: colors[index],
+        })
+        .collect();
+    // The torus has an area of some 16.
+    let spacing = (16.0 / count as f32).sqrt();
+    let shapes = order.map(|index| ShapeRecord {
+        normal: oct_encode(normals[index]),
+        radius: spacing,
+        ellipse: 0,
+        scalar: 0.0,
+    });
+    let bounds = Aabb::from_points(&positions);
+    let mut camera = Camera::framing(&bounds, DVec3::ZERO, UpAxis::Z);
+    camera.elevation_deg = 40.0;
+    camera.distance = distance;
+    let view = camera.transform(DVec3::ZERO, SIZE_PX);
+    let voxels = (primitive == Primitive::Voxel).then(|| {
+        let sorted: Vec<Vec3> = points.iter().map(|point| point.position.into()).collect();
+        let colors: Vec<[u8; 4]> = points.iter().map(|point| point.color).collect();
+        let octree = Octree::build(&sorted, &colors, StopCriterion::default());
+        let mut records = Vec::new();
+        octree.select(&view.select_view(1.0), &mut records);
+        Voxels {
+            records: Arc::new(records),
+            cube_edge: octree.cube().edge,
+        }
+    });
+    ScenePacket {
+        viewport_px: SIZE_PX,
+        view,
+        settings: Settings {
+            primitive,
+            ..Settings::default()
+        },
+        points: Arc::new(points),
+        shapes: (primitive == Primitive::Surfel).then(|| Arc::new(shapes.collect())),
+        voxels,
+        bounds,
+    }
+}
+
+fn draw_on_gpu(renderer: &mut GpuRenderer, packet: &ScenePacket) {
+    renderer.invalidate();
+    renderer
+        .prepare(packet)
+        .expect("the packet can be uploaded");
+    renderer.render().expect("the packet can be drawn");
+    renderer.context().wait().expect("the adapter answers");
+}
+
+fn draw_on_cpu(renderer: &mut CpuRenderer, packet: &ScenePacket) {
+    renderer.invalidate();
+    renderer.prepare(packet).expect("the packet can be drawn");
+    renderer.render().expect("the packet can be drawn");
+}
+
+#[expect(
+    clippy::print_stdout,
+    reason = "a time means nothing without its adapter"
+)]
+fn pictures(criterion: &mut Criterion) {
+    pointreel::memory::keep_freed_pages();
+    let context = Context::headless(&ContextOptions::default()).expect("an adapter");
+    println!("adapter: {}", context.adapter_summary());
+    for (primitive, count) in [
+        (Primitive::Point, 1_000_000),
+        (Primitive::Surfel, 100_000),
+        (Primitive::Voxel, 100_000),
+    ] {
+        for (place, distance) in [("whole", 3.4), ("far", 34.0), ("within", 1.0)] {
+            let packet = packet(count, primitive, distance);
+            let mut group = criterion.benchmark_group(format!("{primitive}/{count}/{place}"));
+            group
+                .throughput(Throughput::Elements(count as u64))
+                .sample_size(20)
+                .warm_up_time(Duration::from_millis(500))
+                .measurement_time(Duration::from_secs(2));
+            let mut renderer = GpuRenderer::new(Arc::clone(&context)).expect("a renderer");
+            group.bench_function("adapter", |bencher| {
+                bencher.iter(|| draw_on_gpu(&mut renderer, &packet));
+            });
+            for (threads, pool) in threads::pools([1, 2]) {
+                let mut renderer = CpuRenderer::new();
+                group.bench_function(format!("software, {threads} threads"), |bencher| {
+                    bencher.iter(|| pool.install(|| draw_on_cpu(&mut renderer, &packet)));
+                });
+            }
+            group.finish();
+        }
+    }
+    let mut picture = vec![0u8; (4 * SIZE_PX[0] * SIZE_PX[1]) as usize];
+    criterion.bench_function("plain fill", |bencher| {
+        bencher.iter(|| black_box(&mut picture).fill(black_box(7)));
+    });
+}
+
+criterion_group!(benches, pictures);
+criterion_main!(benches);

@@ -1,0 +1,259 @@
+//! The software renderer: the passes of `render/gpu` on the processor, for machines without a GPU.
+//!
+//! How it works: the picture is divided into tiles whose pixels stay in the second cache while everything that may touch them is
+//! drawn (`blocks.rs`), pass after pass, and are then written to the picture once. Bands of tiles are tasks that share
+//! nothing, so there are no locks and no atomic operations, and pictures do not depend on the number of threads. Patches
+//! are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`).
+//!
+//! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
+
+mod blocks;
+mod facet;
+mod finish;
+mod points;
+mod raster;
+mod shading;
+mod surfels;
+#[cfg(test)]
+mod tests;
+mod tile;
+mod view;
+mod voxels;
+
+use super::{RenderError, RenderStats, Renderer};
+use crate::scene::{Primitive, ScenePacket, Splatting};
+use blocks::{Blocks, TileLists};
+use fearless_simd::{Level, dispatch};
+use finish::{Gradient, Held};
+use image::RgbaImage;
+use points::Points;
+use rayon::prelude::*;
+use std::time::Instant;
+use surfels::{Surfels, Waiting};
+use tile::{HEIGHT, Tile, Tiles, WIDTH};
+use view::{PixelRect, PixelView};
+use voxels::Cubes;
+
+/// Draws on the processor.
+#[derive(Debug, Default)]
+pub struct CpuRenderer {
+    prepared: Option<ScenePacket>,
+    drawn: Option<ScenePacket>,
+    /// Boxes around what the prepared packet draws, made for the records of this one.
+    blocks: Option<(ScenePacket, Blocks)>,
+    image: RgbaImage,
+    stats: RenderStats,
+}
+
+/// Longest edge of a picture: as that of textures of most GPUs.
+const MAX_EDGE_PX: u32 = 32_768;
+
+impl CpuRenderer {
+    /// A renderer that has drawn nothing.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Forgets what was drawn, so that the same packet is drawn again: benchmarks measure that.
+    pub fn invalidate(&mut self) {
+        self.drawn = None;
+    }
+
+    /// The last picture.
+    pub fn image(&self) -> &RgbaImage {
+        &self.image
+    }
+}
+
+impl Renderer for CpuRenderer {
+    fn prepare(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+        let start = Instant::now();
+        let [width, height] = packet.viewport_px;
+        if width.max(height) > MAX_EDGE_PX {
+            let max = MAX_EDGE_PX;
+            return Err(RenderError::TooLarge { width, height, max });
+        }
+        let is_kept = self
+            .blocks
+            .as_ref()
+            .is_some_and(|(of, _)| draws_same_records(of, packet));
+        if !is_kept {
+            let blocks = match Drawable::of(packet) {
+                Drawable::Points(points) => Blocks::of(&points),
+                Drawable::Surfels(surfels) => Blocks::of(&surfels),
+                Drawable::Cubes(cubes) => Blocks::of(&cubes),
+                Drawable::Nothing => Blocks::of(&Points::NONE),
+            };
+            self.blocks = Some((packet.clone(), blocks));
+        }
+        self.prepared = Some(packet.clone());
+        self.stats.prepare_ms = milliseconds_since(start);
+        Ok(())
+    }
+
+    fn render(&mut self) -> Result<(), RenderError> {
+        let (Some(packet), Some((_, blocks))) = (&self.prepared, &self.blocks) else {
+            return Err(RenderError::NothingPrepared);
+        };
+        if self.drawn.as_ref() == Some(packet) {
+            return Ok(());
+        }
+        let start = Instant::now();
+        let [width, height] = packet.viewport_px;
+        if self.image.dimensions() != (width, height) {
+            self.image = RgbaImage::new(width, height);
+        }
+        let drawn_records = rayon::scope(|_| draw(packet, blocks, &mut self.image));
+        self.stats.frames += 1;
+        self.stats.passes += 1;
+        self.stats.draw_calls = 1;
+        self.stats.drawn_instances = drawn_records;
+        self.stats.encode_ms = milliseconds_since(start);
+        self.drawn = Some(packet.clone());
+        Ok(())
+    }
+
+    fn read_image(&mut self) -> Result<RgbaImage, RenderError> {
+        if self.drawn.is_none() {
+            return Err(RenderError::NothingPrepared);
+        }
+        Ok(self.image.clone())
+    }
+
+    fn stats(&self) -> RenderStats {
+        self.stats
+    }
+}
+
+fn milliseconds_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+/// What a packet shows.
+enum Drawable<'a> {
+    Points(Points<'a>),
+    Surfels(Surfels<'a>),
+    Cubes(Cubes<'a>),
+    /// The frame lacks what the primitive needs.
+    Nothing,
+}
+
+impl<'a> Drawable<'a> {
+    fn of(packet: &'a ScenePacket) -> Self {
+        let settings = &packet.settings;
+        match settings.primitive {
+            Primitive::Point => Self::Points(Points {
+                records: &packet.points,
+                size_px: settings.point_size_px,
+            }),
+            Primitive::Surfel => packet.shapes.as_ref().map_or(Self::Nothing, |shapes| {
+                Self::Surfels(Surfels {
+                    points: &packet.points,
+                    shapes,
+                    settings,
+                })
+            }),
+            Primitive::Voxel => packet.voxels.as_ref().map_or(Self::Nothing, |voxels| {
+                Self::Cubes(Cubes::new(voxels, settings.lighting))
+            }),
+        }
+    }
+}
+
+/// Whether two packets show the same records, however.
+fn draws_same_records(a: &ScenePacket, b: &ScenePacket) -> bool {
+    let as_drawn_as_a = ScenePacket {
+        viewport_px: a.viewport_px,
+        view: a.view,
+        settings: crate::scene::Settings {
+            primitive: b.settings.primitive,
+            ..a.settings
+        },
+        ..b.clone()
+    };
+    *a == as_drawn_as_a
+}
+
+/// Draws a packet; how many records were handed to tiles.
+fn draw(packet: &ScenePacket, blocks: &Blocks, image: &mut RgbaImage) -> u64 {
+    let view = PixelView::new(packet);
+    let tiles = Tiles::of_picture(packet.viewport_px);
+    let drawable = Drawable::of(packet);
+    let (scale, margin_px) = match &drawable {
+        Drawable::Points(points) => (0.0, 0.5 * points.size_px),
+        Drawable::Surfels(surfels) => (surfels.largest_scale(), 0.0),
+        Drawable::Cubes(_) | Drawable::Nothing => (1.0, 0.0),
+    };
+    let lists = blocks.by_tile(&view, tiles, scale, margin_px);
+    let held = match (&drawable, packet.settings.splatting) {
+        (Drawable::Points(_), _) => Held::Keys,
+        (Drawable::Cubes(_) | Drawable::Nothing, _) => Held::SolidColors,
+        (Drawable::Surfels(_), Splatting::Regular | Splatting::NoDepth) => Held::BlendedColors,
+        (Drawable::Surfels(_), Splatting::Visibility) => Held::depths(packet),
+        (Drawable::Surfels(_), _) => Held::Sums,
+    };
+    let picture = Picture {
+        view,
+        tiles,
+        drawable,
+        lists,
+        held,
+        gradient: Gradient {
+            background: packet.settings.background,
+            height_px: packet.viewport_px[1],
+        },
+    };
+    let level = Level::new();
+    let width_px = packet.viewport_px[0] as usize;
+    image
+        .par_chunks_mut(4 * width_px * HEIGHT)
+        .enumerate()
+        .for_each_init(
+            || (Tile::new(), Waiting::new()),
+            |(tile, waiting), (row, band)| {
+                for column in 0..tiles.columns {
+                    dispatch!(level, simd => picture.draw_tile(simd, tile, waiting, [column, row], band));
+                }
+            },
+        );
+    picture.lists.handed_out()
+}
+
+/// Everything that a tile is drawn from.
+struct Picture<'a> {
+    view: PixelView,
+    tiles: Tiles,
+    drawable: Drawable<'a>,
+    lists: TileLists,
+    held: Held,
+    gradient: Gradient,
+}
+
+impl Picture<'_> {
+    /// Draws a tile, and writes it to its place in a band of the picture.
+    #[inline(always)]
+    fn draw_tile<S: fearless_simd::Simd>(
+        &self,
+        simd: S,
+        tile: &mut Tile,
+        waiting: &mut Waiting,
+        [column, row]: [usize; 2],
+        band: &mut [u8],
+    ) {
+        let origin = [(WIDTH * column) as i32, (HEIGHT * row) as i32];
+        tile.begin(origin, self.held, &self.gradient);
+        let picture = PixelRect::of_picture(self.view.size_px);
+        let clip = tile.rect().intersection(picture);
+        let records = self.lists.records(self.tiles.columns * row + column);
+        match &self.drawable {
+            Drawable::Points(points) => points.draw(&self.view, tile, clip, records),
+            Drawable::Surfels(surfels) => {
+                surfels.draw(simd, &self.view, tile, clip, records, waiting);
+            }
+            Drawable::Cubes(cubes) => cubes.draw(simd, &self.view, tile, clip, records),
+            Drawable::Nothing => {}
+        }
+        let width_px = self.view.size_px[0] as usize;
+        tile.finish(clip, self.held, &self.gradient, width_px, band);
+    }
+}

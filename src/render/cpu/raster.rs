@@ -1,0 +1,275 @@
+//! Patches to pixels: eight pixels of a row at a time, as registers of the processor hold them.
+//!
+//! Each function is what one pass of `shaders/passes` does with a fragment.
+
+use super::facet::{Facet, Outline};
+use super::shading::{Light, Shading};
+use super::tile::{LANES, Tile, WIDTH};
+use super::view::{Affine, PixelRect, PixelView};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
+
+/// Eight pixels of a patch.
+pub(super) struct Fragments<S: Simd> {
+    pub(super) p: f32x8<S>,
+    pub(super) q: f32x8<S>,
+    pub(super) w: f32x8<S>,
+    /// The pixels' coordinates: x of each, y of all.
+    pub(super) x_px: f32x8<S>,
+    pub(super) y_px: f32,
+}
+
+/// Calls `visit` with the place in the tile of every eight pixels that a patch may cover.
+#[inline(always)]
+fn for_each<S: Simd>(
+    simd: S,
+    tile_rect: PixelRect,
+    facet: &Facet,
+    mut visit: impl FnMut(usize, Fragments<S>),
+) {
+    let rect = facet.bounds.intersection(tile_rect);
+    let [tile_x, tile_y] = tile_rect.start;
+    let first_x = rect.start[0] - (rect.start[0] - tile_x) % LANES as i32;
+    let lanes = f32x8::from_slice(simd, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+    for y in rect.start[1]..rect.end[1] {
+        let row = (y - tile_y) as usize * WIDTH;
+        for x in (first_x..rect.end[0]).step_by(LANES) {
+            let at = |function: Affine| {
+                lanes.mul_add(
+                    f32x8::splat(simd, function.per_px[0]),
+                    f32x8::splat(simd, function.at_px(x, y)),
+                )
+            };
+            let fragments = Fragments {
+                p: at(facet.p),
+                q: at(facet.q),
+                w: at(facet.w),
+                x_px: lanes + f32x8::splat(simd, x as f32 + 0.5),
+                y_px: y as f32 + 0.5,
+            };
+            visit(row + (x - tile_x) as usize, fragments);
+        }
+    }
+}
+
+impl<S: Simd> Fragments<S> {
+    #[inline(always)]
+    fn are_inside(&self, simd: S, outline: Outline) -> mask32x8<S> {
+        let in_front = self.w.simd_gt(f32x8::splat(simd, 0.0));
+        let inside = match outline {
+            Outline::Disk => {
+                let across = self.p.mul_add(self.p, self.q * self.q);
+                across.simd_le(self.w * self.w)
+            }
+            Outline::Parallelogram => self.p.abs().max(self.q.abs()).simd_le(self.w),
+        };
+        inside & in_front
+    }
+
+    /// Reversed depths.
+    #[inline(always)]
+    fn depths(&self, simd: S, depth_per_w: f32) -> f32x8<S> {
+        self.w * f32x8::splat(simd, depth_per_w)
+    }
+}
+
+/// Fragments are in front of the eye by at least the distance to the near plane.
+#[inline(always)]
+fn are_beyond_near<S: Simd>(simd: S, depths: f32x8<S>) -> mask32x8<S> {
+    depths.simd_le(f32x8::splat(simd, 1.0))
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, values: &[f32], at: usize) -> f32x8<S> {
+    f32x8::from_slice(simd, &values[at..at + LANES])
+}
+
+#[inline(always)]
+fn store<S: Simd>(register: f32x8<S>, values: &mut [f32], at: usize) {
+    values[at..at + LANES].copy_from_slice(register.as_slice());
+}
+
+/// The depth of what is nearest, pushed back: depths are multiplied with `push_back`.
+#[inline(always)]
+pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_back: f32) {
+    let depth_per_w = facet.depth_per_w * push_back;
+    let nothing = f32x8::splat(simd, 0.0);
+    for_each(simd, tile.rect(), facet, |at, fragments| {
+        let depths = fragments.depths(simd, depth_per_w);
+        let drawn = fragments.are_inside(simd, Outline::Disk) & are_beyond_near(simd, depths);
+        let nearest = load(simd, &tile.depth, at).max(simd.select_f32x8(drawn, depths, nothing));
+        store(nearest, &mut tile.depth, at);
+    });
+}
+
+/// Sums weighted colours of what is not behind the depths that are there.
+#[inline(always)]
+pub(super) fn attribute<S: Simd>(
+    simd: S,
+    view: &PixelView,
+    tile: &mut Tile,
+    facet: &Facet,
+    shading: &Shading,
+) {
+    let nothing = f32x8::splat(simd, 0.0);
+    for_each(simd, tile.rect(), facet, |at, fragments| {
+        let depths = fragments.depths(simd, facet.depth_per_w);
+        let drawn = fragments.are_inside(simd, Outline::Disk)
+            & are_beyond_near(simd, depths)
+            & depths.simd_ge(load(simd, &tile.depth, at));
+        if !simd.any_true_mask32x8(drawn) {
+            return;
+        }
+        let weight = simd.select_f32x8(drawn, mask_weight(simd, &fragments), nothing);
+        let colors = shading.colors(simd, view, facet, &fragments);
+        for (sums, color) in tile.colors.iter_mut().zip(colors) {
+            store(color.mul_add(weight, load(simd, sums, at)), sums, at);
+        }
+        store(load(simd, &tile.weight, at) + weight, &mut tile.weight, at);
+    });
+}
+
+/// Lays a splat over what is there, with its mask as opacity. Where depth counts, its corners hide what is behind them.
+#[inline(always)]
+pub(super) fn over<S: Simd>(
+    simd: S,
+    view: &PixelView,
+    tile: &mut Tile,
+    facet: &Facet,
+    shading: &Shading,
+    with_depth: bool,
+) {
+    let nothing = f32x8::splat(simd, 0.0);
+    for_each(simd, tile.rect(), facet, |at, fragments| {
+        let depths = fragments.depths(simd, facet.depth_per_w);
+        let mut drawn =
+            fragments.are_inside(simd, Outline::Parallelogram) & are_beyond_near(simd, depths);
+        if with_depth {
+            let before = load(simd, &tile.depth, at);
+            drawn &= depths.simd_ge(before);
+            store(
+                simd.select_f32x8(drawn, depths, before),
+                &mut tile.depth,
+                at,
+            );
+        }
+        drawn &= fragments.are_inside(simd, Outline::Disk);
+        if !simd.any_true_mask32x8(drawn) {
+            return;
+        }
+        let opacity = simd.select_f32x8(drawn, mask_weight(simd, &fragments), nothing);
+        let colors = shading.colors(simd, view, facet, &fragments);
+        for (below, color) in tile.colors.iter_mut().zip(colors) {
+            let there = load(simd, below, at);
+            store((color - there).mul_add(opacity, there), below, at);
+        }
+    });
+}
+
+/// Draws what is nearest, opaque.
+#[inline(always)]
+pub(super) fn solid<S: Simd>(
+    simd: S,
+    view: &PixelView,
+    tile: &mut Tile,
+    facet: &Facet,
+    shading: &Shading,
+) {
+    for_each(simd, tile.rect(), facet, |at, fragments| {
+        let depths = fragments.depths(simd, facet.depth_per_w);
+        let before = load(simd, &tile.depth, at);
+        let drawn = fragments.are_inside(simd, Outline::Parallelogram)
+            & are_beyond_near(simd, depths)
+            & depths.simd_ge(before);
+        if !simd.any_true_mask32x8(drawn) {
+            return;
+        }
+        store(
+            simd.select_f32x8(drawn, depths, before),
+            &mut tile.depth,
+            at,
+        );
+        let colors = shading.colors(simd, view, facet, &fragments);
+        for (below, color) in tile.colors.iter_mut().zip(colors) {
+            let there = load(simd, below, at);
+            store(simd.select_f32x8(drawn, color, there), below, at);
+        }
+    });
+}
+
+/// The circular Gaussian mask of paper 000 §V, `exp(−3·r²)` (`shaders/common/varyings.wgsl`), inside the disk. Relative error
+/// below 4·10⁻⁵.
+#[inline(always)]
+fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>) -> f32x8<S> {
+    let splat = |value| f32x8::splat(simd, value);
+    let across = fragments.p.mul_add(fragments.p, fragments.q * fragments.q);
+    // The eighth root is within the reach of a short series.
+    let y = across / (fragments.w * fragments.w) * splat(-3.0 / 8.0);
+    let series = y.mul_add(splat(1.0 / 120.0), splat(1.0 / 24.0));
+    let series = y.mul_add(series, splat(1.0 / 6.0));
+    let series = y.mul_add(series, splat(0.5));
+    let series = y.mul_add(series, splat(1.0));
+    let root = y.mul_add(series, splat(1.0));
+    let squared = root * root;
+    let fourth_power = squared * squared;
+    fourth_power * fourth_power
+}
+
+impl Shading {
+    /// The lit colours of eight pixels (`shaders/common/light.wgsl`).
+    #[inline(always)]
+    fn colors<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        facet: &Facet,
+        fragments: &Fragments<S>,
+    ) -> [f32x8<S>; 3] {
+        let splat = |value| f32x8::splat(simd, value);
+        let [factor, white] = match &self.light {
+            Light::Same(light) => light.map(splat),
+            Light::OfCorners(corners) => [0, 1]
+                .map(|part| between_corners(simd, corners.map(|corner| corner[part]), fragments)),
+            Light::OfPixels => {
+                let right =
+                    (fragments.x_px - splat(view.middle_px[0])) * splat(1.0 / view.px_per_slope[0]);
+                let down = (fragments.y_px - view.middle_px[1]) / view.px_per_slope[1];
+                let length = right.mul_add(right, splat(down * down + 1.0)).sqrt();
+                let facing = fragments.w / (length * splat(facet.normal_length));
+                head_light_of(simd, facing)
+            }
+        };
+        self.color
+            .map(|channel| splat(channel).mul_add(factor, white).min(splat(1.0)))
+    }
+}
+
+/// As [`super::shading::head_light`].
+#[inline(always)]
+fn head_light_of<S: Simd>(simd: S, facing: f32x8<S>) -> [f32x8<S>; 2] {
+    use super::shading::{AMBIENT, SPECULAR};
+    let splat = |value| f32x8::splat(simd, value);
+    let facing2 = facing * facing;
+    let facing4 = facing2 * facing2;
+    let facing8 = facing4 * facing4;
+    [
+        facing.mul_add(splat(1.0 - AMBIENT), splat(AMBIENT)),
+        splat(SPECULAR) * facing8 * facing8 * facing8,
+    ]
+}
+
+/// What is between the values at the corners of a quad that is drawn as two triangles, parted from its second corner to its third.
+#[inline(always)]
+fn between_corners<S: Simd>(simd: S, [a, b, c, d]: [f32; 4], fragments: &Fragments<S>) -> f32x8<S> {
+    let splat = |value| f32x8::splat(simd, value);
+    let (p, q) = (fragments.p / fragments.w, fragments.q / fragments.w);
+    // An affine function of p and q on each triangle.
+    let lower = p.mul_add(
+        splat(0.5 * (b - a)),
+        q.mul_add(splat(0.5 * (c - a)), splat(0.5 * (b + c))),
+    );
+    let upper = p.mul_add(
+        splat(0.5 * (d - c)),
+        q.mul_add(splat(0.5 * (d - b)), splat(0.5 * (b + c))),
+    );
+    simd.select_f32x8((p + q).simd_le(splat(0.0)), lower, upper)
+}

@@ -1,0 +1,57 @@
+//! The head light of `shaders/common/light.wgsl`.
+
+use crate::scene::Lighting;
+use glam::Vec3;
+
+pub(super) const AMBIENT: f32 = 0.25;
+pub(super) const SPECULAR: f32 = 0.15;
+
+/// The colour of a patch and its light.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shading {
+    /// Red, green and blue, 0 to 1.
+    pub(super) color: [f32; 3],
+    pub(super) light: Light,
+}
+
+/// A factor on a colour, and white that is added to it.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Light {
+    /// Everywhere.
+    Same([f32; 2]),
+    /// At the corners `−u−v`, `u−v`, `v−u` and `u+v`.
+    OfCorners([[f32; 2]; 4]),
+    /// Worked out at each pixel.
+    OfPixels,
+}
+
+impl Light {
+    /// Of a patch at `center` from the eye; its half edges may be needed.
+    #[inline(always)]
+    pub(super) fn new(lighting: Lighting, normal: Vec3, center: Vec3, u: Vec3, v: Vec3) -> Self {
+        match lighting {
+            Lighting::Unlit => Self::Same([1.0, 0.0]),
+            Lighting::PerSurfel => Self::Same(head_light(normal, center)),
+            Lighting::PerVertex => Self::OfCorners(
+                [-u - v, u - v, v - u, u + v].map(|corner| head_light(normal, center + corner)),
+            ),
+            Lighting::PerFragment => Self::OfPixels,
+        }
+    }
+}
+
+/// It shines from the eye, along a vector of any length.
+pub(super) fn head_light(normal: Vec3, from_eye: Vec3) -> [f32; 2] {
+    let facing = normal.dot(from_eye.normalize_or_zero()).abs();
+    let facing8 = facing.powi(8);
+    [
+        AMBIENT + (1.0 - AMBIENT) * facing,
+        SPECULAR * facing8 * facing8 * facing8,
+    ]
+}
+
+/// A colour of bytes, 0 to 1.
+#[inline(always)]
+pub(super) fn unit_color([red, green, blue]: [u8; 3]) -> [f32; 3] {
+    [red, green, blue].map(|channel| f32::from(channel) * (1.0 / 255.0))
+}

@@ -1,0 +1,36 @@
+//! What several files test with.
+
+use super::view::PixelView;
+use crate::cloud::PointRecord;
+use crate::math::Aabb;
+use crate::scene::{Camera, ScenePacket, Settings, UpAxis};
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+/// A packet without records, seen from 4 units in front of the origin.
+pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
+    let camera = Camera {
+        target_in_world: DVec3::ZERO,
+        distance: 4.0,
+        azimuth_deg: 0.0,
+        elevation_deg: 0.0,
+        fov_deg: 60.0,
+        up: UpAxis::Y,
+    };
+    ScenePacket {
+        viewport_px: size_px,
+        view: camera.transform(DVec3::ZERO, size_px),
+        settings: Settings::default(),
+        points: Arc::new(Vec::<PointRecord>::new()),
+        shapes: None,
+        voxels: None,
+        bounds: Aabb {
+            min: Vec3::splat(-1.0),
+            max: Vec3::splat(1.0),
+        },
+    }
+}
+
+pub(super) fn view_of(size_px: [u32; 2]) -> PixelView {
+    PixelView::new(&packet_of(size_px))
+}

@@ -1,0 +1,154 @@
+//! From the space of a frame to pixels, as the shaders do it (`shaders/common/view.wgsl`).
+
+use crate::scene::ScenePacket;
+use glam::{Mat3, Vec3};
+
+/// A view space that looks down −z, and the pixels of a picture.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PixelView {
+    rotation: Mat3,
+    eye_high: Vec3,
+    eye_low: Vec3,
+    pub(super) near: f32,
+    pub(super) size_px: [u32; 2],
+    /// Pixels from the middle of the picture for a slope of 1, rightwards and downwards.
+    pub(super) px_per_slope: [f32; 2],
+    /// The middle of the picture.
+    pub(super) middle_px: [f32; 2],
+}
+
+impl PixelView {
+    pub(super) fn new(packet: &ScenePacket) -> Self {
+        let half_size = packet.viewport_px.map(|edge| 0.5 * edge as f32);
+        let focal = packet.view.focal;
+        Self {
+            rotation: packet.view.view_from_frame_rotation,
+            eye_high: packet.view.eye_high,
+            eye_low: packet.view.eye_low,
+            near: packet.view.near,
+            size_px: packet.viewport_px,
+            px_per_slope: [focal[0] * half_size[0], -focal[1] * half_size[1]],
+            middle_px: half_size,
+        }
+    }
+
+    /// A point relative to the eye, in the axes of the frame. Subtracting the rounded eye first is exact near the eye.
+    #[inline(always)]
+    pub(super) fn offset_from_eye(&self, position: [f32; 3]) -> Vec3 {
+        (Vec3::from_array(position) - self.eye_high) - self.eye_low
+    }
+
+    /// A direction, or a point relative to the eye, in view space.
+    #[inline(always)]
+    pub(super) fn rotate(&self, offset: Vec3) -> Vec3 {
+        self.rotation * offset
+    }
+
+    /// Half the extents, in view space, of the box around a box with these half extents in the frame.
+    pub(super) fn rotate_extent(&self, half: Vec3) -> Vec3 {
+        self.rotation.abs() * half
+    }
+
+    /// `vector · ray` as a function of pixels, where the ray through a pixel has z = −1.
+    #[inline(always)]
+    pub(super) fn along_rays(&self, vector: Vec3) -> Affine {
+        let per_px = [
+            vector.x / self.px_per_slope[0],
+            vector.y / self.px_per_slope[1],
+        ];
+        Affine {
+            per_px,
+            at_origin: -vector.z - per_px[0] * self.middle_px[0] - per_px[1] * self.middle_px[1],
+        }
+    }
+
+    /// The pixels that may be touched by what reaches some pixels beyond a box in view space; empty where none can be seen.
+    pub(super) fn covered_px(&self, center: Vec3, half: Vec3, margin_px: f32) -> PixelRect {
+        let [nearest, farthest] = [-center.z - half.z, -center.z + half.z];
+        let whole = PixelRect::of_picture(self.size_px);
+        // Written so that what is no number counts as seen.
+        if farthest < self.near {
+            return PixelRect::EMPTY;
+        }
+        if !(nearest > 0.5 * self.near) {
+            return whole;
+        }
+        let range = |axis: usize| {
+            let [low, high] = [center[axis] - half[axis], center[axis] + half[axis]];
+            // Slopes are farthest from 0 at the nearest distance.
+            let low = low / if low < 0.0 { nearest } else { farthest };
+            let high = high / if high > 0.0 { nearest } else { farthest };
+            let ends =
+                [low, high].map(|slope| self.middle_px[axis] + slope * self.px_per_slope[axis]);
+            [
+                ends[0].min(ends[1]) - margin_px,
+                ends[0].max(ends[1]) + margin_px,
+            ]
+        };
+        PixelRect::around(range(0), range(1)).intersection(whole)
+    }
+}
+
+/// A function of a pixel's coordinates.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Affine {
+    pub(super) per_px: [f32; 2],
+    /// Where both coordinates are 0: the upper left corner of the upper left pixel.
+    pub(super) at_origin: f32,
+}
+
+impl Affine {
+    /// In the middle of a pixel; precise where pixels are far from the origin and the function is small.
+    #[inline(always)]
+    pub(super) fn at_px(&self, x: i32, y: i32) -> f32 {
+        let [x, y] = [x, y].map(|coordinate| coordinate as f32 + 0.5);
+        self.at_origin + self.per_px[0] * x + self.per_px[1] * y
+    }
+}
+
+/// Columns `start[0]..end[0]` of rows `start[1]..end[1]`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct PixelRect {
+    pub(super) start: [i32; 2],
+    pub(super) end: [i32; 2],
+}
+
+impl PixelRect {
+    pub(super) const EMPTY: Self = Self {
+        start: [0; 2],
+        end: [0; 2],
+    };
+
+    pub(super) fn of_picture(size_px: [u32; 2]) -> Self {
+        Self {
+            start: [0; 2],
+            end: size_px.map(|edge| edge as i32),
+        }
+    }
+
+    /// The pixels whose middles lie between these ends, and some more for rounding. Ends beyond numbers mean everything.
+    #[inline(always)]
+    pub(super) fn around(x: [f32; 2], y: [f32; 2]) -> Self {
+        // Conversions saturate, and room is left for the next addition.
+        const FAR: f32 = (1 << 24) as f32;
+        let start = |end: f32| (end - 0.51).max(-FAR).min(FAR).floor() as i32;
+        let end = |end: f32| (end + 0.51).min(FAR).max(-FAR).ceil() as i32;
+        Self {
+            start: [start(x[0]), start(y[0])],
+            end: [end(x[1]), end(y[1])],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn intersection(self, other: Self) -> Self {
+        Self {
+            start: [0, 1].map(|axis| self.start[axis].max(other.start[axis])),
+            end: [0, 1].map(|axis| self.end[axis].min(other.end[axis])),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.start[0] >= self.end[0] || self.start[1] >= self.end[1]
+    }
+}

@@ -1,0 +1,222 @@
+//! The software renderer against the GPU's, and against itself on other numbers of threads.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::{camera_at, draw, sphere, surfels};
+use glam::Vec3;
+use image::RgbaImage;
+use pointreel::cloud::VoxelRecord;
+use pointreel::measure::{mean_squared_error, psnr_db};
+use pointreel::render::cpu::CpuRenderer;
+use pointreel::render::{RenderError, Renderer};
+use pointreel::scene::{Lighting, Primitive, ScenePacket, Settings, Splatting, Voxels};
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [300, 220];
+
+fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
+    let mut renderer = CpuRenderer::new();
+    renderer.prepare(packet).unwrap();
+    renderer.render().unwrap();
+    renderer.read_image().unwrap()
+}
+
+/// How far apart two pictures are: decibels, and the share of pixels of which a channel differs by more than `step`.
+fn difference(a: &RgbaImage, b: &RgbaImage, step: u8) -> (f64, f64) {
+    let psnr = psnr_db(mean_squared_error(a, b).unwrap());
+    let differs = |(a, b): (&image::Rgba<u8>, &image::Rgba<u8>)| {
+        a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > step)
+    };
+    let differing = a.pixels().zip(b.pixels()).filter(|&pair| differs(pair));
+    (
+        psnr,
+        differing.count() as f64 / f64::from(a.width() * a.height()),
+    )
+}
+
+/// The same picture but for pixels on edges, which rounding puts to either side.
+#[track_caller]
+fn assert_same_picture(packet: &ScenePacket, least_psnr_db: f64, most_differing: f64) {
+    let (gpu, cpu) = (draw(packet), draw_on_cpu(packet));
+    let (psnr, differing) = difference(&gpu, &cpu, 3);
+    let Settings {
+        primitive,
+        splatting,
+        lighting,
+        ..
+    } = packet.settings;
+    let what = format!("{primitive} {splatting} {lighting}: {psnr:.1} dB, {differing:.5} differ");
+    println!("{what}");
+    if let Some(folder) = std::env::var_os("POINTREEL_KEEP_PICTURES") {
+        let name = what.split(':').next().unwrap().replace(' ', "_");
+        for (picture, by) in [(&gpu, "gpu"), (&cpu, "cpu")] {
+            let path = std::path::Path::new(&folder).join(format!("{name}_{by}.png"));
+            picture.save(path).unwrap();
+        }
+    }
+    assert!(
+        psnr >= least_psnr_db && differing <= most_differing,
+        "{what}"
+    );
+}
+
+/// Disks of several sizes, some of which cut the near plane and the borders of the picture.
+fn surfel_scene(settings: Settings, distance: f64) -> ScenePacket {
+    let mut scene = sphere(3000, 1.0);
+    for (index, surfel) in scene.iter_mut().enumerate() {
+        surfel.radius *= 0.5 + (index % 7) as f32 / 4.0;
+    }
+    let mut camera = camera_at(distance);
+    camera.azimuth_deg = 25.0;
+    camera.elevation_deg = 17.0;
+    surfels(&scene, &camera, settings, SIZE)
+}
+
+#[test]
+fn surfels_in_every_mode_and_light_from_far_and_near() {
+    for &splatting in Splatting::ALL {
+        for &lighting in Lighting::ALL {
+            let settings = Settings {
+                splatting,
+                lighting,
+                ..Settings::default()
+            };
+            // A GPU rounds to bytes whenever it blends: hundreds of layers may be some steps apart.
+            let blends = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
+            let (least_psnr_db, most_differing) = if blends { (50.0, 5e-4) } else { (60.0, 1e-5) };
+            assert_same_picture(&surfel_scene(settings, 1.9), least_psnr_db, most_differing);
+        }
+    }
+    for distance in [0.4, 1.02, 30.0] {
+        let settings = Settings {
+            cull_back_faces: false,
+            ..Settings::default()
+        };
+        assert_same_picture(&surfel_scene(settings, distance), 55.0, 1e-5);
+    }
+}
+
+#[test]
+fn points_of_one_pixel_and_of_many() {
+    for point_size_px in [1.0, 2.0, 3.5, 16.0] {
+        let settings = Settings {
+            primitive: Primitive::Point,
+            point_size_px,
+            ..Settings::default()
+        };
+        // A software adapter rounds to a 256th of a pixel before it asks which one a point is in.
+        assert_same_picture(&surfel_scene(settings, 1.9), 38.0, 1e-3);
+        assert_same_picture(&surfel_scene(settings, 0.7), 38.0, 1e-3);
+    }
+}
+
+#[test]
+fn voxels_in_every_light_from_outside_and_from_within() {
+    // Cells of two levels in a cube of edge 2, the coarser ones above.
+    let cells = (0..512u32).map(|cell| {
+        let level = if cell % 3 == 0 { 4 } else { 3 };
+        let corner = Vec3::new((cell % 8) as f32, (cell / 8 % 8) as f32, (cell / 64) as f32);
+        VoxelRecord {
+            center: ((corner + 0.5) * 0.25 - 1.0).to_array(),
+            color: [cell as u8, (cell * 5) as u8, (cell * 11) as u8],
+            level,
+        }
+    });
+    let cells: Vec<VoxelRecord> = cells.filter(|cell| cell.color[1] % 4 != 0).collect();
+    for &lighting in Lighting::ALL {
+        for distance in [3.0, 0.9] {
+            let mut packet = surfel_scene(
+                Settings {
+                    primitive: Primitive::Voxel,
+                    lighting,
+                    ..Settings::default()
+                },
+                distance,
+            );
+            packet.voxels = Some(Voxels {
+                records: Arc::new(cells.clone()),
+                cube_edge: 2.0,
+            });
+            assert_same_picture(&packet, 52.0, 1e-4);
+        }
+    }
+}
+
+#[test]
+fn pictures_do_not_depend_on_threads() {
+    let packet = surfel_scene(Settings::default(), 1.9);
+    let expected = draw_on_cpu(&packet);
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        assert!(pool.install(|| draw_on_cpu(&packet)) == expected);
+    }
+}
+
+#[test]
+fn what_is_not_there_is_background() {
+    let mut packet = surfel_scene(Settings::default(), 1.9);
+    packet.shapes = None;
+    assert_same_picture(&packet, f64::INFINITY, 0.0);
+    packet.points = Arc::new(Vec::new());
+    packet.settings.primitive = Primitive::Point;
+    assert_same_picture(&packet, f64::INFINITY, 0.0);
+}
+
+#[test]
+fn nothing_is_drawn_before_it_is_prepared_nor_twice() {
+    let mut renderer = CpuRenderer::new();
+    assert!(matches!(
+        renderer.render(),
+        Err(RenderError::NothingPrepared)
+    ));
+    assert!(matches!(
+        renderer.read_image(),
+        Err(RenderError::NothingPrepared)
+    ));
+    let packet = surfel_scene(Settings::default(), 1.9);
+    for _ in 0..2 {
+        renderer.prepare(&packet).unwrap();
+        renderer.render().unwrap();
+    }
+    assert_eq!(renderer.stats().frames, 1);
+    let mut huge = packet.clone();
+    huge.viewport_px = [40_000, 10];
+    assert!(matches!(
+        renderer.prepare(&huge),
+        Err(RenderError::TooLarge { .. })
+    ));
+}
+
+/// Numbers of all sizes and no size: a picture or nothing, and never a panic.
+#[test]
+fn extreme_records_are_survived() {
+    let extremes = [0.0, 1e-45, -1e-38, 1e-20, 1.0, 1e30, -3e38, f32::MAX];
+    let mut scene = sphere(600, 1.0);
+    for (index, surfel) in scene.iter_mut().enumerate() {
+        let pick = |factor: usize| extremes[index * factor % extremes.len()];
+        if index % 3 == 0 {
+            surfel.position = Vec3::new(pick(1), pick(3), pick(5));
+        }
+        surfel.radius = pick(7);
+    }
+    for size in [[1, 1], [64, 48], [16_384, 3]] {
+        for &primitive in &[Primitive::Point, Primitive::Surfel] {
+            for &splatting in Splatting::ALL {
+                for distance in [1e-30, 1.5, 1e20] {
+                    let settings = Settings {
+                        primitive,
+                        splatting,
+                        ..Settings::default()
+                    };
+                    let packet = surfels(&scene, &camera_at(distance), settings, size);
+                    assert_eq!(draw_on_cpu(&packet).dimensions(), (size[0], size[1]));
+                }
+            }
+        }
+    }
+}
