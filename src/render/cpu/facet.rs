@@ -62,7 +62,8 @@ impl Facet {
         // Sizes are relative to the distance, so that products of small or large numbers are numbers.
         let scale = patch.center.abs().max(patch.u.abs()).max(patch.v.abs());
         let per_scale = 1.0 / scale.max_element();
-        let [c, u, v] = [patch.center, patch.u, patch.v].map(|vector| vector * per_scale);
+        let c = patch.center * per_scale;
+        let (u, v) = (patch.u * per_scale, patch.v * per_scale);
         let normal = u.cross(v);
         let determinant = normal.dot(c);
         let faces_away = determinant > 0.0;
@@ -71,7 +72,7 @@ impl Facet {
         }
         let normal_length = normal.length();
         let sign = if faces_away { 1.0 } else { -1.0 };
-        let [p, q, w] = [v.cross(c), c.cross(u), normal].map(|vector| vector * sign);
+        let (p, q, w) = (v.cross(c) * sign, c.cross(u) * sign, normal * sign);
         let depth_per_w = view.near * per_scale / determinant.abs();
         // Also where the determinant is 0, or no number.
         if !(depth_per_w.is_finite() && normal_length > 0.0) {
@@ -108,31 +109,25 @@ fn bounds(
     if nearest <= 0.25 * near {
         return PixelRect::of_picture(view.size_px);
     }
-    let ranges = [0, 1].map(|axis| {
-        let [low, high] = match outline {
-            // A line of pixels touches the disk where the quadratic form P² + Q² − W² has a double root along it.
-            // Its dual is made of the same cross products, which do not cancel where a small disk is far away.
-            Outline::Disk => {
-                let other = 1 - axis;
-                let depth2 = c.z * c.z - u.z * u.z - v.z * v.z;
-                let middle = -(c[axis] * c.z - u[axis] * u.z - v[axis] * v.z) / depth2;
-                let reach2 = p[other] * p[other] + q[other] * q[other] - w[other] * w[other];
-                let reach = reach2.max(0.0).sqrt() / depth2;
-                [middle - reach, middle + reach]
-            }
-            Outline::Parallelogram => {
-                let corners = [u + v, u - v, v - u, -u - v].map(|corner| {
-                    let corner = c + corner;
-                    corner[axis] / -corner.z
-                });
-                let low = corners.into_iter().fold(f32::INFINITY, f32::min);
-                [low, corners.into_iter().fold(f32::NEG_INFINITY, f32::max)]
-            }
-        };
-        let ends = [low, high].map(|slope| view.middle_px[axis] + slope * view.px_per_slope[axis]);
-        [ends[0].min(ends[1]), ends[0].max(ends[1])]
-    });
-    PixelRect::around(ranges[0], ranges[1])
+    let (low, high) = match outline {
+        // A line of pixels touches the disk where the quadratic form P² + Q² − W² has a double root along it. Its dual is
+        // made of the same cross products, which do not cancel where a small disk is far away.
+        Outline::Disk => {
+            let per_depth2 = 1.0 / (c.z * c.z - u.z * u.z - v.z * v.z);
+            let middle = (u * u.z + v * v.z - c * c.z) * per_depth2;
+            let reach2 = p * p + q * q - w * w;
+            let reach = reach2.max(Vec3::ZERO);
+            let reach = Vec3::new(reach.y.sqrt(), reach.x.sqrt(), 0.0) * per_depth2;
+            (middle - reach, middle + reach)
+        }
+        Outline::Parallelogram => {
+            let slopes = |corner: Vec3| corner / -corner.z;
+            let (a, b) = (slopes(c + u + v), slopes(c + u - v));
+            let (d, e) = (slopes(c - u + v), slopes(c - u - v));
+            (a.min(b).min(d.min(e)), a.max(b).max(d.max(e)))
+        }
+    };
+    view.around_slopes(low, high)
 }
 
 #[cfg(test)]

@@ -24,29 +24,34 @@ fn for_each<S: Simd>(
     simd: S,
     tile_rect: PixelRect,
     facet: &Facet,
-    mut visit: impl FnMut(usize, Fragments<S>),
+    mut visit: impl FnMut(usize, &Fragments<S>),
 ) {
     let rect = facet.bounds.intersection(tile_rect);
     let [tile_x, tile_y] = tile_rect.start;
     let first_x = rect.start[0] - (rect.start[0] - tile_x) % LANES as i32;
     let lanes = f32x8::from_slice(simd, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+    let splat = |value| f32x8::splat(simd, value);
+    let row_of = |function: &Affine, y| {
+        let first = splat(function.at_px(first_x, y));
+        lanes.mul_add(splat(function.per_px[0]), first)
+    };
+    let step = |function: &Affine| splat(function.per_px[0] * LANES as f32);
+    let (step_p, step_q, step_w) = (step(&facet.p), step(&facet.q), step(&facet.w));
     for y in rect.start[1]..rect.end[1] {
         let row = (y - tile_y) as usize * WIDTH;
+        let mut fragments = Fragments {
+            p: row_of(&facet.p, y),
+            q: row_of(&facet.q, y),
+            w: row_of(&facet.w, y),
+            x_px: lanes + splat(first_x as f32 + 0.5),
+            y_px: y as f32 + 0.5,
+        };
         for x in (first_x..rect.end[0]).step_by(LANES) {
-            let at = |function: Affine| {
-                lanes.mul_add(
-                    f32x8::splat(simd, function.per_px[0]),
-                    f32x8::splat(simd, function.at_px(x, y)),
-                )
-            };
-            let fragments = Fragments {
-                p: at(facet.p),
-                q: at(facet.q),
-                w: at(facet.w),
-                x_px: lanes + f32x8::splat(simd, x as f32 + 0.5),
-                y_px: y as f32 + 0.5,
-            };
-            visit(row + (x - tile_x) as usize, fragments);
+            visit(row + (x - tile_x) as usize, &fragments);
+            fragments.p += step_p;
+            fragments.q += step_q;
+            fragments.w += step_w;
+            fragments.x_px += splat(LANES as f32);
         }
     }
 }
@@ -119,10 +124,15 @@ pub(super) fn attribute<S: Simd>(
         if !simd.any_true_mask32x8(drawn) {
             return;
         }
-        let weight = simd.select_f32x8(drawn, mask_weight(simd, &fragments), nothing);
-        let colors = shading.colors(simd, view, facet, &fragments);
-        for (sums, color) in tile.colors.iter_mut().zip(colors) {
-            store(color.mul_add(weight, load(simd, sums, at)), sums, at);
+        let weight = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
+        let colors = shading.colors(simd, view, facet, fragments);
+        for channel in 0..3 {
+            let sums = &mut tile.colors[channel];
+            store(
+                colors[channel].mul_add(weight, load(simd, sums, at)),
+                sums,
+                at,
+            );
         }
         store(load(simd, &tile.weight, at) + weight, &mut tile.weight, at);
     });
@@ -156,11 +166,12 @@ pub(super) fn over<S: Simd>(
         if !simd.any_true_mask32x8(drawn) {
             return;
         }
-        let opacity = simd.select_f32x8(drawn, mask_weight(simd, &fragments), nothing);
-        let colors = shading.colors(simd, view, facet, &fragments);
-        for (below, color) in tile.colors.iter_mut().zip(colors) {
+        let opacity = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
+        let colors = shading.colors(simd, view, facet, fragments);
+        for channel in 0..3 {
+            let below = &mut tile.colors[channel];
             let there = load(simd, below, at);
-            store((color - there).mul_add(opacity, there), below, at);
+            store((colors[channel] - there).mul_add(opacity, there), below, at);
         }
     });
 }
@@ -188,10 +199,11 @@ pub(super) fn solid<S: Simd>(
             &mut tile.depth,
             at,
         );
-        let colors = shading.colors(simd, view, facet, &fragments);
-        for (below, color) in tile.colors.iter_mut().zip(colors) {
+        let colors = shading.colors(simd, view, facet, fragments);
+        for channel in 0..3 {
+            let below = &mut tile.colors[channel];
             let there = load(simd, below, at);
-            store(simd.select_f32x8(drawn, color, there), below, at);
+            store(simd.select_f32x8(drawn, colors[channel], there), below, at);
         }
     });
 }
@@ -225,10 +237,13 @@ impl Shading {
         fragments: &Fragments<S>,
     ) -> [f32x8<S>; 3] {
         let splat = |value| f32x8::splat(simd, value);
+        // No `map` over arrays of registers: the standard library is not compiled for them, and passes them through memory.
         let [factor, white] = match &self.light {
-            Light::Same(light) => light.map(splat),
-            Light::OfCorners(corners) => [0, 1]
-                .map(|part| between_corners(simd, corners.map(|corner| corner[part]), fragments)),
+            Light::Same([factor, white]) => [splat(*factor), splat(*white)],
+            Light::OfCorners([factors, whites]) => [
+                between_corners(simd, *factors, fragments),
+                between_corners(simd, *whites, fragments),
+            ],
             Light::OfPixels => {
                 let right =
                     (fragments.x_px - splat(view.middle_px[0])) * splat(1.0 / view.px_per_slope[0]);
@@ -238,8 +253,9 @@ impl Shading {
                 head_light_of(simd, facing)
             }
         };
-        self.color
-            .map(|channel| splat(channel).mul_add(factor, white).min(splat(1.0)))
+        let [red, green, blue] = self.color;
+        let lit = |channel| splat(channel).mul_add(factor, white).min(splat(1.0));
+        [lit(red), lit(green), lit(blue)]
     }
 }
 

@@ -19,8 +19,8 @@ pub(super) struct Shading {
 pub(super) enum Light {
     /// Everywhere.
     Same([f32; 2]),
-    /// At the corners `−u−v`, `u−v`, `v−u` and `u+v`.
-    OfCorners([[f32; 2]; 4]),
+    /// Factors, and white, at the corners `−u−v`, `u−v`, `v−u` and `u+v`.
+    OfCorners([[f32; 4]; 2]),
     /// Worked out at each pixel.
     OfPixels,
 }
@@ -32,9 +32,11 @@ impl Light {
         match lighting {
             Lighting::Unlit => Self::Same([1.0, 0.0]),
             Lighting::PerSurfel => Self::Same(head_light(normal, center)),
-            Lighting::PerVertex => Self::OfCorners(
-                [-u - v, u - v, v - u, u + v].map(|corner| head_light(normal, center + corner)),
-            ),
+            Lighting::PerVertex => {
+                let corners = [-u - v, u - v, v - u, u + v];
+                let lights = corners.map(|corner| head_light(normal, center + corner));
+                Self::OfCorners([0, 1].map(|part| lights.map(|light| light[part])))
+            }
             Lighting::PerFragment => Self::OfPixels,
         }
     }

@@ -119,9 +119,9 @@ impl Surfels<'_> {
         };
         let u = a.cross(normal).normalize();
         let offset = view.offset_from_eye(self.points[record].position);
-        let [center, normal, u] = [offset, normal, u].map(|vector| view.rotate(vector));
+        let (normal, u) = (view.rotate(normal), view.rotate(u));
         Seen {
-            center,
+            center: view.rotate(offset),
             normal,
             u,
             v: normal.cross(u),

@@ -73,19 +73,27 @@ impl PixelView {
         if !(nearest > 0.5 * self.near) {
             return whole;
         }
-        let range = |axis: usize| {
-            let [low, high] = [center[axis] - half[axis], center[axis] + half[axis]];
-            // Slopes are farthest from 0 at the nearest distance.
-            let low = low / if low < 0.0 { nearest } else { farthest };
-            let high = high / if high > 0.0 { nearest } else { farthest };
-            let ends =
-                [low, high].map(|slope| self.middle_px[axis] + slope * self.px_per_slope[axis]);
-            [
-                ends[0].min(ends[1]) - margin_px,
-                ends[0].max(ends[1]) + margin_px,
-            ]
-        };
-        PixelRect::around(range(0), range(1)).intersection(whole)
+        // Slopes are farthest from 0 at the nearest distance.
+        let (low, high) = (center - half, center + half);
+        let widest =
+            |slope: f32, is_outwards: bool| slope / if is_outwards { nearest } else { farthest };
+        let low = Vec3::new(widest(low.x, low.x < 0.0), widest(low.y, low.y < 0.0), 0.0);
+        let high = Vec3::new(
+            widest(high.x, high.x > 0.0),
+            widest(high.y, high.y > 0.0),
+            0.0,
+        );
+        self.around_slopes(low, high)
+            .grown(margin_px)
+            .intersection(whole)
+    }
+
+    /// The pixels between two slopes along x and y.
+    #[inline(always)]
+    pub(super) fn around_slopes(&self, low: Vec3, high: Vec3) -> PixelRect {
+        let px = |slope: f32, axis: usize| self.middle_px[axis] + slope * self.px_per_slope[axis];
+        // Rows are counted downwards.
+        PixelRect::around([px(low.x, 0), px(high.x, 0)], [px(high.y, 1), px(low.y, 1)])
     }
 }
 
@@ -101,7 +109,7 @@ impl Affine {
     /// In the middle of a pixel; precise where pixels are far from the origin and the function is small.
     #[inline(always)]
     pub(super) fn at_px(&self, x: i32, y: i32) -> f32 {
-        let [x, y] = [x, y].map(|coordinate| coordinate as f32 + 0.5);
+        let (x, y) = (x as f32 + 0.5, y as f32 + 0.5);
         self.at_origin + self.per_px[0] * x + self.per_px[1] * y
     }
 }
@@ -141,9 +149,19 @@ impl PixelRect {
 
     #[inline(always)]
     pub(super) fn intersection(self, other: Self) -> Self {
+        let (start, end) = (other.start, other.end);
         Self {
-            start: [0, 1].map(|axis| self.start[axis].max(other.start[axis])),
-            end: [0, 1].map(|axis| self.end[axis].min(other.end[axis])),
+            start: [self.start[0].max(start[0]), self.start[1].max(start[1])],
+            end: [self.end[0].min(end[0]), self.end[1].min(end[1])],
+        }
+    }
+
+    /// With a margin on all sides.
+    fn grown(self, margin_px: f32) -> Self {
+        let margin = margin_px.ceil() as i32;
+        Self {
+            start: [self.start[0] - margin, self.start[1] - margin],
+            end: [self.end[0] + margin, self.end[1] + margin],
         }
     }
 
