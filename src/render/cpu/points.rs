@@ -1,7 +1,7 @@
 //! Points: pixels, or squares of pixels, of one colour and one depth.
 
 use super::blocks::{BLOCK, Placed};
-use super::tile::{Tile, WIDTH};
+use super::tile::{NOWHERE, Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::cloud::PointRecord;
 use std::ops::Range;
@@ -71,9 +71,11 @@ impl Points<'_> {
     ) {
         let half = 0.5 * self.size_px;
         for (point, record) in records.iter().enumerate() {
-            let Some(key) = key(projected.depth[point], record) else {
+            let depth = projected.depth[point];
+            if !is_in_front(depth) {
                 continue;
-            };
+            }
+            let key = key(depth, record);
             // Pixels whose middles are within.
             let range = |middle: f32, axis: usize| {
                 let [start, end] =
@@ -93,34 +95,51 @@ impl Points<'_> {
 
 #[inline(always)]
 fn draw_pixels(tile: &mut Tile, clip: PixelRect, records: &[PointRecord], projected: &Projected) {
-    let [width, height] = [0, 1].map(|axis| (clip.end[axis] - clip.start[axis]) as u32);
-    for (point, record) in records.iter().enumerate() {
-        // What is left of the tile or above wraps around to large numbers.
-        let x = (projected.x_px[point].floor() as i32).wrapping_sub(clip.start[0]) as u32;
-        let y = (projected.y_px[point].floor() as i32).wrapping_sub(clip.start[1]) as u32;
-        if x < width
-            && y < height
-            && let Some(key) = key(projected.depth[point], record)
-        {
-            put(&mut tile.keys[y as usize * WIDTH + x as usize], key);
-        }
+    let [left, top] = [clip.start[0] as f32, clip.start[1] as f32];
+    let [width, height] = [clip.end[0] as f32 - left, clip.end[1] as f32 - top];
+    // Worked out for all points before any is drawn: without branches, many at a time.
+    let mut places = [0; BLOCK];
+    let points = projected
+        .x_px
+        .iter()
+        .zip(&projected.y_px)
+        .zip(&projected.depth);
+    for (place, ((&x_px, &y_px), &depth)) in places.iter_mut().zip(points) {
+        let (x, y) = ((x_px - left).floor(), (y_px - top).floor());
+        let is_seen = (x >= 0.0) & (x < width) & (y >= 0.0) & (y < height) & is_in_front(depth);
+        let exact = if is_seen {
+            y * WIDTH as f32 + x
+        } else {
+            NOWHERE as f32
+        };
+        // At 2²³ the last bit of an f32 is worth 1: a conversion in one addition.
+        *place = (exact + 8_388_608.0).to_bits() & 0xffff;
+    }
+    for ((record, &place), &depth) in records.iter().zip(&places).zip(&projected.depth) {
+        put(&mut tile.keys[place as usize], key(depth, record));
     }
 }
 
-/// Depth above colour; `None` behind the near plane.
+fn is_in_front(depth: f32) -> bool {
+    (depth > 0.0) & (depth <= 1.0)
+}
+
+/// Depth above colour.
 #[inline(always)]
-fn key(depth: f32, record: &PointRecord) -> Option<u64> {
-    let is_seen = depth > 0.0 && depth <= 1.0;
+fn key(depth: f32, record: &PointRecord) -> u64 {
     // The bits of positive numbers are in their order.
-    is_seen.then(|| u64::from(depth.to_bits()) << 32 | u64::from(u32::from_le_bytes(record.color)))
+    u64::from(depth.to_bits()) << 32 | u64::from(u32::from_le_bytes(record.color))
 }
 
 /// Replaces what is behind, or as far away.
 #[inline(always)]
 fn put(there: &mut u64, key: u64) {
-    if key >> 32 >= *there >> 32 {
-        *there = key;
-    }
+    // Written in any case: which of two points is nearer nobody can foresee.
+    *there = if key >> 32 >= *there >> 32 {
+        key
+    } else {
+        *there
+    };
 }
 
 #[inline(always)]

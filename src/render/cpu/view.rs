@@ -71,7 +71,11 @@ impl PixelView {
             return PixelRect::EMPTY;
         }
         if !(nearest > 0.5 * self.near) {
-            return whole;
+            return if self.is_beside(center, half, margin_px) {
+                PixelRect::EMPTY
+            } else {
+                whole
+            };
         }
         // Slopes are farthest from 0 at the nearest distance.
         let (low, high) = (center - half, center + half);
@@ -86,6 +90,16 @@ impl PixelView {
         self.around_slopes(low, high)
             .grown(margin_px)
             .intersection(whole)
+    }
+
+    /// Whether all of a box, which may reach behind the eye, is beyond one of the sides of the picture.
+    fn is_beside(&self, center: Vec3, half: Vec3, margin_px: f32) -> bool {
+        (0..2).any(|axis| {
+            let slope = (self.middle_px[axis] + margin_px) / self.px_per_slope[axis].abs();
+            let to_side = center[axis].abs() + slope * center.z;
+            // A box that reaches across the middle is on both sides.
+            to_side > half[axis] + slope * half.z && center[axis].abs() > half[axis]
+        })
     }
 
     /// The pixels between two slopes along x and y.
