@@ -48,7 +48,6 @@ fn assert_same_picture(packet: &ScenePacket, least_psnr_db: f64, most_differing:
         ..
     } = packet.settings;
     let what = format!("{primitive} {splatting} {lighting}: {psnr:.1} dB, {differing:.5} differ");
-    println!("{what}");
     if let Some(folder) = std::env::var_os("POINTREEL_KEEP_PICTURES") {
         let name = what.split(':').next().unwrap().replace(' ', "_");
         for (picture, by) in [(&gpu, "gpu"), (&cpu, "cpu")] {

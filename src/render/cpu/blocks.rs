@@ -86,7 +86,7 @@ impl Blocks {
                 let half = view.rotate_extent(high - low) + Vec3::splat(scale * block.reach);
                 // For rounding on the way to pixels.
                 let slack = 1e-5 * (center.abs() + half);
-                tiles.covered_by(view.covered_px(center, half + slack, margin_px))
+                Tiles::covered_by(view.covered_px(center, half + slack, margin_px))
             })
             .collect();
         let mut ends = vec![0u32; tiles.count()];

@@ -94,6 +94,10 @@ impl Points<'_> {
 }
 
 #[inline(always)]
+#[expect(
+    clippy::needless_bitwise_bool,
+    reason = "without branches many points are worked out at a time"
+)]
 fn draw_pixels(tile: &mut Tile, clip: PixelRect, records: &[PointRecord], projected: &Projected) {
     let [left, top] = [clip.start[0] as f32, clip.start[1] as f32];
     let [width, height] = [clip.end[0] as f32 - left, clip.end[1] as f32 - top];
@@ -121,7 +125,7 @@ fn draw_pixels(tile: &mut Tile, clip: PixelRect, records: &[PointRecord], projec
 }
 
 fn is_in_front(depth: f32) -> bool {
-    (depth > 0.0) & (depth <= 1.0)
+    depth > 0.0 && depth <= 1.0
 }
 
 /// Depth above colour.

@@ -126,8 +126,7 @@ pub(super) fn attribute<S: Simd>(
         }
         let weight = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
         let colors = shading.colors(simd, view, facet, fragments);
-        for channel in 0..3 {
-            let sums = &mut tile.colors[channel];
+        for (channel, sums) in tile.colors.iter_mut().enumerate() {
             store(
                 colors[channel].mul_add(weight, load(simd, sums, at)),
                 sums,
@@ -168,8 +167,7 @@ pub(super) fn over<S: Simd>(
         }
         let opacity = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
         let colors = shading.colors(simd, view, facet, fragments);
-        for channel in 0..3 {
-            let below = &mut tile.colors[channel];
+        for (channel, below) in tile.colors.iter_mut().enumerate() {
             let there = load(simd, below, at);
             store((colors[channel] - there).mul_add(opacity, there), below, at);
         }
@@ -200,8 +198,7 @@ pub(super) fn solid<S: Simd>(
             at,
         );
         let colors = shading.colors(simd, view, facet, fragments);
-        for channel in 0..3 {
-            let below = &mut tile.colors[channel];
+        for (channel, below) in tile.colors.iter_mut().enumerate() {
             let there = load(simd, below, at);
             store(simd.select_f32x8(drawn, colors[channel], there), below, at);
         }

@@ -34,7 +34,7 @@ impl Tiles {
     }
 
     /// Columns and rows of the tiles that have pixels of a rectangle in the picture.
-    pub(super) fn covered_by(self, rect: PixelRect) -> [Range<usize>; 2] {
+    pub(super) fn covered_by(rect: PixelRect) -> [Range<usize>; 2] {
         if rect.is_empty() {
             return [0..0, 0..0];
         }

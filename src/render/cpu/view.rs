@@ -66,11 +66,10 @@ impl PixelView {
     pub(super) fn covered_px(&self, center: Vec3, half: Vec3, margin_px: f32) -> PixelRect {
         let [nearest, farthest] = [-center.z - half.z, -center.z + half.z];
         let whole = PixelRect::of_picture(self.size_px);
-        // Written so that what is no number counts as seen.
         if farthest < self.near {
             return PixelRect::EMPTY;
         }
-        if !(nearest > 0.5 * self.near) {
+        if nearest <= 0.5 * self.near || nearest.is_nan() {
             return if self.is_beside(center, half, margin_px) {
                 PixelRect::EMPTY
             } else {
@@ -148,13 +147,13 @@ impl PixelRect {
         }
     }
 
-    /// The pixels whose middles lie between these ends, and some more for rounding. Ends beyond numbers mean everything.
+    /// The pixels whose middles lie between these ends, and some more for rounding; none where an end is no number.
     #[inline(always)]
     pub(super) fn around(x: [f32; 2], y: [f32; 2]) -> Self {
         // Conversions saturate, and room is left for the next addition.
         const FAR: f32 = (1 << 24) as f32;
-        let start = |end: f32| (end - 0.51).max(-FAR).min(FAR).floor() as i32;
-        let end = |end: f32| (end + 0.51).min(FAR).max(-FAR).ceil() as i32;
+        let start = |end: f32| (end - 0.51).clamp(-FAR, FAR).floor() as i32;
+        let end = |end: f32| (end + 0.51).clamp(-FAR, FAR).ceil() as i32;
         Self {
             start: [start(x[0]), start(y[0])],
             end: [end(x[1]), end(y[1])],
