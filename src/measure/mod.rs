@@ -4,18 +4,24 @@
 //! |---|---|---|---|
 //! | [`psnr_db`] | two pictures | decibels, 0 to ∞ (equal) | peak signal to noise over 8-bit channels |
 //! | [`flip`] | two pictures | 0 (equal) to 1 | Andersson et al. 2020, what a person notices who flips between them |
+//! | [`ssim()`] | two pictures | −1 to 1 (equal) | Wang et al. 2004, what is kept of light, contrast and pattern |
+//! | [`PixelDifference`] | two pictures | pixels; steps of a channel, 0 to 255 | – |
 //! | [`AngularError`] | two sets of normals | degrees, 0 to 90 or 180 | – |
 //!
-//! PSNR is what others can compare with, but it weighs a shift of a thin line as much as a wrong colour, and says nothing of
-//! whether anybody sees it; FLIP does.
+//! PSNR and SSIM are what others can compare with. PSNR weighs a shift of a thin line as much as a wrong colour, and says
+//! nothing of whether anybody sees it; FLIP does. SSIM tells a change of light from a lost pattern, but sees no colours.
 
+mod difference;
 mod flip;
 mod normals;
 mod psnr;
+mod ssim;
 
+pub use difference::PixelDifference;
 pub use flip::{ErrorMap, PIXELS_PER_DEGREE, Perceived, flip};
 pub use normals::{AngularError, Orientation, angle_deg};
 pub use psnr::{mean_squared_error, psnr_db};
+pub use ssim::{SSIM_WINDOW_PX, SsimError, ssim};
 
 use image::RgbaImage;
 
