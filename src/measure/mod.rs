@@ -6,6 +6,7 @@
 //! | [`flip`] | two pictures | 0 (equal) to 1 | Andersson et al. 2020, what a person notices who flips between them |
 //! | [`ssim()`] | two pictures | −1 to 1 (equal) | Wang et al. 2004, what is kept of light, contrast and pattern |
 //! | [`PixelDifference`] | two pictures | pixels; steps of a channel, 0 to 255 | – |
+//! | [`SurfaceError`] | depths of two views | pixels; shares 0 to 1 | – |
 //! | [`GeometryError`] | two clouds | scene units (squared: means); decibels | Tian et al. 2017, D1 and D2 of MPEG's `pc_error` |
 //! | [`AngularError`] | two sets of normals | degrees, 0 to 90 or 180 | – |
 //!
@@ -18,6 +19,7 @@ mod geometry;
 mod normals;
 mod psnr;
 mod ssim;
+mod surface;
 
 pub use difference::PixelDifference;
 pub use flip::{ErrorMap, PIXELS_PER_DEGREE, Perceived, flip};
@@ -25,6 +27,7 @@ pub use geometry::{CloudMismatch, Distances, GeometryError, OneWay, Side};
 pub use normals::{AngularError, Orientation, angle_deg};
 pub use psnr::{mean_squared_error, psnr_db};
 pub use ssim::{SSIM_WINDOW_PX, SsimError, ssim};
+pub use surface::{DepthImage, DepthTolerance, SurfaceError, SurfaceMismatch};
 
 use image::RgbaImage;
 
