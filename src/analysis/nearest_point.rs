@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn points_that_all_coincide_are_not_all_visited() {
-        let cloud = NearestPoint::new(&[Vec3::ONE; 100_000]);
+        let cloud = NearestPoint::new(&vec![Vec3::ONE; 100_000]);
         for _ in 0..10_000 {
             assert_eq!(cloud.of(Vec3::ZERO), Some(0));
         }
