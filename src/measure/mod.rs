@@ -1,4 +1,5 @@
-//! How far a result is from the truth: errors of pictures, of clouds and of normals, each with its unit, its range and its source.
+//! How far a result is from the truth: errors of pictures, of clouds and of normals, each with its unit, its range and its
+//! source.
 //!
 //! | measure | of | unit, range | source |
 //! |---|---|---|---|
