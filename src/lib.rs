@@ -9,7 +9,7 @@
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
-//! | [`measure`] | errors of pictures and normals: PSNR, FLIP, angles |
+//! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
 //! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
 //! | [`sequence`] | files in order, the clock, frames prepared ahead of the playhead within a byte budget |
 //! | [`scene`] | camera, settings, and the [`scene::ScenePacket`] that holds all that one picture needs |

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 const ORDER: &[&[&str]] = &[
     &["math", "memory"],
     &["cloud"],
-    &["io", "analysis", "measure"],
+    &["io", "analysis"],
+    &["measure"],
     &["octree"],
     &["sequence"],
     &["scene"],

@@ -8,6 +8,7 @@ mod ellipses;
 mod four_matrices;
 mod lanes;
 mod lazy_planes;
+mod nearest_point;
 mod neighbours;
 mod normals;
 mod openings;
@@ -25,6 +26,7 @@ mod tests;
 
 pub use colors::{fake_color, scalar_colors};
 pub use lazy_planes::LazyPlanes;
+pub use nearest_point::NearestPoint;
 pub use neighbours::{Neighbours, nearest_neighbours};
 pub use radii::LONE_RADIUS;
 

@@ -29,11 +29,16 @@ pub(super) fn read(file: &Path) -> Result<Option<Vec<u8>>, String> {
         .map_err(|reason| reason.to_string())
 }
 
-/// Writes a new file, which then takes the place of the old one.
+/// [`write_whole`], in a folder that is made if it is not there.
 pub(super) fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if let Some(folder) = file.parent() {
         fs::create_dir_all(folder)?;
     }
+    write_whole(file, bytes)
+}
+
+/// Writes a new file, which then takes the place of the old one: nobody ever sees half of it.
+pub(crate) fn write_whole(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let new = file.with_extension(format!("{}.new", std::process::id()));
     let replaced = fs::write(&new, bytes).and_then(|()| fs::rename(&new, file));
     if replaced.is_err() {

@@ -34,6 +34,7 @@ mod window;
 pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable, Progress};
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
 pub use fly::Fly;
+pub(crate) use kept::write_whole;
 pub use marks::{Mark, Run};
 pub use notices::{Notice, Notices, Severity};
 pub use player::Player;

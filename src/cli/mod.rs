@@ -2,6 +2,7 @@
 
 mod arguments;
 mod bench;
+mod compare;
 mod info;
 mod render;
 mod view;
@@ -31,6 +32,8 @@ enum Verb {
     Bench(bench::BenchArgs),
     /// Says what is in a sequence
     Info(info::InfoArgs),
+    /// Says how far a picture is from another one: PSNR, FLIP, SSIM, pixels that differ
+    Compare(compare::CompareArgs),
 }
 
 /// Parses the command line, runs the verb and says what went wrong.
@@ -49,6 +52,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Render(render)) => render::run(&render),
         Some(Verb::Bench(bench)) => bench::run(&bench),
         Some(Verb::Info(info)) => info::run(&info),
+        Some(Verb::Compare(compare)) => compare::run(&compare),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

