@@ -1,10 +1,11 @@
 //! Everything of the window that touches the GPU: its surface (`surface`), egui's painter and the renderer of the 3-D picture.
 //!
-//! **How it works.** The renderer draws a packet into its own `Rgba8Unorm` texture, which egui's painter shows as an image
+//! **How it works.** The renderer of the GPU draws a packet into its own `Rgba8Unorm` texture, which egui's painter shows as an image
 //! without filtering or conversion: both hold display-referred values, and so does the surface, for which a format
 //! without sRGB conversion is chosen. The picture is drawn only when there is a new packet; panels are painted over it as
-//! often as they ask.
+//! often as they ask. What the processor draws is copied to such a texture.
 
+use super::software::{SoftwarePicture, picture_texture};
 use super::surface::{WindowSurface, acquire};
 use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
 use crate::render::{RenderError, RenderStats, Renderer};
@@ -21,9 +22,17 @@ pub(super) struct Graphics {
     surface: WindowSurface,
     painter: egui_wgpu::Renderer,
     renderer: GpuRenderer,
+    software: SoftwarePicture,
+    drawn_by: DrawnBy,
     texture: TextureId,
-    /// Which of the renderer's textures `texture` stands for.
-    generation: Option<u64>,
+    /// Which texture of which renderer `texture` stands for.
+    shown: Option<(DrawnBy, u64)>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum DrawnBy {
+    Gpu,
+    Processor,
 }
 
 /// What a redraw of the panels came to.
@@ -58,8 +67,10 @@ impl Graphics {
             surface,
             painter,
             renderer,
+            software: SoftwarePicture::default(),
+            drawn_by: DrawnBy::Gpu,
             texture,
-            generation: None,
+            shown: None,
         })
     }
 
@@ -73,9 +84,12 @@ impl Graphics {
         self.texture
     }
 
-    /// Counters of the renderer.
+    /// Counters of the renderer that drew the last picture.
     pub(super) fn stats(&self) -> RenderStats {
-        self.renderer.stats()
+        match self.drawn_by {
+            DrawnBy::Gpu => self.renderer.stats(),
+            DrawnBy::Processor => self.software.renderer.stats(),
+        }
     }
 
     /// Follows the window's size.
@@ -85,26 +99,45 @@ impl Graphics {
 
     /// Draws the 3-D picture.
     pub(super) fn draw(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
-        self.renderer.prepare(packet)?;
-        self.renderer.render()?;
-        let generation = self.renderer.color_generation();
-        if self.generation != Some(generation)
-            && let Some(view) = self.renderer.color_view()
+        let choice = packet.settings.renderer;
+        self.drawn_by = if choice.is_processor(self.context.is_software()) {
+            DrawnBy::Processor
+        } else {
+            DrawnBy::Gpu
+        };
+        let (generation, view) = match self.drawn_by {
+            DrawnBy::Gpu => {
+                self.renderer.prepare(packet)?;
+                self.renderer.render()?;
+                let view = self.renderer.color_view().cloned();
+                (self.renderer.color_generation(), view)
+            }
+            DrawnBy::Processor => {
+                self.software.draw(&self.context, packet)?;
+                (self.software.generation, self.software.view())
+            }
+        };
+        let shown = Some((self.drawn_by, generation));
+        if self.shown != shown
+            && let Some(view) = view
         {
             self.painter.update_egui_texture_from_wgpu_texture(
                 &self.context.device,
-                view,
+                &view,
                 wgpu::FilterMode::Nearest,
                 self.texture,
             );
-            self.generation = Some(generation);
+            self.shown = shown;
         }
         Ok(())
     }
 
     /// Reads the 3-D picture back.
     pub(super) fn read_picture(&mut self) -> Result<image::RgbaImage, RenderError> {
-        self.renderer.read_image()
+        match self.drawn_by {
+            DrawnBy::Gpu => self.renderer.read_image(),
+            DrawnBy::Processor => self.software.renderer.read_image(),
+        }
     }
 
     /// Paints the panels, with the picture in their midst, and shows them.
@@ -187,15 +220,6 @@ impl Graphics {
 
 /// Shown until there is a picture.
 fn empty_picture(device: &wgpu::Device) -> wgpu::TextureView {
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("no picture yet"),
-        size: wgpu::Extent3d::default(),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    });
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    picture_texture(device, wgpu::Extent3d::default())
+        .create_view(&wgpu::TextureViewDescriptor::default())
 }

@@ -25,6 +25,7 @@ pub mod panels;
 mod player;
 mod preferences;
 mod recent;
+mod software;
 mod state;
 mod surface;
 mod tasks;

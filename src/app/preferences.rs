@@ -18,7 +18,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 /// Changes with every change of [`Stored`] that older programs, or newer ones, would misread.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// A slider that is being dragged is not written at each of its steps.
 const WRITE_DELAY: Duration = Duration::from_secs(1);
@@ -65,6 +65,7 @@ impl Default for Preferences {
 struct Stored {
     version: u32,
     primitive: String,
+    renderer: String,
     splatting: String,
     strategy: String,
     splat_scale: f32,
@@ -119,6 +120,7 @@ impl Preferences {
     fn to_json(self) -> serde_json::Result<Vec<u8>> {
         let Settings {
             primitive,
+            renderer,
             splatting,
             strategy,
             splat_scale,
@@ -135,6 +137,7 @@ impl Preferences {
         serde_json::to_vec_pretty(&Stored {
             version: VERSION,
             primitive: primitive.to_string(),
+            renderer: renderer.to_string(),
             splatting: splatting.to_string(),
             strategy: strategy.to_string(),
             splat_scale,
@@ -164,6 +167,7 @@ impl Preferences {
         let stored: Stored = parse_json(bytes)?;
         let settings = Settings {
             primitive: word(&stored.primitive)?,
+            renderer: word(&stored.renderer)?,
             splatting: word(&stored.splatting)?,
             strategy: word(&stored.strategy)?,
             splat_scale: within("splat_scale", stored.splat_scale, SPLAT_SCALE_RANGE)?,
@@ -341,7 +345,7 @@ fn read(file: &Path) -> Result<Preferences, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Lighting, Primitive, Splatting, Strategy};
+    use crate::scene::{Lighting, Primitive, RendererChoice, Splatting, Strategy};
     use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
     use std::fs;
 
@@ -350,6 +354,7 @@ mod tests {
         Preferences {
             settings: Settings {
                 primitive: Primitive::Voxel,
+                renderer: RendererChoice::Cpu,
                 splatting: Splatting::NoDepth,
                 strategy: Strategy::Compute,
                 splat_scale: 1.25,
@@ -448,8 +453,8 @@ mod tests {
             "{".to_owned(),
             "[]".to_owned(),
             good[..good.len() / 2].to_owned(),
-            good.replace("\"version\": 3", "\"version\": 2"),
-            good.replace("\"version\": 3,", ""),
+            good.replace("\"version\": 4", "\"version\": 3"),
+            good.replace("\"version\": 4,", ""),
             good.replace("\"voxel\"", "\"cone\""),
             good.replace("\"scalar\"", "\"sound\""),
             good.replace("0.31", "0.61"),

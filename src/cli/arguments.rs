@@ -2,7 +2,9 @@
 
 use crate::headless::CameraChoice;
 use crate::octree::StopCriterion;
-use crate::scene::{Background, Lighting, Lod, Primitive, Settings, Splatting, Strategy, UpAxis};
+use crate::scene::{
+    Background, Lighting, Lod, Primitive, RendererChoice, Settings, Splatting, Strategy, UpAxis,
+};
 use crate::sequence::{ColorSource, Sequence, SequenceError};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -25,6 +27,10 @@ pub(super) struct PictureArgs {
     /// What points become: surfel, voxel or point
     #[arg(long, value_name = "PRIMITIVE")]
     primitive: Option<Primitive>,
+
+    /// Who draws: auto (the GPU if there is a real one, else the processor), gpu or cpu
+    #[arg(long, value_name = "RENDERER")]
+    renderer: Option<RendererChoice>,
 
     /// regular, no-depth, visibility, two-pass, enlarged or two-pass-enlarged
     #[arg(long, value_name = "MODE")]
@@ -79,6 +85,7 @@ impl PictureArgs {
     pub(super) fn settings_over(&self, default: Settings) -> Settings {
         Settings {
             primitive: self.primitive.unwrap_or(default.primitive),
+            renderer: self.renderer.unwrap_or(default.renderer),
             splatting: self.splatting.unwrap_or(default.splatting),
             strategy: self.instancing.unwrap_or(default.strategy),
             splat_scale: self.splat_scale.unwrap_or(default.splat_scale),

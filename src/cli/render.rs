@@ -4,7 +4,7 @@ use super::arguments::{CameraArgs, PictureArgs, open_sequence, size_px};
 use super::say;
 use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, RendererChoice, Settings};
+use crate::scene::{Camera, Settings};
 use crate::sequence::{Loader, LoaderOptions, Sequence};
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -40,10 +40,6 @@ pub(super) struct RenderArgs {
 
     #[command(flatten)]
     camera: CameraArgs,
-
-    /// Who draws: auto (the GPU if there is a real one, else the processor), gpu or cpu
-    #[arg(long, value_name = "RENDERER", default_value = "auto")]
-    renderer: RendererChoice,
 
     /// JSON file to write counters and times to
     #[arg(long, value_name = "STATS.json")]
@@ -107,7 +103,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     }
     let settings = arguments.picture.settings_over(Settings::default());
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
-    let renderer = AnyRenderer::open(arguments.renderer)?;
+    let renderer = AnyRenderer::open(settings.renderer)?;
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
     let mut stats = Stats {
         adapter: headless.renderer().summary(),

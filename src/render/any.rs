@@ -24,11 +24,11 @@ impl AnyRenderer {
             return Ok(Self::cpu());
         }
         match Context::headless(&ContextOptions::default()) {
-            Ok(context) if choice == RendererChoice::Gpu || !context.is_software() => gpu(context),
-            Ok(context) => {
+            Ok(context) if choice.is_processor(context.is_software()) => {
                 log::info!("{} is no GPU", context.adapter_summary());
                 Ok(Self::cpu())
             }
+            Ok(context) => gpu(context),
             Err(error) if choice == RendererChoice::Auto => {
                 log::info!("{error}");
                 Ok(Self::cpu())

@@ -41,9 +41,9 @@ pub struct ScenePacket {
     pub bounds: Aabb,
 }
 
-impl PartialEq for ScenePacket {
-    /// Equal packets make equal pictures. Arrays are compared by identity, which costs nothing.
-    fn eq(&self, other: &Self) -> bool {
+impl ScenePacket {
+    /// Whether two packets have the same records, however they draw them. Arrays are compared by identity, which costs nothing.
+    pub fn has_same_records(&self, other: &Self) -> bool {
         let same_voxels = match (&self.voxels, &other.voxels) {
             (Some(a), Some(b)) => Arc::ptr_eq(&a.records, &b.records) && a.cube_edge == b.cube_edge,
             (None, None) => true,
@@ -54,9 +54,14 @@ impl PartialEq for ScenePacket {
             (None, None) => true,
             _ => false,
         };
-        same_voxels
-            && same_shapes
-            && Arc::ptr_eq(&self.points, &other.points)
+        same_voxels && same_shapes && Arc::ptr_eq(&self.points, &other.points)
+    }
+}
+
+impl PartialEq for ScenePacket {
+    /// Equal packets make equal pictures.
+    fn eq(&self, other: &Self) -> bool {
+        self.has_same_records(other)
             && self.viewport_px == other.viewport_px
             && self.view == other.view
             && self.settings == other.settings

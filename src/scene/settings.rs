@@ -106,6 +106,17 @@ choices! {
     }
 }
 
+impl RendererChoice {
+    /// Whether the processor draws, if the adapter is a program that draws there too, or a GPU.
+    pub fn is_processor(self, adapter_is_software: bool) -> bool {
+        match self {
+            Self::Auto => adapter_is_software,
+            Self::Gpu => false,
+            Self::Cpu => true,
+        }
+    }
+}
+
 impl Splatting {
     /// Factors on the splat radius in the visibility and in the attribute pass.
     pub fn scales(self, enlargement: f32) -> [f32; 2] {
@@ -234,6 +245,8 @@ fn parse_hex(text: &str) -> Option<[u8; 3]> {
 pub struct Settings {
     /// What points become.
     pub primitive: Primitive,
+    /// Who draws.
+    pub renderer: RendererChoice,
     /// How surfels are splatted.
     pub splatting: Splatting,
     /// How instances reach the GPU.
@@ -278,6 +291,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             primitive: Primitive::Surfel,
+            renderer: RendererChoice::Auto,
             splatting: Splatting::TwoPassEnlarged,
             strategy: Strategy::Storage,
             splat_scale: 1.0,

@@ -3,7 +3,9 @@
 use super::voxels::octree_ui;
 use crate::app::State;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
-use crate::scene::{Background, Lighting, Primitive, Settings, Splatting, Strategy, UpAxis};
+use crate::scene::{
+    Background, Lighting, Primitive, RendererChoice, Settings, Splatting, Strategy, UpAxis,
+};
 use crate::sequence::ColorSource;
 use egui::{Button, Checkbox, ComboBox, Grid, RichText, ScrollArea, Slider, Ui, Widget};
 
@@ -16,6 +18,7 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
             if state.settings.primitive == Primitive::Surfel {
                 splatting(ui, &mut state.settings);
             }
+            renderer(ui, &mut state.settings);
             strategy(ui, &mut state.settings);
         });
         match state.settings.primitive {
@@ -158,6 +161,32 @@ fn splatting(ui: &mut Ui, settings: &mut Settings) {
                 "Two-pass, enlarged",
                 Splatting::TwoPassEnlarged,
                 "Two passes, enlarged in the second only: the smoothest",
+            ),
+        ],
+    );
+}
+
+fn renderer(ui: &mut Ui, settings: &mut Settings) {
+    choice(
+        ui,
+        "Renderer",
+        "Who draws. Both draw the same picture",
+        &mut settings.renderer,
+        &[
+            (
+                "Automatic",
+                RendererChoice::Auto,
+                "The GPU if there is a real one, else the processor",
+            ),
+            (
+                "GPU",
+                RendererChoice::Gpu,
+                "The adapter of the graphics library, be it a software one",
+            ),
+            (
+                "CPU",
+                RendererChoice::Cpu,
+                "The processor, without instancing: what Instancing says has no effect",
             ),
         ],
     );

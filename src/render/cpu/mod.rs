@@ -73,10 +73,9 @@ impl Renderer for CpuRenderer {
             let max = MAX_EDGE_PX;
             return Err(RenderError::TooLarge { width, height, max });
         }
-        let is_kept = self
-            .blocks
-            .as_ref()
-            .is_some_and(|(of, _)| draws_same_records(of, packet));
+        let is_kept = self.blocks.as_ref().is_some_and(|(of, _)| {
+            of.has_same_records(packet) && of.settings.primitive == packet.settings.primitive
+        });
         if !is_kept {
             let blocks = match Drawable::of(packet) {
                 Drawable::Points(points) => Blocks::of(&points),
@@ -158,20 +157,6 @@ impl<'a> Drawable<'a> {
             }),
         }
     }
-}
-
-/// Whether two packets show the same records, however.
-fn draws_same_records(a: &ScenePacket, b: &ScenePacket) -> bool {
-    let as_drawn_as_a = ScenePacket {
-        viewport_px: a.viewport_px,
-        view: a.view,
-        settings: crate::scene::Settings {
-            primitive: b.settings.primitive,
-            ..a.settings
-        },
-        ..b.clone()
-    };
-    *a == as_drawn_as_a
 }
 
 /// Draws a packet; how many records were handed to tiles.
