@@ -1,6 +1,6 @@
 //! From the pixels of a tile to bytes of the picture: background, resolve and the grey of depths (`shaders/passes`).
 
-use super::tile::{HEIGHT, Tile, WIDTH};
+use super::tile::{HEIGHT, PIXELS, Tile, WIDTH};
 use super::view::PixelRect;
 use crate::scene::{Background, ScenePacket};
 
@@ -59,15 +59,27 @@ impl Tile {
     pub(super) fn begin(&mut self, origin: [i32; 2], held: Held, gradient: &Gradient) {
         self.origin = origin;
         match held {
-            Held::Keys => self.keys.fill(0),
-            Held::Depths { .. } | Held::SolidColors => self.depth.fill(0.0),
+            Held::Keys => clear(&mut self.keys, PIXELS + 1),
+            Held::Depths { .. } => clear(&mut self.depth, PIXELS),
+            // What is drawn is covered by depths.
+            Held::SolidColors => {
+                clear(&mut self.depth, PIXELS);
+                self.colors
+                    .iter_mut()
+                    .for_each(|color| color.resize(PIXELS, 0.0));
+            }
             Held::Sums => {
-                self.depth.fill(0.0);
-                self.weight.fill(0.0);
-                self.colors.iter_mut().for_each(|color| color.fill(0.0));
+                clear(&mut self.depth, PIXELS);
+                clear(&mut self.weight, PIXELS);
+                self.colors
+                    .iter_mut()
+                    .for_each(|color| clear(color, PIXELS));
             }
             Held::BlendedColors => {
-                self.depth.fill(0.0);
+                clear(&mut self.depth, PIXELS);
+                for color in &mut self.colors {
+                    color.resize(PIXELS, 0.0);
+                }
                 for (row, y) in (0..HEIGHT).zip(origin[1]..) {
                     let color = gradient.at_row(y);
                     for (channel, value) in self.colors.iter_mut().zip(color) {
@@ -110,10 +122,9 @@ impl Tile {
         background: [f32; 3],
         pixels: &mut [[u8; 4]],
     ) {
+        // Nothing here may go through `map` or `from_fn`: see `raster.rs`.
         let [red, green, blue] = &self.colors;
-        let (depth, weight) = (&self.depth[places.clone()], &self.weight[places.clone()]);
-        let (red, green) = (&red[places.clone()], &green[places.clone()]);
-        let blue = &blue[places.clone()];
+        let color_at = |place: usize| [red[place], green[place], blue[place]];
         match held {
             Held::Keys => {
                 let empty = opaque(background);
@@ -127,33 +138,37 @@ impl Tile {
                 }
             }
             Held::SolidColors => {
-                for (place, pixel) in pixels.iter_mut().enumerate() {
-                    let color = [red[place], green[place], blue[place]];
-                    *pixel = opaque(if depth[place] > 0.0 {
-                        color
+                for (place, pixel) in places.zip(pixels) {
+                    let is_drawn = self.depth[place] > 0.0;
+                    *pixel = opaque(if is_drawn {
+                        color_at(place)
                     } else {
                         background
                     });
                 }
             }
             Held::BlendedColors => {
-                for (place, pixel) in pixels.iter_mut().enumerate() {
-                    *pixel = opaque([red[place], green[place], blue[place]]);
+                for (place, pixel) in places.zip(pixels) {
+                    *pixel = opaque(color_at(place));
                 }
             }
             Held::Sums => {
-                for (place, pixel) in pixels.iter_mut().enumerate() {
-                    let weight = weight[place];
+                for (place, pixel) in places.zip(pixels) {
+                    let weight = self.weight[place];
                     let opacity = (weight / OPAQUE_WEIGHT).min(1.0);
                     let share = if weight > 0.0 { opacity / weight } else { 0.0 };
-                    let sums = [red[place], green[place], blue[place]];
-                    *pixel = opaque(std::array::from_fn(|channel| {
-                        sums[channel] * share + background[channel] * (1.0 - opacity)
-                    }));
+                    let sums = color_at(place);
+                    let over =
+                        |sum: f32, background: f32| sum * share + background * (1.0 - opacity);
+                    *pixel = opaque([
+                        over(sums[0], background[0]),
+                        over(sums[1], background[1]),
+                        over(sums[2], background[2]),
+                    ]);
                 }
             }
             Held::Depths { near, white, black } => {
-                for (pixel, &depth) in pixels.iter_mut().zip(depth) {
+                for (pixel, &depth) in pixels.iter_mut().zip(&self.depth[places]) {
                     let share = ((near / depth - white) / (black - white)).clamp(0.0, 1.0);
                     let grey = 0.95 * (1.0 - share) + 0.15 * share;
                     *pixel = opaque(if depth > 0.0 { [grey; 3] } else { background });
@@ -163,9 +178,15 @@ impl Tile {
     }
 }
 
+/// As many zeros.
+fn clear<T: Copy + Default>(values: &mut Vec<T>, count: usize) {
+    values.clear();
+    values.resize(count, T::default());
+}
+
 /// Bytes of a colour, which is 0 to 1.
 #[inline(always)]
 fn opaque(color: [f32; 3]) -> [u8; 4] {
-    let [red, green, blue] = color.map(|channel| (channel * 255.0 + 0.5) as u8);
-    [red, green, blue, 255]
+    let byte = |channel: f32| (channel * 255.0 + 0.5) as u8;
+    [byte(color[0]), byte(color[1]), byte(color[2]), 255]
 }

@@ -55,5 +55,6 @@ pub(super) fn head_light(normal: Vec3, from_eye: Vec3) -> [f32; 2] {
 /// A colour of bytes, 0 to 1.
 #[inline(always)]
 pub(super) fn unit_color([red, green, blue]: [u8; 3]) -> [f32; 3] {
-    [red, green, blue].map(|channel| f32::from(channel) * (1.0 / 255.0))
+    let unit = |channel: u8| f32::from(channel) * (1.0 / 255.0);
+    [unit(red), unit(green), unit(blue)]
 }

@@ -60,13 +60,14 @@ pub(super) struct Tile {
 }
 
 impl Tile {
+    /// A tile without pixels: they get memory when something is drawn that needs it.
     pub(super) fn new() -> Self {
         Self {
             origin: [0; 2],
-            depth: vec![0.0; PIXELS],
-            colors: std::array::from_fn(|_| vec![0.0; PIXELS]),
-            weight: vec![0.0; PIXELS],
-            keys: vec![0; PIXELS + 1],
+            depth: Vec::new(),
+            colors: [const { Vec::new() }; 3],
+            weight: Vec::new(),
+            keys: Vec::new(),
         }
     }
 
