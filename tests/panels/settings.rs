@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable as _;
 use pointreel::app::State;
 use pointreel::octree::StopCriterion;
 use pointreel::scene::{
-    Background, Lighting, Lod, Primitive, Settings, Splatting, Strategy, UpAxis,
+    Background, Lighting, Lod, Primitive, RendererChoice, Settings, Splatting, Strategy, UpAxis,
 };
 use pointreel::sequence::ColorSource;
 
@@ -38,6 +38,8 @@ fn every_setting_can_be_changed_and_reset() {
     choose(&mut harness, "Splatting", "Enlarged");
     slide(&mut harness, "Enlargement", 3.0);
     assert_eq!(harness.state().settings.enlargement, 3.0);
+    choose(&mut harness, "Renderer", "CPU");
+    assert_eq!(harness.state().settings.renderer, RendererChoice::Cpu);
     choose(&mut harness, "Instancing", "Compute");
     assert_eq!(harness.state().settings.strategy, Strategy::Compute);
     slide(&mut harness, "Splat scale", 2.5);
@@ -91,6 +93,8 @@ fn every_setting_can_be_changed_and_reset() {
     click(&mut harness, "Surfels");
     assert_eq!(harness.state().settings.primitive, Primitive::Surfel);
 
+    harness.get_by_label("Reset to defaults").scroll_to_me();
+    harness.run();
     click(&mut harness, "Reset to defaults");
     assert_eq!(harness.state().settings, Settings::default());
     assert_eq!(harness.state().camera.up, UpAxis::Z);
