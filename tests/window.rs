@@ -420,26 +420,23 @@ fn settings_are_kept_for_the_next_window() {
 }
 
 #[test]
-fn a_screenshot_is_written_and_the_window_ends() {
+fn a_screenshot_of_either_renderer_is_written_and_the_window_ends() {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
-    let file = home.path().join("picture.png");
-    let status = server
-        .program(home.path())
-        .args([
-            "view",
-            "--primitive",
-            "point",
-            "--size",
-            "800x600",
-            "--screenshot",
-        ])
-        .arg(&file)
-        .args(["--after-frames", "3"])
-        .status()
-        .unwrap();
-    assert!(status.success());
-    assert!(has_a_cloud(image::open(file).unwrap().to_rgba8().as_raw()));
+    for renderer in ["gpu", "cpu"] {
+        let file = home.path().join(format!("{renderer}.png"));
+        let status = server
+            .program(home.path())
+            .args(["view", "--renderer", renderer, "--primitive", "point"])
+            .args(["--size", "800x600", "--screenshot"])
+            .arg(&file)
+            .args(["--after-frames", "3"])
+            .status()
+            .unwrap();
+        assert!(status.success(), "{renderer}");
+        let picture = image::open(file).unwrap().to_rgba8();
+        assert!(has_a_cloud(picture.as_raw()), "{renderer}");
+    }
 }
 
 #[test]
