@@ -75,8 +75,14 @@ impl Surfels<'_> {
             Facet::new(view, clip, seen.patch(scale), outline, cull_back_faces)
         };
         waiting.clear();
+        let largest_scale = self.largest_scale();
         for record in records.flatten() {
-            let seen = self.seen(view, record);
+            let offset = view.offset_from_eye(self.points[record].position);
+            let center = view.rotate(offset);
+            if !view.may_touch(clip, center, largest_scale * self.reach(record)) {
+                continue;
+            }
+            let seen = self.seen(view, record, center);
             match self.settings.splatting {
                 Splatting::Regular | Splatting::NoDepth => {
                     if let Some(facet) = facet(&seen, scale, Outline::Parallelogram) {
@@ -109,7 +115,7 @@ impl Surfels<'_> {
 
     /// Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n × u (`shaders/common/splat.wgsl`).
     #[inline(always)]
-    fn seen(&self, view: &PixelView, record: usize) -> Seen {
+    fn seen(&self, view: &PixelView, record: usize, center: Vec3) -> Seen {
         let shape = &self.shapes[record];
         let normal = oct_decode(shape.normal);
         let a = if normal.y.abs() > 0.99 {
@@ -118,10 +124,9 @@ impl Surfels<'_> {
             Vec3::Y
         };
         let u = a.cross(normal).normalize();
-        let offset = view.offset_from_eye(self.points[record].position);
         let (normal, u) = (view.rotate(normal), view.rotate(u));
         Seen {
-            center: view.rotate(offset),
+            center,
             normal,
             u,
             v: normal.cross(u),

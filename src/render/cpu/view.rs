@@ -91,6 +91,14 @@ impl PixelView {
             .intersection(whole)
     }
 
+    /// Whether what is within some distance of a point may touch pixels of a rectangle. Of the records of a block, which is
+    /// drawn by every tile that the block may touch, most touch one.
+    #[inline(always)]
+    pub(super) fn may_touch(&self, rect: PixelRect, center: Vec3, distance: f32) -> bool {
+        let covered = self.covered_px(center, Vec3::splat(distance), 0.0);
+        !covered.intersection(rect).is_empty()
+    }
+
     /// Whether all of a box, which may reach behind the eye, is beyond one of the sides of the picture.
     fn is_beside(&self, center: Vec3, half: Vec3, margin_px: f32) -> bool {
         (0..2).any(|axis| {

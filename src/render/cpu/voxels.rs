@@ -60,6 +60,9 @@ impl<'a> Cubes<'a> {
         for record in records.flatten() {
             let VoxelRecord { center, color, .. } = self.records[record];
             let center = view.offset_from_eye(center);
+            if !view.may_touch(clip, view.rotate(center), self.reach(record)) {
+                continue;
+            }
             let half_edge = self.half_edge(record);
             for axis in 0..3 {
                 // The face towards the eye. For an eye between the two planes it is turned away and culled.
