@@ -22,6 +22,8 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
 
+#[path = "shapes/gpu.rs"]
+mod gpu;
 mod shapes;
 
 use shapes::threads;
@@ -80,15 +82,6 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
     }
 }
 
-fn draw_on_gpu(renderer: &mut GpuRenderer, packet: &ScenePacket) {
-    renderer.invalidate();
-    renderer
-        .prepare(packet)
-        .expect("the packet can be uploaded");
-    renderer.render().expect("the packet can be drawn");
-    renderer.context().wait().expect("the adapter answers");
-}
-
 fn draw_on_cpu(renderer: &mut CpuRenderer, packet: &ScenePacket) {
     renderer.invalidate();
     renderer.prepare(packet).expect("the packet can be drawn");
@@ -118,7 +111,7 @@ fn pictures(criterion: &mut Criterion) {
                 .measurement_time(Duration::from_secs(2));
             let mut renderer = GpuRenderer::new(Arc::clone(&context)).expect("a renderer");
             group.bench_function("adapter", |bencher| {
-                bencher.iter(|| draw_on_gpu(&mut renderer, &packet));
+                bencher.iter(|| gpu::draw(&mut renderer, &packet));
             });
             for (threads, pool) in threads::pools([1, 2]) {
                 let mut renderer = CpuRenderer::new();

@@ -21,6 +21,11 @@ use pointreel::scene::{Camera, Primitive, ScenePacket, Settings, Strategy, UpAxi
 use std::sync::Arc;
 use std::time::Duration;
 
+#[path = "shapes/gpu.rs"]
+mod gpu;
+
+use gpu::draw;
+
 const POINTS: usize = 100_000;
 /// For the order of points: more than caches hold.
 const MANY_POINTS: usize = 1_000_000;
@@ -99,15 +104,6 @@ fn upload(renderer: &mut GpuRenderer, packet: &ScenePacket) {
         .expect("the packet can be uploaded");
     // Copies out of mapped memory are carried out with the next submission.
     renderer.context().queue.submit([]);
-    renderer.context().wait().expect("the adapter answers");
-}
-
-fn draw(renderer: &mut GpuRenderer, packet: &ScenePacket) {
-    renderer.invalidate();
-    renderer
-        .prepare(packet)
-        .expect("the packet can be uploaded");
-    renderer.render().expect("the packet can be drawn");
     renderer.context().wait().expect("the adapter answers");
 }
 

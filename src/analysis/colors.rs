@@ -61,17 +61,21 @@ fn robust_range(scalars: &[f32]) -> Option<[f32; 2]> {
     Some([at(TAIL), at(1.0 - TAIL)])
 }
 
-/// The map between its steps, linearly; `share` is clamped to 0..=1.
 fn viridis(share: f32) -> [u8; 4] {
-    let intervals = VIRIDIS.len() - 1;
+    let [red, green, blue] = between_steps(&VIRIDIS, share);
+    [red, green, blue, 255]
+}
+
+/// A map of ten even steps between them, linearly; `share` is clamped to 0..=1.
+pub(crate) fn between_steps(steps: &[[u8; 3]; 10], share: f32) -> [u8; 3] {
+    let intervals = steps.len() - 1;
     let place = share.clamp(0.0, 1.0) * intervals as f32;
     let index = (place as usize).min(intervals - 1);
     let weight = place - index as f32;
-    let [red, green, blue] = std::array::from_fn(|channel| {
-        let [from, to] = [VIRIDIS[index][channel], VIRIDIS[index + 1][channel]].map(f32::from);
+    std::array::from_fn(|channel| {
+        let [from, to] = [steps[index][channel], steps[index + 1][channel]].map(f32::from);
         (from + (to - from) * weight).round() as u8
-    });
-    [red, green, blue, 255]
+    })
 }
 
 #[cfg(test)]

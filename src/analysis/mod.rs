@@ -24,6 +24,7 @@ pub(crate) mod test_shapes;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use colors::between_steps;
 pub use colors::{fake_color, scalar_colors};
 pub use lazy_planes::LazyPlanes;
 pub use nearest_point::NearestPoint;

@@ -8,6 +8,10 @@ pub use any::AnyRenderer;
 
 use crate::scene::ScenePacket;
 
+/// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
+/// still overlap can lie apart in depth at 45 degrees.
+const DEPTH_SLACK_RADII: f32 = 1.0;
+
 /// Draws packets. Preparing and drawing are apart so that each can be measured.
 pub trait Renderer {
     /// Uploads what the packet needs and is not resident yet.

@@ -42,6 +42,13 @@ pub struct ScenePacket {
 }
 
 impl ScenePacket {
+    /// The view distances that [`super::Splatting::Visibility`] shows white and black: around the whole cloud.
+    pub fn depth_range(&self) -> [f32; 2] {
+        let middle = -self.view.to_view(self.bounds.center()).z;
+        let radius = self.bounds.radius().max(f32::MIN_POSITIVE);
+        [middle - radius, middle + radius]
+    }
+
     /// Whether two packets have the same records, however they draw them. Arrays are compared by identity, which costs nothing.
     pub fn has_same_records(&self, other: &Self) -> bool {
         let same_voxels = match (&self.voxels, &other.voxels) {

@@ -6,6 +6,7 @@
 //! pictures.
 
 use super::ErrorMap;
+use crate::analysis::between_steps;
 use image::{Rgba, RgbaImage};
 
 /// Colours of the errors 0, 1/9, 2/9 … 1, as stored.
@@ -40,14 +41,7 @@ impl ErrorMap {
 
 /// The colour of an error; beyond 0 to 1 that of the nearer end.
 fn color(error: f32) -> [u8; 3] {
-    let last = MAGMA.len() - 1;
-    let place = error.clamp(0.0, 1.0) * last as f32;
-    let below = (place as usize).min(last - 1);
-    let share = place - below as f32;
-    std::array::from_fn(|channel| {
-        let [from, to] = [below, below + 1].map(|stop| f32::from(MAGMA[stop][channel]));
-        (from + share * (to - from)).round() as u8
-    })
+    between_steps(&MAGMA, error)
 }
 
 #[cfg(test)]

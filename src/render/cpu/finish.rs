@@ -1,6 +1,6 @@
 //! From the pixels of a tile to bytes of the picture: background, resolve and the grey of depths (`shaders/passes`).
 
-use super::tile::{HEIGHT, PIXELS, Tile, WIDTH};
+use super::tile::{HEIGHT, NOWHERE, PIXELS, Tile, WIDTH};
 use super::view::PixelRect;
 use crate::scene::{Background, ScenePacket};
 
@@ -25,12 +25,11 @@ pub(super) enum Held {
 impl Held {
     /// Depths, with the distances that are shown white and black.
     pub(super) fn depths(packet: &ScenePacket) -> Self {
-        let middle = -packet.view.to_view(packet.bounds.center()).z;
-        let radius = packet.bounds.radius().max(f32::MIN_POSITIVE);
+        let [white, black] = packet.depth_range();
         Self::Depths {
             near: packet.view.near,
-            white: middle - radius,
-            black: middle + radius,
+            white,
+            black,
         }
     }
 }
@@ -59,7 +58,7 @@ impl Tile {
     pub(super) fn begin(&mut self, origin: [i32; 2], held: Held, gradient: &Gradient) {
         self.origin = origin;
         match held {
-            Held::Keys => clear(&mut self.keys, PIXELS + 1),
+            Held::Keys => clear(&mut self.keys, NOWHERE + 1),
             Held::Depths { .. } => clear(&mut self.depth, PIXELS),
             // What is drawn is covered by depths.
             Held::SolidColors => {

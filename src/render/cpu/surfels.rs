@@ -7,6 +7,7 @@ use super::shading::{Light, Shading, unit_color};
 use super::tile::Tile;
 use super::view::{PixelRect, PixelView};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
+use crate::render::DEPTH_SLACK_RADII;
 use crate::scene::{Lighting, Settings, Splatting};
 use fearless_simd::Simd;
 use glam::Vec3;
@@ -21,9 +22,6 @@ pub(super) struct Surfels<'a> {
 
 /// A splat of the attribute pass that waits for the visibility pass to end.
 pub(super) type Waiting = Vec<(Facet, Shading)>;
-
-/// How far the visibility pass is pushed back, in splat radii: as `render/gpu/gpu_data.rs`.
-const DEPTH_SLACK_RADII: f32 = 1.0;
 
 impl Placed for Surfels<'_> {
     fn len(&self) -> usize {

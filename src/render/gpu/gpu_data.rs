@@ -2,6 +2,7 @@
 
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
+use crate::render::DEPTH_SLACK_RADII;
 use crate::scene::{Lighting, ScenePacket, Settings, Splatting};
 use bytemuck::{Pod, Zeroable};
 
@@ -41,10 +42,6 @@ pub struct SplatVertex {
     pub light: [f32; 2],
 }
 
-/// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
-/// still overlap can lie apart in depth at 45 degrees.
-const DEPTH_SLACK_RADII: f32 = 1.0;
-
 impl ViewUniform {
     /// The uniforms of one pass over `packet`; `enlargement` multiplies the packet's splat scale.
     pub fn new(packet: &ScenePacket, enlargement: f32) -> Self {
@@ -55,8 +52,6 @@ impl ViewUniform {
             ..
         } = packet.settings;
         let rotation = packet.view.view_from_frame_rotation;
-        let center_distance = -packet.view.to_view(packet.bounds.center()).z;
-        let radius = packet.bounds.radius().max(f32::MIN_POSITIVE);
         let one_pass = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
         Self {
             rotation_x: rotation.x_axis.extend(0.0).to_array(),
@@ -70,7 +65,7 @@ impl ViewUniform {
             viewport_px: packet.viewport_px.map(|edge| edge as f32),
             background_top: normalized(background.top),
             background_bottom: normalized(background.bottom),
-            depth_range: [center_distance - radius, center_distance + radius],
+            depth_range: packet.depth_range(),
             point_size_px: packet.settings.point_size_px,
             cube_half_edge: packet
                 .voxels
