@@ -95,6 +95,16 @@ pub struct OctreeStats {
     pub traversal: SceneStats,
 }
 
+/// A picture in the size in which it is shown, where a smaller one was drawn (see [`Settings::resolution`]): interpolated linearly, as
+/// the window does.
+pub(crate) fn scaled_to(image: RgbaImage, size_px: [u32; 2]) -> RgbaImage {
+    let [width, height] = size_px.map(|edge| edge.max(1));
+    if image.dimensions() == (width, height) {
+        return image;
+    }
+    image::imageops::resize(&image, width, height, image::imageops::FilterType::Triangle)
+}
+
 /// Renders frames of one sequence.
 #[derive(Debug)]
 pub struct Headless {
@@ -144,8 +154,8 @@ impl Headless {
             .packet(frame, self.sequence.origin(), camera, settings, size_px);
         self.renderer.prepare(&packet)?;
         self.renderer.render()?;
-        self.renderer.wait();
-        self.renderer.read_image()
+        self.renderer.wait_gpu_ms();
+        Ok(scaled_to(self.renderer.read_image()?, size_px))
     }
 
     /// What the last [`Headless::draw`] of `frame` took.

@@ -5,6 +5,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`memory`] | the allocator of the program, and how long it keeps what is freed |
+//! | `kept` | files that are kept between runs |
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
@@ -26,6 +27,7 @@ pub mod cli;
 pub mod cloud;
 pub mod headless;
 pub mod io;
+mod kept;
 pub mod math;
 pub mod measure;
 pub mod memory;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules that may import those of earlier rows and, within `headless` and `bench`, nothing of each other.
 const ORDER: &[&[&str]] = &[
-    &["math", "memory"],
+    &["math", "memory", "kept"],
     &["cloud"],
     &["io", "analysis"],
     &["measure"],

@@ -7,8 +7,10 @@
 
 mod common;
 
-use pointreel::bench::{BenchError, BenchOptions, Cell, Column, Progress, Report, Row, Suite, run};
-use pointreel::sequence::{Sequence, Source};
+use pointreel::bench::{
+    BenchError, BenchOptions, Cell, Column, Input, LabPoint, Progress, Report, Row, Suite, run,
+};
+use pointreel::sequence::{Sequence, Shape, Source};
 use std::cell::RefCell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,15 +29,23 @@ fn small(suite: Suite) -> BenchOptions {
     }
 }
 
-fn demo() -> Vec<(String, Arc<Sequence>)> {
-    vec![("demo".to_owned(), Arc::new(Sequence::demo()))]
+fn demo() -> Vec<Input> {
+    vec![input("demo", Sequence::demo())]
+}
+
+fn input(name: &str, sequence: Sequence) -> Input {
+    Input {
+        name: name.to_owned(),
+        sequence: Arc::new(sequence),
+        shape: None,
+    }
 }
 
 fn measure(options: &BenchOptions) -> Report {
     run(
         &demo(),
         options,
-        &common::context(),
+        Some(&common::context()),
         &|_| {},
         &AtomicBool::new(false),
     )
@@ -268,7 +278,7 @@ fn errors_are_measured_beside_times() {
     let last_step = RefCell::new(None);
     let watch = |progress: Progress| *last_step.borrow_mut() = Some(progress);
     let never = AtomicBool::new(false);
-    let report = run(&demo(), &options, &common::context(), &watch, &never).unwrap();
+    let report = run(&demo(), &options, Some(&common::context()), &watch, &never).unwrap();
     let last_step = last_step.into_inner().unwrap();
     // 24 kinds of shapes; preparing, leaves and two distances.
     assert_eq!((last_step.done, last_step.total), (27, 28));
@@ -467,7 +477,7 @@ fn progress_reaches_its_total() {
     run(
         &demo(),
         &small(Suite::Octree),
-        &common::context(),
+        Some(&common::context()),
         &watch,
         &never,
     )
@@ -493,7 +503,13 @@ fn a_cancelled_run_stops_at_the_next_step() {
                 cancel.store(true, Ordering::Relaxed);
             }
         };
-        let result = run(&demo(), &small(suite), &common::context(), &watch, &cancel);
+        let result = run(
+            &demo(),
+            &small(suite),
+            Some(&common::context()),
+            &watch,
+            &cancel,
+        );
         assert!(
             matches!(result, Err(BenchError::Cancelled)),
             "{suite}: {result:?}"
@@ -508,13 +524,13 @@ fn broken_frames_are_skipped_and_said() {
     let cloud = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 0\n";
     std::fs::write(folder.path().join("scan_0.xyz"), "not a cloud\n").unwrap();
     std::fs::write(folder.path().join("scan_1.xyz"), cloud).unwrap();
-    let open = || Arc::new(Sequence::discover(&[folder.path().to_owned()]).unwrap());
+    let open = || Sequence::discover(&[folder.path().to_owned()]).unwrap();
     let never = AtomicBool::new(false);
-    let inputs = [("scans".to_owned(), open())];
+    let inputs = [input("scans", open())];
     let report = run(
         &inputs,
         &small(Suite::Octree),
-        &common::context(),
+        Some(&common::context()),
         &|_| {},
         &never,
     )
@@ -532,11 +548,11 @@ fn broken_frames_are_skipped_and_said() {
     );
 
     std::fs::write(folder.path().join("scan_1.xyz"), "also not\n").unwrap();
-    let inputs = [("scans".to_owned(), open())];
+    let inputs = [input("scans", open())];
     let error = run(
         &inputs,
         &small(Suite::Surfels),
-        &common::context(),
+        Some(&common::context()),
         &|_| {},
         &never,
     )
@@ -550,8 +566,8 @@ fn broken_frames_are_skipped_and_said() {
 #[test]
 fn nothing_to_measure_is_an_error() {
     let never = AtomicBool::new(false);
-    let measure = |inputs: &[(String, Arc<Sequence>)], options: &BenchOptions| {
-        run(inputs, options, &common::context(), &|_| {}, &never)
+    let measure = |inputs: &[Input], options: &BenchOptions| {
+        run(inputs, options, Some(&common::context()), &|_| {}, &never)
             .unwrap_err()
             .to_string()
     };
@@ -561,7 +577,7 @@ fn nothing_to_measure_is_an_error() {
         "there is nothing to measure: no sequence was named"
     );
     let empty = Sequence::with_decoder(Vec::<Source>::new(), |_| Err("never called".into()));
-    let inputs = [("empty".to_owned(), Arc::new(empty))];
+    let inputs = [input("empty", empty)];
     assert_eq!(
         measure(&inputs, &options),
         "there is nothing to measure: empty has no frames"
@@ -574,4 +590,198 @@ fn nothing_to_measure_is_an_error() {
         measure(&demo(), &no_viewpoints),
         "the number of viewpoints must be at least 1"
     );
+}
+
+#[test]
+fn the_renderers_are_measured_side_by_side() {
+    let report = measure(&small(Suite::Render));
+    assert_files_agree(&report);
+    let kinds: Vec<Vec<String>> = report
+        .rows
+        .iter()
+        .map(|row| report.cells(row)[1..3].to_vec())
+        .collect();
+    let expected = ["point", "surfel", "voxel"].iter().flat_map(|primitive| {
+        ["whole", "afar", "near"].map(|view| vec![(*primitive).to_owned(), view.to_owned()])
+    });
+    assert_eq!(kinds, expected.collect::<Vec<_>>());
+    let records = numbers(&report, "records");
+    assert!(
+        records[..6].iter().all(|&count| count == records[0]),
+        "all points: {records:?}"
+    );
+    assert!(
+        records[7] < records[6],
+        "fewer voxels from afar: {records:?}"
+    );
+    let [processor, adapter] =
+        ["processor_ms_median", "adapter_ms_median"].map(|key| numbers(&report, key));
+    for (ratio, (processor, adapter)) in numbers(&report, "adapter_per_processor")
+        .into_iter()
+        .zip(processor.into_iter().zip(adapter))
+    {
+        assert_eq!(ratio, adapter / processor);
+    }
+}
+
+#[test]
+fn without_an_adapter_the_processor_is_measured() {
+    for suite in [
+        Suite::Surfels,
+        Suite::Voxels,
+        Suite::Render,
+        Suite::Accuracy,
+    ] {
+        let options = BenchOptions {
+            frames: Some(1),
+            viewpoints: 1,
+            ..small(suite)
+        };
+        let report = run(&demo(), &options, None, &|_| {}, &AtomicBool::new(false)).unwrap();
+        assert!(
+            report.environment.adapter.starts_with("software renderer"),
+            "{suite}"
+        );
+        assert!(!report.rows.is_empty(), "{suite}");
+        let has = |key: &str| {
+            report
+                .value(&report.rows[0], key)
+                .and_then(Cell::number)
+                .is_some()
+        };
+        match suite {
+            Suite::Surfels | Suite::Voxels => {
+                assert_eq!(report.rows.len(), 1);
+                assert_eq!(report.cells(&report.rows[0])[1], "processor");
+                assert!(has("draw_ms_median"), "{suite}");
+            }
+            Suite::Render => assert!(has("processor_ms_median") && !has("adapter_ms_median")),
+            _ => {}
+        }
+    }
+}
+
+/// Ways of the processor on a sphere of few points, whose truth is known.
+fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
+    let sphere = Input {
+        shape: Some(Shape::Sphere),
+        ..input("sphere", Shape::Sphere.sequence(3_000))
+    };
+    let options = BenchOptions {
+        viewport_px: [160, 120],
+        viewpoints: 2,
+        frames: Some(1),
+        warmup: 0,
+        repeat: 2,
+        modes: "cpu".parse().unwrap(),
+        truth_folder,
+        ..BenchOptions::new(Suite::Error)
+    };
+    let measured = RefCell::new(Vec::new());
+    let watch = |progress: Progress| measured.borrow_mut().extend(progress.measured);
+    let report = run(&[sphere], &options, None, &watch, &AtomicBool::new(false)).unwrap();
+    let said: Vec<String> = measured
+        .into_inner()
+        .iter()
+        .map(|point| point.label.clone())
+        .collect();
+    let labels: Vec<String> = report
+        .points
+        .iter()
+        .map(|point| point.label.clone())
+        .collect();
+    assert_eq!(said, labels, "each is shown once it is measured");
+    report
+}
+
+#[test]
+fn errors_of_ways_to_draw_are_in_the_order_that_theory_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let truths = folder.path().join("truths");
+    let report = errors_on_a_sphere(Some(truths.clone()));
+    assert_files_agree(&report);
+    // Picture, depth and tolerance of two views, which the next run finds.
+    let files = || std::fs::read_dir(&truths).unwrap().count();
+    assert_eq!(files(), 6);
+    let again = errors_on_a_sphere(Some(truths.clone()));
+    assert_eq!(files(), 6);
+    let error = |report: &Report, label: &str, key: &str| {
+        let row = report.rows.iter().find(|row| report.cells(row)[1] == label);
+        let row = row.unwrap_or_else(|| panic!("{label} is missing"));
+        report.value(row, key).and_then(Cell::number).unwrap()
+    };
+    let flip = |label: &str| error(&report, label, "flip_object_mean");
+    assert_eq!(
+        flip("surfel two-pass CPU"),
+        error(&again, "surfel two-pass CPU", "flip_object_mean")
+    );
+    // The rear shines through without depth; squares cut each other in one pass; fewer cells and pixels show less.
+    assert!(flip("surfel two-pass CPU") < flip("surfel regular CPU"));
+    assert!(flip("surfel regular CPU") < flip("surfel no-depth CPU"));
+    assert!(flip("voxel δ 5 % τ 1 CPU") < flip("voxel δ 5 % τ 8 CPU"));
+    assert!(flip("surfel two-pass CPU") < flip("surfel two-pass at 50 % CPU"));
+    let holes = |label: &str| error(&report, label, "hole_share");
+    assert!(
+        holes("point 1 px CPU") > holes("point 2 px CPU")
+            && holes("point 2 px CPU") > holes("point 3 px CPU")
+    );
+    assert!(
+        holes("surfel two-pass-enlarged CPU") < 0.001,
+        "{}",
+        holes("surfel two-pass-enlarged CPU")
+    );
+    // Through the gaps between small points the rear is seen.
+    let wrong = |label: &str| error(&report, label, "wrong_surface_share");
+    assert!(wrong("point 1 px CPU") > 0.02 && wrong("surfel two-pass CPU") < 0.001);
+
+    // The front: nothing beats it, and everything else is beaten.
+    let beats = |a: &LabPoint, b: &LabPoint| {
+        a.draw_ms <= b.draw_ms && a.flip <= b.flip && (a.draw_ms < b.draw_ms || a.flip < b.flip)
+    };
+    for point in &report.points {
+        let is_beaten = report.points.iter().any(|other| beats(other, point));
+        assert_eq!(point.is_on_front, !is_beaten, "{}", point.label);
+    }
+}
+
+#[test]
+fn the_page_holds_every_point_and_asks_nobody() {
+    let report = errors_on_a_sphere(None);
+    let page = report.to_html();
+    let (_, data) = page
+        .split_once("<script type=\"application/json\" id=\"data\">")
+        .unwrap();
+    let (data, _) = data.split_once("</script>").unwrap();
+    let data: serde_json::Value = serde_json::from_str(data).unwrap();
+    let points = data["points"].as_array().unwrap();
+    assert_eq!(points.len(), report.points.len());
+    for (found, point) in points.iter().zip(&report.points) {
+        assert_eq!(found["label"], point.label);
+        assert_eq!(
+            found["ms"].as_f64().unwrap().to_bits(),
+            point.draw_ms.to_bits()
+        );
+        for picture in ["picture", "error"] {
+            assert!(
+                found[picture]
+                    .as_str()
+                    .unwrap()
+                    .starts_with("data:image/png;base64,iVBOR")
+            );
+        }
+    }
+    for outside in ["http://", "https://", "src=\"", "@import", "url("] {
+        let addresses = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!addresses.contains(outside), "{outside}");
+    }
+}
+
+#[test]
+fn no_way_among_the_modes_is_an_error() {
+    let options = BenchOptions {
+        modes: "gpu".parse().unwrap(),
+        ..small(Suite::Error)
+    };
+    let error = run(&demo(), &options, None, &|_| {}, &AtomicBool::new(false)).unwrap_err();
+    assert!(error.to_string().contains("among the modes"), "{error}");
 }

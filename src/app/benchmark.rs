@@ -145,8 +145,16 @@ pub(super) fn benchmark_job(
                 label: now.label,
             });
         };
-        let options = bench::BenchOptions::new(suite);
-        let measured = bench::run(&[(name, sequence)], &options, &context, &progress, cancel)
+        let options = bench::BenchOptions {
+            truth_folder: bench::BenchOptions::truth_folder_of_person(),
+            ..bench::BenchOptions::new(suite)
+        };
+        let input = bench::Input {
+            name,
+            sequence,
+            shape: None,
+        };
+        let measured = bench::run(&[input], &options, Some(&context), &progress, cancel)
             .map_err(|error| error.to_string())?;
         Ok(BenchmarkTable {
             suite: suite.name().to_owned(),

@@ -7,6 +7,7 @@
 
 use super::software::{SoftwarePicture, picture_texture};
 use super::surface::{WindowSurface, acquire};
+use crate::headless::scaled_to;
 use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
 use crate::render::{RenderError, RenderStats, Renderer};
 use crate::scene::ScenePacket;
@@ -25,8 +26,8 @@ pub(super) struct Graphics {
     software: SoftwarePicture,
     drawn_by: DrawnBy,
     texture: TextureId,
-    /// Which texture of which renderer `texture` stands for.
-    shown: Option<(DrawnBy, u64)>,
+    /// Which texture of which renderer `texture` stands for, and how it is scaled.
+    shown: Option<(DrawnBy, u64, wgpu::FilterMode)>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,14 +118,20 @@ impl Graphics {
                 (self.software.generation, self.software.view())
             }
         };
-        let shown = Some((self.drawn_by, generation));
+        // A picture of all pixels is shown as it is.
+        let filter = if packet.settings.resolution < 1.0 {
+            wgpu::FilterMode::Linear
+        } else {
+            wgpu::FilterMode::Nearest
+        };
+        let shown = Some((self.drawn_by, generation, filter));
         if self.shown != shown
             && let Some(view) = view
         {
             self.painter.update_egui_texture_from_wgpu_texture(
                 &self.context.device,
                 &view,
-                wgpu::FilterMode::Nearest,
+                filter,
                 self.texture,
             );
             self.shown = shown;
@@ -132,12 +139,16 @@ impl Graphics {
         Ok(())
     }
 
-    /// Reads the 3-D picture back.
-    pub(super) fn read_picture(&mut self) -> Result<image::RgbaImage, RenderError> {
-        match self.drawn_by {
+    /// Reads the 3-D picture back, in the size in which it is shown.
+    pub(super) fn read_picture(
+        &mut self,
+        shown_px: [u32; 2],
+    ) -> Result<image::RgbaImage, RenderError> {
+        let image = match self.drawn_by {
             DrawnBy::Gpu => self.renderer.read_image(),
             DrawnBy::Processor => self.software.renderer.read_image(),
-        }
+        };
+        Ok(scaled_to(image?, shown_px))
     }
 
     /// Paints the panels, with the picture in their midst, and shows them.

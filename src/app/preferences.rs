@@ -6,8 +6,8 @@
 //! after something was changed, so that a program that is killed has lost nothing, and never by a run in which
 //! nothing was changed.
 
-use super::kept;
 use super::state::{OpenPanels, POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+use crate::kept;
 use crate::octree::StopCriterion;
 use crate::scene::{Background, Lod, Settings};
 use crate::sequence::{ColorSource, LoopMode, MAX_SPEED, MIN_SPEED};
@@ -18,7 +18,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 /// Changes with every change of [`Stored`] that older programs, or newer ones, would misread.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// A slider that is being dragged is not written at each of its steps.
 const WRITE_DELAY: Duration = Duration::from_secs(1);
@@ -78,6 +78,7 @@ struct Stored {
     stop: StopCriterion,
     lod: Lod,
     surfel_lod: bool,
+    resolution: f32,
     loop_mode: String,
     speed: f64,
     settings_panel: bool,
@@ -105,6 +106,7 @@ impl Preferences {
                 point_size_px: clamp(settings.point_size_px, POINT_SIZE_RANGE_PX),
                 stop: offered_stop(settings.stop),
                 lod: settings.lod.offered(),
+                resolution: clamp(settings.resolution, Settings::RESOLUTIONS),
                 ..settings
             },
             speed: self.speed.clamp(MIN_SPEED, MAX_SPEED),
@@ -133,6 +135,7 @@ impl Preferences {
             stop,
             lod,
             surfel_lod,
+            resolution,
         } = self.settings;
         serde_json::to_vec_pretty(&Stored {
             version: VERSION,
@@ -150,6 +153,7 @@ impl Preferences {
             stop,
             lod,
             surfel_lod,
+            resolution,
             loop_mode: loop_name(self.loop_mode).to_owned(),
             speed: self.speed,
             settings_panel: self.panels.settings,
@@ -180,6 +184,7 @@ impl Preferences {
             stop: as_offered("stop", stored.stop, offered_stop)?,
             lod: as_offered("lod", stored.lod, Lod::offered)?,
             surfel_lod: stored.surfel_lod,
+            resolution: within("resolution", stored.resolution, Settings::RESOLUTIONS)?,
         };
         if let Some(size) = stored.window_size {
             for edge in size {
@@ -370,6 +375,7 @@ mod tests {
                 stop: StopCriterion::Loss(0.31),
                 lod: Lod::ThresholdPx(2.5),
                 surfel_lod: true,
+                resolution: 0.5,
             },
             loop_mode: LoopMode::PingPong,
             speed: 0.25,

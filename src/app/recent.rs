@@ -1,6 +1,6 @@
 //! What was opened lately, kept between runs in a small JSON file.
 
-use super::kept;
+use crate::kept;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -300,7 +300,7 @@ impl App {
             self.repaint_at = Some(now + NEWS_INTERVAL);
         }
         for path in pictures {
-            let image = screen.graphics.read_picture()?;
+            let image = screen.graphics.read_picture(self.state.viewport.size_px)?;
             self.state.save_picture(image, path);
         }
         self.set_title(screen);
@@ -389,7 +389,7 @@ impl App {
             && player.frames_shown() >= wanted
             && self.state.counters.pictures > 0
         {
-            let image = screen.graphics.read_picture()?;
+            let image = screen.graphics.read_picture(self.state.viewport.size_px)?;
             self.end = save_png(&image, path).map_err(AppError::Screenshot);
             event_loop.exit();
         } else if let Some(failure) = player.failure()

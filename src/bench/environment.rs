@@ -1,5 +1,6 @@
 //! On what something was measured.
 
+use crate::render::AnyRenderer;
 use crate::render::gpu::Context;
 
 /// The machine and the program of a measurement.
@@ -9,7 +10,7 @@ pub struct Environment {
     pub version: &'static str,
     /// True when the program was compiled without optimisation or with debug assertions: its CPU times mean little.
     pub is_debug_build: bool,
-    /// Name, type and driver of the adapter.
+    /// Name, type and driver of the adapter; where there is none, the software renderer.
     pub adapter: String,
     /// Whether the adapter measures GPU time.
     pub has_timestamps: bool,
@@ -22,13 +23,13 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// What this program runs on, drawing with `context`.
-    pub fn detect(context: &Context) -> Self {
+    /// What this program runs on, drawing with `context` or without any driver.
+    pub fn detect(context: Option<&Context>) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
             is_debug_build: cfg!(debug_assertions),
-            adapter: context.adapter_summary(),
-            has_timestamps: context.has_timestamps,
+            adapter: context.map_or_else(|| AnyRenderer::cpu().summary(), Context::adapter_summary),
+            has_timestamps: context.is_some_and(|context| context.has_timestamps),
             cpu: std::fs::read_to_string("/proc/cpuinfo")
                 .ok()
                 .and_then(|text| cpu_model(&text))

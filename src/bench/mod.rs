@@ -7,6 +7,8 @@
 //! | [`Suite::Octree`] | Table III | sequence × δ of 2, 10, 50 %: loss, depth, nodes, leaves, build, traverse |
 //! | [`Suite::Voxels`] | Table IV | sequence × instancing strategy: drawing the visible set |
 //! | [`Suite::Accuracy`] | – | normals by noise and neighbours; leaves by δ; levels of detail by threshold τ: error beside time |
+//! | [`Suite::Render`] | 001, Table 1 | sequence × primitive × distance: processor beside adapter |
+//! | [`Suite::Error`] | – | sequence × way to draw: error against the truth beside time |
 //!
 //! `scenario` places the viewpoints by what the suite draws (the octree's by surfels) and `cover` counts their pixels, `runner` holds the clocks, `suites` are the loops, `report` the answer. The
 //! command line and the window's benchmark menu both call [`run`]; nothing else of the program runs meanwhile: frames
@@ -14,22 +16,29 @@
 
 mod cover;
 mod environment;
+mod lab;
+mod modes;
 pub mod report;
 mod runner;
 mod scenario;
 mod statistics;
 mod suites;
+mod truth_cache;
 
 pub use environment::Environment;
+pub use lab::{LabPoint, Quality, mark_front};
+pub use modes::{Modes, ParseModeError};
 pub use report::{Cell, Column, Report, Row, SequenceSummary, Table};
 pub use scenario::{COVERAGE_BAND, Coverage};
 pub use statistics::Quantiles;
 
-use crate::measure::SizeMismatch;
+use crate::kept;
+use crate::measure::{SizeMismatch, SsimError, SurfaceMismatch};
 use crate::render::RenderError;
 use crate::render::gpu::Context;
-use crate::sequence::Sequence;
+use crate::sequence::{Sequence, Shape};
 use std::fmt;
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -45,11 +54,22 @@ pub enum Suite {
     Voxels,
     /// Errors of normals, octrees and levels of detail.
     Accuracy,
+    /// Drawing on the processor and on the adapter, from three distances.
+    Render,
+    /// Errors of pictures beside their times, for every way to draw.
+    Error,
 }
 
 impl Suite {
     /// Every suite: the paper's tables in their order, then what is beyond them.
-    pub const ALL: &'static [Self] = &[Self::Surfels, Self::Octree, Self::Voxels, Self::Accuracy];
+    pub const ALL: &'static [Self] = &[
+        Self::Surfels,
+        Self::Octree,
+        Self::Voxels,
+        Self::Accuracy,
+        Self::Render,
+        Self::Error,
+    ];
 
     /// The word for it on the command line.
     pub fn name(self) -> &'static str {
@@ -58,6 +78,8 @@ impl Suite {
             Self::Octree => "octree",
             Self::Voxels => "voxels",
             Self::Accuracy => "accuracy",
+            Self::Render => "render",
+            Self::Error => "error",
         }
     }
 
@@ -69,6 +91,10 @@ impl Suite {
             Self::Voxels => "drawing voxels of the visible set by instancing strategy",
             Self::Accuracy => {
                 "errors of normals, octree leaves and levels of detail, beside their times"
+            }
+            Self::Render => "drawing on the processor and on the adapter, from three distances",
+            Self::Error => {
+                "errors of pictures against the truth beside their times, for every way to draw"
             }
         }
     }
@@ -82,7 +108,7 @@ impl fmt::Display for Suite {
 
 /// A word that names no suite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no suite: expected surfels, octree, voxels or accuracy")]
+#[error("`{0}` is no suite: expected surfels, octree, voxels, accuracy, render or error")]
 pub struct ParseSuiteError(String);
 
 impl FromStr for Suite {
@@ -95,7 +121,7 @@ impl FromStr for Suite {
 }
 
 /// How to measure. The default is the paper's protocol.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct BenchOptions {
     /// What to measure.
     pub suite: Suite,
@@ -109,6 +135,11 @@ pub struct BenchOptions {
     pub warmup: usize,
     /// Rounds over all viewpoints that count; at least 1.
     pub repeat: usize,
+    /// Which ways to draw [`Suite::Error`] compares; all by default.
+    pub modes: Modes,
+    /// Where true pictures are kept for the next run; `None` keeps none.
+    #[serde(skip)]
+    pub truth_folder: Option<PathBuf>,
 }
 
 impl BenchOptions {
@@ -127,7 +158,14 @@ impl BenchOptions {
             frames: None,
             warmup: 1,
             repeat: 3,
+            modes: Modes::default(),
+            truth_folder: None,
         }
+    }
+
+    /// The folder of this person for [`BenchOptions::truth_folder`]; `None` where the system has no such place.
+    pub fn truth_folder_of_person() -> Option<PathBuf> {
+        kept::cached_place_of("truth")
     }
 }
 
@@ -138,7 +176,7 @@ impl serde::Serialize for Suite {
 }
 
 /// How far a run is.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct Progress {
     /// Steps done.
     pub done: usize,
@@ -146,6 +184,8 @@ pub struct Progress {
     pub total: usize,
     /// What is being measured now.
     pub label: String,
+    /// What [`Suite::Error`] has just measured, if this is said because of it.
+    pub measured: Option<Arc<LabPoint>>,
 }
 
 /// Why there is no report.
@@ -172,19 +212,36 @@ pub enum BenchError {
     /// Two pictures of one run differ in size.
     #[error(transparent)]
     Compare(#[from] SizeMismatch),
+    /// A picture is too small for SSIM.
+    #[error(transparent)]
+    Ssim(#[from] SsimError),
+    /// Depths that cannot be compared.
+    #[error(transparent)]
+    Surface(#[from] SurfaceMismatch),
     /// The renderer failed.
     #[error(transparent)]
     Render(#[from] RenderError),
 }
 
-/// Measures `inputs` (name and frames of each sequence) on the adapter of `context`.
+/// A sequence to measure.
+#[derive(Debug, Clone)]
+pub struct Input {
+    /// Its name in reports.
+    pub name: String,
+    /// Its frames.
+    pub sequence: Arc<Sequence>,
+    /// The shape that it was sampled from, if its truth is known.
+    pub shape: Option<Shape>,
+}
+
+/// Measures `inputs` on the adapter of `context`; without one, on the processor.
 ///
 /// Blocks until everything is measured; `progress` is called before each step, and `cancel` is looked at before each
 /// picture. Frames that cannot be read or have no points are skipped, which [`Report::notes`] say.
 pub fn run(
-    inputs: &[(String, Arc<Sequence>)],
+    inputs: &[Input],
     options: &BenchOptions,
-    context: &Arc<Context>,
+    context: Option<&Arc<Context>>,
     progress: &dyn Fn(Progress),
     cancel: &AtomicBool,
 ) -> Result<Report, BenchError> {
@@ -208,6 +265,8 @@ pub fn run(
         Suite::Surfels | Suite::Voxels => suites::draw::measure(&mut run)?,
         Suite::Octree => suites::octree::measure(&mut run)?,
         Suite::Accuracy => suites::accuracy::measure(&mut run)?,
+        Suite::Render => suites::render::measure(&mut run)?,
+        Suite::Error => suites::error::measure(&mut run)?,
     }
     Ok(run.into_report())
 }
@@ -232,7 +291,7 @@ mod tests {
         let error = "disks".parse::<Suite>().unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`disks` is no suite: expected surfels, octree, voxels or accuracy"
+            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render or error"
         );
     }
 }

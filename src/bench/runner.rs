@@ -4,8 +4,7 @@
 //! shown, and by GPU timestamps around its passes where the adapter has them. What it draws is resident before: uploads
 //! are timed apart, until their copies have arrived. Compiling pipelines is in neither.
 
-use crate::render::gpu::{Context, GpuRenderer};
-use crate::render::{RenderError, Renderer};
+use crate::render::{AnyRenderer, RenderError, Renderer};
 use crate::scene::{ScenePacket, Voxels};
 use image::RgbaImage;
 use std::sync::Arc;
@@ -31,14 +30,17 @@ pub(super) struct Upload {
 /// Draws packets and looks at the clock.
 #[derive(Debug)]
 pub(super) struct Runner {
-    renderer: GpuRenderer,
+    renderer: AnyRenderer,
 }
 
 impl Runner {
-    pub(super) fn new(context: Arc<Context>) -> Result<Self, RenderError> {
-        Ok(Self {
-            renderer: GpuRenderer::new(context)?,
-        })
+    pub(super) fn new(renderer: AnyRenderer) -> Self {
+        Self { renderer }
+    }
+
+    /// Whether the processor draws.
+    pub(super) fn is_processor(&self) -> bool {
+        matches!(self.renderer, AnyRenderer::Cpu(_))
     }
 
     /// Makes everything that pictures like `packet` share (pipelines, targets) by drawing a single record of it.
@@ -48,13 +50,10 @@ impl Runner {
 
     /// Makes what `packet` draws resident and waits until it has arrived.
     pub(super) fn upload(&mut self, packet: &ScenePacket) -> Result<Upload, RenderError> {
-        let context = Arc::clone(self.renderer.context());
         let before = self.renderer.stats().uploaded_bytes;
         let start = Instant::now();
         self.renderer.prepare(packet)?;
-        // Copies out of mapped memory are carried out with the next submission.
-        context.queue.submit([]);
-        context.wait()?;
+        self.renderer.wait()?;
         let wall_ms = milliseconds_since(start);
         Ok(Upload {
             wall_ms,
@@ -64,12 +63,11 @@ impl Runner {
 
     /// Draws `packet`, also when it was drawn last.
     pub(super) fn draw(&mut self, packet: &ScenePacket) -> Result<DrawTime, RenderError> {
-        let context = Arc::clone(self.renderer.context());
         self.renderer.invalidate();
         let start = Instant::now();
         self.renderer.prepare(packet)?;
         self.renderer.render()?;
-        context.wait()?;
+        self.renderer.wait()?;
         let wall_ms = milliseconds_since(start);
         Ok(DrawTime {
             wall_ms,

@@ -78,6 +78,10 @@ pub(super) struct PictureArgs {
     /// --lod-time say, instead of all points
     #[arg(long)]
     surfel_lod: bool,
+
+    /// Draw a picture of this share of its edges, 0.25 to 1, and scale it up: fewer pixels, less time
+    #[arg(long, value_name = "SHARE", value_parser = resolution)]
+    resolution: Option<f32>,
 }
 
 impl PictureArgs {
@@ -98,6 +102,7 @@ impl PictureArgs {
             stop: self.stop.criterion().unwrap_or(default.stop),
             lod: self.lod.choice().unwrap_or(default.lod),
             surfel_lod: default.surfel_lod || self.surfel_lod,
+            resolution: self.resolution.unwrap_or(default.resolution),
         }
     }
 }
@@ -221,6 +226,14 @@ fn positive(text: &str) -> Result<f32, String> {
         text,
         |value: &f32| value.is_finite() && *value > 0.0,
         "a number above 0",
+    )
+}
+
+fn resolution(text: &str) -> Result<f32, String> {
+    number_in(
+        text,
+        |value: &f32| Settings::RESOLUTIONS.contains(value),
+        "a share from 0.25 to 1",
     )
 }
 

@@ -2,9 +2,10 @@
 
 use super::arguments::{DEMO_INPUT, open_sequence, size_px};
 use super::{answer, say};
-use crate::bench::{self, BenchOptions, Progress, Suite};
+use crate::bench::{self, BenchOptions, Input, Modes, Progress, Suite};
 use crate::render::gpu::{Context, ContextOptions};
-use anyhow::Context as _;
+use crate::sequence::Shape;
+use anyhow::{Context as _, bail};
 use clap::Args;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -14,11 +15,13 @@ use std::sync::atomic::AtomicBool;
 /// Arguments of `pointreel bench`.
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
-    /// surfels, octree or voxels (Tables II, III and IV of the paper), or accuracy (errors beside times)
+    /// surfels, octree or voxels (Tables II, III and IV of the paper), accuracy (errors of stages beside times), render (processor
+    /// beside adapter) or error (errors of pictures beside times, for every way to draw)
     #[arg(value_name = "SUITE")]
     suite: Suite,
 
-    /// Folders, patterns or files, each a sequence of its own; `demo:` is the built-in one
+    /// Folders, patterns or files, each a sequence of its own; `demo:` is the built-in one, `sphere:`, `torus:`, `cube:` and
+    /// `saddle:` are sampled shapes of which `error` knows the truth (`sphere:20000` has 20,000 points instead of 100,000)
     #[arg(default_value = DEMO_INPUT, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
@@ -29,6 +32,14 @@ pub(super) struct BenchArgs {
     /// CSV file to write the rows to
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
+
+    /// Self-contained page to write the points of time and error to, with their pictures (error only)
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
+
+    /// Ways to draw that `error` compares, with commas between: cpu, gpu, surfel, voxel, point, two-pass, vertex …
+    #[arg(long, value_name = "MODES")]
+    modes: Option<Modes>,
 
     /// Frames of each sequence, spread evenly
     #[arg(long, value_name = "N", default_value_t = BenchOptions::DEFAULT_FRAMES, value_parser = count)]
@@ -48,23 +59,34 @@ pub(super) struct BenchArgs {
 }
 
 pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
-    let mut inputs = Vec::new();
-    for input in &arguments.inputs {
-        let sequence = open_sequence(std::slice::from_ref(input))?;
-        inputs.push((sequence_name(input), Arc::new(sequence)));
+    if arguments.suite != Suite::Error && (arguments.modes.is_some() || arguments.html.is_some()) {
+        bail!(
+            "--modes and --html belong to `bench error`, not to `bench {}`",
+            arguments.suite
+        );
     }
+    let inputs = arguments.inputs.iter().map(|input| open_input(input));
+    let inputs = inputs.collect::<anyhow::Result<Vec<Input>>>()?;
     let options = BenchOptions {
         viewport_px: arguments.size,
         viewpoints: arguments.viewpoints,
         frames: Some(arguments.frames),
         repeat: arguments.repeat,
+        truth_folder: BenchOptions::truth_folder_of_person(),
+        modes: arguments.modes.clone().unwrap_or_default(),
         ..BenchOptions::new(arguments.suite)
     };
-    let context = Context::headless(&ContextOptions::default())?;
+    let context = match Context::headless(&ContextOptions::default()) {
+        Ok(context) => Some(context),
+        Err(error) => {
+            say(&format!("the software renderer is measured alone: {error}"));
+            None
+        }
+    };
     let report = bench::run(
         &inputs,
         &options,
-        &context,
+        context.as_ref(),
         &show_progress,
         &AtomicBool::new(false),
     );
@@ -72,7 +94,50 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
     let report = report?;
     answer(report.to_table().trim_end());
     write(arguments.json.as_deref(), &report.to_json())?;
+    write(arguments.html.as_deref(), &report.to_html())?;
     write(arguments.csv.as_deref(), &report.to_csv())
+}
+
+/// Points of a sampled shape when their number is not given.
+const SHAPE_POINTS: usize = 100_000;
+
+/// Most points that a sampled shape can be asked for.
+const MOST_SHAPE_POINTS: usize = 50_000_000;
+
+/// Opens a sequence, or samples a shape.
+fn open_input(input: &Path) -> anyhow::Result<Input> {
+    if let Some((shape, count)) = sampled_shape(input)? {
+        return Ok(Input {
+            name: shape.name().to_owned(),
+            sequence: Arc::new(shape.sequence(count)),
+            shape: Some(shape),
+        });
+    }
+    Ok(Input {
+        name: sequence_name(input),
+        sequence: Arc::new(open_sequence(&[input.to_owned()])?),
+        shape: None,
+    })
+}
+
+/// The shape that `sphere:` or `sphere:COUNT` names, with its number of points; `None` for what names none.
+fn sampled_shape(input: &Path) -> anyhow::Result<Option<(Shape, usize)>> {
+    let Some((name, count)) = input.to_str().and_then(|text| text.split_once(':')) else {
+        return Ok(None);
+    };
+    let Some(shape) = Shape::ALL.into_iter().find(|shape| shape.name() == name) else {
+        return Ok(None);
+    };
+    if count.is_empty() {
+        return Ok(Some((shape, SHAPE_POINTS)));
+    }
+    match count.parse() {
+        Ok(count @ 1..=MOST_SHAPE_POINTS) => Ok(Some((shape, count))),
+        _ => bail!(
+            "{}: expected a number of points from 1 to {MOST_SHAPE_POINTS} after the colon",
+            input.display()
+        ),
+    }
 }
 
 /// The name of the folder or file, which is what tells sequences apart in a table.
@@ -102,7 +167,9 @@ fn write(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
 fn show_progress(progress: Progress) {
     let mut stderr = std::io::stderr().lock();
     if stderr.is_terminal() {
-        let Progress { done, total, label } = progress;
+        let Progress {
+            done, total, label, ..
+        } = progress;
         // A terminal that has gone is no failure.
         let _ = write!(stderr, "\r\x1b[K[{done}/{total}] {label}");
         let _ = stderr.flush();
@@ -126,6 +193,22 @@ fn count(text: &str) -> Result<usize, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn shapes_are_named_with_a_colon() {
+        let shape = |text: &str| sampled_shape(Path::new(text)).map_err(|error| error.to_string());
+        assert_eq!(shape("sphere:"), Ok(Some((Shape::Sphere, SHAPE_POINTS))));
+        assert_eq!(shape("saddle:2000"), Ok(Some((Shape::Saddle, 2000))));
+        assert_eq!(shape("sphere"), Ok(None));
+        assert_eq!(shape("demo:"), Ok(None));
+        for wrong in ["torus:0", "torus:many", "torus:99999999999"] {
+            let error = shape(wrong).unwrap_err();
+            assert!(
+                error.starts_with(wrong) && error.contains("from 1 to"),
+                "{error}"
+            );
+        }
+    }
 
     #[test]
     fn sequences_are_named_after_their_folder_or_file() {

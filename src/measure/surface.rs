@@ -77,6 +77,17 @@ pub struct SurfaceError {
     pub extra_count: u64,
 }
 
+impl std::ops::AddAssign for SurfaceError {
+    /// The counts of several pictures.
+    fn add_assign(&mut self, other: Self) {
+        self.pixel_count += other.pixel_count;
+        self.surface_count += other.surface_count;
+        self.hole_count += other.hole_count;
+        self.wrong_surface_count += other.wrong_surface_count;
+        self.extra_count += other.extra_count;
+    }
+}
+
 impl SurfaceError {
     /// Compares what `test` shows with what `truth` does, of the same view.
     pub fn of(

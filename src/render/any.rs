@@ -5,6 +5,7 @@ use super::gpu::{Context, ContextOptions, GpuRenderer};
 use super::{RenderError, RenderStats, Renderer};
 use crate::scene::{RendererChoice, ScenePacket};
 use image::RgbaImage;
+use std::sync::Arc;
 
 /// A renderer that needs no window.
 #[derive(Debug)]
@@ -19,7 +20,6 @@ impl AnyRenderer {
     /// Opens what was chosen. Where it may choose, it takes the GPU if there is a real one: a software adapter is slower than
     /// [`CpuRenderer`], and where there is none at all that needs none.
     pub fn open(choice: RendererChoice) -> Result<Self, RenderError> {
-        let gpu = |context| Ok(Self::Gpu(Box::new(GpuRenderer::new(context)?)));
         if choice == RendererChoice::Cpu {
             return Ok(Self::cpu());
         }
@@ -28,7 +28,7 @@ impl AnyRenderer {
                 log::info!("{} is no GPU", context.adapter_summary());
                 Ok(Self::cpu())
             }
-            Ok(context) => gpu(context),
+            Ok(context) => Self::gpu(context),
             Err(error) if choice == RendererChoice::Auto => {
                 log::info!("{error}");
                 Ok(Self::cpu())
@@ -37,8 +37,14 @@ impl AnyRenderer {
         }
     }
 
-    fn cpu() -> Self {
+    /// The processor.
+    pub fn cpu() -> Self {
         Self::Cpu(Box::default())
+    }
+
+    /// Draws on the adapter of `context`.
+    pub fn gpu(context: Arc<Context>) -> Result<Self, RenderError> {
+        Ok(Self::Gpu(Box::new(GpuRenderer::new(context)?)))
     }
 
     /// One line for reports: what draws.
@@ -52,10 +58,28 @@ impl AnyRenderer {
         }
     }
 
-    /// Waits for the last picture, and for its time on the GPU's clock.
-    pub fn wait(&mut self) {
+    /// Waits for uploads and pictures that were asked for. Copies out of mapped memory are carried out with the next submission.
+    pub fn wait(&self) -> Result<(), RenderError> {
         if let Self::Gpu(renderer) = self {
-            renderer.wait_gpu_ms();
+            renderer.context().queue.submit([]);
+            renderer.context().wait()?;
+        }
+        Ok(())
+    }
+
+    /// Waits for the last picture's time on the GPU's clock; `None` where there is none.
+    pub fn wait_gpu_ms(&mut self) -> Option<f64> {
+        match self {
+            Self::Gpu(renderer) => renderer.wait_gpu_ms(),
+            Self::Cpu(_) => None,
+        }
+    }
+
+    /// Forgets what was drawn, so that the same packet is drawn again: benchmarks measure that.
+    pub fn invalidate(&mut self) {
+        match self {
+            Self::Gpu(renderer) => renderer.invalidate(),
+            Self::Cpu(renderer) => renderer.invalidate(),
         }
     }
 

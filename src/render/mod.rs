@@ -3,6 +3,7 @@
 mod any;
 pub mod cpu;
 pub mod gpu;
+pub mod truth;
 
 pub use any::AnyRenderer;
 
@@ -11,6 +12,13 @@ use crate::scene::ScenePacket;
 /// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
 /// still overlap can lie apart in depth at 45 degrees.
 const DEPTH_SLACK_RADII: f32 = 1.0;
+
+/// How fast a splat's mask falls off: at the rim of its disk it is exp(-3) (`shaders/common/varyings.wgsl`).
+const MASK_FALLOFF: f32 = 3.0;
+
+/// Light of a surface that is seen edge-on, and white that is added where it faces the eye (`shaders/common/light.wgsl`).
+const HEAD_LIGHT_AMBIENT: f32 = 0.25;
+const HEAD_LIGHT_SPECULAR: f32 = 0.15;
 
 /// Draws packets. Preparing and drawing are apart so that each can be measured.
 pub trait Renderer {

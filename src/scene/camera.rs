@@ -181,7 +181,7 @@ impl Camera {
     }
 
     /// Rows of this rotation are the camera's right, up and backward directions.
-    fn view_from_world_rotation(&self) -> DMat3 {
+    pub(crate) fn view_from_world_rotation(&self) -> DMat3 {
         let turn = DMat3::from_rotation_y(self.azimuth_deg.to_radians())
             * DMat3::from_rotation_x(-self.elevation_deg.to_radians());
         (self.up.basis() * turn).transpose()
@@ -223,12 +223,17 @@ impl Camera {
         self.target_in_world += eye - self.eye_in_world();
     }
 
+    /// Cotangent of half the vertical field of view.
+    pub(crate) fn focal(&self) -> f64 {
+        1.0 / (0.5 * self.fov_deg.clamp(1e-3, 179.0)).to_radians().tan()
+    }
+
     /// What shaders and the octree see, for frames relative to `origin`.
     pub fn transform(&self, origin: DVec3, viewport_px: [u32; 2]) -> ViewTransform {
         let rotation = self.view_from_world_rotation();
         let eye = self.eye_in_world() - origin;
         let eye_high = eye.as_vec3();
-        let focal_y = 1.0 / (0.5 * self.fov_deg.clamp(1e-3, 179.0)).to_radians().tan();
+        let focal_y = self.focal();
         let [width, height] = viewport_px.map(|edge| f64::from(edge.max(1)));
         ViewTransform {
             view_from_frame_rotation: rotation.as_mat3(),

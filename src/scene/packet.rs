@@ -169,7 +169,8 @@ impl Scene {
         }
     }
 
-    /// The packet for `frame`, whose positions are relative to `origin`.
+    /// The packet for `frame`, whose positions are relative to `origin`, to be shown in a picture of `viewport_px`; what is drawn
+    /// may be smaller, see [`Settings::drawn_px`].
     ///
     /// A frame that lacks what the primitive needs gives a packet that draws nothing of it; see [`Scene::needs`].
     pub fn packet(
@@ -180,7 +181,7 @@ impl Scene {
         settings: &Settings,
         viewport_px: [u32; 2],
     ) -> ScenePacket {
-        let viewport_px = viewport_px.map(|edge| edge.max(1));
+        let viewport_px = settings.drawn_px(viewport_px);
         let view = camera.transform(origin, viewport_px);
         let is_surfel = settings.primitive == Primitive::Surfel;
         let octree = frame.octree.as_ref().filter(|_| settings.draws_cells());

@@ -29,6 +29,19 @@ macro_rules! choices {
             }
         }
 
+        impl serde::Serialize for $name {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_str(self.name())
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let text = <std::borrow::Cow<'de, str>>::deserialize(deserializer)?;
+                text.parse().map_err(serde::de::Error::custom)
+            }
+        }
+
         impl FromStr for $name {
             type Err = ParseChoiceError;
 
@@ -159,7 +172,7 @@ choices! {
 }
 
 /// What is behind the cloud: a vertical gradient between two colours, or one colour when they are equal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Background {
     /// Red, green, blue at the top edge.
     pub top: [u8; 3],
@@ -241,7 +254,8 @@ fn parse_hex(text: &str) -> Option<[u8; 3]> {
 }
 
 /// All choices about a picture but where the camera stands.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// What points become.
     pub primitive: Primitive,
@@ -271,11 +285,20 @@ pub struct Settings {
     pub lod: Lod,
     /// Surfels stand for cells of the octree, as [`Settings::lod`] says, where they are small; else all points are drawn.
     pub surfel_lod: bool,
+    /// Edge of the picture that is drawn, as a share of the one that is shown: below 1 fewer pixels are drawn and scaled up.
+    pub resolution: f32,
 }
 
 impl Settings {
     /// Largest δ offered.
     pub const MAX_DELTA: f32 = 0.6;
+    /// Values of [`Settings::resolution`] that are offered.
+    pub const RESOLUTIONS: std::ops::RangeInclusive<f32> = 0.25..=1.0;
+
+    /// Width and height that are drawn for a picture of `shown_px`; at least 1.
+    pub fn drawn_px(&self, shown_px: [u32; 2]) -> [u32; 2] {
+        shown_px.map(|edge| ((edge as f32 * self.resolution).round() as u32).max(1))
+    }
 
     /// Whether what is drawn are cells of an octree.
     pub fn draws_cells(&self) -> bool {
@@ -304,6 +327,7 @@ impl Default for Settings {
             stop: StopCriterion::default(),
             lod: Lod::default(),
             surfel_lod: false,
+            resolution: 1.0,
         }
     }
 }
@@ -325,6 +349,17 @@ mod tests {
             error.to_string(),
             "`cone` is no primitive: expected surfel, voxel, point"
         );
+    }
+
+    #[test]
+    fn a_picture_is_drawn_in_whole_pixels() {
+        let settings = |resolution| Settings {
+            resolution,
+            ..Settings::default()
+        };
+        assert_eq!(settings(1.0).drawn_px([1921, 1080]), [1921, 1080]);
+        assert_eq!(settings(0.5).drawn_px([1921, 1080]), [961, 540]);
+        assert_eq!(settings(0.25).drawn_px([1, 0]), [1, 1]);
     }
 
     #[test]

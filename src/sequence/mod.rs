@@ -27,6 +27,7 @@ mod needs;
 mod origin;
 mod prepare;
 mod records;
+mod shapes;
 mod source;
 mod travel;
 
@@ -37,6 +38,8 @@ pub use natural::natural_order;
 pub use needs::{ColorSource, Needs};
 pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare};
 pub use records::UNIFORM_COLOR;
+pub use shapes::Shape;
+pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use source::{Content, Decode, DecodeFailure, Source};
 pub use travel::{Direction, LoopMode};
 

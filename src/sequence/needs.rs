@@ -4,7 +4,10 @@ use crate::cloud::Frame;
 use crate::octree::StopCriterion;
 
 /// Where the colours of points come from. What a frame does not have is replaced as [`ColorSource::Auto`] would.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Default, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
 pub enum ColorSource {
     /// The file's colours, else the direction of the normal (the paper's fake colour).
     #[default]

@@ -20,6 +20,7 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
             }
             renderer(ui, &mut state.settings);
             strategy(ui, &mut state.settings);
+            resolution(ui, &mut state.settings);
         });
         match state.settings.primitive {
             Primitive::Surfel => surfels(ui, &mut state.settings),
@@ -189,6 +190,23 @@ fn renderer(ui: &mut Ui, settings: &mut Settings) {
                 "The processor, without instancing: what Instancing says has no effect",
             ),
         ],
+    );
+}
+
+fn resolution(ui: &mut Ui, settings: &mut Settings) {
+    let share = Slider::new(&mut settings.resolution, Settings::RESOLUTIONS)
+        .step_by(0.05)
+        .custom_formatter(|share, _| format!("{:.0} %", share * 100.0))
+        .custom_parser(|text| {
+            let percent: f64 = text.trim_end_matches('%').trim().parse().ok()?;
+            Some(percent / 100.0)
+        });
+    row(
+        ui,
+        "Resolution",
+        "Edge of the picture that is drawn, as a share of the one that is shown: at 50 % a quarter of the pixels are drawn and \
+         scaled up",
+        share,
     );
 }
 

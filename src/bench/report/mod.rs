@@ -1,10 +1,11 @@
 //! What a run found: rows of labels and numbers that the window, the terminal, JSON and CSV all show without knowing the
 //! suite.
 
+mod html;
 mod text;
 
 use super::scenario::Coverage;
-use super::{BenchOptions, Environment, Suite, suites};
+use super::{BenchOptions, Environment, LabPoint, Suite, suites};
 use serde::ser::{Serialize, SerializeMap, SerializeStruct, Serializer};
 
 /// How the numbers of a column are written.
@@ -163,7 +164,7 @@ pub struct SequenceSummary {
 }
 
 /// The answer of a run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Report {
     /// How it was measured.
     pub options: BenchOptions,
@@ -175,6 +176,8 @@ pub struct Report {
     pub rows: Vec<Row>,
     /// What a reader must know: skipped frames and the like.
     pub notes: Vec<String>,
+    /// The ways that [`Suite::Error`] compared, one a row; empty for the other suites.
+    pub points: Vec<LabPoint>,
 }
 
 impl Report {
@@ -185,6 +188,7 @@ impl Report {
             sequences: Vec::new(),
             rows: Vec::new(),
             notes: Vec::new(),
+            points: Vec::new(),
         }
     }
 
@@ -199,6 +203,8 @@ impl Report {
             Suite::Surfels | Suite::Voxels => suites::draw::COLUMNS,
             Suite::Octree => suites::octree::COLUMNS,
             Suite::Accuracy => suites::accuracy::COLUMNS,
+            Suite::Render => suites::render::COLUMNS,
+            Suite::Error => suites::error::COLUMNS,
         }
     }
 
@@ -253,6 +259,8 @@ impl Report {
         match self.options.suite {
             Suite::Surfels | Suite::Voxels => "CPU wall time of a picture, median ms",
             Suite::Octree => "Build time, median ms",
+            Suite::Render => "Time of a picture on the processor, median ms",
+            Suite::Error => "FLIP of the object, 0 to 1",
             Suite::Accuracy => "FLIP of the object by LOD threshold in pixels and distance, 0 to 1",
         }
     }
@@ -260,8 +268,8 @@ impl Report {
     /// One bar a row: its first cells, which tell it apart, and the number that the suite is about; see [`Report::bars_title`].
     pub fn bars(&self) -> Vec<(String, f64)> {
         let count = match self.options.suite {
-            Suite::Surfels | Suite::Octree | Suite::Voxels => 2,
-            Suite::Accuracy => 3,
+            Suite::Surfels | Suite::Octree | Suite::Voxels | Suite::Error => 2,
+            Suite::Accuracy | Suite::Render => 3,
         };
         self.rows
             .iter()
@@ -313,6 +321,8 @@ impl Report {
             Suite::Surfels | Suite::Voxels => suites::draw::HEADLINE,
             Suite::Octree => suites::octree::HEADLINE,
             Suite::Accuracy => suites::accuracy::HEADLINE,
+            Suite::Render => suites::render::HEADLINE,
+            Suite::Error => suites::error::HEADLINE,
         }
     }
 

@@ -70,6 +70,19 @@ impl Report {
                  FLIP over the picture, FLIP over the pixels that show the object; to surfels: the same against surfels",
                 "decoding, orientation of normals, radii, building octrees, drawing",
             ],
+            Suite::Render => [
+                "CPU wall time from packet to finished picture, processor and adapter in turn: the whole object in view, from 4 \
+                 times as far (afar), from 0.3 times (near)",
+                "decoding, normals, octrees, traversal, uploads, reading back, showing",
+            ],
+            Suite::Error => [
+                "CPU wall time from camera to finished picture, traversal and uploads of what it chose included; errors against \
+                 the truth (a shape ray-traced, else all points as disks in f64; 8x8 samples a pixel): FLIP over the pixels that \
+                 show the object and over all, PSNR, SSIM, background where the surface is (holes), another surface than a \
+                 splat's diameter away (wrong surface), surface where the background is (too much); bytes uploaded for a first \
+                 picture; ★ is what no other way beats in time and FLIP of the object",
+                "decoding, normals, octrees, reading back, showing",
+            ],
         };
         lines.push(format!("measured  {measured}"));
         lines.push(format!("not       {not_measured}"));
@@ -80,7 +93,7 @@ impl Report {
             ));
             let what = match suite {
                 Suite::Voxels => "voxels",
-                Suite::Surfels | Suite::Octree | Suite::Accuracy => "surfels",
+                _ => "surfels",
             };
             let coverage = sequence.coverage.as_ref();
             lines.extend(coverage.map(|coverage| coverage_line(what, coverage)));

@@ -1,4 +1,5 @@
-//! Tables II and IV: what one picture takes by each instancing strategy, for surfels and for voxels.
+//! Tables II and IV: what one picture takes by each instancing strategy, for surfels and for voxels; without an adapter, on the
+//! processor.
 //!
 //! All strategies see the same frames from the same viewpoints, in turn for each frame, so that a machine that slows down
 //! meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
@@ -11,8 +12,18 @@ use crate::scene::{Primitive, Scene, ScenePacket, Settings, Strategy};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
-/// One step to prepare a frame, one to place its viewpoints, one for each strategy.
-const STEPS_PER_FRAME: usize = 2 + Strategy::ALL.len();
+/// The ways to draw that are compared: the strategies, none of which the processor has.
+fn ways(run: &Run<'_>) -> Vec<Option<Strategy>> {
+    if run.runner.is_processor() {
+        return vec![None];
+    }
+    Strategy::ALL.iter().copied().map(Some).collect()
+}
+
+/// The name of a way in a report.
+fn name_of(way: Option<Strategy>) -> &'static str {
+    way.map_or("processor", Strategy::name)
+}
 
 /// Columns of both suites, in the order in which [`Samples::row`] fills them.
 pub(in crate::bench) const COLUMNS: &[Column] = &[
@@ -53,21 +64,29 @@ struct Samples {
 }
 
 pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
-    for subject in run.subjects(STEPS_PER_FRAME)? {
-        measure_sequence(run, &subject)?;
+    let ways = ways(run);
+    // One step to prepare a frame, one to place its viewpoints, one for each way.
+    let steps_per_frame = 2 + ways.len();
+    for subject in run.subjects(steps_per_frame)? {
+        measure_sequence(run, &subject, &ways, steps_per_frame)?;
     }
     Ok(())
 }
 
-fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), BenchError> {
+fn measure_sequence(
+    run: &mut Run<'_>,
+    subject: &Subject<'_>,
+    ways: &[Option<Strategy>],
+    steps_per_frame: usize,
+) -> Result<(), BenchError> {
     let settings = settings(run.options.suite);
     let needs = Scene::needs(&settings);
-    let mut samples: Vec<Samples> = Strategy::ALL.iter().map(|_| Samples::default()).collect();
+    let mut samples: Vec<Samples> = ways.iter().map(|_| Samples::default()).collect();
     let (mut point_counts, mut depths) = (Vec::new(), Vec::new());
     let mut coverages = Vec::new();
     let mut first_failure = None;
     for &index in &subject.chosen {
-        let loaded = run.load(subject, index, STEPS_PER_FRAME, &needs)?;
+        let loaded = run.load(subject, index, steps_per_frame, &needs)?;
         let mut frame = match loaded {
             Ok(frame) => frame,
             Err(reason) => {
@@ -96,9 +115,9 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             .iter()
             .map(|viewpoint| packet(run, subject, &frame, &viewpoint.camera, &settings))
             .collect();
-        for (&strategy, samples) in Strategy::ALL.iter().zip(&mut samples) {
-            run.begin_step(format!("{} frame {index}: {strategy}", subject.name))?;
-            measure_strategy(run, &packets, strategy, samples)?;
+        for (&way, samples) in ways.iter().zip(&mut samples) {
+            run.begin_step(format!("{} frame {index}: {}", subject.name, name_of(way)))?;
+            measure_way(run, &packets, way, samples)?;
         }
     }
     if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
@@ -108,12 +127,10 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         });
     }
     let depth = (!depths.is_empty()).then(|| mean(&depths));
-    let rows = Strategy::ALL
+    let rows = ways
         .iter()
         .zip(&samples)
-        .map(|(strategy, samples)| {
-            samples.row(subject.name, *strategy, mean(&point_counts), depth)
-        });
+        .map(|(&way, samples)| samples.row(subject.name, way, mean(&point_counts), depth));
     run.finish(subject, &point_counts, &coverages, rows);
     Ok(())
 }
@@ -125,7 +142,7 @@ fn settings(suite: Suite) -> Settings {
             primitive: Primitive::Voxel,
             ..Settings::default()
         },
-        Suite::Surfels | Suite::Octree | Suite::Accuracy => surfel_settings(),
+        _ => surfel_settings(),
     }
 }
 
@@ -141,17 +158,17 @@ fn packet(
     Scene::default().packet(frame, origin, camera, settings, run.options.viewport_px)
 }
 
-fn measure_strategy(
+fn measure_way(
     run: &mut Run<'_>,
     packets: &[ScenePacket],
-    strategy: Strategy,
+    way: Option<Strategy>,
     samples: &mut Samples,
 ) -> Result<(), BenchError> {
     let packets: Vec<ScenePacket> = packets
         .iter()
         .map(|packet| ScenePacket {
             settings: Settings {
-                strategy,
+                strategy: way.unwrap_or(packet.settings.strategy),
                 ..packet.settings
             },
             ..packet.clone()
@@ -192,13 +209,13 @@ fn measure_strategy(
 }
 
 impl Samples {
-    fn row(&self, sequence: &str, strategy: Strategy, points: f64, depth: Option<f64>) -> Row {
+    fn row(&self, sequence: &str, way: Option<Strategy>, points: f64, depth: Option<f64>) -> Row {
         let draw = Quantiles::of(&self.draw_ms);
         let gpu = Quantiles::of(&self.gpu_ms);
         let upload = Quantiles::of(&self.upload_ms);
         Row::new(vec![
             Cell::Text(sequence.to_owned()),
-            Cell::Text(strategy.to_string()),
+            Cell::Text(name_of(way).to_owned()),
             Cell::Number(points),
             Cell::maybe(depth),
             Cell::Number(mean(&self.instances)),

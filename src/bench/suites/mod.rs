@@ -2,17 +2,22 @@
 
 pub(super) mod accuracy;
 pub(super) mod draw;
+pub(super) mod error;
 pub(super) mod octree;
+pub(super) mod render;
 mod traversals;
 
 use super::cover::Cover;
 use super::report::{Row, SequenceSummary};
 use super::runner::Runner;
 use super::scenario::{self, Coverage, Viewpoint};
-use super::{BenchError, BenchOptions, Environment, Progress, Report, check_cancelled};
+use super::{
+    BenchError, BenchOptions, Environment, Input, LabPoint, Progress, Report, check_cancelled,
+};
+use crate::render::AnyRenderer;
 use crate::render::gpu::Context;
 use crate::scene::{Background, Camera, Primitive, Scene, Settings, Splatting, UpAxis};
-use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, prepare};
+use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -23,8 +28,9 @@ const COVERAGE_BACKGROUNDS: [[u8; 3]; 2] = [[0, 0, 0], [255, 255, 255]];
 /// One run of a suite.
 pub(super) struct Run<'a> {
     pub(super) options: &'a BenchOptions,
+    /// The adapter if there is one, else the processor.
     pub(super) runner: Runner,
-    inputs: &'a [(String, Arc<Sequence>)],
+    inputs: &'a [Input],
     progress: &'a dyn Fn(Progress),
     cancel: &'a AtomicBool,
     report: Report,
@@ -46,25 +52,33 @@ fn surfel_settings() -> Settings {
 pub(super) struct Subject<'a> {
     pub(super) name: &'a str,
     pub(super) sequence: &'a Sequence,
+    pub(super) shape: Option<Shape>,
     /// Indices of the frames to measure.
     pub(super) chosen: Vec<usize>,
 }
 
 impl<'a> Run<'a> {
     pub(super) fn new(
-        inputs: &'a [(String, Arc<Sequence>)],
+        inputs: &'a [Input],
         options: &'a BenchOptions,
-        context: &Arc<Context>,
+        context: Option<&Arc<Context>>,
         progress: &'a dyn Fn(Progress),
         cancel: &'a AtomicBool,
     ) -> Result<Self, BenchError> {
+        let renderer = match context {
+            Some(context) => AnyRenderer::gpu(Arc::clone(context))?,
+            None => AnyRenderer::cpu(),
+        };
         Ok(Self {
             options,
-            runner: Runner::new(Arc::clone(context))?,
+            runner: Runner::new(renderer),
             inputs,
             progress,
             cancel,
-            report: Report::new(*options, Environment::detect(context)),
+            report: Report::new(
+                options.clone(),
+                Environment::detect(context.map(Arc::as_ref)),
+            ),
             steps_done: 0,
             steps_total: 0,
         })
@@ -81,7 +95,12 @@ impl<'a> Run<'a> {
     ) -> Result<Vec<Subject<'a>>, BenchError> {
         let wanted = self.options.frames.unwrap_or(BenchOptions::DEFAULT_FRAMES);
         let mut subjects = Vec::new();
-        for (name, sequence) in self.inputs {
+        for Input {
+            name,
+            sequence,
+            shape,
+        } in self.inputs
+        {
             let chosen = spread(sequence.len(), wanted);
             if chosen.is_empty() {
                 return Err(BenchError::Nothing(format!("{name} has no frames")));
@@ -90,6 +109,7 @@ impl<'a> Run<'a> {
             subjects.push(Subject {
                 name,
                 sequence,
+                shape: *shape,
                 chosen,
             });
         }
@@ -108,9 +128,20 @@ impl<'a> Run<'a> {
             done: self.steps_done,
             total: self.steps_total,
             label,
+            measured: None,
         });
         self.steps_done += 1;
         Ok(())
+    }
+
+    /// Shows what was measured before the run is over.
+    pub(super) fn say_measured(&self, point: LabPoint) {
+        (self.progress)(Progress {
+            done: self.steps_done,
+            total: self.steps_total,
+            label: point.label.clone(),
+            measured: Some(Arc::new(point)),
+        });
     }
 
     /// Decodes and prepares a frame on this thread. A frame that cannot be measured uses up its steps and returns why.

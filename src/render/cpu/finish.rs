@@ -113,6 +113,29 @@ impl Tile {
         }
     }
 
+    /// Writes the distances of a part of its pixels along the view axis to their places in the rows of the picture that it is in.
+    #[inline(always)]
+    pub(super) fn write_depths(
+        &self,
+        clip: PixelRect,
+        held: Held,
+        near: f32,
+        width_px: usize,
+        rows: &mut [f32],
+    ) {
+        let columns = clip.start[0] as usize..clip.end[0] as usize;
+        for row in 0..(clip.end[1] - clip.start[1]) as usize {
+            let depths = &mut rows[width_px * row..][columns.clone()];
+            for (place, depth) in (WIDTH * row..).zip(depths) {
+                let reversed = match held {
+                    Held::Keys => f32::from_bits((self.keys[place] >> 32) as u32),
+                    _ => self.depth[place],
+                };
+                *depth = near / reversed;
+            }
+        }
+    }
+
     #[inline(always)]
     fn finish_row(
         &self,

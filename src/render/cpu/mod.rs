@@ -20,7 +20,8 @@ mod tile;
 mod view;
 mod voxels;
 
-use super::{RenderError, RenderStats, Renderer};
+use super::{DEPTH_SLACK_RADII, RenderError, RenderStats, Renderer};
+use crate::measure::DepthImage;
 use crate::scene::{Primitive, ScenePacket, Splatting};
 use blocks::{Blocks, TileLists};
 use fearless_simd::{Level, dispatch};
@@ -59,6 +60,18 @@ impl CpuRenderer {
         self.drawn = None;
     }
 
+    /// The depth of what the prepared packet's picture shows, drawn apart: of surfels blended in two passes that of the nearest disk,
+    /// without the slack that lets them blend. [`Splatting::NoDepth`] shows no surface in particular: infinite everywhere.
+    pub fn draw_depths(&mut self) -> Result<DepthImage, RenderError> {
+        let (Some(packet), Some((_, blocks))) = (&self.prepared, &self.blocks) else {
+            return Err(RenderError::NothingPrepared);
+        };
+        let size_px = packet.viewport_px;
+        let mut depth = vec![f32::INFINITY; size_px.map(|edge| edge as usize).iter().product()];
+        rayon::scope(|_| draw(&of_surfaces(packet), blocks, 0.0, &mut depth));
+        Ok(DepthImage { size_px, depth })
+    }
+
     /// The last picture.
     pub fn image(&self) -> &RgbaImage {
         &self.image
@@ -77,7 +90,7 @@ impl Renderer for CpuRenderer {
             of.has_same_records(packet) && of.settings.primitive == packet.settings.primitive
         });
         if !is_kept {
-            let blocks = match Drawable::of(packet) {
+            let blocks = match Drawable::of(packet, DEPTH_SLACK_RADII) {
                 Drawable::Points(points) => Blocks::of(&points),
                 Drawable::Surfels(surfels) => Blocks::of(&surfels),
                 Drawable::Cubes(cubes) => Blocks::of(&cubes),
@@ -102,7 +115,8 @@ impl Renderer for CpuRenderer {
         if self.image.dimensions() != (width, height) {
             self.image = RgbaImage::new(width, height);
         }
-        let drawn_records = rayon::scope(|_| draw(packet, blocks, &mut self.image));
+        let slack = DEPTH_SLACK_RADII;
+        let drawn_records = rayon::scope(|_| draw(packet, blocks, slack, &mut *self.image));
         self.stats.frames += 1;
         self.stats.passes += 1;
         self.stats.draw_calls = 1;
@@ -138,7 +152,7 @@ enum Drawable<'a> {
 }
 
 impl<'a> Drawable<'a> {
-    fn of(packet: &'a ScenePacket) -> Self {
+    fn of(packet: &'a ScenePacket, slack_radii: f32) -> Self {
         let settings = &packet.settings;
         match settings.primitive {
             Primitive::Point => Self::Points(Points {
@@ -150,6 +164,7 @@ impl<'a> Drawable<'a> {
                     points: &packet.points,
                     shapes,
                     settings,
+                    slack_radii,
                 })
             }),
             Primitive::Voxel => packet.voxels.as_ref().map_or(Self::Nothing, |voxels| {
@@ -159,11 +174,59 @@ impl<'a> Drawable<'a> {
     }
 }
 
+/// `packet` as it is drawn for depths alone: what is blended in two passes lies on the disks of its first.
+fn of_surfaces(packet: &ScenePacket) -> ScenePacket {
+    let mut packet = packet.clone();
+    let settings = &mut packet.settings;
+    match settings.splatting {
+        Splatting::Regular | Splatting::NoDepth | Splatting::Visibility => {}
+        Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
+            settings.splat_scale *= settings.splatting.scales(settings.enlargement)[0];
+            settings.splatting = Splatting::Visibility;
+        }
+    }
+    packet
+}
+
+/// What is made of the pixels of tiles: bytes of a picture, four each, or depths.
+trait Output: Copy + Send + Sync {
+    /// How many of them a pixel has.
+    const PER_PIXEL: usize;
+
+    /// Writes a part of a tile to its places in the rows of the picture that it is in.
+    fn finish(tile: &Tile, clip: PixelRect, picture: &Picture<'_>, band: &mut [Self]);
+}
+
+impl Output for u8 {
+    const PER_PIXEL: usize = 4;
+
+    #[inline(always)]
+    fn finish(tile: &Tile, clip: PixelRect, picture: &Picture<'_>, band: &mut [Self]) {
+        let width_px = picture.view.size_px[0] as usize;
+        tile.finish(clip, picture.held, &picture.gradient, width_px, band);
+    }
+}
+
+impl Output for f32 {
+    const PER_PIXEL: usize = 1;
+
+    #[inline(always)]
+    fn finish(tile: &Tile, clip: PixelRect, picture: &Picture<'_>, band: &mut [Self]) {
+        let width_px = picture.view.size_px[0] as usize;
+        tile.write_depths(clip, picture.held, picture.view.near, width_px, band);
+    }
+}
+
 /// Draws a packet; how many records were handed to tiles.
-fn draw(packet: &ScenePacket, blocks: &Blocks, image: &mut RgbaImage) -> u64 {
+fn draw<T: Output>(
+    packet: &ScenePacket,
+    blocks: &Blocks,
+    slack_radii: f32,
+    output: &mut [T],
+) -> u64 {
     let view = PixelView::new(packet);
     let tiles = Tiles::of_picture(packet.viewport_px);
-    let drawable = Drawable::of(packet);
+    let drawable = Drawable::of(packet, slack_radii);
     let (scale, margin_px) = match &drawable {
         Drawable::Points(points) => (0.0, 0.5 * points.size_px),
         Drawable::Surfels(surfels) => (surfels.largest_scale(), 0.0),
@@ -190,8 +253,8 @@ fn draw(packet: &ScenePacket, blocks: &Blocks, image: &mut RgbaImage) -> u64 {
     };
     let level = Level::new();
     let width_px = packet.viewport_px[0] as usize;
-    image
-        .par_chunks_mut(4 * width_px * HEIGHT)
+    output
+        .par_chunks_mut(T::PER_PIXEL * width_px * HEIGHT)
         .enumerate()
         .for_each_init(
             || (Tile::new(), Waiting::new()),
@@ -217,13 +280,13 @@ struct Picture<'a> {
 impl Picture<'_> {
     /// Draws a tile, and writes it to its place in a band of the picture.
     #[inline(always)]
-    fn draw_tile<S: fearless_simd::Simd>(
+    fn draw_tile<S: fearless_simd::Simd, T: Output>(
         &self,
         simd: S,
         tile: &mut Tile,
         waiting: &mut Waiting,
         [column, row]: [usize; 2],
-        band: &mut [u8],
+        band: &mut [T],
     ) {
         let origin = [(WIDTH * column) as i32, (HEIGHT * row) as i32];
         tile.begin(origin, self.held, &self.gradient);
@@ -238,7 +301,6 @@ impl Picture<'_> {
             Drawable::Cubes(cubes) => cubes.draw(simd, &self.view, tile, clip, records),
             Drawable::Nothing => {}
         }
-        let width_px = self.view.size_px[0] as usize;
-        tile.finish(clip, self.held, &self.gradient, width_px, band);
+        T::finish(tile, clip, self, band);
     }
 }

@@ -3,8 +3,7 @@
 use crate::scene::Lighting;
 use glam::Vec3;
 
-pub(super) const AMBIENT: f32 = 0.25;
-pub(super) const SPECULAR: f32 = 0.15;
+pub(super) use crate::render::{HEAD_LIGHT_AMBIENT as AMBIENT, HEAD_LIGHT_SPECULAR as SPECULAR};
 
 /// The colour of a patch and its light.
 #[derive(Debug, Clone, Copy)]

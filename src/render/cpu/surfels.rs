@@ -7,7 +7,6 @@ use super::shading::{Light, Shading, unit_color};
 use super::tile::Tile;
 use super::view::{PixelRect, PixelView};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
-use crate::render::DEPTH_SLACK_RADII;
 use crate::scene::{Lighting, Settings, Splatting};
 use fearless_simd::Simd;
 use glam::Vec3;
@@ -18,6 +17,8 @@ pub(super) struct Surfels<'a> {
     pub(super) points: &'a [PointRecord],
     pub(super) shapes: &'a [ShapeRecord],
     pub(super) settings: &'a Settings,
+    /// How far the visibility pass is pushed back, in splat radii.
+    pub(super) slack_radii: f32,
 }
 
 /// A splat of the attribute pass that waits for the visibility pass to end.
@@ -94,7 +95,7 @@ impl Surfels<'_> {
                 | Splatting::Enlarged
                 | Splatting::TwoPassEnlarged => {
                     if let Some(facet) = facet(&seen, scale * visibility, Outline::Disk) {
-                        let push_back = seen.push_back(view, scale * visibility);
+                        let push_back = seen.push_back(view, self.slack_radii, scale * visibility);
                         raster::visibility(simd, tile, &facet, push_back);
                     }
                     if self.settings.splatting != Splatting::Visibility
@@ -161,8 +162,8 @@ impl Seen {
 
     /// ε-z: the factor on depths with which the visibility pass leaves room for splats of one surface to blend.
     #[inline(always)]
-    fn push_back(&self, view: &PixelView, scale: f32) -> f32 {
+    fn push_back(&self, view: &PixelView, slack_radii: f32, scale: f32) -> f32 {
         let distance = self.center.length().max(view.near);
-        1.0 / (1.0 + DEPTH_SLACK_RADII * scale * self.radius / distance)
+        1.0 / (1.0 + slack_radii * scale * self.radius / distance)
     }
 }

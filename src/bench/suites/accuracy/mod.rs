@@ -12,7 +12,6 @@ mod leaves;
 mod lod;
 mod normals;
 mod pictures;
-mod shapes;
 
 use super::{Run, Subject};
 use crate::bench::BenchError;

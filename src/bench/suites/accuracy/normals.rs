@@ -4,7 +4,6 @@
 //! Signs are not compared: they come later, from the neighbourhood graph or the sensor. The time is that of the whole
 //! estimate (tree, neighbours, planes) on all threads that the program has.
 
-use super::shapes::{OUTLIERS, Sampled, Shape};
 use super::{NORMALS, row};
 use crate::analysis::{PlaneFit, estimate_planes};
 use crate::bench::report::Cell;
@@ -12,6 +11,7 @@ use crate::bench::runner::milliseconds_since;
 use crate::bench::suites::Run;
 use crate::bench::{BenchError, Quantiles};
 use crate::measure::{AngularError, Orientation};
+use crate::sequence::{OUTLIERS, Sampled, Shape};
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -1,14 +1,16 @@
-//! Sampled surfaces whose normals are known.
+//! Surfaces with a formula: sampled as a scan is, and known as no scan is, so that errors can be told.
 //!
 //! Points are spread evenly at random over the area, as scans are nearly; each shape has its seed, so that every machine
 //! measures the same points. Noise moves a point by a normal deviate along each axis.
 
-use glam::Vec3;
+use super::{Sequence, Source};
+use crate::cloud::{Positions, RawCloud};
+use glam::{DVec2, DVec3, Vec3};
 use std::f32::consts::TAU;
 
 /// Surfaces of different difficulty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Shape {
+pub enum Shape {
     /// Equally curved everywhere; radius 1.
     Sphere,
     /// Curved both ways; radii 1 and 0.4.
@@ -19,11 +21,8 @@ pub(super) enum Shape {
     Saddle,
 }
 
-/// Radius of the tube of the torus.
-const TUBE: f32 = 0.4;
-
 /// One point in so many is an outlier, where there are any.
-pub(super) const OUTLIERS: usize = 20;
+pub(crate) const OUTLIERS: usize = 20;
 
 /// Standard deviation of an outlier along each axis, as a part of the diameter: about twice the distance between points of
 /// the sphere, so that it is a neighbour of others.
@@ -31,15 +30,20 @@ const OUTLIER_DEVIATION: f32 = 0.03;
 
 /// Points with their normals.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Sampled {
-    pub(super) positions: Vec<Vec3>,
-    pub(super) normals: Vec<Vec3>,
+pub(crate) struct Sampled {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) normals: Vec<Vec3>,
 }
 
 impl Shape {
-    pub(super) const ALL: [Self; 4] = [Self::Sphere, Self::Torus, Self::Cube, Self::Saddle];
+    /// Radius of the tube of the torus.
+    pub(crate) const TUBE: f32 = 0.4;
 
-    pub(super) fn name(self) -> &'static str {
+    /// Every shape.
+    pub const ALL: [Self; 4] = [Self::Sphere, Self::Torus, Self::Cube, Self::Saddle];
+
+    /// The word for it.
+    pub fn name(self) -> &'static str {
         match self {
             Self::Sphere => "sphere",
             Self::Torus => "torus",
@@ -52,7 +56,7 @@ impl Shape {
     fn diameter(self) -> f32 {
         match self {
             Self::Sphere => 2.0,
-            Self::Torus => 2.0 * (1.0 + TUBE),
+            Self::Torus => 2.0 * (1.0 + Self::TUBE),
             Self::Cube => 12f32.sqrt(),
             Self::Saddle => 8f32.sqrt(),
         }
@@ -60,7 +64,7 @@ impl Shape {
 
     /// `count` points with the normals of where they were before `noise` moved them: its standard deviation along each axis
     /// as a part of the diameter.
-    pub(super) fn sample(self, count: usize, noise: f32) -> Sampled {
+    pub(crate) fn sample(self, count: usize, noise: f32) -> Sampled {
         let mut random = Random(0x5eed + self as u64);
         let mut sampled = Sampled::default();
         while sampled.positions.len() < count {
@@ -78,7 +82,7 @@ impl Shape {
 
     /// Moves one point in [`OUTLIERS`] off the surface, by a normal deviate along each axis of [`OUTLIER_DEVIATION`] of the
     /// diameter.
-    pub(super) fn scatter(self, sampled: &mut Sampled) {
+    pub(crate) fn scatter(self, sampled: &mut Sampled) {
         let mut random = Random(0x0ff + self as u64);
         let deviation = OUTLIER_DEVIATION * self.diameter();
         for position in sampled.positions.iter_mut().step_by(OUTLIERS) {
@@ -95,10 +99,10 @@ impl Shape {
             }
             Self::Torus => {
                 let [ring, turn] = [random.unit() * TAU, random.unit() * TAU];
-                let is_kept = random.unit() * (1.0 + TUBE) < 1.0 + TUBE * turn.cos();
+                let is_kept = random.unit() * (1.0 + Self::TUBE) < 1.0 + Self::TUBE * turn.cos();
                 let outwards = Vec3::new(ring.cos(), ring.sin(), 0.0);
                 let normal = outwards * turn.cos() + Vec3::Z * turn.sin();
-                is_kept.then_some((outwards + normal * TUBE, normal))
+                is_kept.then_some((outwards + normal * Self::TUBE, normal))
             }
             Self::Cube => {
                 let face = ((random.unit() * 6.0) as usize).min(5);
@@ -116,6 +120,63 @@ impl Shape {
                 is_kept.then(|| (Vec3::new(x, y, x * x - y * y), across.normalize()))
             }
         }
+    }
+}
+
+impl Shape {
+    /// The unit normal, outwards or upwards, at a place on it.
+    pub(crate) fn normal_at(self, position: DVec3) -> DVec3 {
+        match self {
+            Self::Sphere => position.normalize(),
+            Self::Torus => {
+                let middle = (position * DVec3::new(1.0, 1.0, 0.0)).normalize();
+                (position - middle).normalize()
+            }
+            Self::Cube => {
+                let axis = position.abs().max_position();
+                DVec3::AXES[axis] * position[axis].signum()
+            }
+            Self::Saddle => DVec3::new(-2.0 * position.x, 2.0 * position.y, 1.0).normalize(),
+        }
+    }
+
+    /// Whether a place on the surface, unbounded as its formula has it, belongs to it; rounding may be as much as 1e-9.
+    pub(crate) fn is_within(self, position: DVec3) -> bool {
+        const MOST: f64 = 1.0 + 1e-9;
+        match self {
+            Self::Sphere | Self::Torus => true,
+            Self::Cube => position.abs().max_element() <= MOST,
+            Self::Saddle => DVec2::new(position.x, position.y).abs().max_element() <= MOST,
+        }
+    }
+
+    /// Red, green and blue at a place: soft waves of a few periods, so that blurring shows.
+    pub(crate) fn color_at(self, position: DVec3) -> [u8; 3] {
+        let waves = (position * DVec3::new(7.0, 6.0, 5.0))
+            .to_array()
+            .map(f64::sin);
+        let pattern = waves[0] * waves[1] + waves[1] * waves[2] + waves[2] * waves[0];
+        let channel = |phase: f64| 140.0 + 90.0 * (1.5 * pattern + phase).sin();
+        [0.0, 2.1, 4.2].map(|phase| channel(phase) as u8)
+    }
+
+    /// A sequence of one frame of `count` points, with normals and colours.
+    pub fn sequence(self, count: usize) -> Sequence {
+        let source = Source::embedded(format!("shape/{}", self.name()), &[]);
+        Sequence::with_decoder(vec![source], move |_| {
+            let Sampled { positions, normals } = self.sample(count, 0.0);
+            let color = |position: &Vec3| {
+                let [red, green, blue] = self.color_at(position.as_dvec3());
+                [red, green, blue, 255]
+            };
+            Ok(RawCloud {
+                colors: Some(positions.iter().map(color).collect()),
+                normals: Some(normals.iter().map(Vec3::to_array).collect()),
+                ..RawCloud::from_positions(Positions::F32(
+                    positions.iter().map(Vec3::to_array).collect(),
+                ))
+            })
+        })
     }
 }
 
@@ -154,7 +215,7 @@ mod tests {
             // The implicit function of each shape, 0 on it, and its gradient by differences.
             let height = |p: Vec3| match shape {
                 Shape::Sphere => p.length() - 1.0,
-                Shape::Torus => (p.truncate().length() - 1.0).hypot(p.z) - TUBE,
+                Shape::Torus => (p.truncate().length() - 1.0).hypot(p.z) - Shape::TUBE,
                 Shape::Cube => p.abs().max_element() - 1.0,
                 Shape::Saddle => p.z - p.x * p.x + p.y * p.y,
             };
@@ -188,7 +249,7 @@ mod tests {
         let expected = |shape: Shape| match shape {
             Shape::Sphere => 1.0 / 3.0,
             Shape::Torus => integral_of_x_squared(|turn| {
-                let radius = 1.0 + TUBE * (turn * TAU).cos();
+                let radius = 1.0 + Shape::TUBE * (turn * TAU).cos();
                 (radius, 0.5 * radius * radius)
             }),
             Shape::Cube => 5.0 / 9.0,

@@ -1,4 +1,5 @@
-//! Files that are kept between runs, in the person's folder for settings: small, and never half written.
+//! Files that are kept between runs, in the person's folders for settings and for what can be made anew: never half
+//! written.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -8,13 +9,19 @@ use std::path::{Path, PathBuf};
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Where `name` is kept; `None` where the system has no such folder.
-pub(super) fn place_of(name: &str) -> Option<PathBuf> {
+pub(crate) fn place_of(name: &str) -> Option<PathBuf> {
     directories::ProjectDirs::from("", "", "pointreel")
         .map(|folders| folders.config_dir().join(name))
 }
 
+/// Where `name`, which can be made anew, is kept; `None` where the system has no such folder.
+pub(crate) fn cached_place_of(name: &str) -> Option<PathBuf> {
+    directories::ProjectDirs::from("", "", "pointreel")
+        .map(|folders| folders.cache_dir().join(name))
+}
+
 /// The bytes of `file`; `None` if it is not there yet. `Err` says why it cannot be read.
-pub(super) fn read(file: &Path) -> Result<Option<Vec<u8>>, String> {
+pub(crate) fn read(file: &Path) -> Result<Option<Vec<u8>>, String> {
     let size = match fs::metadata(file) {
         Ok(metadata) if metadata.is_file() => metadata.len(),
         Ok(_) => return Err("it is no file".to_owned()),
@@ -30,7 +37,7 @@ pub(super) fn read(file: &Path) -> Result<Option<Vec<u8>>, String> {
 }
 
 /// [`write_whole`], in a folder that is made if it is not there.
-pub(super) fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
+pub(crate) fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if let Some(folder) = file.parent() {
         fs::create_dir_all(folder)?;
     }

@@ -1,0 +1,222 @@
+//! Ways to draw as points of time and error, and which of them is best for a person who says what may be spent.
+//!
+//! How it works: a way is on the *front* (Pareto) when no other is at once as fast and as right. Fastest below an error, best within a
+//! time, and a slider from fast to exact all choose from the front alone.
+
+use super::Environment;
+use crate::kept;
+use crate::scene::Settings;
+use image::RgbaImage;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::path::PathBuf;
+
+/// A way to draw with what it takes and how wrong it is.
+#[derive(Debug, Clone)]
+pub struct LabPoint {
+    /// Name of the sequence.
+    pub sequence: String,
+    /// How it was drawn; names who drew.
+    pub settings: Settings,
+    /// The settings in a few words.
+    pub label: String,
+    /// From camera to finished picture, median.
+    pub draw_ms: f64,
+    /// Mean FLIP of the pixels that show the object in the picture or in the truth, 0 to 1.
+    pub flip: f64,
+    /// Whether no other way is at once as fast and as right.
+    pub is_on_front: bool,
+    /// The first view, small.
+    pub picture: RgbaImage,
+    /// The FLIP error of the first view, as small.
+    pub error_map: RgbaImage,
+}
+
+/// Marks the points of each sequence that are on its front.
+pub fn mark_front(points: &mut [LabPoint]) {
+    let known: Vec<(String, f64, f64)> = points
+        .iter()
+        .map(|point| (point.sequence.clone(), point.draw_ms, point.flip))
+        .collect();
+    for point in points {
+        point.is_on_front = !known.iter().any(|(sequence, draw_ms, flip)| {
+            let is_no_worse = *draw_ms <= point.draw_ms && *flip <= point.flip;
+            let is_better = *draw_ms < point.draw_ms || *flip < point.flip;
+            *sequence == point.sequence && is_no_worse && is_better
+        });
+    }
+}
+
+/// The front of one cloud on one machine, from fast to exact. Not empty.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    choices: Vec<QualityChoice>,
+}
+
+/// One way to draw.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct QualityChoice {
+    /// How to draw.
+    pub settings: Settings,
+    /// What a picture took, milliseconds.
+    pub draw_ms: f64,
+    /// FLIP of the object, 0 to 1.
+    pub flip: f64,
+}
+
+impl Quality {
+    /// The front of `points`, all of one sequence; `None` without any.
+    pub fn of(points: &[LabPoint]) -> Option<Self> {
+        let mut points = points.to_vec();
+        mark_front(&mut points);
+        let on_front = points.iter().filter(|point| point.is_on_front);
+        let mut choices: Vec<QualityChoice> = on_front
+            .map(|point| QualityChoice {
+                settings: point.settings,
+                draw_ms: point.draw_ms,
+                flip: point.flip,
+            })
+            .collect();
+        choices.sort_by(|a, b| a.draw_ms.total_cmp(&b.draw_ms));
+        (!choices.is_empty()).then_some(Self { choices })
+    }
+
+    /// From the fastest to the one with the least error.
+    pub fn choices(&self) -> &[QualityChoice] {
+        &self.choices
+    }
+
+    /// The fastest whose error is at most `flip`; where there is none, the one with the least error.
+    pub fn fastest_below(&self, flip: f64) -> QualityChoice {
+        let last = self.choices.len() - 1;
+        let fit = self.choices.iter().find(|choice| choice.flip <= flip);
+        *fit.unwrap_or(&self.choices[last])
+    }
+
+    /// The one with the least error that takes at most `draw_ms`; where there is none, the fastest.
+    pub fn best_within(&self, draw_ms: f64) -> QualityChoice {
+        let mut fit = self.choices.iter().rev();
+        *fit.find(|choice| choice.draw_ms <= draw_ms)
+            .unwrap_or(&self.choices[0])
+    }
+
+    /// Reads what was kept under `key`; `None` if there is nothing that can be used.
+    pub fn read(key: &QualityKey) -> Option<Self> {
+        let file = key.place()?;
+        let bytes = kept::read(&file).ok().flatten()?;
+        let quality: Self = serde_json::from_slice(&bytes).ok()?;
+        let is_sound = |choice: &QualityChoice| choice.draw_ms >= 0.0 && choice.flip >= 0.0;
+        let is_sorted = quality.choices.is_sorted_by(|a, b| a.draw_ms <= b.draw_ms);
+        let is_usable = !quality.choices.is_empty() && quality.choices.iter().all(is_sound);
+        (is_usable && is_sorted).then_some(quality)
+    }
+
+    /// Keeps it under `key`.
+    pub fn write(&self, key: &QualityKey) -> std::io::Result<()> {
+        let Some(file) = key.place() else {
+            return Ok(());
+        };
+        kept::replace(&file, &serde_json::to_vec_pretty(self)?)
+    }
+}
+
+/// What a [`Quality`] belongs to: a machine and a cloud.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct QualityKey(String);
+
+impl QualityKey {
+    /// The key of a sequence by its sources' names and sizes on the machine of `environment`.
+    pub fn new(environment: &Environment, sources: impl IntoIterator<Item = String>) -> Self {
+        let mut hash = Sha256::new();
+        let machine = [
+            environment.version,
+            &environment.adapter,
+            &environment.cpu,
+            environment.system,
+        ];
+        for text in machine.into_iter().map(str::to_owned).chain(sources) {
+            hash.update(text.as_bytes());
+            // So that no two lists of texts are alike.
+            hash.update([0]);
+        }
+        Self(hex(&hash.finalize()))
+    }
+
+    fn place(&self) -> Option<PathBuf> {
+        kept::cached_place_of(&format!("quality/{}.json", self.0))
+    }
+}
+
+/// Bytes as lower-case digits.
+pub(super) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point(draw_ms: f64, flip: f64) -> LabPoint {
+        LabPoint {
+            sequence: "scan".to_owned(),
+            settings: Settings::default(),
+            label: String::new(),
+            draw_ms,
+            flip,
+            is_on_front: false,
+            picture: RgbaImage::new(1, 1),
+            error_map: RgbaImage::new(1, 1),
+        }
+    }
+
+    #[test]
+    fn the_front_is_what_nothing_beats() {
+        let mut points = [(1.0, 0.5), (2.0, 0.6), (3.0, 0.2), (3.0, 0.3), (4.0, 0.2)]
+            .map(|(draw_ms, flip)| point(draw_ms, flip));
+        mark_front(&mut points);
+        assert_eq!(
+            points.map(|point| point.is_on_front),
+            [true, false, true, false, false]
+        );
+        // Equal ones are both as good as it gets; those of another sequence do not count.
+        let mut points = [point(1.0, 0.5), point(1.0, 0.5), point(0.5, 0.1)];
+        points[2].sequence = "other".to_owned();
+        mark_front(&mut points);
+        assert!(points.iter().all(|point| point.is_on_front));
+    }
+
+    #[test]
+    fn what_may_be_spent_decides() {
+        let points =
+            [(1.0, 0.5), (3.0, 0.2), (10.0, 0.05), (11.0, 0.4)].map(|(ms, flip)| point(ms, flip));
+        let quality = Quality::of(&points).unwrap();
+        assert_eq!(quality.choices().len(), 3);
+        assert_eq!(quality.fastest_below(0.3).draw_ms, 3.0);
+        assert_eq!(quality.fastest_below(0.01).draw_ms, 10.0);
+        assert_eq!(quality.best_within(9.9).flip, 0.2);
+        assert_eq!(quality.best_within(0.1).draw_ms, 1.0);
+        assert_eq!(Quality::of(&[]), None);
+        let json = serde_json::to_vec(&quality).unwrap();
+        assert_eq!(serde_json::from_slice::<Quality>(&json).unwrap(), quality);
+    }
+
+    proptest! {
+        #[test]
+        fn along_the_front_errors_fall(pairs in prop::collection::vec((0.0f64..9.0, 0.0f64..1.0), 1..40), spent in 0.0f64..9.0) {
+            let points: Vec<LabPoint> = pairs.iter().map(|&(ms, flip)| point(ms, flip)).collect();
+            let quality = Quality::of(&points).unwrap();
+            prop_assert!(quality.choices().is_sorted_by(|a, b| a.draw_ms <= b.draw_ms && a.flip >= b.flip));
+            // By brute force over all points.
+            let affordable = pairs.iter().filter(|(ms, _)| *ms <= spent).map(|&(_, flip)| flip);
+            if let Some(least) = affordable.min_by(f64::total_cmp) {
+                prop_assert_eq!(quality.best_within(spent).flip, least);
+            }
+            let error = spent / 9.0;
+            let right = pairs.iter().filter(|(_, flip)| *flip <= error).map(|&(ms, _)| ms);
+            if let Some(least) = right.min_by(f64::total_cmp) {
+                prop_assert_eq!(quality.fastest_below(error).draw_ms, least);
+            }
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Which ways to draw are compared, in the words of the command line.
+//!
+//! Words of one group are alternatives, groups must all be met: who draws (cpu, gpu), what (surfel, voxel, point, or surfels of one
+//! splatting mode), and how instances reach the GPU (storage, uniform …). A group without words is no condition.
+
+use crate::scene::{Primitive, RendererChoice, Settings, Splatting, Strategy};
+use std::str::FromStr;
+
+/// A choice of ways to draw; the default is all.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Modes {
+    renderers: Vec<RendererChoice>,
+    primitives: Vec<Primitive>,
+    splattings: Vec<Splatting>,
+    strategies: Vec<Strategy>,
+}
+
+/// A word that names no way to draw.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{0}` is no mode: expected cpu, gpu, a primitive (surfel, voxel, point), a splatting mode (regular, two-pass-enlarged …) \
+     or an instancing strategy (storage, vertex …), with commas between them"
+)]
+pub struct ParseModeError(String);
+
+impl Modes {
+    /// Whether `settings`, which name who draws, are among them.
+    pub fn admit(&self, settings: &Settings) -> bool {
+        let is_gpu = settings.renderer == RendererChoice::Gpu;
+        let is_surfel = settings.primitive == Primitive::Surfel;
+        let any_what = self.primitives.is_empty() && self.splattings.is_empty();
+        let what = if is_surfel && !self.splattings.is_empty() {
+            self.splattings.contains(&settings.splatting)
+        } else {
+            any_what || self.primitives.contains(&settings.primitive)
+        };
+        let how =
+            self.strategies.is_empty() || is_gpu && self.strategies.contains(&settings.strategy);
+        let who = self.renderers.is_empty() || self.renderers.contains(&settings.renderer);
+        who && what && how
+    }
+}
+
+impl FromStr for Modes {
+    type Err = ParseModeError;
+
+    /// Reads words with commas between them.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let mut modes = Self::default();
+        for word in text.split(',').map(str::trim) {
+            if let (Ok(renderer), true) = (word.parse(), word != RendererChoice::Auto.name()) {
+                modes.renderers.push(renderer);
+            } else if let Ok(primitive) = word.parse() {
+                modes.primitives.push(primitive);
+            } else if let Ok(splatting) = word.parse() {
+                modes.splattings.push(splatting);
+            } else if let Ok(strategy) = word.parse() {
+                modes.strategies.push(strategy);
+            } else {
+                return Err(ParseModeError(word.to_owned()));
+            }
+        }
+        Ok(modes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_a_group_are_alternatives_and_groups_are_conditions() {
+        let surfel = |renderer, splatting| Settings {
+            renderer,
+            splatting,
+            ..Settings::default()
+        };
+        let voxel = Settings {
+            primitive: Primitive::Voxel,
+            renderer: RendererChoice::Cpu,
+            ..Settings::default()
+        };
+        let (cpu, gpu) = (RendererChoice::Cpu, RendererChoice::Gpu);
+        let admits =
+            |text: &str, settings: &Settings| text.parse::<Modes>().unwrap().admit(settings);
+        assert!(Modes::default().admit(&voxel));
+        assert!(admits("cpu", &voxel) && !admits("gpu", &voxel));
+        // Surfels of one mode, and voxels.
+        let words = "cpu, two-pass,voxel";
+        assert!(admits(words, &voxel) && admits(words, &surfel(cpu, Splatting::TwoPass)));
+        assert!(!admits(words, &surfel(cpu, Splatting::Regular)));
+        assert!(!admits(words, &surfel(gpu, Splatting::TwoPass)));
+        // The processor has no strategy.
+        assert!(admits("storage", &surfel(gpu, Splatting::Regular)));
+        assert!(!admits("vertex", &surfel(gpu, Splatting::Regular)));
+        assert!(!admits("storage", &voxel));
+    }
+
+    #[test]
+    fn what_is_no_mode_is_said() {
+        for wrong in ["auto", "", "cpu,", "surfels"] {
+            let error = wrong.parse::<Modes>().unwrap_err().to_string();
+            assert!(error.contains("is no mode: expected cpu, gpu"), "{error}");
+        }
+    }
+}

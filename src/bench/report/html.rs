@@ -1,0 +1,75 @@
+//! The report of [`Suite::Error`] as one page: a plot of time against error, the pictures and the errors behind each point, and
+//! the table. Everything is in the file; it asks nobody for anything.
+
+use super::{Cell, Report};
+use crate::bench::LabPoint;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use image::{ImageFormat, RgbaImage};
+use serde_json::{Value, json};
+use std::io::Cursor;
+
+/// The page; `DATA` and `TITLE` are filled in.
+const PAGE: &str = include_str!("lab.html");
+
+impl Report {
+    /// The page of a report with points.
+    pub fn to_html(&self) -> String {
+        let points: Vec<Value> = self
+            .points
+            .iter()
+            .zip(&self.rows)
+            .map(|(point, row)| {
+                let numbers = self
+                    .all_columns()
+                    .iter()
+                    .filter(|column| column.is_shown && !column.is_text());
+                let details: Vec<Value> = numbers
+                    .filter_map(|column| {
+                        let cell = self.value(row, column.key)?;
+                        (*cell != Cell::Missing).then(|| json!([column.title, column.show(cell)]))
+                    })
+                    .collect();
+                point_data(point, &details)
+            })
+            .collect();
+        let data = json!({
+            "header": self.header(),
+            "points": points,
+        });
+        let title = format!("pointreel {}: time and error", self.environment.version);
+        // Within a script element only its end tag means anything.
+        let data = data.to_string().replace("</", "<\\/");
+        PAGE.replace("TITLE", &escaped(&title))
+            .replace("DATA", &data)
+    }
+}
+
+fn point_data(point: &LabPoint, details: &[Value]) -> Value {
+    json!({
+        "sequence": point.sequence,
+        "label": point.label,
+        "renderer": point.settings.renderer.name(),
+        "primitive": point.settings.primitive.name(),
+        "ms": point.draw_ms,
+        "flip": point.flip,
+        "front": point.is_on_front,
+        "details": details,
+        "picture": data_url(&point.picture),
+        "error": data_url(&point.error_map),
+    })
+}
+
+/// A picture as an address that holds it; empty if it cannot be encoded, which only a picture without pixels cannot.
+fn data_url(image: &RgbaImage) -> String {
+    let mut png = Cursor::new(Vec::new());
+    match image.write_to(&mut png, ImageFormat::Png) {
+        Ok(()) => format!("data:image/png;base64,{}", BASE64.encode(png.get_ref())),
+        Err(_) => String::new(),
+    }
+}
+
+/// Text of an HTML element.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
+}

@@ -1,0 +1,375 @@
+//! The error lab: how fast *and how wrong* each way to draw is.
+//!
+//! How it works: each frame is seen from viewpoints around it. The truth of a view is ray-traced where the input is a shape with
+//! a formula, else drawn from all points, 8×8 samples a pixel (`render/truth`). Each way draws the same views; its time is from the
+//! camera to the finished picture, traversal and uploads of what it chose included, as a person who turns the object waits for
+//! them. Its errors are means over all pictures. Of each sequence the ways that no other beats in both are its front.
+//!
+//! Depths, by which surfaces are told apart, are drawn by the software renderer for the adapter's ways too: both draw the
+//! same surfaces, which `tests/cpu_renderer.rs` holds.
+
+mod view;
+mod ways;
+
+use super::{Run, Subject, mean};
+use crate::bench::lab::{LabPoint, mark_front};
+use crate::bench::report::{Cell, Column, Row};
+use crate::bench::runner::{Runner, milliseconds_since};
+use crate::bench::truth_cache::TruthCache;
+use crate::bench::{BenchError, Quantiles};
+use crate::measure::{SurfaceError, psnr_db};
+use crate::octree::StopCriterion;
+use crate::render::cpu::CpuRenderer;
+use crate::render::{AnyRenderer, Renderer};
+use crate::scene::{
+    Background, Lod, Primitive, RendererChoice, Scene, ScenePacket, Settings, Splatting,
+};
+use crate::sequence::{PrepareCounters, PreparedFrame, complete};
+use image::RgbaImage;
+use image::imageops::{FilterType, resize};
+use std::sync::Arc;
+use std::time::Instant;
+use view::{Drawn, PictureError, View};
+
+/// Columns, in the order in which [`Samples::row`] fills them.
+pub(in crate::bench) const COLUMNS: &[Column] = &[
+    Column::text("sequence", "sequence"),
+    Column::text("way", "way"),
+    Column::text("front", "front"),
+    Column::text("renderer", "renderer").hidden(),
+    Column::text("primitive", "primitive").hidden(),
+    Column::text("splatting", "splatting").hidden(),
+    Column::text("strategy", "strategy").hidden(),
+    Column::text("lighting", "lighting").hidden(),
+    Column::number("lod_px", "τ px", 1).hidden(),
+    Column::number("delta", "δ", 2).hidden(),
+    Column::number("splat_scale", "splat scale", 2).hidden(),
+    Column::number("point_size_px", "point px", 1).hidden(),
+    Column::number("drawn_width_px", "width", 0).hidden(),
+    Column::number("drawn_height_px", "height", 0).hidden(),
+    Column::number("draw_ms_median", "ms", 2),
+    Column::number("draw_ms_q1", "25 %", 2).hidden(),
+    Column::number("draw_ms_q3", "75 %", 2).hidden(),
+    Column::number("flip_object_mean", "FLIP of object", 4),
+    Column::number("flip_mean", "FLIP", 4),
+    Column::number("psnr_db", "PSNR dB", 2),
+    Column::number("ssim", "SSIM", 4),
+    Column::percent("hole_share", "holes", 3),
+    Column::percent("wrong_surface_share", "wrong surface", 3),
+    Column::percent("extra_share", "too much", 3),
+    Column::number("uploaded_bytes", "bytes", 0),
+    Column::number("drawn_records", "drawn", 0),
+    Column::number("visited_nodes", "visited", 0),
+    Column::number("pictures", "pictures", 0).hidden(),
+];
+
+/// The column that a bar chart shows.
+pub(in crate::bench) const HEADLINE: &str = "flip_object_mean";
+
+/// Width of the small pictures of a report, pixels.
+const THUMBNAIL_WIDTH_PX: u32 = 240;
+
+/// What was measured of one way on one sequence.
+#[derive(Default)]
+struct Samples {
+    draw_ms: Vec<f64>,
+    flip_object: Vec<f64>,
+    flip: Vec<f64>,
+    squared: Vec<f64>,
+    ssim: Vec<f64>,
+    surface: SurfaceError,
+    uploaded_bytes: Vec<f64>,
+    drawn_records: Vec<f64>,
+    visited_nodes: Vec<f64>,
+    drawn_px: [u32; 2],
+    /// Of the first view.
+    thumbnails: Option<[RgbaImage; 2]>,
+}
+
+/// Who draws: the processor always, an adapter if there is one.
+struct Runners {
+    processor: Runner,
+    /// Draws depths, so that the processor's clocks are not disturbed.
+    depths: CpuRenderer,
+    cache: TruthCache,
+}
+
+pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+    let all = ways::ways(!run.runner.is_processor());
+    let modes = &run.options.modes;
+    let ways: Vec<Settings> = all.into_iter().filter(|way| modes.admit(way)).collect();
+    if ways.is_empty() {
+        return Err(BenchError::Nothing(
+            "no way to draw is among the modes that were asked for, on this machine".to_owned(),
+        ));
+    }
+    let mut runners = Runners {
+        processor: Runner::new(AnyRenderer::cpu()),
+        depths: CpuRenderer::new(),
+        cache: TruthCache::new(run.options.truth_folder.clone()),
+    };
+    // One step to prepare a frame, one for its truth, one for each way.
+    let steps_per_frame = 2 + ways.len();
+    for subject in run.subjects(steps_per_frame)? {
+        measure_sequence(run, &mut runners, &subject, &ways, steps_per_frame)?;
+    }
+    Ok(())
+}
+
+fn measure_sequence(
+    run: &mut Run<'_>,
+    runners: &mut Runners,
+    subject: &Subject<'_>,
+    ways: &[Settings],
+    steps_per_frame: usize,
+) -> Result<(), BenchError> {
+    // Surfels are the truth, and what viewpoints are placed by.
+    let needs = Scene::needs(&Settings::default());
+    let mut samples: Vec<Samples> = ways.iter().map(|_| Samples::default()).collect();
+    let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
+    let mut first_failure = None;
+    for &index in &subject.chosen {
+        let frame = match run.load(subject, index, steps_per_frame, &needs)? {
+            Ok(frame) => frame,
+            Err(reason) => {
+                first_failure.get_or_insert(reason);
+                continue;
+            }
+        };
+        point_counts.push(frame.points.len() as f64);
+        run.begin_step(format!("{} frame {index}: the truth", subject.name))?;
+        let viewpoints = run.viewpoints(subject, &frame, &Settings::default())?;
+        coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
+        let mut views = Vec::new();
+        for viewpoint in viewpoints {
+            run.check_cancelled()?;
+            views.push(View::new(
+                &runners.cache,
+                &frame,
+                subject.shape,
+                subject.sequence.origin(),
+                viewpoint.camera,
+                run.options.viewport_px,
+            ));
+        }
+        for (way, samples) in ways.iter().zip(&mut samples) {
+            let label = ways::label(way);
+            run.begin_step(format!("{} frame {index}: {label}", subject.name))?;
+            measure_way(run, runners, subject, &frame, &views, way, samples)?;
+            run.say_measured(samples.point(subject.name, way));
+        }
+    }
+    if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
+        return Err(BenchError::NoFrame {
+            sequence: subject.name.to_owned(),
+            reason,
+        });
+    }
+    let mut points: Vec<LabPoint> = ways
+        .iter()
+        .zip(&samples)
+        .map(|(way, samples)| samples.point(subject.name, way))
+        .collect();
+    mark_front(&mut points);
+    let rows: Vec<Row> = points
+        .iter()
+        .zip(&samples)
+        .map(|(point, samples)| samples.row(point))
+        .collect();
+    run.finish(subject, &point_counts, &coverages, rows);
+    run.report.points.extend(points);
+    Ok(())
+}
+
+fn measure_way(
+    run: &mut Run<'_>,
+    runners: &mut Runners,
+    subject: &Subject<'_>,
+    frame: &PreparedFrame,
+    views: &[View],
+    way: &Settings,
+    samples: &mut Samples,
+) -> Result<(), BenchError> {
+    let mut frame = complete(frame, &Scene::needs(way), &PrepareCounters::default());
+    // A renderer takes a copy for another cloud, so that its upload is counted.
+    frame.points = Arc::new(frame.points.to_vec());
+    frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
+    let origin = subject.sequence.origin();
+    let viewport_px = run.options.viewport_px;
+    let packet = |view: &View, settings: &Settings| {
+        // As when the camera has moved: cells are chosen anew.
+        let mut scene = Scene::default();
+        let packet = scene.packet(&frame, origin, &view.camera, settings, viewport_px);
+        (packet, scene.stats().visited_nodes)
+    };
+    let (options, cancel) = (run.options, run.cancel);
+    let runner = if way.renderer == RendererChoice::Gpu {
+        &mut run.runner
+    } else {
+        &mut runners.processor
+    };
+    for view in views {
+        crate::bench::check_cancelled(cancel)?;
+        let uploaded_before = runner.stats().uploaded_bytes;
+        let (drawn_packet, visited_nodes) = packet(view, way);
+        let image = runner.image(&drawn_packet)?;
+        let uploaded_bytes = runner.stats().uploaded_bytes - uploaded_before;
+        let on_white = Settings {
+            background: Background::solid([255; 3]),
+            ..*way
+        };
+        let white_packet = ScenePacket {
+            settings: on_white,
+            ..drawn_packet.clone()
+        };
+        let on_white = runner.image(&white_packet)?;
+        let depth = depths(&mut runners.depths, &drawn_packet)?;
+        let drawn = Drawn {
+            image,
+            on_white,
+            depth,
+        };
+        let (error, image) = view.compare(drawn)?;
+        samples.add(&drawn_packet, visited_nodes, uploaded_bytes, &error);
+        if samples.thumbnails.is_none() {
+            samples.thumbnails = Some([small(&image), small(&error.map.to_heatmap())]);
+        }
+    }
+    for round in 0..options.warmup + options.repeat {
+        for view in views {
+            crate::bench::check_cancelled(cancel)?;
+            let start = Instant::now();
+            let (packet, _) = packet(view, way);
+            runner.draw(&packet)?;
+            if round >= options.warmup {
+                samples.draw_ms.push(milliseconds_since(start));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What lies where in the picture of a packet, if it shows one surface.
+fn depths(
+    renderer: &mut CpuRenderer,
+    packet: &ScenePacket,
+) -> Result<Option<crate::measure::DepthImage>, BenchError> {
+    let Settings {
+        primitive,
+        splatting,
+        ..
+    } = packet.settings;
+    if primitive == Primitive::Surfel && splatting == Splatting::NoDepth {
+        return Ok(None);
+    }
+    renderer.prepare(packet)?;
+    Ok(Some(renderer.draw_depths()?))
+}
+
+/// A picture as small as a report shows it.
+fn small(image: &RgbaImage) -> RgbaImage {
+    let (width, height) = image.dimensions();
+    let small_width = THUMBNAIL_WIDTH_PX.min(width);
+    let small_height =
+        (u64::from(height) * u64::from(small_width) / u64::from(width.max(1))).max(1);
+    resize(
+        image,
+        small_width,
+        small_height as u32,
+        FilterType::Triangle,
+    )
+}
+
+impl Samples {
+    fn add(
+        &mut self,
+        packet: &ScenePacket,
+        visited_nodes: usize,
+        uploaded_bytes: u64,
+        error: &PictureError,
+    ) {
+        self.drawn_px = packet.viewport_px;
+        let records = packet
+            .voxels
+            .as_ref()
+            .map_or(packet.points.len(), |voxels| voxels.records.len());
+        self.drawn_records.push(records as f64);
+        self.visited_nodes.push(visited_nodes as f64);
+        self.uploaded_bytes.push(uploaded_bytes as f64);
+        self.flip.push(error.map.mean());
+        self.flip_object.push(error.flip_object);
+        self.squared.push(error.squared);
+        self.ssim.push(error.ssim);
+        self.surface += error.surface;
+    }
+
+    fn point(&self, sequence: &str, way: &Settings) -> LabPoint {
+        let [picture, error_map] = self.thumbnails.clone().unwrap_or_default();
+        LabPoint {
+            sequence: sequence.to_owned(),
+            settings: *way,
+            label: ways::label(way),
+            draw_ms: Quantiles::of(&self.draw_ms).map_or(0.0, |q| q.median),
+            flip: mean(&self.flip_object),
+            is_on_front: false,
+            picture,
+            error_map,
+        }
+    }
+
+    fn row(&self, point: &LabPoint) -> Row {
+        let way = &point.settings;
+        let draw = Quantiles::of(&self.draw_ms);
+        let psnr = psnr_db(mean(&self.squared));
+        let is_surfel = way.primitive == Primitive::Surfel;
+        let is_gpu = way.renderer == RendererChoice::Gpu;
+        let text_if = |is_there: bool, text: &str| {
+            if is_there {
+                Cell::Text(text.to_owned())
+            } else {
+                Cell::Missing
+            }
+        };
+        let number_if =
+            |is_there: bool, number: f32| Cell::maybe(is_there.then_some(f64::from(number)));
+        let has_depth = !(is_surfel && way.splatting == Splatting::NoDepth);
+        let threshold = match way.lod {
+            Lod::ThresholdPx(threshold) if way.draws_cells() => Some(f64::from(threshold)),
+            _ => None,
+        };
+        let delta = match way.stop {
+            StopCriterion::Loss(delta) if way.draws_cells() => Some(f64::from(delta)),
+            _ => None,
+        };
+        Row::new(vec![
+            Cell::Text(point.sequence.clone()),
+            Cell::Text(point.label.clone()),
+            text_if(point.is_on_front, "★"),
+            Cell::Text(way.renderer.to_string()),
+            Cell::Text(way.primitive.to_string()),
+            text_if(is_surfel, way.splatting.name()),
+            text_if(is_gpu, way.strategy.name()),
+            text_if(way.primitive != Primitive::Point, way.lighting.name()),
+            Cell::maybe(threshold),
+            Cell::maybe(delta),
+            number_if(is_surfel, way.splat_scale),
+            number_if(way.primitive == Primitive::Point, way.point_size_px),
+            Cell::Number(f64::from(self.drawn_px[0])),
+            Cell::Number(f64::from(self.drawn_px[1])),
+            Cell::maybe(draw.map(|q| q.median)),
+            Cell::maybe(draw.map(|q| q.q1)),
+            Cell::maybe(draw.map(|q| q.q3)),
+            Cell::Number(point.flip),
+            Cell::Number(mean(&self.flip)),
+            Cell::maybe(psnr.is_finite().then_some(psnr)),
+            Cell::Number(mean(&self.ssim)),
+            Cell::Number(self.surface.hole_share()),
+            Cell::maybe(has_depth.then(|| self.surface.wrong_surface_share())),
+            Cell::Number(self.surface.extra_share()),
+            Cell::Number(mean(&self.uploaded_bytes)),
+            Cell::Number(mean(&self.drawn_records)),
+            Cell::maybe(way.draws_cells().then(|| mean(&self.visited_nodes))),
+            Cell::Number(self.flip.len() as f64),
+        ])
+    }
+}

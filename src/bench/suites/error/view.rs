@@ -1,0 +1,191 @@
+//! One view of a frame: its truth, and how far pictures are from it.
+
+use super::ways::BACKGROUND;
+use crate::bench::BenchError;
+use crate::bench::truth_cache::TruthCache;
+use crate::headless::scaled_to;
+use crate::measure::{
+    DepthImage, DepthTolerance, ErrorMap, PIXELS_PER_DEGREE, Perceived, SurfaceError,
+    mean_squared_error, ssim,
+};
+use crate::render::truth::{Disks, RayTraced, Truth, TruthKey, TruthView};
+use crate::scene::{Background, Camera, Lighting};
+use crate::sequence::{PreparedFrame, Shape};
+use glam::DVec3;
+use image::RgbaImage;
+
+/// A view and what it should look like.
+pub(super) struct View {
+    pub(super) camera: Camera,
+    pub(super) truth: Truth,
+    perceived: Perceived,
+}
+
+/// How far a picture is from the truth.
+pub(super) struct PictureError {
+    pub(super) map: ErrorMap,
+    /// FLIP over the pixels that show the object in the truth or in the picture.
+    pub(super) flip_object: f64,
+    /// Mean squared error of the channels.
+    pub(super) squared: f64,
+    pub(super) ssim: f64,
+    /// Holes are counted from colours, wrong surfaces from depths.
+    pub(super) surface: SurfaceError,
+}
+
+/// A picture of a way to draw.
+pub(super) struct Drawn {
+    pub(super) image: RgbaImage,
+    /// The same on white, by which the object is told from the background.
+    pub(super) on_white: RgbaImage,
+    /// What lies where, in the size in which it was drawn; `None` where the way shows no surface in particular.
+    pub(super) depth: Option<DepthImage>,
+}
+
+impl View {
+    /// The view of `frame` from `camera`; what it was sampled from is the truth, if it is known.
+    pub(super) fn new(
+        cache: &TruthCache,
+        frame: &PreparedFrame,
+        shape: Option<Shape>,
+        origin: DVec3,
+        camera: Camera,
+        size_px: [u32; 2],
+    ) -> Self {
+        let background = Background::solid(BACKGROUND);
+        let view = TruthView::new(&camera, origin, size_px, Lighting::PerFragment, background);
+        let shapes = frame.shapes.as_deref().map_or(&[][..], Vec::as_slice);
+        let truth = match shape {
+            Some(shape) => {
+                let traced = RayTraced {
+                    shape,
+                    cull_back_faces: true,
+                };
+                let radii = shapes.iter().map(|shape| f64::from(shape.radius));
+                let tolerance = 2.0 * radii.sum::<f64>() / shapes.len().max(1) as f64;
+                cache.get(&TruthKey::of_shape(traced, &view, tolerance), || {
+                    Truth::of_shape(traced, &view, tolerance)
+                })
+            }
+            None => {
+                let disks = Disks {
+                    points: &frame.points,
+                    shapes,
+                    cull_back_faces: true,
+                };
+                cache.get(&TruthKey::of_disks(disks, &view), || {
+                    Truth::of_disks(&disks, &view)
+                })
+            }
+        };
+        Self {
+            camera,
+            perceived: Perceived::of(&truth.image, PIXELS_PER_DEGREE),
+            truth,
+        }
+    }
+
+    /// How far `drawn` is from the truth.
+    pub(super) fn compare(&self, drawn: Drawn) -> Result<(PictureError, RgbaImage), BenchError> {
+        let size_px = self.truth.depth.size_px;
+        let depth = drawn.depth.map(|depth| enlarged(&depth, size_px));
+        let image = scaled_to(drawn.image, size_px);
+        let on_white = scaled_to(drawn.on_white, size_px);
+        let shows_object: Vec<bool> = image
+            .pixels()
+            .zip(on_white.pixels())
+            .map(|(image, on_white)| opacity(image.0, on_white.0) >= 0.5)
+            .collect();
+        let is_object =
+            |pixel: usize| shows_object[pixel] || self.truth.depth.depth[pixel].is_finite();
+        let map = self
+            .perceived
+            .flip(&Perceived::of(&image, PIXELS_PER_DEGREE))?;
+        let surface = SurfaceError::of(
+            &self.truth.depth,
+            &self.shown_depth(&shows_object, depth.as_ref()),
+            DepthTolerance::PerPixel(&self.truth.tolerance),
+        )?;
+        let error = PictureError {
+            flip_object: map.mean_where(is_object),
+            squared: mean_squared_error(&self.truth.image, &image)?,
+            ssim: ssim(&self.truth.image, &image)?,
+            surface,
+            map,
+        };
+        Ok((error, image))
+    }
+
+    /// The depths that count: none where the background shows, that of the truth where no depth is known.
+    fn shown_depth(&self, shows_object: &[bool], depth: Option<&DepthImage>) -> DepthImage {
+        let shown = |pixel: usize| {
+            let known = depth
+                .map(|depth| depth.depth[pixel])
+                .filter(|depth| depth.is_finite());
+            match (shows_object[pixel], known) {
+                (false, _) => f32::INFINITY,
+                (true, Some(depth)) => depth,
+                // Of a pixel that only an enlarged splat covers; 0 where the truth shows nothing, too.
+                (true, None) if self.truth.depth.depth[pixel].is_finite() => {
+                    self.truth.depth.depth[pixel]
+                }
+                (true, None) => 0.0,
+            }
+        };
+        DepthImage {
+            size_px: self.truth.depth.size_px,
+            depth: (0..shows_object.len()).map(shown).collect(),
+        }
+    }
+}
+
+/// How much of a pixel the object covers, from what shows of the two backgrounds.
+fn opacity(on_grey: [u8; 4], on_white: [u8; 4]) -> f32 {
+    let through: i32 = (0..3)
+        .map(|channel| i32::from(on_white[channel]) - i32::from(on_grey[channel]))
+        .sum();
+    let most: i32 = BACKGROUND.iter().map(|&grey| 255 - i32::from(grey)).sum();
+    1.0 - through as f32 / most as f32
+}
+
+/// Each pixel of a larger picture has the depth of the pixel that it is drawn by.
+fn enlarged(depth: &DepthImage, size_px: [u32; 2]) -> DepthImage {
+    if depth.size_px == size_px {
+        return depth.clone();
+    }
+    let source = |place: u32, axis: usize| {
+        (u64::from(place) * u64::from(depth.size_px[axis]) / u64::from(size_px[axis])) as usize
+    };
+    let width = depth.size_px[0] as usize;
+    let pixels = (0..size_px[1]).flat_map(|y| (0..size_px[0]).map(move |x| (x, y)));
+    DepthImage {
+        size_px,
+        depth: pixels
+            .map(|(x, y)| depth.depth[source(y, 1) * width + source(x, 0)])
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_shows_of_two_backgrounds_tells_how_much_is_covered() {
+        assert_eq!(opacity([119, 119, 119, 255], [255; 4]), 0.0);
+        assert_eq!(opacity([10, 20, 30, 255], [10, 20, 30, 255]), 1.0);
+        assert_eq!(opacity([119; 4], [187; 4]), 0.5);
+    }
+
+    #[test]
+    fn depths_are_enlarged_by_repeating_them() {
+        let depth = DepthImage {
+            size_px: [2, 1],
+            depth: vec![1.0, f32::INFINITY],
+        };
+        let large = enlarged(&depth, [4, 2]);
+        let row = [1.0, 1.0, f32::INFINITY, f32::INFINITY];
+        assert_eq!(large.depth, [row, row].concat());
+        assert_eq!(enlarged(&depth, [2, 1]), depth);
+    }
+}

@@ -1,0 +1,174 @@
+//! The ways to draw that are compared: the default, and what it becomes when one choice after the other changes.
+
+use crate::octree::StopCriterion;
+use crate::scene::{
+    Background, Lighting, Lod, Primitive, RendererChoice, Settings, Splatting, Strategy,
+};
+use std::fmt::Write as _;
+
+/// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
+pub(super) const BACKGROUND: [u8; 3] = [119; 3];
+
+/// Shares of a picture's edges that are drawn, beside all of it.
+const RESOLUTIONS: [f32; 2] = [0.75, 0.5];
+
+/// LOD thresholds of surfels and of voxels in pixels, beside the default of 1.
+const THRESHOLDS_PX: [f32; 3] = [2.0, 4.0, 8.0];
+
+/// Acceptable losses, beside the default.
+const DELTAS: [f32; 3] = [0.02, 0.2, 0.5];
+
+/// All ways, first those of the processor, then those of the adapter if there is one.
+pub(super) fn ways(has_adapter: bool) -> Vec<Settings> {
+    let base = Settings {
+        renderer: RendererChoice::Cpu,
+        background: Background::solid(BACKGROUND),
+        ..Settings::default()
+    };
+    let mut ways = of_renderer(&base);
+    if has_adapter {
+        let base = Settings {
+            renderer: RendererChoice::Gpu,
+            ..base
+        };
+        ways.extend(of_renderer(&base));
+        for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
+            let others = Strategy::ALL
+                .iter()
+                .filter(|&&strategy| strategy != base.strategy);
+            ways.extend(others.map(|&strategy| Settings {
+                primitive,
+                strategy,
+                ..base
+            }));
+        }
+    }
+    ways
+}
+
+fn of_renderer(base: &Settings) -> Vec<Settings> {
+    let point = Settings {
+        primitive: Primitive::Point,
+        ..*base
+    };
+    let voxel = Settings {
+        primitive: Primitive::Voxel,
+        ..*base
+    };
+    let detail = Settings {
+        surfel_lod: true,
+        ..*base
+    };
+    let mut ways = Vec::new();
+    ways.extend([1.0, 2.0, 3.0].map(|point_size_px| Settings {
+        point_size_px,
+        ..point
+    }));
+    // A picture of depths is none of colours.
+    let modes = Splatting::ALL
+        .iter()
+        .filter(|&&mode| mode != Splatting::Visibility);
+    ways.extend(modes.map(|&splatting| Settings { splatting, ..*base }));
+    ways.extend([0.7, 1.4].map(|splat_scale| Settings {
+        splat_scale,
+        ..*base
+    }));
+    ways.extend(
+        [Lighting::PerSurfel, Lighting::PerVertex].map(|lighting| Settings { lighting, ..*base }),
+    );
+    for coarse in [detail, voxel] {
+        ways.push(coarse);
+        ways.extend(THRESHOLDS_PX.map(|threshold| Settings {
+            lod: Lod::ThresholdPx(threshold),
+            ..coarse
+        }));
+    }
+    ways.push(Settings {
+        lod: Lod::ThresholdPx(0.0),
+        ..voxel
+    });
+    ways.extend(DELTAS.map(|delta| Settings {
+        stop: StopCriterion::Loss(delta),
+        ..voxel
+    }));
+    let two_pass = Settings {
+        splatting: Splatting::TwoPass,
+        ..*base
+    };
+    for whole in [*base, two_pass, detail, voxel, point] {
+        ways.extend(RESOLUTIONS.map(|resolution| Settings {
+            resolution,
+            ..whole
+        }));
+    }
+    ways
+}
+
+/// A way in a few words: what differs from the default is said.
+pub(super) fn label(way: &Settings) -> String {
+    let default = Settings::default();
+    let mut label = way.primitive.to_string();
+    let mut say = |text: String| {
+        // Writing to a String cannot fail.
+        let _ = write!(label, " {text}");
+    };
+    match way.primitive {
+        Primitive::Surfel => {
+            say(way.splatting.to_string());
+            if way.splat_scale != default.splat_scale {
+                say(format!("×{}", way.splat_scale));
+            }
+            if way.lighting != default.lighting {
+                say(format!("lit per {}", way.lighting));
+            }
+        }
+        Primitive::Voxel => say(stop(way)),
+        Primitive::Point => say(format!("{} px", way.point_size_px)),
+    }
+    if let (true, Lod::ThresholdPx(threshold)) = (way.draws_cells(), way.lod) {
+        say(format!("τ {threshold}"));
+    }
+    if way.resolution < 1.0 {
+        say(format!("at {:.0} %", way.resolution * 100.0));
+    }
+    say(match way.renderer {
+        RendererChoice::Gpu => format!("GPU {}", way.strategy),
+        RendererChoice::Cpu | RendererChoice::Auto => "CPU".to_owned(),
+    });
+    label
+}
+
+/// When the octree's cells are no longer divided.
+pub(super) fn stop(way: &Settings) -> String {
+    match way.stop {
+        StopCriterion::Loss(delta) => format!("δ {:.0} %", delta * 100.0),
+        other => format!("{other:?}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn no_way_is_measured_twice_and_each_has_its_words() {
+        let ways = ways(true);
+        let labels: HashSet<String> = ways.iter().map(label).collect();
+        assert_eq!(
+            labels.len(),
+            ways.len(),
+            "{:?}",
+            ways.iter().map(label).collect::<Vec<_>>()
+        );
+        let of_processor = super::ways(false);
+        assert!(
+            of_processor
+                .iter()
+                .all(|way| way.renderer == RendererChoice::Cpu)
+        );
+        assert_eq!(ways.len(), 2 * of_processor.len() + 12);
+        let first = label(&of_processor[0]);
+        assert_eq!(first, "point 1 px CPU");
+    }
+}

@@ -1,0 +1,195 @@
+//! The software renderer beside the adapter: the same pictures in the same minute, from three distances.
+//!
+//! How it works: the object as a whole in view, from four times as far, and from so near that most of it is outside. Both
+//! draw each view in turn, so that a machine that slows down meanwhile slows both. What is drawn is chosen before the
+//! clocks start and is resident.
+//!
+//! What it shows: costs that follow the cells and pixels that are seen, not those that there are.
+
+use super::{Run, Subject, mean, mean_position, scenario};
+use crate::bench::report::{Cell, Column, Row};
+use crate::bench::runner::Runner;
+use crate::bench::{BenchError, Quantiles};
+use crate::render::AnyRenderer;
+use crate::scene::{Camera, Primitive, Scene, ScenePacket, Settings, UpAxis};
+use crate::sequence::PreparedFrame;
+
+/// Columns, in the order in which [`Samples::row`] fills them.
+pub(in crate::bench) const COLUMNS: &[Column] = &[
+    Column::text("sequence", "sequence"),
+    Column::text("primitive", "primitive"),
+    Column::text("view", "view"),
+    Column::number("records", "records", 0),
+    Column::number("processor_ms_median", "processor ms", 3),
+    Column::number("processor_ms_q1", "25 %", 3),
+    Column::number("processor_ms_q3", "75 %", 3),
+    Column::number("processor_mrecords_per_s", "M records/s", 1),
+    Column::number("adapter_ms_median", "adapter ms", 3),
+    Column::number("adapter_ms_q1", "25 %", 3),
+    Column::number("adapter_ms_q3", "75 %", 3),
+    Column::number("adapter_per_processor", "adapter / processor", 2),
+    Column::number("samples", "pictures", 0).hidden(),
+];
+
+/// The column that a bar chart shows.
+pub(in crate::bench) const HEADLINE: &str = "processor_ms_median";
+
+/// Distances as parts of the one that shows the whole object.
+const VIEWS: [(&str, f64); 3] = [("whole", 1.0), ("afar", 4.0), ("near", 0.3)];
+
+const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primitive::Voxel];
+
+/// One step to prepare a frame, one for each primitive.
+const STEPS_PER_FRAME: usize = 1 + PRIMITIVES.len();
+
+/// What was measured of one sequence, one primitive and one distance.
+#[derive(Default)]
+struct Samples {
+    records: Vec<f64>,
+    processor_ms: Vec<f64>,
+    adapter_ms: Vec<f64>,
+}
+
+pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+    let mut processor = Runner::new(AnyRenderer::cpu());
+    for subject in run.subjects(STEPS_PER_FRAME)? {
+        measure_sequence(run, &mut processor, &subject)?;
+    }
+    Ok(())
+}
+
+fn measure_sequence(
+    run: &mut Run<'_>,
+    processor: &mut Runner,
+    subject: &Subject<'_>,
+) -> Result<(), BenchError> {
+    let mut needs = Scene::needs(&settings(Primitive::Voxel));
+    needs.shapes = true;
+    let mut samples: [[Samples; VIEWS.len()]; PRIMITIVES.len()] = Default::default();
+    let mut point_counts = Vec::new();
+    let mut first_failure = None;
+    for &index in &subject.chosen {
+        let frame = match run.load(subject, index, STEPS_PER_FRAME, &needs)? {
+            Ok(frame) => frame,
+            Err(reason) => {
+                first_failure.get_or_insert(reason);
+                continue;
+            }
+        };
+        point_counts.push(frame.points.len() as f64);
+        for (primitive, samples) in PRIMITIVES.into_iter().zip(&mut samples) {
+            run.begin_step(format!("{} frame {index}: {primitive}", subject.name))?;
+            for ((_, distance), samples) in VIEWS.into_iter().zip(samples) {
+                let packets = packets(run, subject, &frame, primitive, distance);
+                samples.measure(run, processor, &packets)?;
+            }
+        }
+    }
+    if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
+        return Err(BenchError::NoFrame {
+            sequence: subject.name.to_owned(),
+            reason,
+        });
+    }
+    let rows = PRIMITIVES
+        .into_iter()
+        .zip(&samples)
+        .flat_map(|(primitive, samples)| {
+            let views = VIEWS.into_iter().zip(samples);
+            views.map(move |((view, _), samples)| samples.row(subject.name, primitive, view))
+        });
+    run.finish(subject, &point_counts, &[], rows);
+    Ok(())
+}
+
+fn settings(primitive: Primitive) -> Settings {
+    Settings {
+        primitive,
+        ..Settings::default()
+    }
+}
+
+/// What is drawn from each viewpoint.
+fn packets(
+    run: &Run<'_>,
+    subject: &Subject<'_>,
+    frame: &PreparedFrame,
+    primitive: Primitive,
+    distance: f64,
+) -> Vec<ScenePacket> {
+    let origin = subject.sequence.origin();
+    let framing = Camera {
+        target_in_world: origin + mean_position(frame.frame.positions()),
+        ..Camera::framing(&frame.frame.bounds(), origin, UpAxis::guess(&frame.frame))
+    };
+    let packet = |(azimuth_deg, elevation_deg)| {
+        let camera = Camera {
+            azimuth_deg,
+            elevation_deg,
+            distance: framing.distance * distance,
+            ..framing
+        };
+        let viewport_px = run.options.viewport_px;
+        Scene::default().packet(frame, origin, &camera, &settings(primitive), viewport_px)
+    };
+    scenario::directions(run.options.viewpoints)
+        .map(packet)
+        .collect()
+}
+
+impl Samples {
+    fn measure(
+        &mut self,
+        run: &mut Run<'_>,
+        processor: &mut Runner,
+        packets: &[ScenePacket],
+    ) -> Result<(), BenchError> {
+        for round in 0..run.options.warmup + run.options.repeat {
+            for packet in packets {
+                run.check_cancelled()?;
+                // What a picture is chosen from may have changed: that is made ready before the clock starts.
+                processor.upload(packet)?;
+                let processor_ms = processor.draw(packet)?.wall_ms;
+                let adapter_ms = if run.runner.is_processor() {
+                    None
+                } else {
+                    run.runner.upload(packet)?;
+                    Some(run.runner.draw(packet)?.wall_ms)
+                };
+                if round >= run.options.warmup {
+                    let voxels = packet.voxels.as_ref();
+                    let records = voxels.map_or(packet.points.len(), |voxels| voxels.records.len());
+                    self.records.push(records as f64);
+                    self.processor_ms.push(processor_ms);
+                    self.adapter_ms.extend(adapter_ms);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn row(&self, sequence: &str, primitive: Primitive, view: &str) -> Row {
+        let processor = Quantiles::of(&self.processor_ms);
+        let adapter = Quantiles::of(&self.adapter_ms);
+        let records = mean(&self.records);
+        let rate = processor.map(|q| records / (1e3 * q.median));
+        let ratio = adapter
+            .zip(processor)
+            .map(|(adapter, processor)| adapter.median / processor.median);
+        Row::new(vec![
+            Cell::Text(sequence.to_owned()),
+            Cell::Text(primitive.to_string()),
+            Cell::Text(view.to_owned()),
+            Cell::Number(records),
+            Cell::maybe(processor.map(|q| q.median)),
+            Cell::maybe(processor.map(|q| q.q1)),
+            Cell::maybe(processor.map(|q| q.q3)),
+            Cell::maybe(rate),
+            Cell::maybe(adapter.map(|q| q.median)),
+            Cell::maybe(adapter.map(|q| q.q1)),
+            Cell::maybe(adapter.map(|q| q.q3)),
+            Cell::maybe(ratio),
+            Cell::Number(self.processor_ms.len() as f64),
+        ])
+    }
+}

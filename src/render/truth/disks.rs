@@ -1,0 +1,218 @@
+//! The surface that the disks of a cloud make, met by rays one by one.
+//!
+//! How it works: of the disks that a ray meets, the nearest says where the surface is. Its colour is the mean of those that
+//! are met no farther behind it than its radius, weighted by the Gaussian of paper 000 §V around their middles and
+//! normalised: what splatting in two passes (papers 000 §V-C, 002 §3) aims at, without its shortcuts. Everything is f64.
+//!
+//! Disks are as large as they are: beside a ray-traced sphere and torus, enlarged ones (as the second pass of splatting has them)
+//! were farther from the truth, by 30 to 60 % at 1.5 and by 60 to 110 % at 2 times the radius.
+
+use super::{Hit, Samples, TILE_PX, TruthView, Visible, unit_color};
+use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
+use crate::render::{DEPTH_SLACK_RADII, MASK_FALLOFF};
+use glam::DVec3;
+
+/// All surfels of a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Disks<'a> {
+    /// Positions and colours.
+    pub points: &'a [PointRecord],
+    /// Normals and radii, as many.
+    pub shapes: &'a [ShapeRecord],
+    /// Whether what faces away is left out.
+    pub cull_back_faces: bool,
+}
+
+/// Disks as a view sees them, by the tiles that they may touch.
+pub(super) struct SeenDisks {
+    disks: Vec<Disk>,
+    /// Places in `disks` of those that each tile may show, row by row.
+    by_tile: Vec<Vec<u32>>,
+    tile_columns: usize,
+}
+
+/// In view space.
+#[derive(Debug, Clone, Copy)]
+struct Disk {
+    center: DVec3,
+    normal: DVec3,
+    radius: f64,
+    color: DVec3,
+    /// The places that it may cover: first and last in x and y.
+    place_px: [[f64; 2]; 2],
+}
+
+impl Disks<'_> {
+    pub(super) fn seen_from(&self, view: &TruthView) -> SeenDisks {
+        let disks = self.points.iter().zip(self.shapes);
+        let disks: Vec<Disk> = disks
+            .filter_map(|(point, shape)| self.seen(view, point, shape))
+            .collect();
+        let [tile_columns, tile_rows] = view.size_px.map(|edge| edge.div_ceil(TILE_PX) as usize);
+        let mut by_tile = vec![Vec::new(); tile_columns * tile_rows];
+        for (place, disk) in (0..).zip(&disks) {
+            let [columns, rows] = [0, 1].map(|axis| {
+                let tile = |end_px: f64| (end_px / f64::from(TILE_PX)) as usize;
+                let [first, last] = disk.place_px[axis].map(tile);
+                first..last + 1
+            });
+            for row in rows.start..rows.end.min(tile_rows) {
+                for column in columns.start..columns.end.min(tile_columns) {
+                    by_tile[row * tile_columns + column].push(place);
+                }
+            }
+        }
+        SeenDisks {
+            disks,
+            by_tile,
+            tile_columns,
+        }
+    }
+
+    /// One disk, unless it cannot be seen.
+    fn seen(&self, view: &TruthView, point: &PointRecord, shape: &ShapeRecord) -> Option<Disk> {
+        let center = view.to_view(DVec3::from_array(point.position.map(f64::from)));
+        let normal = view.view_from_frame * oct_decode(shape.normal).as_dvec3().normalize();
+        let radius = f64::from(shape.radius);
+        if !(radius > 0.0) || self.cull_back_faces && normal.dot(center) >= 0.0 {
+            return None;
+        }
+        let [red, green, blue, _] = point.color;
+        Some(Disk {
+            center,
+            normal,
+            radius,
+            color: unit_color([red, green, blue]),
+            place_px: covered_px(view, center, radius)?,
+        })
+    }
+}
+
+/// The places that a sphere in view space may cover, or none where it is behind the eye.
+fn covered_px(view: &TruthView, center: DVec3, radius: f64) -> Option<[[f64; 2]; 2]> {
+    let [nearest, farthest] = [-center.z - radius, -center.z + radius];
+    if !(farthest > 0.0) {
+        return None;
+    }
+    let [width, height] = view.size_px.map(f64::from);
+    if nearest <= 0.0 {
+        return Some([[0.0, width], [0.0, height]]);
+    }
+    // Slopes are largest at the nearest depth, unless they point the other way.
+    let slope = |end: f64, is_outwards: bool| end / if is_outwards { nearest } else { farthest };
+    let range = |axis: usize| {
+        let [low, high] = [center[axis] - radius, center[axis] + radius];
+        [slope(low, low < 0.0), slope(high, high > 0.0)].map(|slope| slope * view.px_per_slope)
+    };
+    let ([left, right], [below, above]) = (range(0), range(1));
+    let place = [
+        [0.5 * width + left, 0.5 * width + right],
+        [0.5 * height - above, 0.5 * height - below],
+    ];
+    let is_within =
+        place[0][0] < width && place[0][1] > 0.0 && place[1][0] < height && place[1][1] > 0.0;
+    is_within.then_some(place)
+}
+
+impl Disk {
+    /// How deep a ray meets the plane of the disk, and how far from its middle, squared and in radii; none where it does not.
+    fn meet(&self, ray: DVec3) -> Option<[f64; 2]> {
+        let depth = self.normal.dot(self.center) / self.normal.dot(ray);
+        let off_middle = (ray * depth - self.center).length_squared() / (self.radius * self.radius);
+        (depth > 0.0 && off_middle.is_finite()).then_some([depth, off_middle])
+    }
+}
+
+/// What samples know of the surface.
+#[derive(Clone, Copy)]
+struct Sum {
+    /// Of the nearest disk.
+    depth: f64,
+    /// How deep other disks may be met and still be of the same surface.
+    deepest: f64,
+    /// Radius of the nearest disk.
+    radius: f64,
+    color: DVec3,
+    weight: f64,
+}
+
+impl Visible for SeenDisks {
+    fn meet(&self, view: &TruthView, samples: &Samples) -> Vec<Option<Hit>> {
+        let [columns, rows] = samples.size();
+        let nothing = Sum {
+            depth: f64::INFINITY,
+            deepest: f64::INFINITY,
+            radius: 0.0,
+            color: DVec3::ZERO,
+            weight: 0.0,
+        };
+        let mut sums = vec![nothing; columns * rows];
+        self.for_each_meeting(view, samples, |sample, disk, _, [depth, off_middle]| {
+            let sum = &mut sums[sample];
+            if off_middle <= 1.0 && depth < sum.depth {
+                let distance = disk.center.length().max(f64::MIN_POSITIVE);
+                sum.depth = depth;
+                sum.deepest = depth * (1.0 + f64::from(DEPTH_SLACK_RADII) * disk.radius / distance);
+                sum.radius = disk.radius;
+            }
+        });
+        self.for_each_meeting(view, samples, |sample, disk, ray, [depth, off_middle]| {
+            let sum = &mut sums[sample];
+            if off_middle <= 1.0 && depth <= sum.deepest {
+                let weight = (-f64::from(MASK_FALLOFF) * off_middle).exp();
+                sum.color += weight * view.lit(disk.color, disk.normal, ray);
+                sum.weight += weight;
+            }
+        });
+        let hit = |sum: &Sum| {
+            (sum.weight > 0.0).then(|| Hit {
+                depth: sum.depth,
+                color: sum.color / sum.weight,
+                tolerance: 2.0 * sum.radius,
+            })
+        };
+        sums.iter().map(hit).collect()
+    }
+}
+
+impl SeenDisks {
+    /// Calls `then` with each meeting of a ray and a disk's plane near its middle: the sample, the disk, the ray, how deep,
+    /// and how far from the middle (squared, in radii).
+    fn for_each_meeting(
+        &self,
+        view: &TruthView,
+        samples: &Samples,
+        mut then: impl FnMut(usize, &Disk, DVec3, [f64; 2]),
+    ) {
+        let columns = samples.size()[0];
+        let [tile_column, tile_row] =
+            [&samples.columns_px, &samples.rows_px].map(|range| (range.start / TILE_PX) as usize);
+        for &disk in &self.by_tile[tile_row * self.tile_columns + tile_column] {
+            let disk = &self.disks[disk as usize];
+            let [in_columns, in_rows] = disk.samples(samples);
+            for row in in_rows {
+                for column in in_columns.clone() {
+                    let ray = view.ray(samples.place_px(column, row));
+                    if let Some(meeting) = disk.meet(ray) {
+                        then(row * columns + column, disk, ray, meeting);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Disk {
+    /// The columns and rows of the samples that it may cover.
+    fn samples(&self, samples: &Samples) -> [std::ops::Range<usize>; 2] {
+        let starts = [samples.columns_px.start, samples.rows_px.start];
+        let sizes = samples.size();
+        [0, 1].map(|axis| {
+            let sample =
+                |place_px: f64| (place_px - f64::from(starts[axis])) * f64::from(samples.per_px);
+            let [first, last] = self.place_px[axis].map(sample);
+            // Negative numbers become 0.
+            (first.floor() as usize).min(sizes[axis])..(last.ceil() as usize).min(sizes[axis])
+        })
+    }
+}
