@@ -22,7 +22,7 @@ fn small(suite: Suite) -> BenchOptions {
     BenchOptions {
         viewport_px: [96, 64],
         viewpoints: 2,
-        frames: Some(2),
+        frames: 2,
         warmup: 1,
         repeat: 2,
         ..BenchOptions::new(suite)
@@ -271,7 +271,7 @@ fn errors_are_measured_beside_times() {
     let options = BenchOptions {
         // Leaves of a few pixels, so that every threshold but the finest changes the picture.
         viewport_px: [384, 256],
-        frames: Some(1),
+        frames: 1,
         repeat: 1,
         ..small(Suite::Accuracy)
     };
@@ -633,7 +633,7 @@ fn without_an_adapter_the_processor_is_measured() {
         Suite::Accuracy,
     ] {
         let options = BenchOptions {
-            frames: Some(1),
+            frames: 1,
             viewpoints: 1,
             ..small(suite)
         };
@@ -670,7 +670,7 @@ fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
     let options = BenchOptions {
         viewport_px: [160, 120],
         viewpoints: 2,
-        frames: Some(1),
+        frames: 1,
         warmup: 0,
         repeat: 2,
         modes: "cpu".parse().unwrap(),

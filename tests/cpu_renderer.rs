@@ -5,14 +5,19 @@
 mod common;
 
 use common::{camera_at, draw, sphere, surfels};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use image::RgbaImage;
-use pointreel::cloud::VoxelRecord;
-use pointreel::measure::{mean_squared_error, psnr_db};
+use pointreel::cloud::{PointRecord, VoxelRecord};
+use pointreel::measure::{DepthImage, mean_squared_error, psnr_db};
 use pointreel::render::cpu::CpuRenderer;
+use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
-use pointreel::scene::{Lighting, Primitive, ScenePacket, Settings, Splatting, Voxels};
-use std::sync::Arc;
+use pointreel::scene::{
+    Background, Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting, Voxels,
+};
+use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Shape, prepare};
+use proptest::prelude::*;
+use std::sync::{Arc, LazyLock};
 
 const SIZE: [u32; 2] = [300, 220];
 
@@ -214,6 +219,168 @@ fn extreme_records_are_survived() {
                     };
                     let packet = surfels(&scene, &camera_at(distance), settings, size);
                     assert_eq!(draw_on_cpu(&packet).dimensions(), (size[0], size[1]));
+                }
+            }
+        }
+    }
+}
+
+/// Points of a unit sphere with the radii that the program estimates.
+fn sampled_sphere() -> PreparedFrame {
+    let frame = Shape::Sphere.sequence(3_000).frame(0).unwrap();
+    let needs = Needs {
+        shapes: true,
+        ..Needs::default()
+    };
+    prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
+}
+
+fn packet_of(
+    frame: &PreparedFrame,
+    camera: &Camera,
+    settings: &Settings,
+    size_px: [u32; 2],
+) -> ScenePacket {
+    Scene::default().packet(frame, DVec3::ZERO, camera, settings, size_px)
+}
+
+fn draw_depths(packet: &ScenePacket) -> DepthImage {
+    let mut renderer = CpuRenderer::new();
+    renderer.prepare(packet).unwrap();
+    renderer.draw_depths().unwrap()
+}
+
+#[test]
+fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
+    let frame = sampled_sphere();
+    let camera = Camera {
+        azimuth_deg: 20.0,
+        elevation_deg: -35.0,
+        ..camera_at(2.5)
+    };
+    let settings = Settings {
+        splatting: Splatting::TwoPass,
+        background: Background::solid([119; 3]),
+        ..Settings::default()
+    };
+    let packet = packet_of(&frame, &camera, &settings, SIZE);
+    let disks = Disks {
+        points: &frame.points,
+        shapes: frame.shapes.as_ref().unwrap(),
+        cull_back_faces: true,
+    };
+    let view = TruthView::new(
+        &camera,
+        DVec3::ZERO,
+        SIZE,
+        settings.lighting,
+        settings.background,
+    );
+    let truth = Truth::of_disks(&disks, &view);
+    let depths = draw_depths(&packet);
+    // Where the rim of a disk goes through the middle of a pixel, rounding decides.
+    let (mut differing, mut largest) = (0, 0f32);
+    for (&found, &expected) in depths.depth.iter().zip(&truth.depth.depth) {
+        let apart = (found - expected).abs();
+        if found.is_infinite() && expected.is_infinite() {
+        } else if apart <= 1e-4 * expected {
+            largest = largest.max(apart / expected);
+        } else {
+            differing += 1;
+        }
+    }
+    assert!(differing <= 20, "{differing} pixels of another disk");
+    assert!(largest < 2e-6, "{largest}");
+    // A sample in the middle for 64, and weights of 16 bits for f64.
+    let psnr = psnr_db(mean_squared_error(&truth.image, &draw_on_cpu(&packet)).unwrap());
+    assert!(psnr > 40.0, "{psnr} dB");
+}
+
+#[test]
+fn depths_of_points_and_voxels_are_their_distances() {
+    let camera = camera_at(3.0);
+    let mut packet = surfel_scene(
+        Settings {
+            primitive: Primitive::Voxel,
+            ..Settings::default()
+        },
+        3.0,
+    );
+    packet.voxels = Some(Voxels {
+        records: Arc::new(vec![VoxelRecord {
+            center: [0.0; 3],
+            color: [9; 3],
+            level: 1,
+        }]),
+        cube_edge: 2.0,
+    });
+    let middle = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize;
+    // A cell of edge 1 around the origin is met half a unit before it, seen along an axis.
+    packet.view = Camera {
+        azimuth_deg: 0.0,
+        elevation_deg: 0.0,
+        ..camera
+    }
+    .transform(DVec3::ZERO, SIZE);
+    let depths = draw_depths(&packet);
+    assert!(
+        (depths.depth[middle] - 2.5).abs() < 1e-5,
+        "{}",
+        depths.depth[middle]
+    );
+    assert_eq!(depths.depth[0], f32::INFINITY);
+    packet.settings.primitive = Primitive::Point;
+    packet.settings.point_size_px = 3.0;
+    packet.voxels = None;
+    packet.points = Arc::new(vec![PointRecord {
+        position: [0.0; 3],
+        color: [9; 4],
+    }]);
+    let depths = draw_depths(&packet);
+    assert!(
+        (depths.depth[middle] - 3.0).abs() < 1e-5,
+        "{}",
+        depths.depth[middle]
+    );
+    let shown = depths
+        .depth
+        .iter()
+        .filter(|depth| depth.is_finite())
+        .count();
+    assert_eq!(shown, 9);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// From anywhere, in the modes that are to close surfaces: what shows within the outline does not depend on the background.
+    #[test]
+    fn no_background_shines_through_a_closed_sphere(
+        azimuth_deg in -180.0f64..180.0,
+        elevation_deg in -90.0f64..90.0,
+        distance in 1.15f64..8.0,
+    ) {
+        static SPHERE: LazyLock<PreparedFrame> = LazyLock::new(sampled_sphere);
+        let camera = Camera { azimuth_deg, elevation_deg, ..camera_at(distance) };
+        let size_px = [240, 200];
+        let focal = 1.0 / (0.5 * camera.fov_deg).to_radians().tan();
+        // The outline of the sphere, less what disks of its rim may be short of.
+        let outline_px = 0.5 * f64::from(size_px[1]) * focal / (distance * distance - 1.0).sqrt();
+        let within_px = 0.97 * outline_px - 1.0;
+        for splatting in [Splatting::Enlarged, Splatting::TwoPassEnlarged, Splatting::Visibility] {
+            let draw = |background: [u8; 3]| {
+                let settings = Settings {
+                    splatting,
+                    background: Background::solid(background),
+                    ..Settings::default()
+                };
+                draw_on_cpu(&packet_of(&SPHERE, &camera, &settings, size_px))
+            };
+            let (on_black, on_white) = (draw([0; 3]), draw([255; 3]));
+            for (x, y, pixel) in on_black.enumerate_pixels() {
+                let from_middle = (f64::from(x) - 119.5).hypot(f64::from(y) - 99.5);
+                if from_middle <= within_px {
+                    prop_assert_eq!(pixel, on_white.get_pixel(x, y), "{} at {} {}", splatting, x, y);
                 }
             }
         }

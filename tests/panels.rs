@@ -6,6 +6,8 @@
 
 #[path = "panels/benchmark.rs"]
 mod benchmark;
+#[path = "panels/comparison.rs"]
+mod comparison;
 #[path = "panels/keys.rs"]
 mod keys;
 #[path = "panels/menu.rs"]

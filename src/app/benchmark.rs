@@ -1,14 +1,15 @@
 //! A benchmark on a thread of its own, with its progress and its result as plain data for the panel.
 
 use super::tasks::{Outcome, Tasks, Wake};
-use crate::bench;
+use crate::bench::{self, LabPoint};
 use crate::render::gpu::{Context, ContextOptions};
+use crate::scene::RendererChoice;
 use crate::sequence::Sequence;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A finished benchmark as the panel shows and exports it.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct BenchmarkTable {
     /// Name of the suite.
     pub suite: String,
@@ -26,10 +27,14 @@ pub struct BenchmarkTable {
     pub json: String,
     /// The report for spreadsheets.
     pub csv: String,
+    /// The report as a page; empty where there is none.
+    pub html: String,
+    /// Ways to draw by time and error; most suites have none.
+    pub points: Vec<Arc<LabPoint>>,
 }
 
 /// How far a benchmark is.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default)]
 pub struct Progress {
     /// Steps done.
     pub done: usize,
@@ -37,6 +42,8 @@ pub struct Progress {
     pub total: usize,
     /// What is measured now.
     pub label: String,
+    /// A way to draw whose time and error have just become known.
+    pub measured: Option<Arc<LabPoint>>,
 }
 
 /// The work of a benchmark: reports progress, stops soon after the flag is set. `Err` is a text for the person.
@@ -65,6 +72,7 @@ pub struct RunningBenchmark {
     /// Name of the suite.
     pub suite: String,
     progress: Arc<Mutex<Progress>>,
+    points: Arc<Mutex<Vec<Arc<LabPoint>>>>,
     cancel: Arc<AtomicBool>,
 }
 
@@ -72,6 +80,14 @@ impl RunningBenchmark {
     /// How far it is.
     pub fn progress(&self) -> Progress {
         self.progress
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// The ways to draw whose time and error are known.
+    pub fn points(&self) -> Vec<Arc<LabPoint>> {
+        self.points
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .clone()
@@ -89,6 +105,15 @@ impl RunningBenchmark {
 }
 
 impl Benchmark {
+    /// The ways to draw whose time and error are known.
+    pub fn points(&self) -> Vec<Arc<LabPoint>> {
+        match self {
+            Self::Running(running) => running.points(),
+            Self::Done(table) => table.points.clone(),
+            Self::Idle | Self::Cancelled | Self::Failed(_) => Vec::new(),
+        }
+    }
+
     /// Starts `job` unless one is running. `wake` is called whenever there is progress.
     pub fn start(&mut self, suite: &str, job: BenchmarkJob, tasks: &Tasks, wake: Wake) {
         if matches!(self, Self::Running(_)) {
@@ -96,9 +121,15 @@ impl Benchmark {
         }
         let progress = Arc::new(Mutex::new(Progress::default()));
         let cancel = Arc::new(AtomicBool::new(false));
+        let points = Arc::new(Mutex::new(Vec::new()));
         let (reported, flag) = (Arc::clone(&progress), Arc::clone(&cancel));
+        let reported_points = Arc::clone(&points);
         tasks.start("benchmark", move || {
             let report = |now: Progress| {
+                reported_points
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .extend(now.measured.clone());
                 *reported.lock().unwrap_or_else(PoisonError::into_inner) = now;
                 wake();
             };
@@ -107,6 +138,7 @@ impl Benchmark {
         *self = Self::Running(RunningBenchmark {
             suite: suite.to_owned(),
             progress,
+            points,
             cancel,
         });
     }
@@ -143,9 +175,16 @@ pub(super) fn benchmark_job(
                 done: now.done,
                 total: now.total,
                 label: now.label,
+                measured: now.measured,
             });
         };
         let options = bench::BenchOptions {
+            // What a software adapter draws nobody would choose.
+            modes: if context.is_software() {
+                bench::Modes::of_renderer(RendererChoice::Cpu)
+            } else {
+                bench::Modes::default()
+            },
             truth_folder: bench::BenchOptions::truth_folder_of_person(),
             ..bench::BenchOptions::new(suite)
         };
@@ -165,6 +204,12 @@ pub(super) fn benchmark_job(
             bars: measured.bars(),
             json: measured.to_json(),
             csv: measured.to_csv(),
+            html: if measured.points.is_empty() {
+                String::new()
+            } else {
+                measured.to_html()
+            },
+            points: measured.points.into_iter().map(Arc::new).collect(),
         })
     })
 }

@@ -46,6 +46,8 @@ pub enum Command {
     ToggleSettings,
     /// Show or hide the statistics.
     ToggleStatistics,
+    /// Two ways to draw side by side, and back.
+    ToggleComparison,
     /// Show or hide the keys.
     ToggleHelp,
     /// Close what is open, or leave full screen.
@@ -290,6 +292,13 @@ pub const BINDINGS: &[Binding] = &[
         Command::Smaller,
         &[Chord::any_shift(Key::Minus)],
     )),
+    binding(
+        VIEW,
+        "C",
+        "Compare two ways to draw",
+        Command::ToggleComparison,
+        &[Chord::plain(Key::C)],
+    ),
     binding(
         VIEW,
         "F2",

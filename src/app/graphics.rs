@@ -13,6 +13,7 @@ use crate::render::{RenderError, RenderStats, Renderer};
 use crate::scene::ScenePacket;
 use egui::{ClippedPrimitive, TextureId, TexturesDelta};
 use egui_wgpu::{RendererOptions, ScreenDescriptor};
+use image::RgbaImage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::window::Window;
@@ -22,6 +23,13 @@ pub(super) struct Graphics {
     context: Arc<Context>,
     surface: WindowSurface,
     painter: egui_wgpu::Renderer,
+    picture: Picture,
+    /// That of the other side of a comparison, once there was one.
+    other_picture: Option<Picture>,
+}
+
+/// A 3-D picture: who draws it, and the texture that egui shows.
+struct Picture {
     renderer: GpuRenderer,
     software: SoftwarePicture,
     drawn_by: DrawnBy,
@@ -44,30 +52,15 @@ pub(super) struct Painted {
     pub(super) waited: Duration,
 }
 
-impl Graphics {
-    /// Opens the adapter that shows on `window`.
-    pub(super) fn new(window: Arc<Window>) -> Result<Self, RenderError> {
-        let surface = WindowSurface::open(window, |instance, surface| {
-            Context::for_window(instance, surface, &ContextOptions::default())
-        })?;
-        let context = Arc::clone(surface.context());
-        let options = RendererOptions {
-            // It would be added to the picture too, which is to be shown as it is.
-            dithering: false,
-            ..RendererOptions::default()
-        };
-        let mut painter = egui_wgpu::Renderer::new(&context.device, surface.format(), options);
+impl Picture {
+    fn new(context: &Arc<Context>, painter: &mut egui_wgpu::Renderer) -> Result<Self, RenderError> {
         let texture = painter.register_native_texture(
             &context.device,
             &empty_picture(&context.device),
             wgpu::FilterMode::Nearest,
         );
-        let renderer = GpuRenderer::new(Arc::clone(&context))?;
         Ok(Self {
-            context,
-            surface,
-            painter,
-            renderer,
+            renderer: GpuRenderer::new(Arc::clone(context))?,
             software: SoftwarePicture::default(),
             drawn_by: DrawnBy::Gpu,
             texture,
@@ -75,33 +68,21 @@ impl Graphics {
         })
     }
 
-    /// The device.
-    pub(super) fn context(&self) -> &Arc<Context> {
-        &self.context
-    }
-
-    /// What egui shows as the picture.
-    pub(super) fn texture(&self) -> TextureId {
-        self.texture
-    }
-
-    /// Counters of the renderer that drew the last picture.
-    pub(super) fn stats(&self) -> RenderStats {
+    fn stats(&self) -> RenderStats {
         match self.drawn_by {
             DrawnBy::Gpu => self.renderer.stats(),
             DrawnBy::Processor => self.software.renderer.stats(),
         }
     }
 
-    /// Follows the window's size.
-    pub(super) fn resize(&mut self) {
-        self.surface.resize();
-    }
-
-    /// Draws the 3-D picture.
-    pub(super) fn draw(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+    fn draw(
+        &mut self,
+        context: &Context,
+        painter: &mut egui_wgpu::Renderer,
+        packet: &ScenePacket,
+    ) -> Result<(), RenderError> {
         let choice = packet.settings.renderer;
-        self.drawn_by = if choice.is_processor(self.context.is_software()) {
+        self.drawn_by = if choice.is_processor(context.is_software()) {
             DrawnBy::Processor
         } else {
             DrawnBy::Gpu
@@ -114,7 +95,7 @@ impl Graphics {
                 (self.renderer.color_generation(), view)
             }
             DrawnBy::Processor => {
-                self.software.draw(&self.context, packet)?;
+                self.software.draw(context, packet)?;
                 (self.software.generation, self.software.view())
             }
         };
@@ -128,8 +109,8 @@ impl Graphics {
         if self.shown != shown
             && let Some(view) = view
         {
-            self.painter.update_egui_texture_from_wgpu_texture(
-                &self.context.device,
+            painter.update_egui_texture_from_wgpu_texture(
+                &context.device,
                 &view,
                 filter,
                 self.texture,
@@ -139,16 +120,95 @@ impl Graphics {
         Ok(())
     }
 
-    /// Reads the 3-D picture back, in the size in which it is shown.
-    pub(super) fn read_picture(
-        &mut self,
-        shown_px: [u32; 2],
-    ) -> Result<image::RgbaImage, RenderError> {
+    /// Reads it back, in the size in which it is shown.
+    fn read(&mut self, shown_px: [u32; 2]) -> Result<RgbaImage, RenderError> {
         let image = match self.drawn_by {
             DrawnBy::Gpu => self.renderer.read_image(),
             DrawnBy::Processor => self.software.renderer.read_image(),
         };
         Ok(scaled_to(image?, shown_px))
+    }
+}
+
+impl Graphics {
+    /// Opens the adapter that shows on `window`.
+    pub(super) fn new(window: Arc<Window>) -> Result<Self, RenderError> {
+        let surface = WindowSurface::open(window, |instance, surface| {
+            Context::for_window(instance, surface, &ContextOptions::default())
+        })?;
+        let context = Arc::clone(surface.context());
+        let options = RendererOptions {
+            // It would be added to the picture too, which is to be shown as it is.
+            dithering: false,
+            ..RendererOptions::default()
+        };
+        let mut painter = egui_wgpu::Renderer::new(&context.device, surface.format(), options);
+        let picture = Picture::new(&context, &mut painter)?;
+        Ok(Self {
+            context,
+            surface,
+            painter,
+            picture,
+            other_picture: None,
+        })
+    }
+
+    /// The device.
+    pub(super) fn context(&self) -> &Arc<Context> {
+        &self.context
+    }
+
+    /// What egui shows as the picture.
+    pub(super) fn texture(&self) -> TextureId {
+        self.picture.texture
+    }
+
+    /// What egui shows as the picture of the other side of a comparison, once there was one.
+    pub(super) fn other_texture(&self) -> Option<TextureId> {
+        self.other_picture.as_ref().map(|picture| picture.texture)
+    }
+
+    /// Whether the graphics card drew the last picture.
+    pub(super) fn was_drawn_by_gpu(&self) -> bool {
+        self.picture.drawn_by == DrawnBy::Gpu
+    }
+
+    /// Counters of the renderer that drew the last picture.
+    pub(super) fn stats(&self) -> RenderStats {
+        self.picture.stats()
+    }
+
+    /// Follows the window's size.
+    pub(super) fn resize(&mut self) {
+        self.surface.resize();
+    }
+
+    /// Draws the 3-D picture.
+    pub(super) fn draw(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+        self.picture.draw(&self.context, &mut self.painter, packet)
+    }
+
+    /// Draws the picture of the other side of a comparison.
+    pub(super) fn draw_other(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+        let picture = match &mut self.other_picture {
+            Some(picture) => picture,
+            none => none.insert(Picture::new(&self.context, &mut self.painter)?),
+        };
+        picture.draw(&self.context, &mut self.painter, packet)
+    }
+
+    /// Reads the 3-D picture back, in the size in which it is shown.
+    pub(super) fn read_picture(&mut self, shown_px: [u32; 2]) -> Result<RgbaImage, RenderError> {
+        self.picture.read(shown_px)
+    }
+
+    /// Reads the picture of the other side of a comparison back, if there is one.
+    pub(super) fn read_other_picture(
+        &mut self,
+        shown_px: [u32; 2],
+    ) -> Result<Option<RgbaImage>, RenderError> {
+        let picture = self.other_picture.as_mut();
+        picture.map(|picture| picture.read(shown_px)).transpose()
     }
 
     /// Paints the panels, with the picture in their midst, and shows them.

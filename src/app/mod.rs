@@ -13,6 +13,7 @@
 
 mod benchmark;
 mod command;
+mod comparison;
 mod fly;
 mod focus;
 mod graphics;
@@ -33,13 +34,15 @@ mod window;
 
 pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable, Progress};
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
+pub use comparison::{Comparison, PictureDifference, Side};
 pub use fly::Fly;
 pub use marks::{Mark, Run};
 pub use notices::{Notice, Notices, Severity};
+pub use panels::QualityLimits;
 pub use player::Player;
 pub use preferences::{Preferences, PreferencesFile};
 pub use recent::Recent;
 pub use state::{Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewport, WindowRequest};
-pub use tasks::{DialogKind, Outcome, Tasks, Wake};
+pub use tasks::{DialogKind, Outcome, ReportFormat, Tasks, Wake};
 pub use theme::apply_theme;
 pub use window::{AppError, Options, run};

@@ -5,15 +5,20 @@ mod actions;
 pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 
 use super::benchmark::Benchmark;
+use super::comparison::Comparison;
 use super::fly::Fly;
 use super::grip::Grip;
 use super::notices::Notices;
+use super::panels::QualityLimits;
 use super::player::{Player, can_draw};
 use super::preferences::Preferences;
 use super::recent::Recent;
 use super::tasks::{Tasks, Wake};
+use crate::bench::{Quality, QualityKey};
 use crate::render::RenderStats;
-use crate::scene::{Camera, Primitive, Scene, ScenePacket, SceneStats, Settings, UpAxis};
+use crate::scene::{
+    Camera, Primitive, RendererChoice, Scene, ScenePacket, SceneStats, Settings, UpAxis,
+};
 use crate::sequence::{Clock, LoaderOptions, Sequence};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -108,6 +113,8 @@ pub struct Viewport {
     pub size_px: [u32; 2],
     /// The texture that holds it; `None` without a GPU.
     pub texture: Option<egui::TextureId>,
+    /// The texture that holds the picture of the other side of a comparison.
+    pub other_texture: Option<egui::TextureId>,
     /// Largest edge that the adapter can draw.
     pub max_edge_px: Option<u32>,
 }
@@ -118,6 +125,7 @@ impl Default for Viewport {
             rect: egui::Rect::ZERO,
             size_px: [0; 2],
             texture: None,
+            other_texture: None,
             max_edge_px: None,
         }
     }
@@ -148,6 +156,8 @@ impl GraphicsInfo {
 pub enum WindowRequest {
     /// Read the picture back and write it to this file, or to a new one.
     Screenshot(Option<PathBuf>),
+    /// Read the pictures of both sides of a comparison back.
+    Compare,
     /// Full screen and back.
     FullScreen,
     /// End the program.
@@ -167,8 +177,14 @@ pub struct State {
     pub notices: Notices,
     /// Open panels.
     pub panels: OpenPanels,
+    /// Another way to draw beside the one of the settings.
+    pub comparison: Option<Comparison>,
     /// The benchmark window's content.
     pub benchmark: Benchmark,
+    /// What is known of the open sequence's ways to draw, from fast to exact.
+    pub quality: Option<Quality>,
+    /// What a person would spend at most.
+    pub quality_limits: QualityLimits,
     /// What was opened lately.
     pub recent: Recent,
     /// The picture's place.
@@ -196,6 +212,10 @@ pub struct State {
     drawn_primitive: Primitive,
     /// The last redraw had a new picture, whose time has not been looked at.
     picture_is_new: bool,
+    /// Who was chosen to draw when the graphics card's device was lost: the processor draws until that is chosen anew.
+    without_gpu: Option<RendererChoice>,
+    /// Where [`State::quality`] is kept; known once sequence and adapter are.
+    quality_key: Option<QualityKey>,
 }
 
 /// The playhead in the hand.
@@ -215,7 +235,10 @@ impl State {
             settings: options.preferences.settings,
             notices: Notices::default(),
             panels: options.preferences.panels,
+            comparison: None,
             benchmark: Benchmark::default(),
+            quality: None,
+            quality_limits: QualityLimits::default(),
             recent: options.recent.clone(),
             viewport: Viewport::default(),
             graphics: GraphicsInfo::default(),
@@ -232,6 +255,8 @@ impl State {
             packet: None,
             drawn_primitive: Primitive::Point,
             picture_is_new: false,
+            without_gpu: None,
+            quality_key: None,
             options,
         }
     }
@@ -302,6 +327,8 @@ impl State {
         }
         self.framed = false;
         self.scrubbing = Scrubbing::default();
+        self.quality = None;
+        self.quality_key = None;
     }
 
     /// Finds the frames of `inputs` on a thread and opens them.
@@ -328,6 +355,13 @@ impl State {
             self.take_in(outcome);
         }
         visible |= self.notices.expire(now);
+        visible |= self.look_for_quality();
+        if let Some(comparison) = &mut self.comparison
+            && comparison.is_due(now)
+        {
+            self.requests.push(WindowRequest::Compare);
+            visible = true;
+        }
         let Some(player) = &mut self.player else {
             return visible;
         };
@@ -365,6 +399,12 @@ impl State {
             return None;
         }
         let mut settings = self.settings;
+        if self.without_gpu == Some(settings.renderer) {
+            settings.renderer = RendererChoice::Cpu;
+        } else {
+            // Somebody has chosen anew.
+            self.without_gpu = None;
+        }
         // Until the frame has what the primitive needs, it is shown as before.
         if !can_draw(frame, settings.primitive) {
             settings.primitive = if can_draw(frame, self.drawn_primitive) {
@@ -392,18 +432,40 @@ impl State {
         self.packet = Some(packet.clone());
         self.picture_is_new = true;
         self.counters.pictures += 1;
+        if let Some(comparison) = &mut self.comparison {
+            comparison.note_change(self.now);
+        }
+        Some(packet)
+    }
+
+    /// The packet of the other side of a comparison, if it differs from the last one.
+    pub fn next_other_packet(&mut self) -> Option<ScenePacket> {
+        let comparison = self.comparison.as_mut()?;
+        let player = self.player.as_ref()?;
+        let frame = player.shown()?;
+        if self.viewport.size_px.contains(&0) {
+            return None;
+        }
+        let origin = player.sequence().origin();
+        let size_px = self.viewport.size_px;
+        let packet = comparison.next_packet(frame, origin, &self.camera, size_px)?;
+        comparison.note_change(self.now);
         Some(packet)
     }
 
     /// Forgets what was drawn: after a new GPU device everything is drawn again.
     pub fn forget_picture(&mut self) {
         self.packet = None;
+        if let Some(comparison) = &mut self.comparison {
+            comparison.forget_picture();
+        }
     }
 
     /// When [`State::update`] has something to do by itself.
     pub fn next_deadline(&self) -> Option<Duration> {
         let player = self.player.as_ref().and_then(Player::next_deadline);
-        [player, self.notices.next_deadline()]
+        let comparison = self.comparison.as_ref().and_then(Comparison::next_deadline);
+        [player, self.notices.next_deadline(), comparison]
             .into_iter()
             .flatten()
             .min()

@@ -3,6 +3,7 @@
 //! Each task sends one [`Outcome`] through a bounded channel and wakes the event loop. A dialog is one at a time.
 
 use super::benchmark::BenchmarkTable;
+use super::comparison::PictureDifference;
 use crate::io;
 use crate::sequence::{Sequence, SequenceError};
 use std::fs;
@@ -31,10 +32,39 @@ pub enum DialogKind {
     OpenFolder,
     /// Where to write the picture.
     SavePicture,
-    /// Where to write the benchmark as JSON.
-    SaveJson,
-    /// Where to write the benchmark as CSV.
-    SaveCsv,
+    /// Where to write the benchmark.
+    SaveReport(ReportFormat),
+}
+
+/// As what a benchmark is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReportFormat {
+    /// For programs.
+    Json,
+    /// For spreadsheets.
+    Csv,
+    /// For browsers.
+    Html,
+}
+
+impl ReportFormat {
+    /// Its name for people.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Json => "JSON",
+            Self::Csv => "CSV",
+            Self::Html => "HTML page",
+        }
+    }
+
+    /// What its files end in.
+    pub(super) fn extension(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::Csv => "csv",
+            Self::Html => "html",
+        }
+    }
 }
 
 /// What a task came to.
@@ -60,6 +90,8 @@ pub enum Outcome {
     NoDialog,
     /// A file was written.
     Saved(PathBuf),
+    /// Two pictures were compared.
+    Compared(PictureDifference),
     /// A benchmark ended; `Err` is a text for the person.
     Benchmark(Result<BenchmarkTable, String>),
     /// A task failed; the text says which and why.
@@ -252,13 +284,9 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
             .set_title("Save the picture")
             .add_filter("PNG image", &["png"])
             .save_file()),
-        DialogKind::SaveJson => one(dialog
+        DialogKind::SaveReport(format) => one(dialog
             .set_title("Save the benchmark")
-            .add_filter("JSON", &["json"])
-            .save_file()),
-        DialogKind::SaveCsv => one(dialog
-            .set_title("Save the benchmark")
-            .add_filter("CSV", &["csv"])
+            .add_filter(format.name(), &[format.extension()])
             .save_file()),
     }
 }

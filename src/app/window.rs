@@ -129,6 +129,15 @@ struct App {
     end: Result<(), AppError>,
 }
 
+/// What pictures are to be read back for.
+#[derive(Default)]
+struct Wanted {
+    /// To be written to these files, or to new ones.
+    files: Vec<Option<PathBuf>>,
+    /// To compare the two sides.
+    comparison: bool,
+}
+
 impl App {
     fn new(mut options: Options, event_loop: &EventLoop<Wakened>) -> Self {
         let proxy = event_loop.create_proxy();
@@ -217,6 +226,7 @@ impl App {
             Some(max_edge_px as usize),
         );
         self.state.viewport.texture = Some(graphics.texture());
+        self.state.viewport.other_texture = None;
         self.state.viewport.max_edge_px = Some(max_edge_px);
         self.state.graphics.adapter = graphics.context().adapter_summary();
         self.state.graphics.has_timestamps = graphics.context().has_timestamps;
@@ -282,7 +292,7 @@ impl App {
         self.repaint_at = now.checked_add(delay);
 
         let drawn = self.draw_picture(screen);
-        let pictures = self.requests(event_loop, screen);
+        let Wanted { files, comparison } = self.requests(event_loop, screen);
         let primitives = screen
             .egui
             .tessellate(output.shapes, output.pixels_per_point);
@@ -299,7 +309,15 @@ impl App {
         if !painted.presented && !self.sight.is_occluded {
             self.repaint_at = Some(now + NEWS_INTERVAL);
         }
-        for path in pictures {
+        if comparison
+            && let Some(other) = screen
+                .graphics
+                .read_other_picture(self.state.viewport.size_px)?
+        {
+            let edited = screen.graphics.read_picture(self.state.viewport.size_px)?;
+            self.state.compare_pictures(edited, other);
+        }
+        for path in files {
             let image = screen.graphics.read_picture(self.state.viewport.size_px)?;
             self.state.save_picture(image, path);
         }
@@ -312,22 +330,27 @@ impl App {
     }
 
     fn draw_picture(&mut self, screen: &mut Screen) -> Result<(), RenderError> {
-        let Some(packet) = self.state.next_packet() else {
-            return Ok(());
-        };
-        if self.options.lose_device_after == Some(self.state.counters.pictures) {
-            screen.graphics.context().simulate_loss();
+        if let Some(packet) = self.state.next_packet() {
+            if self.options.lose_device_after == Some(self.state.counters.pictures) {
+                screen.graphics.context().simulate_loss();
+            }
+            screen.graphics.draw(&packet)?;
         }
-        screen.graphics.draw(&packet)
+        if let Some(packet) = self.state.next_other_packet() {
+            screen.graphics.draw_other(&packet)?;
+            self.state.viewport.other_texture = screen.graphics.other_texture();
+        }
+        Ok(())
     }
 
-    /// Does what only the window can do; returns where pictures are to be written.
-    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &Screen) -> Vec<Option<PathBuf>> {
-        let mut pictures = Vec::new();
+    /// Does what only the window can do; returns what pictures are to be read back for.
+    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &Screen) -> Wanted {
+        let mut wanted = Wanted::default();
         for request in self.state.take_requests() {
             match request {
                 WindowRequest::Quit => event_loop.exit(),
-                WindowRequest::Screenshot(path) => pictures.push(path),
+                WindowRequest::Screenshot(path) => wanted.files.push(path),
+                WindowRequest::Compare => wanted.comparison = true,
                 WindowRequest::FullScreen => {
                     // The window system may have ended it meanwhile: the window itself knows.
                     let full = screen.window.fullscreen().is_none();
@@ -337,7 +360,7 @@ impl App {
                 }
             }
         }
-        pictures
+        wanted
     }
 
     /// Takes notice of what is to be kept.
@@ -417,9 +440,15 @@ impl App {
             return None;
         }
         self.rebuilt_at.push(now);
+        let what_now = if screen.graphics.was_drawn_by_gpu() {
+            self.state.draw_without_gpu();
+            "The processor draws now; choose a renderer in the settings to try again"
+        } else {
+            "It was opened again"
+        };
         self.state.notices.post(
             Severity::Warning,
-            format!("{error}. It was opened again; nothing is lost."),
+            format!("{error}. {what_now}; nothing is lost."),
         );
         let Screen {
             window,

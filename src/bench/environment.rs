@@ -30,13 +30,20 @@ impl Environment {
             is_debug_build: cfg!(debug_assertions),
             adapter: context.map_or_else(|| AnyRenderer::cpu().summary(), Context::adapter_summary),
             has_timestamps: context.is_some_and(|context| context.has_timestamps),
-            cpu: std::fs::read_to_string("/proc/cpuinfo")
-                .ok()
-                .and_then(|text| cpu_model(&text))
-                .unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
+            cpu: Self::cpu(),
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             system: std::env::consts::OS,
         }
+    }
+}
+
+impl Environment {
+    /// See [`Environment::cpu`](#structfield.cpu).
+    pub(super) fn cpu() -> String {
+        std::fs::read_to_string("/proc/cpuinfo")
+            .ok()
+            .and_then(|text| cpu_model(&text))
+            .unwrap_or_else(|| std::env::consts::ARCH.to_owned())
     }
 }
 

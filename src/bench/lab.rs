@@ -6,6 +6,7 @@
 use super::Environment;
 use crate::kept;
 use crate::scene::Settings;
+use crate::sequence::Sequence;
 use image::RgbaImage;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -54,8 +55,10 @@ pub struct Quality {
 }
 
 /// One way to draw.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct QualityChoice {
+    /// The settings in a few words.
+    pub label: String,
     /// How to draw.
     pub settings: Settings,
     /// What a picture took, milliseconds.
@@ -72,6 +75,7 @@ impl Quality {
         let on_front = points.iter().filter(|point| point.is_on_front);
         let mut choices: Vec<QualityChoice> = on_front
             .map(|point| QualityChoice {
+                label: point.label.clone(),
                 settings: point.settings,
                 draw_ms: point.draw_ms,
                 flip: point.flip,
@@ -87,16 +91,16 @@ impl Quality {
     }
 
     /// The fastest whose error is at most `flip`; where there is none, the one with the least error.
-    pub fn fastest_below(&self, flip: f64) -> QualityChoice {
+    pub fn fastest_below(&self, flip: f64) -> &QualityChoice {
         let last = self.choices.len() - 1;
         let fit = self.choices.iter().find(|choice| choice.flip <= flip);
-        *fit.unwrap_or(&self.choices[last])
+        fit.unwrap_or(&self.choices[last])
     }
 
     /// The one with the least error that takes at most `draw_ms`; where there is none, the fastest.
-    pub fn best_within(&self, draw_ms: f64) -> QualityChoice {
+    pub fn best_within(&self, draw_ms: f64) -> &QualityChoice {
         let mut fit = self.choices.iter().rev();
-        *fit.find(|choice| choice.draw_ms <= draw_ms)
+        fit.find(|choice| choice.draw_ms <= draw_ms)
             .unwrap_or(&self.choices[0])
     }
 
@@ -120,20 +124,19 @@ impl Quality {
     }
 }
 
-/// What a [`Quality`] belongs to: a machine and a cloud.
+/// What a [`Quality`] belongs to: a machine and a sequence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QualityKey(String);
 
 impl QualityKey {
-    /// The key of a sequence by its sources' names and sizes on the machine of `environment`.
-    pub fn new(environment: &Environment, sources: impl IntoIterator<Item = String>) -> Self {
+    /// The key of a sequence, by its sources' names and sizes, on this machine with this adapter.
+    pub fn new(adapter: &str, sequence: &Sequence) -> Self {
         let mut hash = Sha256::new();
-        let machine = [
-            environment.version,
-            &environment.adapter,
-            &environment.cpu,
-            environment.system,
-        ];
+        let machine = [env!("CARGO_PKG_VERSION"), adapter, &Environment::cpu()];
+        let sources = sequence.sources().iter().map(|source| {
+            let bytes = std::fs::metadata(&source.path).map_or(0, |metadata| metadata.len());
+            format!("{} {bytes}", source.path.display())
+        });
         for text in machine.into_iter().map(str::to_owned).chain(sources) {
             hash.update(text.as_bytes());
             // So that no two lists of texts are alike.

@@ -26,7 +26,7 @@ mod suites;
 mod truth_cache;
 
 pub use environment::Environment;
-pub use lab::{LabPoint, Quality, mark_front};
+pub use lab::{LabPoint, Quality, QualityChoice, QualityKey, mark_front};
 pub use modes::{Modes, ParseModeError};
 pub use report::{Cell, Column, Report, Row, SequenceSummary, Table};
 pub use scenario::{COVERAGE_BAND, Coverage};
@@ -120,7 +120,7 @@ impl FromStr for Suite {
     }
 }
 
-/// How to measure. The default is the paper's protocol.
+/// How to measure.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct BenchOptions {
     /// What to measure.
@@ -129,8 +129,8 @@ pub struct BenchOptions {
     pub viewport_px: [u32; 2],
     /// Directions from which each frame is seen; at least 1. The protocol wants 8.
     pub viewpoints: usize,
-    /// Frames of each sequence, spread evenly; `None` takes [`BenchOptions::DEFAULT_FRAMES`].
-    pub frames: Option<usize>,
+    /// Frames of each sequence, spread evenly; at least 1.
+    pub frames: usize,
     /// Rounds over all viewpoints before the clocks count.
     pub warmup: usize,
     /// Rounds over all viewpoints that count; at least 1.
@@ -143,19 +143,23 @@ pub struct BenchOptions {
 }
 
 impl BenchOptions {
-    /// Frames of each sequence when none are asked for.
-    pub const DEFAULT_FRAMES: usize = 3;
-
     /// Viewpoints that the protocol asks for.
     pub const PROTOCOL_VIEWPOINTS: usize = 8;
 
-    /// The paper's protocol for `suite`.
+    /// The paper's protocol for `suite`; for those that are not the paper's, what takes minutes instead of hours.
     pub fn new(suite: Suite) -> Self {
+        let (viewport_px, viewpoints, frames) = match suite {
+            Suite::Surfels | Suite::Octree | Suite::Voxels | Suite::Accuracy => {
+                ([1920, 1280], Self::PROTOCOL_VIEWPOINTS, 3)
+            }
+            Suite::Render => ([1920, 1080], 2, 1),
+            Suite::Error => ([1280, 720], 2, 1),
+        };
         Self {
             suite,
-            viewport_px: [1920, 1280],
-            viewpoints: Self::PROTOCOL_VIEWPOINTS,
-            frames: None,
+            viewport_px,
+            viewpoints,
+            frames,
             warmup: 1,
             repeat: 3,
             modes: Modes::default(),
@@ -248,7 +252,7 @@ pub fn run(
     let at_least_1 = [
         ("viewpoints", options.viewpoints),
         ("repetitions", options.repeat),
-        ("frames", options.frames.unwrap_or(1)),
+        ("frames", options.frames),
         (
             "pixels",
             options.viewport_px.into_iter().min().unwrap_or(0) as usize,

@@ -24,6 +24,14 @@ pub struct Modes {
 pub struct ParseModeError(String);
 
 impl Modes {
+    /// All ways of one renderer.
+    pub fn of_renderer(renderer: RendererChoice) -> Self {
+        Self {
+            renderers: vec![renderer],
+            ..Self::default()
+        }
+    }
+
     /// Whether `settings`, which name who draws, are among them.
     pub fn admit(&self, settings: &Settings) -> bool {
         let is_gpu = settings.renderer == RendererChoice::Gpu;

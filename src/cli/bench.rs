@@ -41,17 +41,17 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "MODES")]
     modes: Option<Modes>,
 
-    /// Frames of each sequence, spread evenly
-    #[arg(long, value_name = "N", default_value_t = BenchOptions::DEFAULT_FRAMES, value_parser = count)]
-    frames: usize,
+    /// Frames of each sequence, spread evenly [default: 3; 1 for render and error]
+    #[arg(long, value_name = "N", value_parser = count)]
+    frames: Option<usize>,
 
-    /// Picture size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1920x1280", value_parser = size_px)]
-    size: [u32; 2],
+    /// Picture size in pixels [default: 1920x1280; 1920x1080 for render, 1280x720 for error]
+    #[arg(long, value_name = "WxH", value_parser = size_px)]
+    size: Option<[u32; 2]>,
 
-    /// Directions from which each frame is seen
-    #[arg(long, value_name = "N", default_value_t = BenchOptions::PROTOCOL_VIEWPOINTS, value_parser = count)]
-    viewpoints: usize,
+    /// Directions from which each frame is seen [default: 8; 2 for render and error]
+    #[arg(long, value_name = "N", value_parser = count)]
+    viewpoints: Option<usize>,
 
     /// Timed rounds over all viewpoints
     #[arg(long, value_name = "N", default_value = "3", value_parser = count)]
@@ -67,14 +67,15 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
     }
     let inputs = arguments.inputs.iter().map(|input| open_input(input));
     let inputs = inputs.collect::<anyhow::Result<Vec<Input>>>()?;
+    let default = BenchOptions::new(arguments.suite);
     let options = BenchOptions {
-        viewport_px: arguments.size,
-        viewpoints: arguments.viewpoints,
-        frames: Some(arguments.frames),
+        viewport_px: arguments.size.unwrap_or(default.viewport_px),
+        viewpoints: arguments.viewpoints.unwrap_or(default.viewpoints),
+        frames: arguments.frames.unwrap_or(default.frames),
         repeat: arguments.repeat,
         truth_folder: BenchOptions::truth_folder_of_person(),
         modes: arguments.modes.clone().unwrap_or_default(),
-        ..BenchOptions::new(arguments.suite)
+        ..default
     };
     let context = match Context::headless(&ContextOptions::default()) {
         Ok(context) => Some(context),

@@ -300,6 +300,17 @@ impl Settings {
         shown_px.map(|edge| ((edge as f32 * self.resolution).round() as u32).max(1))
     }
 
+    /// These settings, but drawn as `way` is: the colours and the background stay, and whether back faces are left out.
+    #[must_use]
+    pub fn drawn_as(&self, way: &Self) -> Self {
+        Self {
+            colors: self.colors,
+            background: self.background,
+            cull_back_faces: self.cull_back_faces,
+            ..*way
+        }
+    }
+
     /// Whether what is drawn are cells of an octree.
     pub fn draws_cells(&self) -> bool {
         match self.primitive {

@@ -4,7 +4,9 @@ use super::{click, window};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkTable, Progress, State};
-use pointreel::bench::Table;
+use pointreel::bench::{LabPoint, Quality, Table};
+use pointreel::scene::{Background, Primitive, RendererChoice, Settings};
+use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
@@ -48,6 +50,7 @@ fn a_benchmark_shows_progress_then_its_table() {
             done: 3,
             total: 6,
             label: "storage".to_owned(),
+            measured: None,
         });
         reached.send(()).unwrap();
         gate.recv().unwrap();
@@ -118,4 +121,122 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
     );
     finish(&mut harness);
     assert!(harness.query_by_label("the GPU is out of memory").is_some());
+}
+
+/// A way to draw that takes so long and is so wrong.
+fn point(draw_ms: f64, flip: f64, settings: Settings) -> Arc<LabPoint> {
+    Arc::new(LabPoint {
+        sequence: "demo".to_owned(),
+        settings,
+        label: format!("way of {draw_ms} ms"),
+        draw_ms,
+        flip,
+        is_on_front: false,
+        picture: image::RgbaImage::new(24, 16),
+        error_map: image::RgbaImage::new(24, 16),
+    })
+}
+
+/// Points of 2 px, voxels at half the resolution, surfels, and points that voxels beat.
+fn points() -> Vec<Arc<LabPoint>> {
+    let cpu = Settings {
+        renderer: RendererChoice::Cpu,
+        ..Settings::default()
+    };
+    let points_2_px = Settings {
+        primitive: Primitive::Point,
+        point_size_px: 2.0,
+        ..cpu
+    };
+    let voxels = Settings {
+        primitive: Primitive::Voxel,
+        resolution: 0.5,
+        ..cpu
+    };
+    let beaten = Settings {
+        primitive: Primitive::Point,
+        ..cpu
+    };
+    vec![
+        point(1.0, 0.5, points_2_px),
+        point(8.0, 0.2, voxels),
+        point(30.0, 0.05, cpu),
+        point(9.0, 0.4, beaten),
+    ]
+}
+
+#[test]
+fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
+    let mut harness = window();
+    harness.state_mut().settings.background = Background::solid([1, 2, 3]);
+    let (go_on, gate) = sync_channel::<()>(0);
+    let (reached, half_way) = sync_channel::<()>(0);
+    let job: BenchmarkJob = Box::new(move |report, _| {
+        for measured in &points()[..2] {
+            report(Progress {
+                measured: Some(Arc::clone(measured)),
+                ..Progress::default()
+            });
+        }
+        reached.send(()).unwrap();
+        gate.recv().unwrap();
+        Ok(BenchmarkTable {
+            suite: "error".to_owned(),
+            points: points(),
+            html: "<!DOCTYPE html>".to_owned(),
+            ..BenchmarkTable::default()
+        })
+    });
+    start(&mut harness, job);
+    half_way.recv().unwrap();
+    harness.run();
+    click(&mut harness, "8.00 ms, FLIP 0.2000: way of 8 ms");
+    let settings = harness.state().settings;
+    assert_eq!(
+        (settings.primitive, settings.resolution),
+        (Primitive::Voxel, 0.5)
+    );
+    assert_eq!(
+        settings.background,
+        Background::solid([1, 2, 3]),
+        "the background is the person's"
+    );
+    go_on.send(()).unwrap();
+    finish(&mut harness);
+    assert!(harness.query_by_label("Export page…").is_some());
+    assert!(
+        harness
+            .query_by_label("30.00 ms, FLIP 0.0500: way of 30 ms")
+            .is_some()
+    );
+    assert!(
+        harness.query_by_label_contains("way of 9 ms").is_none(),
+        "voxels are faster and better"
+    );
+}
+
+#[test]
+fn a_slider_leads_from_fast_to_exact() {
+    let mut harness = window();
+    assert!(harness.query_by_label("Measure…").is_some());
+    let points: Vec<LabPoint> = points().iter().map(|point| (**point).clone()).collect();
+    harness.state_mut().quality = Quality::of(&points);
+    harness.run();
+    assert!(
+        harness
+            .query_by_label("Drawn in a way of your own")
+            .is_some()
+    );
+    // The slider's arrow keys, as a person without a mouse has them.
+    let slider = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "Fast to exact");
+    slider.focus();
+    harness.run();
+    harness.key_press(egui::Key::ArrowLeft);
+    harness.run();
+    assert_eq!(harness.state().settings.primitive, Primitive::Voxel);
+    assert!(
+        harness
+            .query_by_label_contains("8.0 ms, FLIP 0.200")
+            .is_some()
+    );
 }

@@ -1,7 +1,8 @@
 //! The benchmark window: progress and cancel while it runs, then the table and a bar chart.
 
+use super::lab::lab_ui;
 use crate::app::theme::{ACCENT, BAD, ODD};
-use crate::app::{Benchmark, BenchmarkTable, DialogKind, State};
+use crate::app::{Benchmark, BenchmarkTable, DialogKind, ReportFormat, State};
 use crate::bench::Table;
 use egui::{Align2, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
 use egui_plot::{Bar, BarChart, Plot};
@@ -19,7 +20,9 @@ pub fn benchmark_ui(ui: &mut Ui, state: &mut State) {
         .default_width(820.0)
         .pivot(Align2::CENTER_CENTER)
         .default_pos(ui.ctx().content_rect().center())
-        .show(ui, |ui| match &state.benchmark {
+        .show(ui, |ui| {
+            let points = state.benchmark.points();
+            match &state.benchmark {
             Benchmark::Idle => {
                 ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused meanwhile.");
             }
@@ -45,6 +48,11 @@ pub fn benchmark_ui(ui: &mut Ui, state: &mut State) {
                 }
             }
             Benchmark::Done(table) => export = done(ui, table),
+            }
+            if !points.is_empty() {
+                ui.separator();
+                lab_ui(ui, state, &points);
+            }
         });
     state.panels.benchmark = open;
     if let Some(dialog) = export {
@@ -70,7 +78,8 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
     for note in &table.notes {
         ui.label(RichText::new(note).color(ODD));
     }
-    if !table.bars.is_empty() {
+    // Ways by time and error have a plot of their own.
+    if !table.bars.is_empty() && table.points.is_empty() {
         ui.add_space(8.0);
         ui.label(&table.bars_title);
         chart(ui, table);
@@ -83,10 +92,16 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
         let csv = ui
             .button("Export CSV…")
             .on_hover_text("The table, for spreadsheets");
+        let html = (!table.html.is_empty()).then(|| {
+            ui.button("Export page…")
+                .on_hover_text("A page with the plot and the pictures, for browsers")
+        });
         if json.clicked() {
-            Some(DialogKind::SaveJson)
+            Some(DialogKind::SaveReport(ReportFormat::Json))
         } else if csv.clicked() {
-            Some(DialogKind::SaveCsv)
+            Some(DialogKind::SaveReport(ReportFormat::Csv))
+        } else if html.is_some_and(|html| html.clicked()) {
+            Some(DialogKind::SaveReport(ReportFormat::Html))
         } else {
             None
         }

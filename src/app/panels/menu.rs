@@ -87,6 +87,11 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
             state.panels.statistics,
             Command::ToggleStatistics,
         ),
+        (
+            "Compare A/B",
+            state.comparison.is_some(),
+            Command::ToggleComparison,
+        ),
         ("Full screen", state.full_screen, Command::FullScreen),
     ] {
         let button = Button::selectable(open, text).shortcut_text(keys_of(command));
@@ -120,6 +125,16 @@ fn benchmark_menu(ui: &mut Ui, state: &mut State) {
             Suite::Accuracy,
             "Accuracy",
             "Errors beside times: normals of known shapes, octree leaves by δ, pictures by LOD threshold",
+        ),
+        (
+            Suite::Render,
+            "CPU × GPU",
+            "Time a picture by the software renderer and by the graphics card, from three distances",
+        ),
+        (
+            Suite::Error,
+            "Time × error",
+            "Time and error of every way to draw, against the truth; a click on a point draws as it does",
         ),
     ] {
         let button = ui

@@ -1,9 +1,12 @@
 //! The panels, one file each: `fn timeline_ui(ui, &mut State)`. They read and change [`State`] and know no GPU.
 
 mod benchmark;
+mod comparison;
 mod help;
+mod lab;
 mod menu;
 mod notices;
+mod quality;
 mod settings;
 mod statistics;
 mod timeline;
@@ -14,12 +17,14 @@ pub use benchmark::benchmark_ui;
 pub use help::help_ui;
 pub use menu::menu_ui;
 pub use notices::notices_ui;
+pub use quality::QualityLimits;
 pub use settings::settings_ui;
 pub use statistics::statistics_ui;
 pub use timeline::timeline_ui;
 pub use viewport::viewport_ui;
 
 use super::State;
+use comparison::comparison_ui;
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
 /// Everything in the window, keys included.
@@ -30,6 +35,12 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     Panel::top("menu")
         .frame(bar)
         .show(ui, |ui| menu_ui(ui, state));
+    if state.comparison.is_some() {
+        let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
+        Panel::top("comparison")
+            .frame(bar)
+            .show(ui, |ui| comparison_ui(ui, state));
+    }
     let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
     Panel::bottom("timeline")
         .frame(bar)

@@ -1,5 +1,6 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
+use super::quality::quality_ui;
 use super::voxels::octree_ui;
 use crate::app::State;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
@@ -12,6 +13,7 @@ use egui::{Button, Checkbox, ComboBox, Grid, RichText, ScrollArea, Slider, Ui, W
 /// The panel at the right.
 pub fn settings_ui(ui: &mut Ui, state: &mut State) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        quality_ui(ui, state);
         heading(ui, "Picture");
         primitive(ui, &mut state.settings);
         rows(ui, "picture", |ui| {

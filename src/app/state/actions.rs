@@ -3,10 +3,11 @@
 use super::{State, WindowRequest};
 use crate::app::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
 use crate::app::command::{self, Command};
+use crate::app::comparison::Comparison;
 use crate::app::player::Player;
-use crate::app::tasks::{DialogKind, Outcome, PicturePlace};
-use crate::bench::Suite;
-use crate::scene::{Camera, Primitive, UpAxis};
+use crate::app::tasks::{DialogKind, Outcome, PicturePlace, ReportFormat};
+use crate::bench::{LabPoint, Quality, QualityKey, Suite};
+use crate::scene::{Camera, Primitive, Settings, UpAxis};
 use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, Sequence};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -41,7 +42,15 @@ impl State {
                  Drop files or a folder on the window, or name them on the command line: pointreel view FOLDER",
             ),
             Outcome::Saved(path) => self.notices.info(format!("Saved {}", path.display())),
-            Outcome::Benchmark(result) => self.benchmark.finish(result),
+            Outcome::Benchmark(result) => {
+                self.benchmark.finish(result);
+                self.learn_quality();
+            }
+            Outcome::Compared(difference) => {
+                if let Some(comparison) = &mut self.comparison {
+                    comparison.take_in(difference);
+                }
+            }
             Outcome::Failed(text) => self.notices.error(text),
         }
     }
@@ -58,16 +67,17 @@ impl State {
                         first, "png",
                     ))));
             }
-            DialogKind::SaveJson | DialogKind::SaveCsv => {
+            DialogKind::SaveReport(format) => {
                 let Benchmark::Done(table) = &self.benchmark else {
                     return;
                 };
-                let (extension, text) = match dialog {
-                    DialogKind::SaveJson => ("json", &table.json),
-                    _ => ("csv", &table.csv),
+                let text = match format {
+                    ReportFormat::Json => &table.json,
+                    ReportFormat::Csv => &table.csv,
+                    ReportFormat::Html => &table.html,
                 };
-                self.tasks
-                    .save(with_extension(first, extension), text.clone().into_bytes());
+                let file = with_extension(first, format.extension());
+                self.tasks.save(file, text.clone().into_bytes());
             }
         }
     }
@@ -124,6 +134,12 @@ impl State {
             Command::FullScreen => self.requests.push(WindowRequest::FullScreen),
             Command::ToggleSettings => self.panels.settings ^= true,
             Command::ToggleStatistics => self.panels.statistics ^= true,
+            Command::ToggleComparison => {
+                self.comparison = match self.comparison.take() {
+                    Some(_) => None,
+                    None => Some(Comparison::new(self.settings)),
+                };
+            }
             Command::ToggleHelp => self.panels.help ^= true,
             Command::Escape => self.escape(),
             Command::Quit => self.requests.push(WindowRequest::Quit),
@@ -195,17 +211,55 @@ impl State {
         self.benchmark.start(suite, job, &self.tasks, wake);
     }
 
+    /// Reads what was measured of the open sequence before, once it is known what it would be kept by. True if there is something.
+    pub(super) fn look_for_quality(&mut self) -> bool {
+        let adapter = &self.graphics.adapter;
+        let Some(player) = self.player.as_ref().filter(|_| !adapter.is_empty()) else {
+            return false;
+        };
+        if self.quality_key.is_some() {
+            return false;
+        }
+        let key = QualityKey::new(adapter, player.sequence());
+        self.quality = Quality::read(&key);
+        self.quality_key = Some(key);
+        self.quality.is_some()
+    }
+
+    /// Takes over what a benchmark has found of the open sequence, and keeps it.
+    fn learn_quality(&mut self) {
+        let Benchmark::Done(table) = &self.benchmark else {
+            return;
+        };
+        let points: Vec<LabPoint> = table.points.iter().map(|point| (**point).clone()).collect();
+        let is_of_open = self
+            .sequence_name()
+            .is_some_and(|name| points.first().is_some_and(|point| point.sequence == name));
+        let Some(quality) = Quality::of(&points).filter(|_| is_of_open) else {
+            return;
+        };
+        if let Some(key) = &self.quality_key
+            && let Err(reason) = quality.write(key)
+        {
+            log::warn!("what was measured is not kept: {reason}");
+        }
+        self.quality = Some(quality);
+    }
+
+    /// Draws as `way` from now on.
+    pub fn draw_as(&mut self, way: &Settings) {
+        self.settings = self.settings.drawn_as(way);
+    }
+
     /// Asks where to write the benchmark's result.
     pub(in crate::app) fn ask_for_export(&mut self, dialog: DialogKind) {
         let Benchmark::Done(table) = &self.benchmark else {
             return;
         };
-        let extension = if dialog == DialogKind::SaveJson {
-            "json"
-        } else {
-            "csv"
+        let DialogKind::SaveReport(format) = dialog else {
+            return;
         };
-        let name = format!("pointreel-{}.{extension}", table.suite);
+        let name = format!("pointreel-{}.{}", table.suite, format.extension());
         self.tasks.ask(dialog, Some(name));
     }
 
@@ -274,6 +328,19 @@ impl State {
             .rsplit_once('.')
             .map_or(name.as_str(), |(stem, _)| stem);
         format!("pointreel-{name}-{frame:04}")
+    }
+
+    /// Compares the picture of the window's settings with that of the other side.
+    pub fn compare_pictures(&self, edited: image::RgbaImage, other: image::RgbaImage) {
+        if let Some(comparison) = &self.comparison {
+            comparison.compare(edited, other, &self.tasks);
+        }
+    }
+
+    /// From now on the processor draws in place of the graphics card whose device was lost, until a person chooses who draws.
+    pub(in crate::app) fn draw_without_gpu(&mut self) {
+        self.without_gpu = Some(self.settings.renderer);
+        self.forget_picture();
     }
 
     /// Writes `image` to `path`, or to a new file in the folder of pictures.

@@ -98,7 +98,8 @@ impl Report {
             let coverage = sequence.coverage.as_ref();
             lines.extend(coverage.map(|coverage| coverage_line(what, coverage)));
         }
-        if viewpoints < BenchOptions::PROTOCOL_VIEWPOINTS {
+        let is_of_paper = matches!(suite, Suite::Surfels | Suite::Octree | Suite::Voxels);
+        if is_of_paper && viewpoints < BenchOptions::PROTOCOL_VIEWPOINTS {
             lines.push(format!(
                 "note      the protocol wants at least {} viewpoints",
                 BenchOptions::PROTOCOL_VIEWPOINTS

@@ -93,7 +93,7 @@ impl<'a> Run<'a> {
         &mut self,
         steps_per_frame: usize,
     ) -> Result<Vec<Subject<'a>>, BenchError> {
-        let wanted = self.options.frames.unwrap_or(BenchOptions::DEFAULT_FRAMES);
+        let wanted = self.options.frames;
         let mut subjects = Vec::new();
         for Input {
             name,

@@ -1,0 +1,112 @@
+//! From fast to exact by one slider, once it is known what each way to draw takes and how wrong it is.
+
+use super::settings::{heading, row, rows};
+use crate::app::State;
+use crate::bench::{Quality, Suite};
+use egui::{Button, DragValue, Slider, Ui};
+
+/// What a person would spend at most; see [`quality_ui`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QualityLimits {
+    /// Largest FLIP of the object, 0 to 1.
+    pub flip: f64,
+    /// Longest time of a picture, milliseconds.
+    pub draw_ms: f64,
+}
+
+impl Default for QualityLimits {
+    fn default() -> Self {
+        // A tenth is seen when one looks for it; 16 ms are a picture of a screen of 60 Hz.
+        Self {
+            flip: 0.1,
+            draw_ms: 16.0,
+        }
+    }
+}
+
+/// A slider over the ways that no other beats, and the two limits that choose one of them.
+pub(super) fn quality_ui(ui: &mut Ui, state: &mut State) {
+    if state.player.is_none() {
+        return;
+    }
+    heading(ui, "Quality");
+    match state.quality.clone() {
+        Some(quality) => choose(ui, state, &quality),
+        None => {
+            let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. Then one \
+                           slider chooses from fast to exact. What was measured is kept for this sequence";
+            if ui
+                .add(Button::new("Measure…"))
+                .on_hover_text(tooltip)
+                .clicked()
+            {
+                state.start_benchmark(Suite::Error);
+            }
+        }
+    }
+}
+
+fn choose(ui: &mut Ui, state: &mut State, quality: &Quality) {
+    let choices = quality.choices();
+    let current = choices
+        .iter()
+        .position(|choice| state.settings.drawn_as(&choice.settings) == state.settings);
+    let mut wanted = current;
+    let mut limits = state.quality_limits;
+    rows(ui, "quality", |ui| {
+        // Without a place among the choices, the slider stands where the time of pictures would put it.
+        let mut place = current.unwrap_or(choices.len() - 1);
+        row(
+            ui,
+            "Fast to exact",
+            "The ways to draw that no other beats in time and error, as measured on this machine",
+            Slider::new(&mut place, 0..=choices.len() - 1).show_value(false),
+        );
+        if current.unwrap_or(choices.len() - 1) != place {
+            wanted = Some(place);
+        }
+        let error = DragValue::new(&mut limits.flip)
+            .range(0.0..=1.0)
+            .speed(0.002)
+            .max_decimals(3);
+        row(
+            ui,
+            "Error below",
+            "Draws in the fastest way whose error (FLIP of the object, 0 to 1) is at most this",
+            error,
+        );
+        let time = DragValue::new(&mut limits.draw_ms)
+            .range(0.1..=10_000.0)
+            .speed(0.5)
+            .max_decimals(1)
+            .suffix(" ms");
+        row(
+            ui,
+            "Time within",
+            "Draws in the way with the least error that takes at most this for a picture",
+            time,
+        );
+    });
+    let place_of =
+        |chosen: &crate::bench::QualityChoice| choices.iter().position(|choice| choice == chosen);
+    if limits.flip != state.quality_limits.flip {
+        wanted = place_of(quality.fastest_below(limits.flip));
+    } else if limits.draw_ms != state.quality_limits.draw_ms {
+        wanted = place_of(quality.best_within(limits.draw_ms));
+    }
+    state.quality_limits = limits;
+    match wanted.and_then(|place| choices.get(place)) {
+        Some(choice) => {
+            ui.weak(format!(
+                "{:.1} ms, FLIP {:.3}: {}",
+                choice.draw_ms, choice.flip, choice.label
+            ));
+            if wanted != current {
+                state.draw_as(&choice.settings);
+            }
+        }
+        None => {
+            ui.weak("Drawn in a way of your own");
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Two ways to draw side by side.
+
+use super::{click, window};
+use egui_kittest::kittest::Queryable as _;
+use image::{Rgba, RgbaImage};
+use pointreel::app::{Command, Side, WindowRequest};
+use pointreel::scene::{Primitive, Splatting};
+use std::time::{Duration, Instant};
+
+#[test]
+fn each_side_keeps_its_settings_and_draws_its_picture() {
+    let mut harness = window();
+    assert!(harness.state_mut().next_packet().is_some());
+    assert!(
+        harness.state_mut().next_other_packet().is_none(),
+        "one picture"
+    );
+    harness.state_mut().run(Command::ToggleComparison);
+    harness.run();
+    // The right side is edited first; the left one stays as it was.
+    harness.state_mut().settings.primitive = Primitive::Point;
+    let other = harness.state_mut().next_other_packet().unwrap();
+    assert_eq!(other.settings.primitive, Primitive::Surfel);
+    assert!(harness.state_mut().next_other_packet().is_none(), "once");
+    assert_eq!(
+        harness
+            .state_mut()
+            .next_packet()
+            .unwrap()
+            .settings
+            .primitive,
+        Primitive::Point
+    );
+    click(&mut harness, "A (left)");
+    assert_eq!(harness.state().settings.primitive, Primitive::Surfel);
+    let comparison = harness.state().comparison.as_ref().unwrap();
+    assert_eq!(
+        (comparison.edited, comparison.other.primitive),
+        (Side::A, Primitive::Point)
+    );
+    // What one side needs of the frame is there for it alone.
+    harness
+        .state_mut()
+        .comparison
+        .as_mut()
+        .unwrap()
+        .other
+        .primitive = Primitive::Voxel;
+    let voxels = harness.state_mut().next_other_packet().unwrap().voxels;
+    assert!(!voxels.unwrap().records.is_empty());
+    // Both are seen from one camera.
+    harness.state_mut().camera.azimuth_deg += 10.0;
+    let packets = [
+        harness.state_mut().next_packet(),
+        harness.state_mut().next_other_packet(),
+    ];
+    let [view, other_view] = packets.map(|packet| packet.unwrap().view);
+    assert_eq!(view, other_view);
+    click(&mut harness, "Close");
+    assert!(harness.state().comparison.is_none());
+}
+
+#[test]
+fn pictures_that_rest_are_compared() {
+    let mut harness = window();
+    harness.state_mut().run(Command::ToggleComparison);
+    harness.state_mut().settings.splatting = Splatting::TwoPass;
+    harness.run();
+    harness.state_mut().next_packet();
+    harness.state_mut().next_other_packet();
+    assert!(
+        harness
+            .query_by_label("Compared when the pictures rest")
+            .is_some()
+    );
+    let at = |millis| Duration::from_millis(millis);
+    harness.state_mut().update(at(100));
+    assert_eq!(harness.state_mut().take_requests(), []);
+    harness.state_mut().update(at(400));
+    assert_eq!(
+        harness.state_mut().take_requests(),
+        [WindowRequest::Compare]
+    );
+    // What the window does then.
+    let [edited, other] =
+        [40, 90].map(|level| RgbaImage::from_pixel(32, 24, Rgba([level, level, level, 255])));
+    harness.state_mut().compare_pictures(edited, other);
+    let begin = Instant::now();
+    while harness
+        .state()
+        .comparison
+        .as_ref()
+        .unwrap()
+        .difference
+        .is_none()
+    {
+        assert!(begin.elapsed() < Duration::from_secs(20), "no answer");
+        harness.state_mut().update(at(400));
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    harness.run();
+    assert!(
+        harness.query_by_label_contains("PSNR 14.2 dB").is_some(),
+        "20 log10(255 / 50)"
+    );
+    click(&mut harness, "Error map");
+    assert!(
+        harness
+            .state()
+            .comparison
+            .as_ref()
+            .unwrap()
+            .shows_difference
+    );
+    // The next change makes the numbers old.
+    harness.state_mut().settings.splat_scale = 2.0;
+    assert!(harness.state_mut().next_packet().is_some());
+    harness.run();
+    assert!(
+        harness
+            .query_by_label("Compared when the pictures rest")
+            .is_some()
+    );
+}
+
+#[test]
+fn the_line_is_dragged_and_the_camera_stays() {
+    let mut harness = window();
+    harness.state_mut().run(Command::ToggleComparison);
+    harness.run();
+    let camera = harness.state().camera;
+    let rect = harness.state().viewport.rect;
+    let (from, to) = (
+        rect.center(),
+        egui::pos2(rect.left() + 0.25 * rect.width(), rect.center().y),
+    );
+    harness.drag_at(from);
+    harness.run();
+    harness.hover_at(to);
+    harness.run();
+    harness.drop_at(to);
+    harness.run();
+    let split = harness.state().comparison.as_ref().unwrap().split;
+    assert!((split - 0.25).abs() < 0.01, "{split}");
+    assert_eq!(harness.state().camera, camera);
+}
