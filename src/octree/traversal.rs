@@ -25,6 +25,7 @@
 use super::cut::{Cut, CutByPoints, CutHints};
 use super::{LodSurfels, NodeRange, Octree, select::SelectView, stop::Leaves};
 use crate::math::{Frustum, morton::LEVELS};
+use fearless_simd::Level;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -41,6 +42,7 @@ impl Octree {
                 surfels.work_out_cones();
             }
             let traversal = Traversal {
+                simd: Level::new(),
                 tree: self,
                 view: *view,
                 levels: self.level_limits(view, before.is_some()),
@@ -110,7 +112,7 @@ fn stop_distance_squared(edge: f32, view: &SelectView, share: f64) -> f32 {
 }
 
 /// One bit for each frustum plane that still has to be tested.
-type PlaneMask = u8;
+pub(super) type PlaneMask = u8;
 const ALL_PLANES: PlaneMask = (1 << Frustum::PLANES) - 1;
 
 /// Relative margin of squared distances beyond which rounding cannot change a decision.
@@ -122,23 +124,27 @@ const ORDERED_LEVELS: u32 = 2;
 /// Below this, the octants of a node are not shared out among threads.
 const PARALLEL_POINTS: usize = 1 << 15;
 
+/// Subtrees of up to so many points are sifted.
+const SIFTED: usize = 256;
+
 /// What only depends on the level of a cell.
 #[derive(Debug, Clone, Copy)]
-struct LevelLimits {
-    edge: f32,
-    sphere_radius: f32,
+pub(super) struct LevelLimits {
+    pub(super) edge: f32,
+    pub(super) sphere_radius: f32,
     /// Up to this distance a cell is divided, whatever was before.
-    may_stop_beyond_squared: f32,
+    pub(super) may_stop_beyond_squared: f32,
     /// Between the two others, this decides for cells that were not seen before.
     stop_beyond_squared: f32,
     /// Beyond this distance a cell is not divided, whatever was before.
-    must_stop_beyond_squared: f32,
+    pub(super) must_stop_beyond_squared: f32,
 }
 
-struct Traversal<'a> {
-    tree: &'a Octree,
-    view: SelectView,
-    levels: [LevelLimits; LEVELS as usize + 1],
+pub(super) struct Traversal<'a> {
+    pub(super) simd: Level,
+    pub(super) tree: &'a Octree,
+    pub(super) view: SelectView,
+    pub(super) levels: [LevelLimits; LEVELS as usize + 1],
     slack: f32,
     back_faces: Option<&'a LodSurfels>,
     before: Option<CutByPoints<'a>>,
@@ -184,6 +190,15 @@ impl Traversal<'_> {
         {
             let points = node.points;
             cut.emit(NodeRange { level, points });
+            return;
+        }
+        if !is_ordered
+            && self.before.is_none() && self.back_faces.is_none()
+            && node.points.len() <= SIFTED
+            && let Leaves::OnLevel(depth) = self.tree.leaves
+        {
+            let level = self.first_stop(&node, distance, depth);
+            self.sift(level, node.points, planes, depth, cut);
             return;
         }
         let children = self
@@ -298,12 +313,19 @@ impl Traversal<'_> {
             return None;
         };
         // No cell above this level stops, wherever in this cell it is.
-        let first_stop = (node.level + 1..depth)
-            .find(|&below| farthest_squared > limits(below).may_stop_beyond_squared)
-            .unwrap_or(depth);
+        let first_stop = self.first_stop(node, distance, depth);
         let all_stop =
             first_stop == depth || nearest_squared > limits(first_stop).must_stop_beyond_squared;
         all_stop.then_some(first_stop)
+    }
+
+    fn first_stop(&self, node: &NodeRange, distance: Vec3, depth: u32) -> u32 {
+        let half_edge = 0.5 * self.levels[node.level as usize].edge;
+        let farthest_squared =
+            (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN);
+        (node.level + 1..depth)
+            .find(|&below| farthest_squared > self.levels[below as usize].may_stop_beyond_squared)
+            .unwrap_or(depth)
     }
 
     /// Whether all nodes of a level are leaves.
