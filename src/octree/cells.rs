@@ -153,25 +153,28 @@ pub(super) fn write_beginnings(partings: &[u8], level: u32, first: u32, out: &mu
     let mut count = 0;
     let mut point = first;
     let (words, rest) = partings.as_chunks::<WORD>();
-    let mut write = |word: [u8; WORD]| {
-        let set = beginning_set(word, level) as usize;
-        let out: &mut [u32; WORD] = out[count..].first_chunk_mut().expect("room for a word");
-        // All are written, and those behind the ones that begin a cell are written over.
-        for (out, place) in out.iter_mut().zip(PLACES_IN_WORD[set]) {
-            *out = point + u32::from(place);
-        }
-        count += set.count_ones() as usize;
-        point += WORD as u32;
-    };
     for &word in words {
-        write(word);
+        count += write_beginnings_of_word(word, level, point, &mut out[count..]);
+        point += WORD as u32;
     }
     if !rest.is_empty() {
         let mut word = [u8::MAX >> 1; WORD];
         word[..rest.len()].copy_from_slice(rest);
-        write(word);
+        count += write_beginnings_of_word(word, level, point, &mut out[count..]);
     }
     count
+}
+
+/// Not a closure, which is called twice and so would not be inlined.
+#[inline(always)]
+fn write_beginnings_of_word(word: [u8; WORD], level: u32, first: u32, out: &mut [u32]) -> usize {
+    let set = beginning_set(word, level) as usize;
+    let out: &mut [u32; WORD] = out.first_chunk_mut().expect("room for a word");
+    // All are written, and those behind the ones that begin a cell are written over.
+    for (out, place) in out.iter_mut().zip(PLACES_IN_WORD[set]) {
+        *out = first + u32::from(place);
+    }
+    set.count_ones() as usize
 }
 
 /// One bit for every byte of `partings` that is at most `level`.

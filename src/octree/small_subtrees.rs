@@ -14,7 +14,7 @@ use super::cells::write_beginnings;
 use super::cut::Cut;
 use super::traversal::{PlaneMask, Traversal};
 use crate::math::morton::{LEVELS, PackedCell};
-use fearless_simd::{Simd, SimdBase, SimdFloat, dispatch, f32x8, mask32x8};
+use fearless_simd::{Simd, SimdBase, SimdFloat, Select, dispatch, f32x8, mask32x8, u32x8};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -49,7 +49,7 @@ impl Traversal<'_> {
         let mut first = points.start;
         while first < points.end {
             let looked_at = points.end.min(first + BLOCK);
-            let end = sorted.next_beginning(level, looked_at, points.end);
+            let end = if looked_at < points.end { sorted.next_beginning(level, looked_at, points.end) } else { points.end };
             let mut block = Block {
                 firsts: [0; BLOCK + LANES],
                 in_view: 0,
@@ -110,14 +110,25 @@ impl Traversal<'_> {
         let count = write_beginnings(&sorted.partings[points], level, first, &mut block.firsts);
         let limits = &self.levels[level as usize];
         let rows = block.firsts.as_chunks::<LANES>().0;
+        let zero = u32x8::splat(simd, 0);
+        let weights = simd.load_array_u32x8([1, 2, 4, 8, 16, 32, 64, 128]);
         for (row, firsts) in rows[..count.div_ceil(LANES)].iter().enumerate() {
             let center = self.centers(simd, level, firsts);
             let in_view = self.in_view(simd, center, limits.sphere_radius, planes);
             let nearest_squared = self.nearest_squared(simd, center, 0.5 * limits.edge);
+            let may_stop = nearest_squared.simd_gt(limits.may_stop_beyond_squared);
+            let must_stop = nearest_squared.simd_gt(limits.must_stop_beyond_squared);
+            let (low, high) = simd.split_u32x8(
+                in_view.select(weights, zero)
+                    | may_stop.select(weights << 8, zero)
+                    | must_stop.select(weights << 16, zero),
+            );
+            let [a, b, c, d]: [u32; 4] = (low | high).into();
+            let bits = u64::from(a | b | c | d);
             let at = LANES * row;
-            block.in_view |= bits(in_view) << at;
-            block.may_stop |= bits(nearest_squared.simd_gt(limits.may_stop_beyond_squared)) << at;
-            block.must_stop |= bits(nearest_squared.simd_gt(limits.must_stop_beyond_squared)) << at;
+            block.in_view |= (bits & 255) << at;
+            block.may_stop |= (bits >> 8 & 255) << at;
+            block.must_stop |= (bits >> 16) << at;
         }
         // What stands in the last row beyond the cells.
         block.in_view &= u64::MAX >> (64 - count);
@@ -176,13 +187,3 @@ impl Traversal<'_> {
     }
 }
 
-/// A bit for each lane.
-#[inline(always)]
-fn bits<S: Simd>(mask: mask32x8<S>) -> u64 {
-    let lanes: [i32; LANES] = mask.into();
-    let mut bits = 0;
-    for (lane, &is_set) in lanes.iter().enumerate() {
-        bits |= is_set & 1 << lane;
-    }
-    bits as u64
-}

@@ -147,7 +147,7 @@ pub(super) struct Traversal<'a> {
     pub(super) levels: [LevelLimits; LEVELS as usize + 1],
     slack: f32,
     back_faces: Option<&'a LodSurfels>,
-    before: Option<CutByPoints<'a>>,
+    pub(super) before: Option<CutByPoints<'a>>,
 }
 
 /// A node to be looked at.
