@@ -23,6 +23,7 @@
 //! always descends. The output depends on tree, view and hints alone.
 
 use super::cut::{Cut, CutByPoints, CutHints};
+use super::small_subtrees::Subtree;
 use super::{LodSurfels, NodeRange, Octree, select::SelectView, stop::Leaves};
 use crate::math::{Frustum, morton::LEVELS};
 use fearless_simd::Level;
@@ -124,8 +125,8 @@ const ORDERED_LEVELS: u32 = 2;
 /// Below this, the octants of a node are not shared out among threads.
 const PARALLEL_POINTS: usize = 1 << 15;
 
-/// Subtrees of up to so many points are sifted.
-const SIFTED: usize = 256;
+/// The cells of a subtree of up to so many points are tested side by side. Twice or half as many take about as long.
+const SMALL_SUBTREE: usize = 160;
 
 /// What only depends on the level of a cell.
 #[derive(Debug, Clone, Copy)]
@@ -146,8 +147,8 @@ pub(super) struct Traversal<'a> {
     pub(super) view: SelectView,
     pub(super) levels: [LevelLimits; LEVELS as usize + 1],
     slack: f32,
-    back_faces: Option<&'a LodSurfels>,
-    pub(super) before: Option<CutByPoints<'a>>,
+    pub(super) back_faces: Option<&'a LodSurfels>,
+    before: Option<CutByPoints<'a>>,
 }
 
 /// A node to be looked at.
@@ -180,12 +181,12 @@ impl Traversal<'_> {
             return;
         }
         let is_ordered = node.level < ORDERED_LEVELS;
-        let may_hide = self
+        let cone_level = self
             .back_faces
-            .is_some_and(|surfels| surfels.may_hide_below(node.level));
+            .and_then(|surfels| surfels.cone_level_below(node.level));
         if planes == 0
             && !is_ordered
-            && !may_hide
+            && cone_level.is_none()
             && let Some(level) = self.uniform_cut(&node, distance)
         {
             let points = node.points;
@@ -193,12 +194,17 @@ impl Traversal<'_> {
             return;
         }
         if !is_ordered
-            && self.before.is_none() && self.back_faces.is_none()
-            && node.points.len() <= SIFTED
+            && node.points.len() <= SMALL_SUBTREE
             && let Leaves::OnLevel(depth) = self.tree.leaves
         {
-            let level = self.first_stop(&node, distance, depth);
-            self.sift(level, node.points, planes, depth, cut);
+            let first_stop = self.first_stop(&node, distance, depth);
+            let subtree = Subtree {
+                planes,
+                first_stop,
+                depth,
+            };
+            let level = cone_level.unwrap_or(first_stop).min(first_stop);
+            self.sift(level, node.points, &subtree, cut);
             return;
         }
         let children = self
@@ -273,7 +279,7 @@ impl Traversal<'_> {
     }
 
     /// Whether a node that is no leaf is not divided. Its middle is `distance` from the eye along each axis.
-    fn stops(&self, node: &NodeRange, distance: Vec3) -> bool {
+    pub(super) fn stops(&self, node: &NodeRange, distance: Vec3) -> bool {
         let limits = &self.levels[node.level as usize];
         let nearest_squared = nearest_squared(distance, 0.5 * limits.edge);
         if nearest_squared <= limits.may_stop_beyond_squared {
