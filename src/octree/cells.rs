@@ -126,8 +126,12 @@ impl SortedPoints {
 
     /// The number of nodes that some ranges are.
     pub(super) fn count_nodes(&self, ranges: &[NodeRange]) -> usize {
-        let count = |range: &NodeRange| self.count_beginnings(range.level, range.points.clone());
-        ranges.iter().map(count).sum()
+        dispatch!(Level::new(), _simd => {
+            let count = |range: &NodeRange| {
+                count_in_lanes(&self.partings[range.points.clone()], range.level as u8)
+            };
+            ranges.iter().map(count).sum()
+        })
     }
 }
 
@@ -141,9 +145,9 @@ fn count_in_lanes(partings: &[u8], level: u8) -> usize {
     // As many as a byte can count.
     let (rows, rest) = partings.as_chunks::<128>();
     let count_in_row =
-        |row: &[u8; 128]| -> u8 { row.iter().map(|&parting| u8::from(parting <= level)).sum() };
+        |row: &[u8]| -> u8 { row.iter().map(|&parting| u8::from(parting <= level)).sum() };
     let in_rows: usize = rows.iter().map(|row| usize::from(count_in_row(row))).sum();
-    in_rows + rest.iter().filter(|&&parting| parting <= level).count()
+    in_rows + usize::from(count_in_row(rest))
 }
 
 /// Writes the first points of the cells of `level` among the points from `first` on, whose partings are given, to the

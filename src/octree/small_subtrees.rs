@@ -45,6 +45,16 @@ struct Block {
 }
 
 impl Block {
+    fn new(level: u32) -> Self {
+        Self {
+            level,
+            firsts: [0; BLOCK + LANES],
+            in_view: 0,
+            may_stop: 0,
+            must_stop: 0,
+        }
+    }
+
     fn points(&self, cells: Range<u32>) -> Range<usize> {
         self.firsts[cells.start as usize] as usize..self.firsts[cells.end as usize] as usize
     }
@@ -58,9 +68,10 @@ impl Traversal<'_> {
         let mut next = points.start;
         while next < points.end {
             let block_end = points.end.min(next + BLOCK);
-            let (mut block, count) = dispatch!(
+            let mut block = Block::new(level);
+            let count = dispatch!(
                 self.simd,
-                simd => self.test_block(simd, level, next..block_end, subtree.planes)
+                simd => self.test_block(simd, next..block_end, subtree.planes, &mut block)
             );
             // The last cell may have points beyond the block.
             next = match points.end - block_end {
@@ -136,26 +147,21 @@ impl Traversal<'_> {
         self.tree.cube.cell_center(level, cell)
     }
 
-    /// The cells of `level` that begin among some points, at most [`BLOCK`], and how many there are.
+    /// Fills a block with the cells of its level that begin among some points, at most [`BLOCK`]; how many they are.
     #[inline(always)]
     fn test_block<S: Simd>(
         &self,
         simd: S,
-        level: u32,
         points: Range<usize>,
         planes: PlaneMask,
-    ) -> (Block, usize) {
-        let mut block = Block {
-            level,
-            firsts: [0; BLOCK + LANES],
-            in_view: 0,
-            may_stop: 0,
-            must_stop: 0,
-        };
+        block: &mut Block,
+    ) -> usize {
+        let level = block.level;
         let first = points.start as u32;
         let partings = &self.tree.points.partings[points];
         let count = write_beginnings(partings, level, first, &mut block.firsts);
         let limits = &self.levels[level as usize];
+        let (mut all_in_view, mut all_may_stop, mut all_must_stop) = (0, 0, 0);
         let none = u32x8::splat(simd, 0);
         let lane_bits = simd.load_array_u32x8([1, 2, 4, 8, 16, 32, 64, 128]);
         let rows = block.firsts[..count.next_multiple_of(LANES)].as_chunks();
@@ -172,13 +178,15 @@ impl Traversal<'_> {
             let (low, high) = simd.split_u32x8(bits);
             let [a, b, c, d]: [u32; 4] = (low | high).into();
             let [in_view, may_stop, must_stop, _] = (a | b | c | d).to_le_bytes();
-            block.in_view |= u64::from(in_view) << (LANES * row);
-            block.may_stop |= u64::from(may_stop) << (LANES * row);
-            block.must_stop |= u64::from(must_stop) << (LANES * row);
+            all_in_view |= u64::from(in_view) << (LANES * row);
+            all_may_stop |= u64::from(may_stop) << (LANES * row);
+            all_must_stop |= u64::from(must_stop) << (LANES * row);
         }
         // The last row may be longer than there are cells.
-        block.in_view &= u64::MAX >> (BLOCK - count);
-        (block, count)
+        block.in_view = all_in_view & u64::MAX >> (BLOCK - count);
+        block.may_stop = all_may_stop;
+        block.must_stop = all_must_stop;
+        count
     }
 
     /// The middles of the cells of `level` that eight points are in.
