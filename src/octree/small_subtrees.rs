@@ -14,7 +14,7 @@ use super::cut::Cut;
 use super::traversal::{PlaneMask, Traversal};
 use super::{LodSurfels, NodeRange};
 use crate::math::morton::LEVELS;
-use fearless_simd::{Simd, SimdBase, SimdFloat, Select, dispatch, f32x8, mask32x8, u32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, dispatch, f32x8, mask32x8, u32x8};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -219,14 +219,15 @@ impl Traversal<'_> {
         radius: f32,
         planes: PlaneMask,
     ) -> mask32x8<S> {
-        let mut least = f32x8::splat(simd, f32::INFINITY);
+        let mut outside = mask32x8::splat(simd, 0);
         let mut untested = planes;
         while untested != 0 {
             let plane = self.view.frustum.planes()[untested.trailing_zeros() as usize];
             untested &= untested - 1;
-            least = least.min(x * plane.x + y * plane.y + z * plane.z + plane.w);
+            let distance = x * plane.x + y * plane.y + z * plane.z + plane.w;
+            outside |= distance.simd_lt(-radius);
         }
-        least.simd_ge(-radius)
+        !outside
     }
 
     /// Squares of the distances from the eye to the nearest points of eight cells.

@@ -2,13 +2,15 @@
 //!
 //! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its diameter)
 //! is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on screen.
-//! Four things keep most nodes from being looked at, and time short:
+//! Five things keep most nodes from being looked at, and time short:
 //!
 //! - *Inside mask.* A plane that a sphere is entirely inside of is not tested again below that node.
 //! - *Uniform cuts.* Once no plane is left, the nearest and the farthest distance of a cell bound where all of its
 //!   descendants would stop. When both name the same level, the answer for the whole subtree is all of its nodes on that
 //!   level: the points of the cell, emitted at once. Only cells that straddle the border of the frustum or of two levels of
 //!   detail are descended into.
+//! - *Small subtrees* that straddle one of these are not descended into: their cells are tested eight at a time
+//!   (`small_subtrees.rs`).
 //! - *Normal cones.* A node whose points all face away is dropped, if that is asked for ([`LodSurfels`]).
 //! - *Subtrees in parallel.* The octants of the root, and theirs, are gone through by as many threads as there are.
 //!
@@ -299,8 +301,7 @@ impl Traversal<'_> {
     /// `distance` from the eye along each axis.
     fn uniform_cut(&self, node: &NodeRange, distance: Vec3) -> Option<u32> {
         let half_edge = 0.5 * self.levels[node.level as usize].edge;
-        let farthest_squared =
-            (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN);
+        let farthest_squared = self.farthest_squared(node, distance);
         let nearest_squared = nearest_squared(distance, half_edge + self.slack) * (1.0 - MARGIN);
         let limits = |level: u32| &self.levels[level as usize];
         // If all were on this level, would they stay? None above it stops, and all of it do.
@@ -318,20 +319,24 @@ impl Traversal<'_> {
         let Leaves::OnLevel(depth) = self.tree.leaves else {
             return None;
         };
-        // No cell above this level stops, wherever in this cell it is.
         let first_stop = self.first_stop(node, distance, depth);
         let all_stop =
             first_stop == depth || nearest_squared > limits(first_stop).must_stop_beyond_squared;
         all_stop.then_some(first_stop)
     }
 
+    /// The first level below that of `node` on which a descendant may stop, wherever in it that is; `depth` is that of the leaves.
     fn first_stop(&self, node: &NodeRange, distance: Vec3, depth: u32) -> u32 {
-        let half_edge = 0.5 * self.levels[node.level as usize].edge;
-        let farthest_squared =
-            (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN);
+        let farthest_squared = self.farthest_squared(node, distance);
         (node.level + 1..depth)
             .find(|&below| farthest_squared > self.levels[below as usize].may_stop_beyond_squared)
             .unwrap_or(depth)
+    }
+
+    /// At least the square of the distance from the eye to anything in a cell whose middle is `distance` away along each axis.
+    fn farthest_squared(&self, node: &NodeRange, distance: Vec3) -> f32 {
+        let half_edge = 0.5 * self.levels[node.level as usize].edge;
+        (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN)
     }
 
     /// Whether all nodes of a level are leaves.
