@@ -126,8 +126,12 @@ impl SortedPoints {
 
     /// The number of nodes that some ranges are.
     pub(super) fn count_nodes(&self, ranges: &[NodeRange]) -> usize {
-        let count = |range: &NodeRange| self.count_beginnings(range.level, range.points.clone());
-        ranges.iter().map(count).sum()
+        dispatch!(Level::new(), _simd => {
+            let count = |range: &NodeRange| {
+                count_in_lanes(&self.partings[range.points.clone()], range.level as u8)
+            };
+            ranges.iter().map(count).sum()
+        })
     }
 }
 
@@ -141,9 +145,9 @@ fn count_in_lanes(partings: &[u8], level: u8) -> usize {
     // As many as a byte can count.
     let (rows, rest) = partings.as_chunks::<128>();
     let count_in_row =
-        |row: &[u8; 128]| -> u8 { row.iter().map(|&parting| u8::from(parting <= level)).sum() };
+        |row: &[u8]| -> u8 { row.iter().map(|&parting| u8::from(parting <= level)).sum() };
     let in_rows: usize = rows.iter().map(|row| usize::from(count_in_row(row))).sum();
-    in_rows + rest.iter().filter(|&&parting| parting <= level).count()
+    in_rows + usize::from(count_in_row(rest))
 }
 
 /// Writes the first points of the cells of `level` among the points from `first` on, whose partings are given, to the
@@ -153,25 +157,28 @@ pub(super) fn write_beginnings(partings: &[u8], level: u32, first: u32, out: &mu
     let mut count = 0;
     let mut point = first;
     let (words, rest) = partings.as_chunks::<WORD>();
-    let mut write = |word: [u8; WORD]| {
-        let set = beginning_set(word, level) as usize;
-        let out: &mut [u32; WORD] = out[count..].first_chunk_mut().expect("room for a word");
-        // All are written, and those behind the ones that begin a cell are written over.
-        for (out, place) in out.iter_mut().zip(PLACES_IN_WORD[set]) {
-            *out = point + u32::from(place);
-        }
-        count += set.count_ones() as usize;
-        point += WORD as u32;
-    };
     for &word in words {
-        write(word);
+        count += write_beginnings_of_word(word, level, point, &mut out[count..]);
+        point += WORD as u32;
     }
     if !rest.is_empty() {
         let mut word = [u8::MAX >> 1; WORD];
         word[..rest.len()].copy_from_slice(rest);
-        write(word);
+        count += write_beginnings_of_word(word, level, point, &mut out[count..]);
     }
     count
+}
+
+/// Not a closure, which is called twice and so would not be inlined.
+#[inline(always)]
+fn write_beginnings_of_word(word: [u8; WORD], level: u32, first: u32, out: &mut [u32]) -> usize {
+    let set = beginning_set(word, level) as usize;
+    let out: &mut [u32; WORD] = out.first_chunk_mut().expect("room for a word");
+    // All are written, and those behind the ones that begin a cell are written over.
+    for (out, place) in out.iter_mut().zip(PLACES_IN_WORD[set]) {
+        *out = first + u32::from(place);
+    }
+    set.count_ones() as usize
 }
 
 /// One bit for every byte of `partings` that is at most `level`.

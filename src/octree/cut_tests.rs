@@ -3,8 +3,9 @@
 use super::tests::{cell_of, view_from};
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
+use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
 use glam::Vec3;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 fn torus_tree(count: usize) -> Octree {
     let torus = test_shapes::torus(count, 0.4, &mut Random(31));
@@ -17,7 +18,7 @@ fn torus_tree(count: usize) -> Octree {
 
 type Cell = (u32, [u32; 3]);
 
-fn cells(tree: &Octree, cut: &Cut) -> HashSet<Cell> {
+fn cells(tree: &Octree, cut: &Cut) -> Vec<Cell> {
     let mut voxels = Vec::new();
     tree.write_voxels(cut, &mut voxels);
     assert_eq!(voxels.len(), cut.node_count());
@@ -82,14 +83,18 @@ fn a_small_move_back_and_forth_changes_no_level() {
     }
 }
 
-/// Whatever was before: no cell is drawn that a tenth more or less than the threshold forbids, each leaf in view is covered
-/// once, and every decision is the one that a cell by itself would make.
+/// Whatever is known beside the view: no cell is drawn that a tenth more or less than the threshold forbids, each leaf in view is
+/// covered once, and every decision is the one that a cell by itself would make. The order is that of a plain traversal.
 #[test]
-fn cuts_that_remember_stay_within_a_tenth_of_the_threshold() {
-    let tree = torus_tree(4_000);
+fn cuts_are_those_of_one_cell_after_the_other() {
+    let even = torus_surfels(4_000, 1);
+    // Cells of more points than are looked at together.
+    let crowded = torus_surfels(300, 50);
     let mut random = Random(8);
-    let mut kept = 0;
-    for _ in 0..60 {
+    let (mut kept, mut hidden) = (0, 0);
+    for round in 0..200 {
+        let surfels = [&even, &crowded][round % 2];
+        let tree = surfels.octree();
         let eye = random.cube() * 4.0;
         let target = random.cube() * 0.3;
         let lod_px = [2.0, 5.0, 12.0][random.next_bits() as usize % 3];
@@ -99,66 +104,114 @@ fn cuts_that_remember_stay_within_a_tenth_of_the_threshold() {
             target,
             lod_px,
         );
-        let before = cut(&tree, &moved, None);
-        let now = cut(&tree, &view, Some(&before));
-        let was: HashMap<usize, u32> = before
-            .ranges
-            .iter()
-            .flat_map(|range| range.points.clone().map(|point| (point, range.level)))
-            .collect();
-        let found = cells(&tree, &now);
-        assert_eq!(found, cells_that_remember(&tree, &view, &was));
-        kept += usize::from(found != cells(&tree, &cut(&tree, &view, None)));
+        let before = cut(tree, &moved, None);
+        let mut found = Vec::new();
+        for (before, back_faces) in [
+            (None, None),
+            (Some(&before), None),
+            (None, Some(surfels)),
+            (Some(&before), Some(surfels)),
+        ] {
+            let hints = CutHints { back_faces, before };
+            let cut = tree.cut(&view, hints);
+            let cells = cells(tree, &cut);
+            let visited_nodes = cut.stats().visited_nodes;
+            assert!((cells.len()..=tree.node_count()).contains(&visited_nodes));
+            assert_eq!(cells, cells_one_by_one(tree, &view, hints), "{round}");
+            found.push(cells);
+        }
+        kept += usize::from(found[1] != found[0]);
+        hidden += usize::from(found[2] != found[0]);
     }
-    assert!(kept > 20, "memory mattered");
+    assert!(kept > 30 && hidden > 100, "hints mattered: {kept} {hidden}");
+}
+
+/// Surfels of as many places on a torus, several points in each.
+fn torus_surfels(places: usize, points_per_place: usize) -> LodSurfels {
+    let torus = test_shapes::torus(places, 0.4, &mut Random(31));
+    let cube = crate::math::Cube::around(&torus.positions).unwrap();
+    let order = crate::math::order_of_codes(&cube.codes(&torus.positions));
+    let places = order
+        .iter()
+        .flat_map(|&place| std::iter::repeat_n(place as usize, points_per_place));
+    let points = places.clone().map(|place| PointRecord {
+        position: torus.positions[place].to_array(),
+        color: [0; 4],
+    });
+    let shapes = places.map(|place| ShapeRecord {
+        normal: oct_encode(torus.normals[place]),
+        radius: 0.01,
+        ellipse: 0,
+        scalar: 0.0,
+    });
+    let points: Vec<PointRecord> = points.collect();
+    let positions: Vec<Vec3> = points.iter().map(|point| point.position.into()).collect();
+    let colors = vec![[0; 4]; points.len()];
+    let tree = Octree::build(&positions, &colors, StopCriterion::Depth(6));
+    LodSurfels::new(Arc::new(tree), Arc::new(points), Arc::new(shapes.collect()))
 }
 
 /// Cell by cell, from the definition.
-fn cells_that_remember(
-    tree: &Octree,
-    view: &SelectView,
-    was: &HashMap<usize, u32>,
-) -> HashSet<Cell> {
-    fn visit(
-        tree: &Octree,
-        view: &SelectView,
-        was: &HashMap<usize, u32>,
-        node: &NodeRange,
-        cell: [u32; 3],
-        found: &mut HashSet<Cell>,
-    ) {
-        let cube = tree.cube();
-        let (edge, center) = (
-            cube.cell_edge(node.level),
-            cube.cell_center(node.level, cell),
-        );
-        let radius = 0.5 * 3f32.sqrt() * edge;
-        if view.frustum.sphere(center, radius) == crate::math::Containment::Outside {
-            return;
-        }
-        let nearest = ((center - view.eye).abs() - 0.5 * edge)
-            .max(Vec3::ZERO)
-            .length();
-        let edge_px = f64::from(edge * view.pixels_per_unit_at_1 / nearest);
-        let lod_px = f64::from(view.lod_px);
-        let was_divided = was.get(&node.points.start).map(|&level| level > node.level);
-        let is_divided = match was_divided {
-            _ if edge_px >= 1.1 * lod_px => true,
-            _ if edge_px < 0.9 * lod_px => false,
-            Some(was_divided) => was_divided,
-            None => edge_px >= lod_px,
-        };
-        if node.level == tree.depth() || !is_divided {
-            found.insert((node.level, cell));
-            return;
-        }
-        for (octant, child) in tree.points.children(node) {
-            let cell = std::array::from_fn(|axis| 2 * cell[axis] + (octant >> axis & 1));
-            visit(tree, view, was, &child, cell, found);
+fn cells_one_by_one(tree: &Octree, view: &SelectView, hints: CutHints<'_>) -> Vec<Cell> {
+    struct Plain<'a> {
+        tree: &'a Octree,
+        view: &'a SelectView,
+        back_faces: Option<&'a LodSurfels>,
+        levels_before: HashMap<usize, u32>,
+    }
+    impl Plain<'_> {
+        fn visit(&self, node: &NodeRange, cell: [u32; 3], found: &mut Vec<Cell>) {
+            let (view, cube) = (self.view, self.tree.cube());
+            let edge = cube.cell_edge(node.level);
+            let center = cube.cell_center(node.level, cell);
+            let radius = 0.5 * 3f32.sqrt() * edge;
+            let hides =
+                |surfels: &LodSurfels| surfels.all_face_away(node, view.eye, center, radius);
+            if view.frustum.sphere(center, radius) == crate::math::Containment::Outside
+                || self.back_faces.is_some_and(hides)
+            {
+                return;
+            }
+            let nearest = ((center - view.eye).abs() - 0.5 * edge)
+                .max(Vec3::ZERO)
+                .length();
+            let edge_px = f64::from(edge * view.pixels_per_unit_at_1 / nearest);
+            let lod_px = f64::from(view.lod_px);
+            let level_before = self.levels_before.get(&node.points.start);
+            let is_divided = match level_before {
+                Some(_) if edge_px >= 1.1 * lod_px => true,
+                Some(_) if edge_px < 0.9 * lod_px => false,
+                Some(&level) => level > node.level,
+                None => edge_px >= lod_px,
+            };
+            if node.level == self.tree.depth() || !is_divided {
+                found.push((node.level, cell));
+                return;
+            }
+            let mut children: Vec<_> = self.tree.points.children(node).collect();
+            if node.level < 2 {
+                let eye_octant = view.eye.cmpgt(center).bitmask();
+                children.sort_by_key(|(octant, _)| octant ^ eye_octant);
+            }
+            for (octant, child) in children {
+                let cell = std::array::from_fn(|axis| 2 * cell[axis] + (octant >> axis & 1));
+                self.visit(&child, cell, found);
+            }
         }
     }
-    let mut found = HashSet::new();
-    visit(tree, view, was, &tree.root(), [0; 3], &mut found);
+    let of_range = |range: &NodeRange| {
+        let level = range.level;
+        range.points.clone().map(move |point| (point, level))
+    };
+    let before = hints.before.iter().flat_map(|cut| &cut.ranges);
+    let plain = Plain {
+        tree,
+        view,
+        back_faces: hints.back_faces,
+        levels_before: before.flat_map(of_range).collect(),
+    };
+    let mut found = Vec::new();
+    plain.visit(&tree.root(), [0; 3], &mut found);
     found
 }
 

@@ -25,6 +25,7 @@ mod cut;
 mod cut_tests;
 mod node_surfel;
 mod select;
+mod small_subtrees;
 mod sorted_points;
 mod stop;
 pub mod stored;

@@ -176,12 +176,17 @@ impl LodSurfels {
         center: Vec3,
         sphere_radius: f32,
     ) -> bool {
-        if self.cone_level != Some(node.level) {
-            return false;
+        self.cones(node.level, node.points.start)
+            .is_some_and(|surfels| surfels[0].faces_away(center - eye, sphere_radius))
+    }
+
+    /// The surfels of the nodes of `level` from the one that begins with a point; `None` where they are not tested for facing away.
+    pub(super) fn cones(&self, level: u32, first: usize) -> Option<&[NodeSurfel]> {
+        if self.cone_level != Some(level) {
+            return None;
         }
-        let level = self.surfel_level(node.level);
-        let surfel = &level.surfels[self.rank(level, node.level, node.points.start)];
-        surfel.faces_away(center - eye, sphere_radius)
+        let kept = self.surfel_level(level);
+        Some(&kept.surfels[self.rank(kept, level, first)..])
     }
 
     /// Works out what [`LodSurfels::all_face_away`] asks for, before many threads do.
@@ -191,9 +196,9 @@ impl LodSurfels {
         }
     }
 
-    /// Whether nodes below a level may be dropped because they face away.
-    pub(super) fn may_hide_below(&self, level: u32) -> bool {
-        self.cone_level.is_some_and(|cones| level < cones)
+    /// The level below `level` whose nodes are tested for facing away, if there is one.
+    pub(super) fn cone_level_below(&self, level: u32) -> Option<u32> {
+        self.cone_level.filter(|&cones| level < cones)
     }
 
     /// The surfels of consecutive nodes.

@@ -2,13 +2,15 @@
 //!
 //! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its diameter)
 //! is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on screen.
-//! Four things keep most nodes from being looked at, and time short:
+//! Five things keep most nodes from being looked at, and time short:
 //!
 //! - *Inside mask.* A plane that a sphere is entirely inside of is not tested again below that node.
 //! - *Uniform cuts.* Once no plane is left, the nearest and the farthest distance of a cell bound where all of its
 //!   descendants would stop. When both name the same level, the answer for the whole subtree is all of its nodes on that
 //!   level: the points of the cell, emitted at once. Only cells that straddle the border of the frustum or of two levels of
 //!   detail are descended into.
+//! - *Small subtrees* that straddle one of these are not descended into: their cells are tested eight at a time
+//!   (`small_subtrees.rs`).
 //! - *Normal cones.* A node whose points all face away is dropped, if that is asked for ([`LodSurfels`]).
 //! - *Subtrees in parallel.* The octants of the root, and theirs, are gone through by as many threads as there are.
 //!
@@ -23,8 +25,10 @@
 //! always descends. The output depends on tree, view and hints alone.
 
 use super::cut::{Cut, CutByPoints, CutHints};
+use super::small_subtrees::Subtree;
 use super::{LodSurfels, NodeRange, Octree, select::SelectView, stop::Leaves};
 use crate::math::{Frustum, morton::LEVELS};
+use fearless_simd::Level;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -41,6 +45,7 @@ impl Octree {
                 surfels.work_out_cones();
             }
             let traversal = Traversal {
+                simd: Level::new(),
                 tree: self,
                 view: *view,
                 levels: self.level_limits(view, before.is_some()),
@@ -110,7 +115,7 @@ fn stop_distance_squared(edge: f32, view: &SelectView, share: f64) -> f32 {
 }
 
 /// One bit for each frustum plane that still has to be tested.
-type PlaneMask = u8;
+pub(super) type PlaneMask = u8;
 const ALL_PLANES: PlaneMask = (1 << Frustum::PLANES) - 1;
 
 /// Relative margin of squared distances beyond which rounding cannot change a decision.
@@ -122,25 +127,29 @@ const ORDERED_LEVELS: u32 = 2;
 /// Below this, the octants of a node are not shared out among threads.
 const PARALLEL_POINTS: usize = 1 << 15;
 
+/// The cells of a subtree of up to so many points are tested side by side. Twice or half as many take about as long.
+const SMALL_SUBTREE: usize = 160;
+
 /// What only depends on the level of a cell.
 #[derive(Debug, Clone, Copy)]
-struct LevelLimits {
-    edge: f32,
-    sphere_radius: f32,
+pub(super) struct LevelLimits {
+    pub(super) edge: f32,
+    pub(super) sphere_radius: f32,
     /// Up to this distance a cell is divided, whatever was before.
-    may_stop_beyond_squared: f32,
+    pub(super) may_stop_beyond_squared: f32,
     /// Between the two others, this decides for cells that were not seen before.
     stop_beyond_squared: f32,
     /// Beyond this distance a cell is not divided, whatever was before.
-    must_stop_beyond_squared: f32,
+    pub(super) must_stop_beyond_squared: f32,
 }
 
-struct Traversal<'a> {
-    tree: &'a Octree,
-    view: SelectView,
-    levels: [LevelLimits; LEVELS as usize + 1],
+pub(super) struct Traversal<'a> {
+    pub(super) simd: Level,
+    pub(super) tree: &'a Octree,
+    pub(super) view: SelectView,
+    pub(super) levels: [LevelLimits; LEVELS as usize + 1],
     slack: f32,
-    back_faces: Option<&'a LodSurfels>,
+    pub(super) back_faces: Option<&'a LodSurfels>,
     before: Option<CutByPoints<'a>>,
 }
 
@@ -174,16 +183,30 @@ impl Traversal<'_> {
             return;
         }
         let is_ordered = node.level < ORDERED_LEVELS;
-        let may_hide = self
+        let cone_level = self
             .back_faces
-            .is_some_and(|surfels| surfels.may_hide_below(node.level));
+            .and_then(|surfels| surfels.cone_level_below(node.level));
         if planes == 0
             && !is_ordered
-            && !may_hide
+            && cone_level.is_none()
             && let Some(level) = self.uniform_cut(&node, distance)
         {
             let points = node.points;
             cut.emit(NodeRange { level, points });
+            return;
+        }
+        if !is_ordered
+            && node.points.len() <= SMALL_SUBTREE
+            && let Leaves::OnLevel(depth) = self.tree.leaves
+        {
+            let first_stop = self.first_stop(&node, distance, depth);
+            let subtree = Subtree {
+                planes,
+                first_stop,
+                depth,
+            };
+            let level = cone_level.unwrap_or(first_stop).min(first_stop);
+            self.sift(level, node.points, &subtree, cut);
             return;
         }
         let children = self
@@ -258,7 +281,7 @@ impl Traversal<'_> {
     }
 
     /// Whether a node that is no leaf is not divided. Its middle is `distance` from the eye along each axis.
-    fn stops(&self, node: &NodeRange, distance: Vec3) -> bool {
+    pub(super) fn stops(&self, node: &NodeRange, distance: Vec3) -> bool {
         let limits = &self.levels[node.level as usize];
         let nearest_squared = nearest_squared(distance, 0.5 * limits.edge);
         if nearest_squared <= limits.may_stop_beyond_squared {
@@ -278,8 +301,7 @@ impl Traversal<'_> {
     /// `distance` from the eye along each axis.
     fn uniform_cut(&self, node: &NodeRange, distance: Vec3) -> Option<u32> {
         let half_edge = 0.5 * self.levels[node.level as usize].edge;
-        let farthest_squared =
-            (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN);
+        let farthest_squared = self.farthest_squared(node, distance);
         let nearest_squared = nearest_squared(distance, half_edge + self.slack) * (1.0 - MARGIN);
         let limits = |level: u32| &self.levels[level as usize];
         // If all were on this level, would they stay? None above it stops, and all of it do.
@@ -297,13 +319,24 @@ impl Traversal<'_> {
         let Leaves::OnLevel(depth) = self.tree.leaves else {
             return None;
         };
-        // No cell above this level stops, wherever in this cell it is.
-        let first_stop = (node.level + 1..depth)
-            .find(|&below| farthest_squared > limits(below).may_stop_beyond_squared)
-            .unwrap_or(depth);
+        let first_stop = self.first_stop(node, distance, depth);
         let all_stop =
             first_stop == depth || nearest_squared > limits(first_stop).must_stop_beyond_squared;
         all_stop.then_some(first_stop)
+    }
+
+    /// The first level below that of `node` on which a descendant may stop, wherever in it that is; `depth` is that of the leaves.
+    fn first_stop(&self, node: &NodeRange, distance: Vec3, depth: u32) -> u32 {
+        let farthest_squared = self.farthest_squared(node, distance);
+        (node.level + 1..depth)
+            .find(|&below| farthest_squared > self.levels[below as usize].may_stop_beyond_squared)
+            .unwrap_or(depth)
+    }
+
+    /// At least the square of the distance from the eye to anything in a cell whose middle is `distance` away along each axis.
+    fn farthest_squared(&self, node: &NodeRange, distance: Vec3) -> f32 {
+        let half_edge = 0.5 * self.levels[node.level as usize].edge;
+        (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN)
     }
 
     /// Whether all nodes of a level are leaves.
