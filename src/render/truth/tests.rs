@@ -246,7 +246,8 @@ fn the_truth_of_a_sampled_shape_is_near_that_of_the_shape() {
             let truth = Truth::of_disks(&disks, &view);
             let holes =
                 SurfaceError::of(&exact.depth, &truth.depth, DepthTolerance::Everywhere(0.1));
-            assert_eq!(holes.unwrap().hole_share(), 0.0, "{shape:?}");
+            // Disks of points before the outline do not reach as far as the shape everywhere.
+            assert!(holes.unwrap().hole_share() < 0.005, "{shape:?}");
             flip(&exact.image, &truth.image).unwrap().mean()
         });
         // Four times the points are twice as near to each other, and a surface is met twice to four times as exactly.
