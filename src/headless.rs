@@ -1,6 +1,6 @@
 //! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
 
-use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer};
+use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
 use crate::scene::{Camera, Scene, SceneStats, Settings, UpAxis};
 use crate::sequence::{Direction, FrameError, Loader, PreparedFrame, Sequence};
 use image::RgbaImage;
@@ -93,16 +93,6 @@ pub struct OctreeStats {
     /// Nodes visited and cells emitted by it.
     #[serde(flatten)]
     pub traversal: SceneStats,
-}
-
-/// A picture in the size in which it is shown, where a smaller one was drawn (see [`Settings::resolution`]): interpolated linearly, as
-/// the window does.
-pub(crate) fn scaled_to(image: RgbaImage, size_px: [u32; 2]) -> RgbaImage {
-    let [width, height] = size_px.map(|edge| edge.max(1));
-    if image.dimensions() == (width, height) {
-        return image;
-    }
-    image::imageops::resize(&image, width, height, image::imageops::FilterType::Triangle)
 }
 
 /// Renders frames of one sequence.

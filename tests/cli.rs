@@ -351,7 +351,7 @@ fn bench_names_its_suites() {
     let output = pointreel(&["bench", "speed"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        stderr(&output).contains("expected surfels, octree, voxels or accuracy"),
+        stderr(&output).contains("expected surfels, octree, voxels, accuracy, render or error"),
         "{}",
         stderr(&output)
     );

@@ -5,8 +5,8 @@
 //! is a way to look at a pose, not to play. Once both pictures have rested for a moment they are read back and compared on a thread.
 
 use super::tasks::{Outcome, Tasks};
-use crate::headless::scaled_to;
 use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db, ssim};
+use crate::render::scaled_to;
 use crate::scene::{Camera, Scene, ScenePacket, Settings};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use glam::DVec3;

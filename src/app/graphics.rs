@@ -7,8 +7,8 @@
 
 use super::software::{SoftwarePicture, picture_texture};
 use super::surface::{WindowSurface, acquire};
-use crate::headless::scaled_to;
 use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
+use crate::render::scaled_to;
 use crate::render::{RenderError, RenderStats, Renderer};
 use crate::scene::ScenePacket;
 use egui::{ClippedPrimitive, TextureId, TexturesDelta};

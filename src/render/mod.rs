@@ -60,6 +60,16 @@ pub struct RenderStats {
     pub gpu_ms: Option<f64>,
 }
 
+/// A picture in the size in which it is shown, where a smaller one was drawn (see [`Settings::resolution`](crate::scene::Settings::resolution)): interpolated linearly, as
+/// the window does.
+pub(crate) fn scaled_to(image: image::RgbaImage, size_px: [u32; 2]) -> image::RgbaImage {
+    let [width, height] = size_px.map(|edge| edge.max(1));
+    if image.dimensions() == (width, height) {
+        return image;
+    }
+    image::imageops::resize(&image, width, height, image::imageops::FilterType::Triangle)
+}
+
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -103,7 +103,8 @@ fn pictures_that_rest_are_compared() {
         harness.query_by_label_contains("PSNR 14.2 dB").is_some(),
         "20 log10(255 / 50)"
     );
-    click(&mut harness, "Error map");
+    harness.get_by_label("Error map").click();
+    harness.run();
     assert!(
         harness
             .state()

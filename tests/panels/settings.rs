@@ -13,6 +13,11 @@ use pointreel::sequence::ColorSource;
 
 /// Opens the list called `list` and chooses `entry`.
 fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) {
+    // The panel is longer than the window is high.
+    harness
+        .get_by_role_and_label(Role::ComboBox, list)
+        .scroll_to_me();
+    harness.run();
     harness.get_by_role_and_label(Role::ComboBox, list).click();
     harness.run();
     harness.get_by_role_and_label(Role::Button, entry).click();
@@ -42,6 +47,8 @@ fn every_setting_can_be_changed_and_reset() {
     assert_eq!(harness.state().settings.renderer, RendererChoice::Cpu);
     choose(&mut harness, "Instancing", "Compute");
     assert_eq!(harness.state().settings.strategy, Strategy::Compute);
+    slide(&mut harness, "Resolution", 0.5);
+    assert_eq!(harness.state().settings.resolution, 0.5);
     slide(&mut harness, "Splat scale", 2.5);
     assert_eq!(harness.state().settings.splat_scale, 2.5);
     harness

@@ -3,11 +3,11 @@
 use super::ways::BACKGROUND;
 use crate::bench::BenchError;
 use crate::bench::truth_cache::TruthCache;
-use crate::headless::scaled_to;
 use crate::measure::{
     DepthImage, DepthTolerance, ErrorMap, PIXELS_PER_DEGREE, Perceived, SurfaceError,
     mean_squared_error, ssim,
 };
+use crate::render::scaled_to;
 use crate::render::truth::{Disks, RayTraced, Truth, TruthKey, TruthView};
 use crate::scene::{Background, Camera, Lighting};
 use crate::sequence::{PreparedFrame, Shape};
