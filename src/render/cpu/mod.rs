@@ -8,6 +8,7 @@
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
 mod blocks;
+mod eight;
 mod facet;
 mod finish;
 mod points;
@@ -231,7 +232,7 @@ impl Picture<'_> {
         let clip = tile.rect().intersection(picture);
         let records = self.lists.records(self.tiles.columns * row + column);
         match &self.drawable {
-            Drawable::Points(points) => points.draw(&self.view, tile, clip, records),
+            Drawable::Points(points) => points.draw(simd, &self.view, tile, clip, records),
             Drawable::Surfels(surfels) => {
                 surfels.draw(simd, &self.view, tile, clip, records, waiting);
             }
@@ -239,6 +240,6 @@ impl Picture<'_> {
             Drawable::Nothing => {}
         }
         let width_px = self.view.size_px[0] as usize;
-        tile.finish(clip, self.held, &self.gradient, width_px, band);
+        tile.finish(simd, clip, self.held, &self.gradient, width_px, band);
     }
 }

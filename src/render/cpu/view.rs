@@ -32,6 +32,16 @@ impl PixelView {
         }
     }
 
+    /// The eye, as a sum.
+    pub(super) fn eye(&self) -> [Vec3; 2] {
+        [self.eye_high, self.eye_low]
+    }
+
+    /// From the axes of the frame to those of the view.
+    pub(super) fn rotation(&self) -> Mat3 {
+        self.rotation
+    }
+
     /// A point relative to the eye, in the axes of the frame. Subtracting the rounded eye first is exact near the eye.
     #[inline(always)]
     pub(super) fn offset_from_eye(&self, position: [f32; 3]) -> Vec3 {
@@ -160,8 +170,14 @@ impl PixelRect {
     pub(super) fn around(x: [f32; 2], y: [f32; 2]) -> Self {
         // Conversions saturate, and room is left for the next addition.
         const FAR: f32 = (1 << 24) as f32;
-        let start = |end: f32| (end - 0.51).clamp(-FAR, FAR).floor() as i32;
-        let end = |end: f32| (end + 0.51).clamp(-FAR, FAR).ceil() as i32;
+        // By conversions, which round towards 0: `floor` is a call on processors that are not asked what they can.
+        let floor = |px: f32| {
+            let px = px.clamp(-FAR, FAR);
+            let towards_zero = px as i32;
+            towards_zero - i32::from(towards_zero as f32 > px)
+        };
+        let start = |end: f32| floor(end - 0.51);
+        let end = |end: f32| -floor(-(end + 0.51));
         Self {
             start: [start(x[0]), start(y[0])],
             end: [end(x[1]), end(y[1])],
