@@ -232,11 +232,18 @@ impl Picture<'_> {
         let clip = tile.rect().intersection(picture);
         let records = self.lists.records(self.tiles.columns * row + column);
         match &self.drawable {
-            Drawable::Points(points) => points.draw(simd, &self.view, tile, clip, records),
-            Drawable::Surfels(surfels) => {
-                surfels.draw(simd, &self.view, tile, clip, records, waiting);
-            }
-            Drawable::Cubes(cubes) => cubes.draw(simd, &self.view, tile, clip, records),
+            Drawable::Points(points) => simd.vectorize(
+                #[inline(always)]
+                || points.draw(simd, &self.view, tile, clip, records),
+            ),
+            Drawable::Surfels(surfels) => simd.vectorize(
+                #[inline(always)]
+                || surfels.draw(simd, &self.view, tile, clip, records, waiting),
+            ),
+            Drawable::Cubes(cubes) => simd.vectorize(
+                #[inline(always)]
+                || cubes.draw(simd, &self.view, tile, clip, records),
+            ),
             Drawable::Nothing => {}
         }
         let width_px = self.view.size_px[0] as usize;

@@ -59,19 +59,6 @@ impl PixelView {
         self.rotation.abs() * half
     }
 
-    /// `vector · ray` as a function of pixels, where the ray through a pixel has z = −1.
-    #[inline(always)]
-    pub(super) fn along_rays(&self, vector: Vec3) -> Affine {
-        let per_px = [
-            vector.x / self.px_per_slope[0],
-            vector.y / self.px_per_slope[1],
-        ];
-        Affine {
-            per_px,
-            at_origin: -vector.z - per_px[0] * self.middle_px[0] - per_px[1] * self.middle_px[1],
-        }
-    }
-
     /// The pixels that may be touched by what reaches some pixels beyond a box in view space; empty where none can be seen.
     pub(super) fn covered_px(&self, center: Vec3, half: Vec3, margin_px: f32) -> PixelRect {
         let [nearest, farthest] = [-center.z - half.z, -center.z + half.z];
@@ -99,14 +86,6 @@ impl PixelView {
         self.around_slopes(low, high)
             .grown(margin_px)
             .intersection(whole)
-    }
-
-    /// Whether what is within some distance of a point may touch pixels of a rectangle. Of the records of a block, which is
-    /// drawn by every tile that the block may touch, most touch one.
-    #[inline(always)]
-    pub(super) fn may_touch(&self, rect: PixelRect, center: Vec3, distance: f32) -> bool {
-        let covered = self.covered_px(center, Vec3::splat(distance), 0.0);
-        !covered.intersection(rect).is_empty()
     }
 
     /// Whether all of a box, which may reach behind the eye, is beyond one of the sides of the picture.
