@@ -22,7 +22,7 @@ mod view;
 mod voxels;
 
 use super::{RenderError, RenderStats, Renderer};
-use crate::scene::{Primitive, ScenePacket, Splatting};
+use crate::scene::{Lighting, Primitive, ScenePacket, Splatting};
 use blocks::{Blocks, TileLists};
 use fearless_simd::{Level, dispatch};
 use finish::{Gradient, Held};
@@ -188,6 +188,8 @@ fn draw(packet: &ScenePacket, blocks: &Blocks, image: &mut RgbaImage) -> u64 {
             background: packet.settings.background,
             height_px: packet.viewport_px[1],
         },
+        are_rays_measured: packet.settings.lighting == Lighting::PerFragment
+            && matches!(held, Held::Sums | Held::BlendedColors | Held::SolidColors),
     };
     let level = Level::new();
     let width_px = packet.viewport_px[0] as usize;
@@ -213,6 +215,8 @@ struct Picture<'a> {
     lists: TileLists,
     held: Held,
     gradient: Gradient,
+    /// For light that is worked out at each pixel.
+    are_rays_measured: bool,
 }
 
 impl Picture<'_> {
@@ -231,6 +235,12 @@ impl Picture<'_> {
         let picture = PixelRect::of_picture(self.view.size_px);
         let clip = tile.rect().intersection(picture);
         let records = self.lists.records(self.tiles.columns * row + column);
+        if self.are_rays_measured && records.len() > 0 {
+            simd.vectorize(
+                #[inline(always)]
+                || raster::measure_rays(simd, &self.view, tile),
+            );
+        }
         match &self.drawable {
             Drawable::Points(points) => simd.vectorize(
                 #[inline(always)]

@@ -86,7 +86,7 @@ impl Surfels<'_> {
             }
         }
         for (facet, shading) in waiting {
-            raster::attribute(simd, view, tile, facet, shading);
+            raster::attribute(simd, tile, facet, shading);
         }
     }
 
@@ -131,7 +131,7 @@ impl Surfels<'_> {
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
                         let shading = self.shading(first + lane, seen, lane, splat_scale);
-                        raster::over(simd, view, tile, &facet, &shading, with_depth);
+                        raster::over(simd, tile, &facet, &shading, with_depth);
                     }
                 }
             }

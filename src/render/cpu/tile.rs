@@ -57,6 +57,8 @@ pub(super) struct Tile {
     pub(super) weight: Vec<f32>,
     /// The bits of the depth above 32 of colour, for points; and those from [`NOWHERE`] on.
     pub(super) keys: Vec<u64>,
+    /// Of the rays through pixels, for light that is worked out at each.
+    pub(super) per_ray_length: Vec<f32>,
 }
 
 impl Tile {
@@ -68,6 +70,7 @@ impl Tile {
             colors: [const { Vec::new() }; 3],
             weight: Vec::new(),
             keys: Vec::new(),
+            per_ray_length: Vec::new(),
         }
     }
 

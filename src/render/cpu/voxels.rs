@@ -109,7 +109,7 @@ impl<'a> Cubes<'a> {
                         Light::new(self.lighting, normal, center, u, v)
                     };
                     let color = unit_color(record.color);
-                    raster::solid(simd, view, tile, &facet, &Shading { color, light });
+                    raster::solid(simd, tile, &facet, &Shading { color, light });
                 }
             }
         }
