@@ -1,6 +1,5 @@
 //! Eight records at a time: what is worked out for each, one record to a lane of the processor's registers.
 
-use super::tile::LANES;
 use super::view::{PixelRect, PixelView};
 use bytemuck::Pod;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
@@ -85,14 +84,12 @@ pub(super) fn words<S: Simd, R: Pod>(simd: S, records: &[R]) -> [f32x8<S>; 4] {
     const { assert!(size_of::<R>() == 16) }
     // All bits pass through registers as they are, whether they are those of an f32 or not.
     let words: &[f32] = bytemuck::cast_slice(records);
-    let mut padded = [0.0; 4 * LANES];
-    let words = words.first_chunk().unwrap_or_else(|| {
-        padded[..words.len()].copy_from_slice(words);
+    let mut padded = [[0.0; 16]; 2];
+    let halves = words.as_chunks().0.first_chunk();
+    let [first, second] = halves.unwrap_or_else(|| {
+        padded.as_flattened_mut()[..words.len()].copy_from_slice(words);
         &padded
     });
-    let [first, second] = words.as_chunks::<16>().0 else {
-        unreachable!("a chunk of 32 words is two of 16")
-    };
     let (xy, zw) = simd.split_f32x16(simd.load_interleaved_128_f32x16(first));
     let (xy_after, zw_after) = simd.split_f32x16(simd.load_interleaved_128_f32x16(second));
     let ((x, y), (z, w)) = (simd.split_f32x8(xy), simd.split_f32x8(zw));
@@ -194,6 +191,7 @@ impl Pyramid {
 #[cfg(test)]
 mod tests {
     use super::super::tests::view_of;
+    use super::super::tile::LANES;
     use super::*;
     use crate::cloud::PointRecord;
     use fearless_simd::{Level, dispatch};

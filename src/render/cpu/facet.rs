@@ -41,6 +41,15 @@ pub(super) enum Outline {
     Parallelogram,
 }
 
+/// Where patches are drawn, and what of them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Canvas<'a> {
+    pub(super) view: &'a PixelView,
+    pub(super) clip: PixelRect,
+    pub(super) outline: Outline,
+    pub(super) cull_back_faces: bool,
+}
+
 /// Eight patches in view space.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Patches<S: Simd> {
@@ -68,39 +77,24 @@ impl Facets {
     #[inline(never)]
     pub(super) fn new<S: Simd>(
         simd: S,
-        view: &PixelView,
-        clip: PixelRect,
+        canvas: &Canvas<'_>,
         patches: &Patches<S>,
-        outline: Outline,
-        cull_back_faces: bool,
         are_asked: mask32x8<S>,
     ) -> Self {
         simd.vectorize(
             #[inline(always)]
-            || {
-                Self::inlined(
-                    simd,
-                    view,
-                    clip,
-                    patches,
-                    outline,
-                    cull_back_faces,
-                    are_asked,
-                )
-            },
+            || Self::inlined(simd, canvas, patches, are_asked),
         )
     }
 
     #[inline(always)]
     fn inlined<S: Simd>(
         simd: S,
-        view: &PixelView,
-        clip: PixelRect,
+        canvas: &Canvas<'_>,
         patches: &Patches<S>,
-        outline: Outline,
-        cull_back_faces: bool,
         are_asked: mask32x8<S>,
     ) -> Self {
+        let view = canvas.view;
         let zero = f32x8::splat(simd, 0.0);
         // Sizes are relative to the distance, so that products of small or large numbers are numbers.
         let largest_edge = patches.u.largest().max(patches.v.largest());
@@ -117,11 +111,11 @@ impl Facets {
         let mut are_seen = are_asked
             & depth_per_w.simd_lt(f32x8::splat(simd, f32::INFINITY))
             & normal_length.simd_gt(zero);
-        if cull_back_faces {
+        if canvas.cull_back_faces {
             are_seen &= determinant.simd_le(zero);
         }
         let near = view.near * per_scale;
-        let bounds = bounds(simd, view, clip, [c, u, v], [p, q, w], outline, near);
+        let bounds = bounds(simd, canvas, [c, u, v], [p, q, w], near);
         let [left, top, right, bottom] = bounds;
         are_seen &= left.simd_lt(right) & top.simd_lt(bottom);
         let [p, q, w] = [p.times(sign), q.times(sign), w.times(sign)];
@@ -178,18 +172,22 @@ fn along_rays<S: Simd>(view: &PixelView, vectors: Vectors<S>) -> [f32x8<S>; 3] {
     [per_x, per_y, -vectors.z - to_middle]
 }
 
-/// The first and the last but one column and row that patches may cover, in `clip`: left, top, right, bottom. `vectors` are
+/// Where the pixels that patches may cover begin and end: left, top, right, bottom. `vectors` are
 /// `c, u, v`; `rows` what rays are multiplied with to give P, Q and W, with either sign.
 #[inline(always)]
 fn bounds<S: Simd>(
     simd: S,
-    view: &PixelView,
-    clip: PixelRect,
+    canvas: &Canvas<'_>,
     [c, u, v]: [Vectors<S>; 3],
     [p, q, w]: [Vectors<S>; 3],
-    outline: Outline,
     near: f32x8<S>,
 ) -> [f32x8<S>; 4] {
+    let Canvas {
+        view,
+        clip,
+        outline,
+        ..
+    } = *canvas;
     let zero = f32x8::splat(simd, 0.0);
     // Half the depth of a parallelogram; that of a disk is less.
     let half_depth = u.z.abs() + v.z.abs();
@@ -237,8 +235,8 @@ fn bounds<S: Simd>(
     [left, top, simd.select_f32x8(is_behind, left, right), bottom]
 }
 
-/// The first and the last but one pixel of `clip` along an axis whose middle is between two ends, or within a hundredth of a pixel
-/// for rounding; all where ends are not known.
+/// Where the pixels of `clip` along an axis begin and end whose middles are between two ends, or a hundredth of a pixel beyond for
+/// rounding; all of them where ends are not known.
 #[inline(always)]
 fn pixels_between<S: Simd>(
     simd: S,
@@ -271,7 +269,12 @@ mod tests {
     }
 
     fn facet_of(view: &PixelView, patch: Patch, outline: Outline) -> Option<Facet> {
-        let clip = PixelRect::of_picture(view.size_px);
+        let canvas = Canvas {
+            view,
+            clip: PixelRect::of_picture(view.size_px),
+            outline,
+            cull_back_faces: false,
+        };
         dispatch!(Level::new(), simd => {
             let patches = Patches {
                 centers: Vectors::splat(simd, patch.center),
@@ -279,7 +282,7 @@ mod tests {
                 v: Vectors::splat(simd, patch.v),
             };
             let all = mask32x8::splat(simd, -1);
-            Facets::new(simd, view, clip, &patches, outline, false, all).get(5)
+            Facets::new(simd, &canvas, &patches, all).get(5)
         })
     }
 

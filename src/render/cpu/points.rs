@@ -130,7 +130,7 @@ fn draw_pixels<S: Simd>(
     let nowhere = lane_numbers(simd) + NOWHERE as f32;
     let places = simd.select_f32x8(are_seen, y.mul_add(splat(WIDTH as f32), x), nowhere);
     let places: i32x8<S> = simd.cvt_i32_f32x8(places);
-    let keys: &mut [u64; NOWHERE + LANES] = tile.keys.as_mut_slice().try_into().expect("cleared");
+    let keys = tile.keys.as_mut_slice();
     for lane in 0..LANES {
         let key = key(
             projected.depth[lane].to_bits(),

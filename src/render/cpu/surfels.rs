@@ -2,7 +2,7 @@
 
 use super::blocks::Placed;
 use super::eight::{Pyramid, Vectors, lanes_below, words};
-use super::facet::{Facet, Facets, Outline, Patches};
+use super::facet::{Canvas, Facet, Facets, Outline, Patches};
 use super::raster;
 use super::shading::{Light, Shading, unit_color};
 use super::tile::{LANES, Tile};
@@ -41,6 +41,9 @@ impl Placed for Surfels<'_> {
 
 /// Eight surfels as seen from the eye.
 struct Seen<S: Simd> {
+    /// The number of the first.
+    first: usize,
+    may_touch: mask32x8<S>,
     centers: Vectors<S>,
     normals: Vectors<S>,
     /// Directions of their edges.
@@ -80,8 +83,18 @@ impl Surfels<'_> {
                 let may_touch =
                     pyramid.may_touch(simd, centers, reach) & lanes_below(simd, eight.len());
                 if simd.any_true_mask32x8(may_touch) {
-                    let seen = seen(simd, view, centers, normals, radii);
-                    self.draw_eight(simd, view, tile, clip, first, &seen, may_touch, waiting);
+                    let (normals, u) = axes(simd, normals);
+                    let (normals, u) = (view.rotate_each(simd, normals), view.rotate_each(simd, u));
+                    let seen = Seen {
+                        first,
+                        may_touch,
+                        centers,
+                        normals,
+                        u,
+                        v: normals.cross(u),
+                        radii,
+                    };
+                    self.draw_eight(simd, view, tile, clip, &seen, waiting);
                 }
             }
         }
@@ -90,47 +103,35 @@ impl Surfels<'_> {
         }
     }
 
-    /// Draws those of eight surfels, the first of which has a number, that may touch a tile.
+    /// Draws eight surfels, or lets them wait.
     #[inline(always)]
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "all of what a tile is drawn from"
-    )]
     fn draw_eight<S: Simd>(
         &self,
         simd: S,
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        first: usize,
         seen: &Seen<S>,
-        may_touch: mask32x8<S>,
         waiting: &mut Waiting,
     ) {
-        let Settings {
-            splatting,
-            splat_scale,
-            enlargement,
-            cull_back_faces,
-            ..
-        } = *self.settings;
-        let [visibility, attribute] = splatting.scales(enlargement);
-        let [visibility, attribute] = [splat_scale * visibility, splat_scale * attribute];
-        match splatting {
+        let settings = self.settings;
+        let [visibility, attribute] = settings.splatting.scales(settings.enlargement);
+        let scale = settings.splat_scale;
+        let [visibility, attribute] = [scale * visibility, scale * attribute];
+        let mut canvas = Canvas {
+            view,
+            clip,
+            outline: Outline::Disk,
+            cull_back_faces: settings.cull_back_faces,
+        };
+        match settings.splatting {
             Splatting::Regular | Splatting::NoDepth => {
-                let facets = seen.facets(
-                    simd,
-                    view,
-                    clip,
-                    splat_scale,
-                    Outline::Parallelogram,
-                    cull_back_faces,
-                    may_touch,
-                );
-                let with_depth = splatting == Splatting::Regular;
+                canvas.outline = Outline::Parallelogram;
+                let facets = seen.facets(simd, &canvas, scale);
+                let with_depth = settings.splatting == Splatting::Regular;
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
-                        let shading = self.shading(first + lane, seen, lane, splat_scale);
+                        let shading = self.shading(seen, lane, scale);
                         raster::over(simd, tile, &facet, &shading, with_depth);
                     }
                 }
@@ -140,35 +141,19 @@ impl Surfels<'_> {
             | Splatting::Enlarged
             | Splatting::TwoPassEnlarged => {
                 let push_back = seen.push_back(view, visibility);
-                let smaller = seen.facets(
-                    simd,
-                    view,
-                    clip,
-                    visibility,
-                    Outline::Disk,
-                    cull_back_faces,
-                    may_touch,
-                );
+                let facets = seen.facets(simd, &canvas, visibility);
                 for lane in 0..LANES {
-                    if let Some(facet) = smaller.get(lane) {
+                    if let Some(facet) = facets.get(lane) {
                         raster::visibility(simd, tile, &facet, push_back[lane]);
                     }
                 }
-                if splatting == Splatting::Visibility {
+                if settings.splatting == Splatting::Visibility {
                     return;
                 }
-                let larger = seen.facets(
-                    simd,
-                    view,
-                    clip,
-                    attribute,
-                    Outline::Disk,
-                    cull_back_faces,
-                    may_touch,
-                );
+                let facets = seen.facets(simd, &canvas, attribute);
                 for lane in 0..LANES {
-                    if let Some(facet) = larger.get(lane) {
-                        waiting.push((facet, self.shading(first + lane, seen, lane, attribute)));
+                    if let Some(facet) = facets.get(lane) {
+                        waiting.push((facet, self.shading(seen, lane, attribute)));
                     }
                 }
             }
@@ -176,8 +161,8 @@ impl Surfels<'_> {
     }
 
     #[inline(always)]
-    fn shading<S: Simd>(&self, record: usize, seen: &Seen<S>, lane: usize, scale: f32) -> Shading {
-        let [red, green, blue, _] = self.points[record].color;
+    fn shading<S: Simd>(&self, seen: &Seen<S>, lane: usize, scale: f32) -> Shading {
+        let [red, green, blue, _] = self.points[seen.first + lane].color;
         let lighting = self.settings.lighting;
         let light = if lighting == Lighting::PerFragment {
             Light::OfPixels
@@ -199,33 +184,20 @@ impl Surfels<'_> {
     }
 }
 
-/// Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n × u (`shaders/common/splat.wgsl`).
+/// The normals n and the edges u of surfels. Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n × u
+/// (`shaders/common/splat.wgsl`).
 #[inline(always)]
-fn seen<S: Simd>(
-    simd: S,
-    view: &PixelView,
-    centers: Vectors<S>,
-    packed_normals: f32x8<S>,
-    radii: f32x8<S>,
-) -> Seen<S> {
+fn axes<S: Simd>(simd: S, packed_normals: f32x8<S>) -> (Vectors<S>, Vectors<S>) {
     let splat = |value: f32| f32x8::splat(simd, value);
     let normals = oct_decode_each(simd, packed_normals);
-    // Of the vectors a, z below is -1 where n is almost upright, and y is 1 elsewhere.
+    // a is −z where n is almost upright, and y elsewhere.
     let is_upright = normals.y.abs().simd_gt(splat(0.99));
     let u = Vectors {
         x: simd.select_f32x8(is_upright, normals.y, normals.z),
         y: simd.select_f32x8(is_upright, -normals.x, splat(0.0)),
         z: simd.select_f32x8(is_upright, splat(0.0), -normals.x),
     };
-    let u = u.times(1.0 / u.dot(u).sqrt());
-    let (normals, u) = (view.rotate_each(simd, normals), view.rotate_each(simd, u));
-    Seen {
-        centers,
-        normals,
-        u,
-        v: normals.cross(u),
-        radii,
-    }
+    (normals, u.times(1.0 / u.dot(u).sqrt()))
 }
 
 /// As [`oct_decode`](crate::cloud::oct_decode).
@@ -249,31 +221,14 @@ fn oct_decode_each<S: Simd>(simd: S, packed: f32x8<S>) -> Vectors<S> {
 
 impl<S: Simd> Seen<S> {
     #[inline(always)]
-    fn facets(
-        &self,
-        simd: S,
-        view: &PixelView,
-        clip: PixelRect,
-        scale: f32,
-        outline: Outline,
-        cull_back_faces: bool,
-        are_asked: mask32x8<S>,
-    ) -> Facets {
+    fn facets(&self, simd: S, canvas: &Canvas<'_>, scale: f32) -> Facets {
         let lengths = self.radii * scale;
         let patches = Patches {
             centers: self.centers,
             u: self.u.times(lengths),
             v: self.v.times(lengths),
         };
-        Facets::new(
-            simd,
-            view,
-            clip,
-            &patches,
-            outline,
-            cull_back_faces,
-            are_asked,
-        )
+        Facets::new(simd, canvas, &patches, self.may_touch)
     }
 
     /// ε-z: the factors on depths with which the visibility pass leaves room for splats of one surface to blend.

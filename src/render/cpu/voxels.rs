@@ -2,14 +2,14 @@
 
 use super::blocks::Placed;
 use super::eight::{Pyramid, Vectors, lanes_below, words};
-use super::facet::{Facets, Outline, Patches};
+use super::facet::{Canvas, Facets, Outline, Patches};
 use super::raster;
 use super::shading::{Light, Shading, unit_color};
 use super::tile::{LANES, Tile};
 use super::view::{PixelRect, PixelView};
 use crate::cloud::VoxelRecord;
 use crate::scene::{Lighting, Voxels};
-use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, f32x8, mask32x8, u32x8};
+use fearless_simd::{Bytes, Simd, SimdFloat, f32x8, mask32x8, u32x8};
 use std::ops::Range;
 
 /// Cells of a packet, and how they are drawn.
@@ -92,10 +92,16 @@ impl<'a> Cubes<'a> {
             half_edges,
             may_touch,
         };
+        let canvas = Canvas {
+            view,
+            clip,
+            outline: Outline::Parallelogram,
+            cull_back_faces: true,
+        };
         let faces = [
-            cells.faces(simd, view, clip, 0),
-            cells.faces(simd, view, clip, 1),
-            cells.faces(simd, view, clip, 2),
+            cells.faces(simd, &canvas, 0),
+            cells.faces(simd, &canvas, 1),
+            cells.faces(simd, &canvas, 2),
         ];
         for (lane, record) in records.iter().enumerate() {
             for (axis, (patches, facets)) in faces.iter().enumerate() {
@@ -138,17 +144,11 @@ struct Cells<S: Simd> {
 impl<S: Simd> Cells<S> {
     /// The faces towards the eye that an axis of the frame crosses.
     #[inline(always)]
-    fn faces(
-        &self,
-        simd: S,
-        view: &PixelView,
-        clip: PixelRect,
-        axis: usize,
-    ) -> (Patches<S>, Facets) {
+    fn faces(&self, simd: S, canvas: &Canvas<'_>, axis: usize) -> (Patches<S>, Facets) {
         let offset = [self.offsets.x, self.offsets.y, self.offsets.z][axis];
         // For an eye between the planes of two faces, both are turned away and culled.
         let towards_eye = self.half_edges.copysign(-offset);
-        let rotation = view.rotation();
+        let rotation = canvas.view.rotation();
         let along = |axis: usize| Vectors::splat(simd, rotation.col(axis));
         let patches = Patches {
             centers: self.centers.plus(along(axis).times(towards_eye)),
@@ -156,8 +156,7 @@ impl<S: Simd> Cells<S> {
             u: along((axis + 1) % 3).times(towards_eye),
             v: along((axis + 2) % 3).times(self.half_edges),
         };
-        let outline = Outline::Parallelogram;
-        let facets = Facets::new(simd, view, clip, &patches, outline, true, self.may_touch);
+        let facets = Facets::new(simd, canvas, &patches, self.may_touch);
         (patches, facets)
     }
 }
