@@ -12,8 +12,10 @@
 //! `|P| ≤ W` and `|Q| ≤ W`, and its reversed depth is `near/t`, a multiple of W: no division until something is shaded.
 //! (Weyrich et al. 2007 rasterise elliptical splats by the same homogeneous functions.)
 
+use super::eight::Vectors;
+use super::tile::LANES;
 use super::view::{Affine, PixelRect, PixelView};
-use glam::Vec3;
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 
 /// A patch on the screen.
 #[derive(Debug, Clone, Copy)]
@@ -39,102 +41,250 @@ pub(super) enum Outline {
     Parallelogram,
 }
 
-/// A patch in view space.
+/// Where patches are drawn, and what of them.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Patch {
-    pub(super) center: Vec3,
-    /// Half edges; their cross product is the normal.
-    pub(super) u: Vec3,
-    pub(super) v: Vec3,
+pub(super) struct Canvas<'a> {
+    pub(super) view: &'a PixelView,
+    pub(super) clip: PixelRect,
+    pub(super) outline: Outline,
+    pub(super) cull_back_faces: bool,
 }
 
-impl Facet {
-    /// The patch on the screen; `None` where nothing of it can be seen: behind the eye, outside of `clip`, edge on, turned away
-    /// if those are culled, or of no size or one that is no number.
+/// Eight patches in view space.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Patches<S: Simd> {
+    pub(super) centers: Vectors<S>,
+    /// Half edges; their cross product is the normal.
+    pub(super) u: Vectors<S>,
+    pub(super) v: Vectors<S>,
+}
+
+/// Eight patches on the screen, a property in each row, a patch in each lane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Facets {
+    functions: [[f32; LANES]; 9],
+    depth_per_w: [f32; LANES],
+    normal_length: [f32; LANES],
+    bounds: [[i32; LANES]; 4],
+    are_seen: [i32; LANES],
+}
+
+impl Facets {
+    /// Patches on the screen. Of some nothing can be seen: where `are_asked` says so, behind the eye, outside of `clip`, edge on,
+    /// turned away if those are culled, or of no size or one that is no number.
+    ///
+    /// A function of its own for the sake of the compiler; its registers go through memory once for eight patches.
+    #[inline(never)]
+    pub(super) fn new<S: Simd>(
+        simd: S,
+        canvas: &Canvas<'_>,
+        patches: &Patches<S>,
+        are_asked: mask32x8<S>,
+    ) -> Self {
+        simd.vectorize(
+            #[inline(always)]
+            || Self::inlined(simd, canvas, patches, are_asked),
+        )
+    }
+
     #[inline(always)]
-    pub(super) fn new(
-        view: &PixelView,
-        clip: PixelRect,
-        patch: Patch,
-        outline: Outline,
-        cull_back_faces: bool,
-    ) -> Option<Self> {
+    fn inlined<S: Simd>(
+        simd: S,
+        canvas: &Canvas<'_>,
+        patches: &Patches<S>,
+        are_asked: mask32x8<S>,
+    ) -> Self {
+        let view = canvas.view;
+        let zero = f32x8::splat(simd, 0.0);
         // Sizes are relative to the distance, so that products of small or large numbers are numbers.
-        let scale = patch.center.abs().max(patch.u.abs()).max(patch.v.abs());
-        let per_scale = 1.0 / scale.max_element();
-        let c = patch.center * per_scale;
-        let (u, v) = (patch.u * per_scale, patch.v * per_scale);
+        let largest_edge = patches.u.largest().max(patches.v.largest());
+        let per_scale = 1.0 / patches.centers.largest().max(largest_edge);
+        let c = patches.centers.times(per_scale);
+        let (u, v) = (patches.u.times(per_scale), patches.v.times(per_scale));
         let normal = u.cross(v);
         let determinant = normal.dot(c);
-        let faces_away = determinant > 0.0;
-        if faces_away && cull_back_faces {
-            return None;
-        }
-        let normal_length = normal.length();
-        let sign = if faces_away { 1.0 } else { -1.0 };
-        let (p, q, w) = (v.cross(c) * sign, c.cross(u) * sign, normal * sign);
+        let normal_length = normal.dot(normal).sqrt();
+        let sign = f32x8::splat(simd, 1.0).copysign(determinant);
+        let (p, q, w) = (v.cross(c), c.cross(u), normal);
         let depth_per_w = view.near * per_scale / determinant.abs();
-        // Also where the determinant is 0, or no number.
-        if !(depth_per_w.is_finite() && normal_length > 0.0) {
-            return None;
+        // Not where the determinant is 0, or no number.
+        let mut are_seen = are_asked
+            & depth_per_w.simd_lt(f32x8::splat(simd, f32::INFINITY))
+            & normal_length.simd_gt(zero);
+        if canvas.cull_back_faces {
+            are_seen &= determinant.simd_le(zero);
         }
-        let bounds = bounds(view, [c, u, v], [p, q, w], outline, per_scale).intersection(clip);
-        (!bounds.is_empty()).then(|| Self {
-            p: view.along_rays(p),
-            q: view.along_rays(q),
-            w: view.along_rays(w),
-            depth_per_w,
-            normal_length,
-            bounds,
+        let near = view.near * per_scale;
+        let bounds = bounds(simd, canvas, [c, u, v], [p, q, w], near);
+        let [left, top, right, bottom] = bounds;
+        are_seen &= left.simd_lt(right) & top.simd_lt(bottom);
+        let [p, q, w] = [p.times(sign), q.times(sign), w.times(sign)];
+        let [p, q, w] = [
+            along_rays(view, p),
+            along_rays(view, q),
+            along_rays(view, w),
+        ];
+        Self {
+            functions: [
+                *p[0], *p[1], *p[2], *q[0], *q[1], *q[2], *w[0], *w[1], *w[2],
+            ],
+            depth_per_w: *depth_per_w,
+            normal_length: *normal_length,
+            bounds: [
+                *simd.cvt_i32_f32x8(left),
+                *simd.cvt_i32_f32x8(top),
+                *simd.cvt_i32_f32x8(right),
+                *simd.cvt_i32_f32x8(bottom),
+            ],
+            are_seen: *are_seen,
+        }
+    }
+
+    /// The patch of a lane, if something of it may be seen.
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> Option<Facet> {
+        let affine = |first: usize| Affine {
+            per_px: [self.functions[first][lane], self.functions[first + 1][lane]],
+            at_origin: self.functions[first + 2][lane],
+        };
+        let [left, top, right, bottom] = &self.bounds;
+        (self.are_seen[lane] != 0).then(|| Facet {
+            p: affine(0),
+            q: affine(3),
+            w: affine(6),
+            depth_per_w: self.depth_per_w[lane],
+            normal_length: self.normal_length[lane],
+            bounds: PixelRect {
+                start: [left[lane], top[lane]],
+                end: [right[lane], bottom[lane]],
+            },
         })
     }
 }
 
-/// The pixels that a patch may cover. `vectors` are `c, u, v`; `rows` what rays are multiplied with to give P, Q and W.
+/// `vector · ray` as functions of pixels, where the ray through a pixel has z = −1: what x and y are multiplied with, and the
+/// value where both are 0.
 #[inline(always)]
-fn bounds(
-    view: &PixelView,
-    [c, u, v]: [Vec3; 3],
-    [p, q, w]: [Vec3; 3],
-    outline: Outline,
-    per_scale: f32,
-) -> PixelRect {
+fn along_rays<S: Simd>(view: &PixelView, vectors: Vectors<S>) -> [f32x8<S>; 3] {
+    let per_x = vectors.x * (1.0 / view.px_per_slope[0]);
+    let per_y = vectors.y * (1.0 / view.px_per_slope[1]);
+    let to_middle = per_x * view.middle_px[0] + per_y * view.middle_px[1];
+    [per_x, per_y, -vectors.z - to_middle]
+}
+
+/// Where the pixels that patches may cover begin and end: left, top, right, bottom. `vectors` are
+/// `c, u, v`; `rows` what rays are multiplied with to give P, Q and W, with either sign.
+#[inline(always)]
+fn bounds<S: Simd>(
+    simd: S,
+    canvas: &Canvas<'_>,
+    [c, u, v]: [Vectors<S>; 3],
+    [p, q, w]: [Vectors<S>; 3],
+    near: f32x8<S>,
+) -> [f32x8<S>; 4] {
+    let Canvas {
+        view,
+        clip,
+        outline,
+        ..
+    } = *canvas;
+    let zero = f32x8::splat(simd, 0.0);
     // Half the depth of a parallelogram; that of a disk is less.
     let half_depth = u.z.abs() + v.z.abs();
-    let near = view.near * per_scale;
-    if -c.z + half_depth < near {
-        return PixelRect::EMPTY;
-    }
-    let nearest = -c.z - half_depth;
-    if nearest <= 0.25 * near {
-        return PixelRect::of_picture(view.size_px);
-    }
-    let (low, high) = match outline {
+    let is_behind = (half_depth - c.z).simd_lt(near);
+    // The border is not what is computed here where a patch reaches behind the eye.
+    let is_around_eye = (-c.z - half_depth).simd_le(near * 0.25);
+    let [low_x, high_x, low_y, high_y] = match outline {
         // A line of pixels touches the disk where the quadratic form P² + Q² − W² has a double root along it. Its dual is
         // made of the same cross products, which do not cancel where a small disk is far away.
         Outline::Disk => {
             let per_depth2 = 1.0 / (c.z * c.z - u.z * u.z - v.z * v.z);
-            let middle = (u * u.z + v * v.z - c * c.z) * per_depth2;
-            let reach2 = p * p + q * q - w * w;
-            let reach = reach2.max(Vec3::ZERO);
-            let reach = Vec3::new(reach.y.sqrt(), reach.x.sqrt(), 0.0) * per_depth2;
-            (middle - reach, middle + reach)
+            let middle = |c_axis: f32x8<S>, u_axis: f32x8<S>, v_axis: f32x8<S>| {
+                (u_axis * u.z + v_axis * v.z - c_axis * c.z) * per_depth2
+            };
+            let reach = |p_axis: f32x8<S>, q_axis: f32x8<S>, w_axis: f32x8<S>| {
+                let reach2 = p_axis * p_axis + q_axis * q_axis - w_axis * w_axis;
+                reach2.max(zero).sqrt() * per_depth2
+            };
+            let (x, half_x) = (middle(c.x, u.x, v.x), reach(p.y, q.y, w.y));
+            let (y, half_y) = (middle(c.y, u.y, v.y), reach(p.x, q.x, w.x));
+            [x - half_x, x + half_x, y - half_y, y + half_y]
         }
         Outline::Parallelogram => {
-            let slopes = |corner: Vec3| corner / -corner.z;
-            let (a, b) = (slopes(c + u + v), slopes(c + u - v));
-            let (d, e) = (slopes(c - u + v), slopes(c - u - v));
-            (a.min(b).min(d.min(e)), a.max(b).max(d.max(e)))
+            let slopes = |corner: Vectors<S>| {
+                let per_distance = -1.0 / corner.z;
+                (corner.x * per_distance, corner.y * per_distance)
+            };
+            let (up, down) = (c.plus(u), c.minus(u));
+            let (a, b) = (slopes(up.plus(v)), slopes(up.minus(v)));
+            let (d, e) = (slopes(down.plus(v)), slopes(down.minus(v)));
+            [
+                a.0.min(b.0).min(d.0.min(e.0)),
+                a.0.max(b.0).max(d.0.max(e.0)),
+                a.1.min(b.1).min(d.1.min(e.1)),
+                a.1.max(b.1).max(d.1.max(e.1)),
+            ]
         }
     };
-    view.around_slopes(low, high)
+    let px = |slope: f32x8<S>, axis: usize| slope * view.px_per_slope[axis] + view.middle_px[axis];
+    // Rows are counted downwards.
+    let ends = [px(low_x, 0), px(high_x, 0), px(high_y, 1), px(low_y, 1)];
+    let [left, right] = pixels_between(simd, clip, 0, [ends[0], ends[1]], is_around_eye);
+    let [top, bottom] = pixels_between(simd, clip, 1, [ends[2], ends[3]], is_around_eye);
+    // None where nothing is in front of the near plane.
+    [left, top, simd.select_f32x8(is_behind, left, right), bottom]
+}
+
+/// Where the pixels of `clip` along an axis begin and end whose middles are between two ends, or a hundredth of a pixel beyond for
+/// rounding; all of them where ends are not known.
+#[inline(always)]
+fn pixels_between<S: Simd>(
+    simd: S,
+    clip: PixelRect,
+    axis: usize,
+    [first, last]: [f32x8<S>; 2],
+    are_unknown: mask32x8<S>,
+) -> [f32x8<S>; 2] {
+    let start = f32x8::splat(simd, clip.start[axis] as f32);
+    let end = f32x8::splat(simd, clip.end[axis] as f32);
+    [
+        simd.select_f32x8(are_unknown, start, (first - 0.51).ceil().max(start)),
+        simd.select_f32x8(are_unknown, end, (last + 0.51).floor().min(end)),
+    ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::tests::view_of;
     use super::*;
+    use fearless_simd::{Level, dispatch};
+    use glam::Vec3;
     use proptest::prelude::*;
+
+    #[derive(Debug, Clone, Copy)]
+    struct Patch {
+        center: Vec3,
+        u: Vec3,
+        v: Vec3,
+    }
+
+    fn facet_of(view: &PixelView, patch: Patch, outline: Outline) -> Option<Facet> {
+        let canvas = Canvas {
+            view,
+            clip: PixelRect::of_picture(view.size_px),
+            outline,
+            cull_back_faces: false,
+        };
+        dispatch!(Level::new(), simd => {
+            let patches = Patches {
+                centers: Vectors::splat(simd, patch.center),
+                u: Vectors::splat(simd, patch.u),
+                v: Vectors::splat(simd, patch.v),
+            };
+            let all = mask32x8::splat(simd, -1);
+            Facets::new(simd, &canvas, &patches, all).get(5)
+        })
+    }
 
     /// In f64, by meeting the ray of a pixel with the plane.
     fn meets(patch: &Patch, view: &PixelView, x: i32, y: i32) -> Option<([f64; 2], f64)> {
@@ -164,7 +314,7 @@ mod tests {
             prop_assume!(u.cross(v).length() > 1e-3 * scale * scale);
             prop_assume!(u.cross(v).normalize().dot(center).abs() > 1e-2 * scale);
             for outline in [Outline::Disk, Outline::Parallelogram] {
-                let facet = Facet::new(&view, PixelRect::of_picture(view.size_px), patch, outline, false);
+                let facet = facet_of(&view, patch, outline);
                 for y in 0..48 {
                     for x in 0..64 {
                         let Some(([p, q], distance)) = meets(&patch, &view, x, y) else { continue };

@@ -1,8 +1,9 @@
 //! From the pixels of a tile to bytes of the picture: background, resolve and the grey of depths (`shaders/passes`).
 
-use super::tile::{HEIGHT, NOWHERE, PIXELS, Tile, WIDTH};
+use super::tile::{HEIGHT, LANES, NOWHERE, PIXELS, Tile, WIDTH};
 use super::view::PixelRect;
 use crate::scene::{Background, ScenePacket};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8, u32x8};
 
 /// Summed weight from which a pixel hides the background, as in `shaders/passes/resolve.wgsl`.
 const OPAQUE_WEIGHT: f32 = 0.22;
@@ -58,7 +59,7 @@ impl Tile {
     pub(super) fn begin(&mut self, origin: [i32; 2], held: Held, gradient: &Gradient) {
         self.origin = origin;
         match held {
-            Held::Keys => clear(&mut self.keys, NOWHERE + 1),
+            Held::Keys => clear(&mut self.keys, NOWHERE + LANES),
             Held::Depths { .. } => clear(&mut self.depth, PIXELS),
             // What is drawn is covered by depths.
             Held::SolidColors => {
@@ -91,8 +92,9 @@ impl Tile {
 
     /// Writes a part of its pixels to their places in the rows of the picture that it is in.
     #[inline(always)]
-    pub(super) fn finish(
+    pub(super) fn finish<S: Simd>(
         &self,
+        simd: S,
         clip: PixelRect,
         held: Held,
         gradient: &Gradient,
@@ -103,13 +105,7 @@ impl Tile {
         for (row, y) in (clip.start[1]..clip.end[1]).enumerate() {
             let pixels = &mut rows[4 * width_px * row..][4 * columns.start..4 * columns.end];
             let (pixels, _) = pixels.as_chunks_mut::<4>();
-            let first = WIDTH * row;
-            self.finish_row(
-                first..first + columns.len(),
-                held,
-                gradient.at_row(y),
-                pixels,
-            );
+            self.finish_row(simd, row, held, gradient.at_row(y), pixels);
         }
     }
 
@@ -137,67 +133,91 @@ impl Tile {
     }
 
     #[inline(always)]
-    fn finish_row(
+    fn finish_row<S: Simd>(
         &self,
-        places: std::ops::Range<usize>,
+        simd: S,
+        row: usize,
         held: Held,
         background: [f32; 3],
         pixels: &mut [[u8; 4]],
     ) {
         // Nothing here may go through `map` or `from_fn`: see `raster.rs`.
-        let [red, green, blue] = &self.colors;
-        let color_at = |place: usize| [red[place], green[place], blue[place]];
+        let splat = |value: f32| f32x8::splat(simd, value);
+        let [red, green, blue] = background;
+        let background = [splat(red), splat(green), splat(blue)];
+        let first = WIDTH * row;
+        let values = |values: &[f32], place: usize| {
+            f32x8::from_slice(simd, &values[first + place..first + place + LANES])
+        };
+        let colors = |place: usize| {
+            let [red, green, blue] = &self.colors;
+            [
+                values(red, place),
+                values(green, place),
+                values(blue, place),
+            ]
+        };
         match held {
             Held::Keys => {
-                let empty = opaque(background);
-                for (pixel, &key) in pixels.iter_mut().zip(&self.keys[places]) {
-                    let [red, green, blue, _] = (key as u32).to_le_bytes();
-                    *pixel = if key == 0 {
-                        empty
-                    } else {
-                        [red, green, blue, 255]
-                    };
+                let empty = opaque(simd, background)[0];
+                for (pixel, &key) in pixels.iter_mut().zip(&self.keys[first..]) {
+                    // Points are opaque, whatever their fourth byte is.
+                    let color = key as u32 | OPAQUE_ALPHA;
+                    *pixel = if key == 0 { empty } else { color }.to_le_bytes();
                 }
             }
-            Held::SolidColors => {
-                for (place, pixel) in places.zip(pixels) {
-                    let is_drawn = self.depth[place] > 0.0;
-                    *pixel = opaque(if is_drawn {
-                        color_at(place)
-                    } else {
-                        background
-                    });
-                }
-            }
-            Held::BlendedColors => {
-                for (place, pixel) in places.zip(pixels) {
-                    *pixel = opaque(color_at(place));
-                }
-            }
-            Held::Sums => {
-                for (place, pixel) in places.zip(pixels) {
-                    let weight = self.weight[place];
-                    let opacity = (weight / OPAQUE_WEIGHT).min(1.0);
-                    let share = if weight > 0.0 { opacity / weight } else { 0.0 };
-                    let sums = color_at(place);
-                    let over =
-                        |sum: f32, background: f32| sum * share + background * (1.0 - opacity);
-                    *pixel = opaque([
-                        over(sums[0], background[0]),
-                        over(sums[1], background[1]),
-                        over(sums[2], background[2]),
-                    ]);
-                }
-            }
-            Held::Depths { near, white, black } => {
-                for (pixel, &depth) in pixels.iter_mut().zip(&self.depth[places]) {
-                    let share = ((near / depth - white) / (black - white)).clamp(0.0, 1.0);
-                    let grey = 0.95 * (1.0 - share) + 0.15 * share;
-                    *pixel = opaque(if depth > 0.0 { [grey; 3] } else { background });
-                }
-            }
+            Held::SolidColors => write(simd, pixels, |place| {
+                let are_drawn = values(&self.depth, place).simd_gt(splat(0.0));
+                select(simd, are_drawn, colors(place), background)
+            }),
+            Held::BlendedColors => write(simd, pixels, colors),
+            Held::Sums => write(simd, pixels, |place| {
+                let weight = values(&self.weight, place);
+                let opacity = (weight * (1.0 / OPAQUE_WEIGHT)).min(splat(1.0));
+                // Nothing, where there is no weight: sums are 0 then.
+                let share = opacity / weight.max(splat(f32::MIN_POSITIVE));
+                let shows_through = 1.0 - opacity;
+                let sums = colors(place);
+                [
+                    sums[0].mul_add(share, background[0] * shows_through),
+                    sums[1].mul_add(share, background[1] * shows_through),
+                    sums[2].mul_add(share, background[2] * shows_through),
+                ]
+            }),
+            Held::Depths { near, white, black } => write(simd, pixels, |place| {
+                let depth = values(&self.depth, place);
+                let share = (near / depth - white) * (1.0 / (black - white));
+                let share = share.max(splat(0.0)).min(splat(1.0));
+                let grey = share.mul_add(splat(0.15 - 0.95), splat(0.95));
+                select(simd, depth.simd_gt(splat(0.0)), [grey; 3], background)
+            }),
         }
     }
+}
+
+/// Writes eight colours after the other to pixels; `colors` makes them for those from a place on.
+#[inline(always)]
+fn write<S: Simd>(simd: S, pixels: &mut [[u8; 4]], mut colors: impl FnMut(usize) -> [f32x8<S>; 3]) {
+    for (chunk, pixels) in pixels.chunks_mut(LANES).enumerate() {
+        let eight = opaque(simd, colors(LANES * chunk));
+        for (pixel, &color) in pixels.iter_mut().zip(eight.as_slice()) {
+            *pixel = color.to_le_bytes();
+        }
+    }
+}
+
+#[inline(always)]
+fn select<S: Simd>(
+    simd: S,
+    mask: mask32x8<S>,
+    yes: [f32x8<S>; 3],
+    no: [f32x8<S>; 3],
+) -> [f32x8<S>; 3] {
+    [
+        simd.select_f32x8(mask, yes[0], no[0]),
+        simd.select_f32x8(mask, yes[1], no[1]),
+        simd.select_f32x8(mask, yes[2], no[2]),
+    ]
 }
 
 /// As many zeros.
@@ -206,9 +226,20 @@ fn clear<T: Copy + Default>(values: &mut Vec<T>, count: usize) {
     values.resize(count, T::default());
 }
 
-/// Bytes of a colour, which is 0 to 1.
+/// The highest byte of a pixel.
+const OPAQUE_ALPHA: u32 = 0xff00_0000;
+
+/// Bytes of eight colours, which are 0 to 1: red the lowest.
 #[inline(always)]
-fn opaque(color: [f32; 3]) -> [u8; 4] {
-    let byte = |channel: f32| (channel * 255.0 + 0.5) as u8;
-    [byte(color[0]), byte(color[1]), byte(color[2]), 255]
+fn opaque<S: Simd>(simd: S, colors: [f32x8<S>; 3]) -> u32x8<S> {
+    let byte = |channel: f32x8<S>| {
+        let scaled = channel.mul_add(f32x8::splat(simd, 255.0), f32x8::splat(simd, 0.5));
+        let within = scaled
+            .max(f32x8::splat(simd, 0.0))
+            .min(f32x8::splat(simd, 255.0));
+        simd.reinterpret_u32_i32x8(simd.cvt_i32_f32x8(within))
+    };
+    let [red, green, blue] = colors;
+    let (red, green, blue) = (byte(red), byte(green), byte(blue));
+    red | (green << 8) | (blue << 16) | u32x8::splat(simd, OPAQUE_ALPHA)
 }

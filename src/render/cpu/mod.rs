@@ -8,6 +8,7 @@
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
 mod blocks;
+mod eight;
 mod facet;
 mod finish;
 mod points;
@@ -22,9 +23,9 @@ mod voxels;
 
 use super::{DEPTH_SLACK_RADII, RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
-use crate::scene::{Primitive, ScenePacket, Splatting};
+use crate::scene::{Lighting, Primitive, ScenePacket, Splatting};
 use blocks::{Blocks, TileLists};
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, Simd, dispatch};
 use finish::{Gradient, Held};
 use image::RgbaImage;
 use points::Points;
@@ -194,16 +195,28 @@ trait Output: Copy + Send + Sync {
     const PER_PIXEL: usize;
 
     /// Writes a part of a tile to its places in the rows of the picture that it is in.
-    fn finish(tile: &Tile, clip: PixelRect, picture: &Picture<'_>, band: &mut [Self]);
+    fn finish<S: Simd>(
+        simd: S,
+        tile: &Tile,
+        clip: PixelRect,
+        picture: &Picture<'_>,
+        band: &mut [Self],
+    );
 }
 
 impl Output for u8 {
     const PER_PIXEL: usize = 4;
 
     #[inline(always)]
-    fn finish(tile: &Tile, clip: PixelRect, picture: &Picture<'_>, band: &mut [Self]) {
+    fn finish<S: Simd>(
+        simd: S,
+        tile: &Tile,
+        clip: PixelRect,
+        picture: &Picture<'_>,
+        band: &mut [Self],
+    ) {
         let width_px = picture.view.size_px[0] as usize;
-        tile.finish(clip, picture.held, &picture.gradient, width_px, band);
+        tile.finish(simd, clip, picture.held, &picture.gradient, width_px, band);
     }
 }
 
@@ -211,7 +224,13 @@ impl Output for f32 {
     const PER_PIXEL: usize = 1;
 
     #[inline(always)]
-    fn finish(tile: &Tile, clip: PixelRect, picture: &Picture<'_>, band: &mut [Self]) {
+    fn finish<S: Simd>(
+        _: S,
+        tile: &Tile,
+        clip: PixelRect,
+        picture: &Picture<'_>,
+        band: &mut [Self],
+    ) {
         let width_px = picture.view.size_px[0] as usize;
         tile.write_depths(clip, picture.held, picture.view.near, width_px, band);
     }
@@ -250,6 +269,8 @@ fn draw<T: Output>(
             background: packet.settings.background,
             height_px: packet.viewport_px[1],
         },
+        are_rays_measured: packet.settings.lighting == Lighting::PerFragment
+            && matches!(held, Held::Sums | Held::BlendedColors | Held::SolidColors),
     };
     let level = Level::new();
     let width_px = packet.viewport_px[0] as usize;
@@ -275,12 +296,14 @@ struct Picture<'a> {
     lists: TileLists,
     held: Held,
     gradient: Gradient,
+    /// For light that is worked out at each pixel.
+    are_rays_measured: bool,
 }
 
 impl Picture<'_> {
     /// Draws a tile, and writes it to its place in a band of the picture.
     #[inline(always)]
-    fn draw_tile<S: fearless_simd::Simd, T: Output>(
+    fn draw_tile<S: Simd, T: Output>(
         &self,
         simd: S,
         tile: &mut Tile,
@@ -293,14 +316,27 @@ impl Picture<'_> {
         let picture = PixelRect::of_picture(self.view.size_px);
         let clip = tile.rect().intersection(picture);
         let records = self.lists.records(self.tiles.columns * row + column);
+        if self.are_rays_measured && records.len() > 0 {
+            simd.vectorize(
+                #[inline(always)]
+                || raster::measure_rays(simd, &self.view, tile),
+            );
+        }
         match &self.drawable {
-            Drawable::Points(points) => points.draw(&self.view, tile, clip, records),
-            Drawable::Surfels(surfels) => {
-                surfels.draw(simd, &self.view, tile, clip, records, waiting);
-            }
-            Drawable::Cubes(cubes) => cubes.draw(simd, &self.view, tile, clip, records),
+            Drawable::Points(points) => simd.vectorize(
+                #[inline(always)]
+                || points.draw(simd, &self.view, tile, clip, records),
+            ),
+            Drawable::Surfels(surfels) => simd.vectorize(
+                #[inline(always)]
+                || surfels.draw(simd, &self.view, tile, clip, records, waiting),
+            ),
+            Drawable::Cubes(cubes) => simd.vectorize(
+                #[inline(always)]
+                || cubes.draw(simd, &self.view, tile, clip, records),
+            ),
             Drawable::Nothing => {}
         }
-        T::finish(tile, clip, self, band);
+        T::finish(simd, tile, clip, self, band);
     }
 }

@@ -1,9 +1,11 @@
 //! Points: pixels, or squares of pixels, of one colour and one depth.
 
-use super::blocks::{BLOCK, Placed};
-use super::tile::{NOWHERE, Tile, WIDTH};
+use super::blocks::Placed;
+use super::eight::{lane_numbers, lanes_below, words};
+use super::tile::{LANES, NOWHERE, Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::cloud::PointRecord;
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, i32x8};
 use std::ops::Range;
 
 /// Points of a packet.
@@ -27,12 +29,14 @@ impl Placed for Points<'_> {
     }
 }
 
-/// Where points are on the screen. Each property in an array of its own, so that registers are filled with neighbours.
-struct Projected {
-    x_px: [f32; BLOCK],
-    y_px: [f32; BLOCK],
-    /// Reversed depth; negative behind the eye.
-    depth: [f32; BLOCK],
+/// Where eight points are on the screen.
+struct Projected<S: Simd> {
+    x_px: f32x8<S>,
+    y_px: f32x8<S>,
+    /// Reversed depth; not between 0 and 1 where a point is not in front of the near plane.
+    depth: f32x8<S>,
+    /// Its bits are a colour.
+    color: f32x8<S>,
 }
 
 impl Points<'_> {
@@ -43,39 +47,41 @@ impl Points<'_> {
 
     /// Draws those of some records that touch a tile. Of two as far away the later one is seen.
     #[inline(always)]
-    pub(super) fn draw(
+    pub(super) fn draw<S: Simd>(
         &self,
+        simd: S,
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
         records: impl Iterator<Item = Range<usize>>,
     ) {
         for range in records {
-            let records = &self.records[range];
-            let projected = project(view, records);
-            if self.size_px <= 1.0 {
-                draw_pixels(tile, clip, records, &projected);
-            } else {
-                self.draw_squares(tile, clip, records, &projected);
+            for records in self.records[range].chunks(LANES) {
+                let projected = project(simd, view, records);
+                if self.size_px <= 1.0 {
+                    draw_pixels(simd, tile, clip, records.len(), &projected);
+                } else {
+                    self.draw_squares(tile, clip, records.len(), &projected);
+                }
             }
         }
     }
 
     #[inline(always)]
-    fn draw_squares(
+    fn draw_squares<S: Simd>(
         &self,
         tile: &mut Tile,
         clip: PixelRect,
-        records: &[PointRecord],
-        projected: &Projected,
+        count: usize,
+        projected: &Projected<S>,
     ) {
         let half = 0.5 * self.size_px;
-        for (point, record) in records.iter().enumerate() {
+        for point in 0..count {
             let depth = projected.depth[point];
-            if !is_in_front(depth) {
+            if !(depth > 0.0 && depth <= 1.0) {
                 continue;
             }
-            let key = key(depth, record);
+            let key = key(depth.to_bits(), projected.color[point].to_bits());
             // Pixels whose middles are within.
             let range = |middle: f32, axis: usize| {
                 let [start, end] =
@@ -93,46 +99,52 @@ impl Points<'_> {
     }
 }
 
+/// Draws the first ones of eight points.
 #[inline(always)]
-#[expect(
-    clippy::needless_bitwise_bool,
-    reason = "without branches many points are worked out at a time"
-)]
-fn draw_pixels(tile: &mut Tile, clip: PixelRect, records: &[PointRecord], projected: &Projected) {
+fn draw_pixels<S: Simd>(
+    simd: S,
+    tile: &mut Tile,
+    clip: PixelRect,
+    count: usize,
+    projected: &Projected<S>,
+) {
+    let splat = |value: f32| f32x8::splat(simd, value);
+    let zero = splat(0.0);
     let [left, top] = [clip.start[0] as f32, clip.start[1] as f32];
     let [width, height] = [clip.end[0] as f32 - left, clip.end[1] as f32 - top];
-    // Worked out for all points before any is drawn: without branches, many at a time.
-    let mut places = [0; BLOCK];
-    let points = projected
-        .x_px
-        .iter()
-        .zip(&projected.y_px)
-        .zip(&projected.depth);
-    for (place, ((&x_px, &y_px), &depth)) in places.iter_mut().zip(points) {
-        let (x, y) = ((x_px - left).floor(), (y_px - top).floor());
-        let is_seen = (x >= 0.0) & (x < width) & (y >= 0.0) & (y < height) & is_in_front(depth);
-        let exact = if is_seen {
-            y * WIDTH as f32 + x
-        } else {
-            NOWHERE as f32
-        };
-        // At 2²³ the last bit of an f32 is worth 1: a conversion in one addition.
-        *place = (exact + 8_388_608.0).to_bits() & 0xffff;
+    let (x, y) = (
+        (projected.x_px - left).floor(),
+        (projected.y_px - top).floor(),
+    );
+    let are_seen = x.simd_ge(zero)
+        & x.simd_lt(splat(width))
+        & y.simd_ge(zero)
+        & y.simd_lt(splat(height))
+        & projected.depth.simd_gt(zero)
+        & projected.depth.simd_le(splat(1.0))
+        & lanes_below(simd, count);
+    if !simd.any_true_mask32x8(are_seen) {
+        return;
     }
-    for ((record, &place), &depth) in records.iter().zip(&places).zip(&projected.depth) {
-        put(&mut tile.keys[place as usize], key(depth, record));
+    // Each lane has a nowhere of its own: writing to the same one would have to wait for the last.
+    let nowhere = lane_numbers(simd) + NOWHERE as f32;
+    let places = simd.select_f32x8(are_seen, y.mul_add(splat(WIDTH as f32), x), nowhere);
+    let places: i32x8<S> = simd.cvt_i32_f32x8(places);
+    let keys = tile.keys.as_mut_slice();
+    for lane in 0..LANES {
+        let key = key(
+            projected.depth[lane].to_bits(),
+            projected.color[lane].to_bits(),
+        );
+        put(&mut keys[places[lane] as usize], key);
     }
-}
-
-fn is_in_front(depth: f32) -> bool {
-    depth > 0.0 && depth <= 1.0
 }
 
 /// Depth above colour.
 #[inline(always)]
-fn key(depth: f32, record: &PointRecord) -> u64 {
+fn key(depth_bits: u32, color_bits: u32) -> u64 {
     // The bits of positive numbers are in their order.
-    u64::from(depth.to_bits()) << 32 | u64::from(u32::from_le_bytes(record.color))
+    u64::from(depth_bits) << 32 | u64::from(color_bits)
 }
 
 /// Replaces what is behind, or as far away.
@@ -147,20 +159,18 @@ fn put(there: &mut u64, key: u64) {
 }
 
 #[inline(always)]
-fn project(view: &PixelView, records: &[PointRecord]) -> Projected {
-    let mut projected = Projected {
-        x_px: [0.0; BLOCK],
-        y_px: [0.0; BLOCK],
-        depth: [0.0; BLOCK],
+fn project<S: Simd>(simd: S, view: &PixelView, records: &[PointRecord]) -> Projected<S> {
+    let [x, y, z, color] = words(simd, records);
+    let points = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
+    let per_distance = -1.0 / points.z;
+    let px = |along: f32x8<S>, axis: usize| {
+        let px = along * per_distance * view.px_per_slope[axis];
+        px + view.middle_px[axis]
     };
-    let places = projected.x_px.iter_mut().zip(&mut projected.y_px);
-    let places = places.zip(&mut projected.depth);
-    for (record, ((x_px, y_px), depth)) in records.iter().zip(places) {
-        let point = view.rotate(view.offset_from_eye(record.position));
-        let per_distance = -1.0 / point.z;
-        *x_px = view.middle_px[0] + point.x * per_distance * view.px_per_slope[0];
-        *y_px = view.middle_px[1] + point.y * per_distance * view.px_per_slope[1];
-        *depth = view.near * per_distance;
+    Projected {
+        x_px: px(points.x, 0),
+        y_px: px(points.y, 1),
+        depth: per_distance * view.near,
+        color,
     }
-    projected
 }

@@ -2,9 +2,10 @@
 //!
 //! Each function is what one pass of `shaders/passes` does with a fragment.
 
+use super::eight::lane_numbers;
 use super::facet::{Facet, Outline};
 use super::shading::{Light, Shading};
-use super::tile::{LANES, Tile, WIDTH};
+use super::tile::{LANES, PIXELS, Tile, WIDTH};
 use super::view::{Affine, PixelRect, PixelView};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 
@@ -13,9 +14,6 @@ pub(super) struct Fragments<S: Simd> {
     pub(super) p: f32x8<S>,
     pub(super) q: f32x8<S>,
     pub(super) w: f32x8<S>,
-    /// The pixels' coordinates: x of each, y of all.
-    pub(super) x_px: f32x8<S>,
-    pub(super) y_px: f32,
 }
 
 /// Calls `visit` with the place in the tile of every eight pixels that a patch may cover.
@@ -29,7 +27,7 @@ fn for_each<S: Simd>(
     let rect = facet.bounds.intersection(tile_rect);
     let [tile_x, tile_y] = tile_rect.start;
     let first_x = rect.start[0] - (rect.start[0] - tile_x) % LANES as i32;
-    let lanes = f32x8::from_slice(simd, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+    let lanes = lane_numbers(simd);
     let splat = |value| f32x8::splat(simd, value);
     let row_of = |function: &Affine, y| {
         let first = splat(function.at_px(first_x, y));
@@ -43,31 +41,27 @@ fn for_each<S: Simd>(
             p: row_of(&facet.p, y),
             q: row_of(&facet.q, y),
             w: row_of(&facet.w, y),
-            x_px: lanes + splat(first_x as f32 + 0.5),
-            y_px: y as f32 + 0.5,
         };
         for x in (first_x..rect.end[0]).step_by(LANES) {
             visit(row + (x - tile_x) as usize, &fragments);
             fragments.p += step_p;
             fragments.q += step_q;
             fragments.w += step_w;
-            fragments.x_px += splat(LANES as f32);
         }
     }
 }
 
 impl<S: Simd> Fragments<S> {
+    /// Whether they are inside of the outline or, where depths are negative, of its mirror image behind the eye.
     #[inline(always)]
-    fn are_inside(&self, simd: S, outline: Outline) -> mask32x8<S> {
-        let in_front = self.w.simd_gt(f32x8::splat(simd, 0.0));
-        let inside = match outline {
+    fn are_inside(&self, outline: Outline) -> mask32x8<S> {
+        match outline {
             Outline::Disk => {
                 let across = self.p.mul_add(self.p, self.q * self.q);
                 across.simd_le(self.w * self.w)
             }
             Outline::Parallelogram => self.p.abs().max(self.q.abs()).simd_le(self.w),
-        };
-        inside & in_front
+        }
     }
 
     /// Reversed depths.
@@ -100,7 +94,8 @@ pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_
     let nothing = f32x8::splat(simd, 0.0);
     for_each(simd, tile.rect(), facet, |at, fragments| {
         let depths = fragments.depths(simd, depth_per_w);
-        let drawn = fragments.are_inside(simd, Outline::Disk) & are_beyond_near(simd, depths);
+        // Behind the eye depths are negative, and less than what is there.
+        let drawn = fragments.are_inside(Outline::Disk) & are_beyond_near(simd, depths);
         let nearest = load(simd, &tile.depth, at).max(simd.select_f32x8(drawn, depths, nothing));
         store(nearest, &mut tile.depth, at);
     });
@@ -108,24 +103,18 @@ pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_
 
 /// Sums weighted colours of what is not behind the depths that are there.
 #[inline(always)]
-pub(super) fn attribute<S: Simd>(
-    simd: S,
-    view: &PixelView,
-    tile: &mut Tile,
-    facet: &Facet,
-    shading: &Shading,
-) {
+pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading) {
     let nothing = f32x8::splat(simd, 0.0);
     for_each(simd, tile.rect(), facet, |at, fragments| {
         let depths = fragments.depths(simd, facet.depth_per_w);
-        let drawn = fragments.are_inside(simd, Outline::Disk)
+        let drawn = fragments.are_inside(Outline::Disk)
             & are_beyond_near(simd, depths)
             & depths.simd_ge(load(simd, &tile.depth, at));
         if !simd.any_true_mask32x8(drawn) {
             return;
         }
         let weight = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
-        let colors = shading.colors(simd, view, facet, fragments);
+        let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
         for (channel, sums) in tile.colors.iter_mut().enumerate() {
             store(
                 colors[channel].mul_add(weight, load(simd, sums, at)),
@@ -141,7 +130,6 @@ pub(super) fn attribute<S: Simd>(
 #[inline(always)]
 pub(super) fn over<S: Simd>(
     simd: S,
-    view: &PixelView,
     tile: &mut Tile,
     facet: &Facet,
     shading: &Shading,
@@ -151,7 +139,7 @@ pub(super) fn over<S: Simd>(
     for_each(simd, tile.rect(), facet, |at, fragments| {
         let depths = fragments.depths(simd, facet.depth_per_w);
         let mut drawn =
-            fragments.are_inside(simd, Outline::Parallelogram) & are_beyond_near(simd, depths);
+            fragments.are_inside(Outline::Parallelogram) & are_beyond_near(simd, depths);
         if with_depth {
             let before = load(simd, &tile.depth, at);
             drawn &= depths.simd_ge(before);
@@ -161,12 +149,12 @@ pub(super) fn over<S: Simd>(
                 at,
             );
         }
-        drawn &= fragments.are_inside(simd, Outline::Disk);
+        drawn &= fragments.are_inside(Outline::Disk);
         if !simd.any_true_mask32x8(drawn) {
             return;
         }
         let opacity = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
-        let colors = shading.colors(simd, view, facet, fragments);
+        let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
         for (channel, below) in tile.colors.iter_mut().enumerate() {
             let there = load(simd, below, at);
             store((colors[channel] - there).mul_add(opacity, there), below, at);
@@ -176,17 +164,11 @@ pub(super) fn over<S: Simd>(
 
 /// Draws what is nearest, opaque.
 #[inline(always)]
-pub(super) fn solid<S: Simd>(
-    simd: S,
-    view: &PixelView,
-    tile: &mut Tile,
-    facet: &Facet,
-    shading: &Shading,
-) {
+pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading) {
     for_each(simd, tile.rect(), facet, |at, fragments| {
         let depths = fragments.depths(simd, facet.depth_per_w);
         let before = load(simd, &tile.depth, at);
-        let drawn = fragments.are_inside(simd, Outline::Parallelogram)
+        let drawn = fragments.are_inside(Outline::Parallelogram)
             & are_beyond_near(simd, depths)
             & depths.simd_ge(before);
         if !simd.any_true_mask32x8(drawn) {
@@ -197,7 +179,7 @@ pub(super) fn solid<S: Simd>(
             &mut tile.depth,
             at,
         );
-        let colors = shading.colors(simd, view, facet, fragments);
+        let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
         for (channel, below) in tile.colors.iter_mut().enumerate() {
             let there = load(simd, below, at);
             store(simd.select_f32x8(drawn, colors[channel], there), below, at);
@@ -223,13 +205,31 @@ fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>) -> f32x8<S> {
     fourth_power * fourth_power
 }
 
+/// For every pixel of a tile, 1 over the length of the ray through it that has z = −1: light needs it for every fragment, and
+/// a root and a division take as long as all else.
+#[inline(always)]
+pub(super) fn measure_rays<S: Simd>(simd: S, view: &PixelView, tile: &mut Tile) {
+    tile.per_ray_length.resize(PIXELS, 0.0);
+    let to_right = |x: f32x8<S>| (x - view.middle_px[0]) * (1.0 / view.px_per_slope[0]);
+    let [left, top] = tile.origin.map(|edge| edge as f32 + 0.5);
+    for (row, lengths) in tile.per_ray_length.chunks_exact_mut(WIDTH).enumerate() {
+        let down = (top + row as f32 - view.middle_px[1]) / view.px_per_slope[1];
+        for column in (0..WIDTH).step_by(LANES) {
+            let right = to_right(lane_numbers(simd) + (left + column as f32));
+            let length2 = right.mul_add(right, f32x8::splat(simd, down * down + 1.0));
+            store(1.0 / length2.sqrt(), lengths, column);
+        }
+    }
+}
+
 impl Shading {
     /// The lit colours of eight pixels (`shaders/common/light.wgsl`).
     #[inline(always)]
     fn colors<S: Simd>(
         &self,
         simd: S,
-        view: &PixelView,
+        per_ray_length: &[f32],
+        at: usize,
         facet: &Facet,
         fragments: &Fragments<S>,
     ) -> [f32x8<S>; 3] {
@@ -242,11 +242,8 @@ impl Shading {
                 between_corners(simd, *whites, fragments),
             ],
             Light::OfPixels => {
-                let right =
-                    (fragments.x_px - splat(view.middle_px[0])) * splat(1.0 / view.px_per_slope[0]);
-                let down = (fragments.y_px - view.middle_px[1]) / view.px_per_slope[1];
-                let length = right.mul_add(right, splat(down * down + 1.0)).sqrt();
-                let facing = fragments.w / (length * splat(facet.normal_length));
+                let per_length = load(simd, per_ray_length, at) * (1.0 / facet.normal_length);
+                let facing = fragments.w * per_length;
                 head_light_of(simd, facing)
             }
         };

@@ -8,7 +8,7 @@ pub(super) const WIDTH: usize = 128;
 pub(super) const HEIGHT: usize = 64;
 pub(super) const PIXELS: usize = WIDTH * HEIGHT;
 
-/// A place behind all pixels, for what is not in the tile.
+/// The first of [`LANES`] places behind all pixels, for what is not in the tile.
 pub(super) const NOWHERE: usize = PIXELS;
 
 /// Pixels that are worked out together: those of a row that begin at a multiple of it.
@@ -55,8 +55,10 @@ pub(super) struct Tile {
     /// Red, green and blue from 0 to 1, times a weight where weights are summed up.
     pub(super) colors: [Vec<f32>; 3],
     pub(super) weight: Vec<f32>,
-    /// The bits of the depth above 32 of colour, for points; and one [`NOWHERE`].
+    /// The bits of the depth above 32 of colour, for points; and those from [`NOWHERE`] on.
     pub(super) keys: Vec<u64>,
+    /// Of the rays through pixels, for light that is worked out at each.
+    pub(super) per_ray_length: Vec<f32>,
 }
 
 impl Tile {
@@ -68,6 +70,7 @@ impl Tile {
             colors: [const { Vec::new() }; 3],
             weight: Vec::new(),
             keys: Vec::new(),
+            per_ray_length: Vec::new(),
         }
     }
 

@@ -32,6 +32,16 @@ impl PixelView {
         }
     }
 
+    /// The eye, as a sum.
+    pub(super) fn eye(&self) -> [Vec3; 2] {
+        [self.eye_high, self.eye_low]
+    }
+
+    /// From the axes of the frame to those of the view.
+    pub(super) fn rotation(&self) -> Mat3 {
+        self.rotation
+    }
+
     /// A point relative to the eye, in the axes of the frame. Subtracting the rounded eye first is exact near the eye.
     #[inline(always)]
     pub(super) fn offset_from_eye(&self, position: [f32; 3]) -> Vec3 {
@@ -47,19 +57,6 @@ impl PixelView {
     /// Half the extents, in view space, of the box around a box with these half extents in the frame.
     pub(super) fn rotate_extent(&self, half: Vec3) -> Vec3 {
         self.rotation.abs() * half
-    }
-
-    /// `vector · ray` as a function of pixels, where the ray through a pixel has z = −1.
-    #[inline(always)]
-    pub(super) fn along_rays(&self, vector: Vec3) -> Affine {
-        let per_px = [
-            vector.x / self.px_per_slope[0],
-            vector.y / self.px_per_slope[1],
-        ];
-        Affine {
-            per_px,
-            at_origin: -vector.z - per_px[0] * self.middle_px[0] - per_px[1] * self.middle_px[1],
-        }
     }
 
     /// The pixels that may be touched by what reaches some pixels beyond a box in view space; empty where none can be seen.
@@ -89,14 +86,6 @@ impl PixelView {
         self.around_slopes(low, high)
             .grown(margin_px)
             .intersection(whole)
-    }
-
-    /// Whether what is within some distance of a point may touch pixels of a rectangle. Of the records of a block, which is
-    /// drawn by every tile that the block may touch, most touch one.
-    #[inline(always)]
-    pub(super) fn may_touch(&self, rect: PixelRect, center: Vec3, distance: f32) -> bool {
-        let covered = self.covered_px(center, Vec3::splat(distance), 0.0);
-        !covered.intersection(rect).is_empty()
     }
 
     /// Whether all of a box, which may reach behind the eye, is beyond one of the sides of the picture.
@@ -160,8 +149,14 @@ impl PixelRect {
     pub(super) fn around(x: [f32; 2], y: [f32; 2]) -> Self {
         // Conversions saturate, and room is left for the next addition.
         const FAR: f32 = (1 << 24) as f32;
-        let start = |end: f32| (end - 0.51).clamp(-FAR, FAR).floor() as i32;
-        let end = |end: f32| (end + 0.51).clamp(-FAR, FAR).ceil() as i32;
+        // By conversions, which round towards 0: `floor` is a call on processors that are not asked what they can.
+        let floor = |px: f32| {
+            let px = px.clamp(-FAR, FAR);
+            let towards_zero = px as i32;
+            towards_zero - i32::from(towards_zero as f32 > px)
+        };
+        let start = |end: f32| floor(end - 0.51);
+        let end = |end: f32| -floor(-(end + 0.51));
         Self {
             start: [start(x[0]), start(y[0])],
             end: [end(x[1]), end(y[1])],

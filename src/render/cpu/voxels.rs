@@ -1,15 +1,15 @@
 //! Cells as cubes: the three faces of each that can face the eye.
 
 use super::blocks::Placed;
-use super::facet::{Facet, Outline, Patch};
+use super::eight::{Pyramid, Vectors, lanes_below, words};
+use super::facet::{Canvas, Facets, Outline, Patches};
 use super::raster;
 use super::shading::{Light, Shading, unit_color};
-use super::tile::Tile;
+use super::tile::{LANES, Tile};
 use super::view::{PixelRect, PixelView};
 use crate::cloud::VoxelRecord;
 use crate::scene::{Lighting, Voxels};
-use fearless_simd::Simd;
-use glam::Vec3;
+use fearless_simd::{Bytes, Simd, SimdFloat, f32x8, mask32x8, u32x8};
 use std::ops::Range;
 
 /// Cells of a packet, and how they are drawn.
@@ -57,35 +57,106 @@ impl<'a> Cubes<'a> {
         clip: PixelRect,
         records: impl Iterator<Item = Range<usize>>,
     ) {
-        for record in records.flatten() {
-            let VoxelRecord { center, color, .. } = self.records[record];
-            let center = view.offset_from_eye(center);
-            if !view.may_touch(clip, view.rotate(center), self.reach(record)) {
-                continue;
+        let pyramid = Pyramid::of(view, clip);
+        for range in records {
+            let end = range.end;
+            for first in range.step_by(LANES) {
+                let eight = &self.records[first..end.min(first + LANES)];
+                self.draw_eight(simd, view, tile, clip, &pyramid, eight);
             }
-            let half_edge = self.half_edge(record);
-            for axis in 0..3 {
-                // The face towards the eye. For an eye between the two planes it is turned away and culled.
-                let towards = if center[axis] < 0.0 { 1.0 } else { -1.0 };
-                let mut edges = [Vec3::ZERO; 3];
-                edges[0][axis] = towards * half_edge;
-                // Ordered so that their cross product points outwards.
-                edges[1][(axis + 1) % 3] = towards * half_edge;
-                edges[2][(axis + 2) % 3] = half_edge;
-                let middle = view.rotate(center + edges[0]);
-                let [normal, u, v] = edges.map(|edge| view.rotate(edge));
-                let patch = Patch {
-                    center: middle,
-                    u,
-                    v,
-                };
-                if let Some(facet) = Facet::new(view, clip, patch, Outline::Parallelogram, true) {
-                    let normal = normal.normalize_or_zero();
-                    let light = Light::new(self.lighting, normal, middle, u, v);
-                    let color = unit_color(color);
-                    raster::solid(simd, view, tile, &facet, &Shading { color, light });
+        }
+    }
+
+    #[inline(always)]
+    fn draw_eight<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        tile: &mut Tile,
+        clip: PixelRect,
+        pyramid: &Pyramid,
+        records: &[VoxelRecord],
+    ) {
+        let [x, y, z, color_and_level] = words(simd, records);
+        let offsets = view.offsets_from_eye(simd, [x, y, z]);
+        let centers = view.rotate_each(simd, offsets);
+        let half_edges = self.half_edges(color_and_level);
+        let may_touch = pyramid.may_touch(simd, centers, half_edges * 3f32.sqrt())
+            & lanes_below(simd, records.len());
+        if !simd.any_true_mask32x8(may_touch) {
+            return;
+        }
+        let cells = Cells {
+            offsets,
+            centers,
+            half_edges,
+            may_touch,
+        };
+        let canvas = Canvas {
+            view,
+            clip,
+            outline: Outline::Parallelogram,
+            cull_back_faces: true,
+        };
+        let faces = [
+            cells.faces(simd, &canvas, 0),
+            cells.faces(simd, &canvas, 1),
+            cells.faces(simd, &canvas, 2),
+        ];
+        for (lane, record) in records.iter().enumerate() {
+            for (axis, (patches, facets)) in faces.iter().enumerate() {
+                if let Some(facet) = facets.get(lane) {
+                    let light = if self.lighting == Lighting::PerFragment {
+                        Light::OfPixels
+                    } else {
+                        let normal = view.rotation().col(axis);
+                        let center = patches.centers.lane(lane);
+                        let [u, v] = [patches.u.lane(lane), patches.v.lane(lane)];
+                        Light::new(self.lighting, normal, center, u, v)
+                    };
+                    let color = unit_color(record.color);
+                    raster::solid(simd, tile, &facet, &Shading { color, light });
                 }
             }
         }
+    }
+
+    /// As [`Cubes::half_edge`], from the words of records whose highest byte is a level.
+    #[inline(always)]
+    fn half_edges<S: Simd>(&self, words: f32x8<S>) -> f32x8<S> {
+        let levels: u32x8<S> = words.bitcast::<u32x8<S>>() >> 24;
+        // The exponent of an f32.
+        let per_level: f32x8<S> = ((127 - levels) << 23).bitcast();
+        per_level * (0.5 * self.cube_edge)
+    }
+}
+
+/// Eight cells.
+struct Cells<S: Simd> {
+    /// Of their middles from the eye, in the axes of the frame.
+    offsets: Vectors<S>,
+    /// The same in view space.
+    centers: Vectors<S>,
+    half_edges: f32x8<S>,
+    may_touch: mask32x8<S>,
+}
+
+impl<S: Simd> Cells<S> {
+    /// The faces towards the eye that an axis of the frame crosses.
+    #[inline(always)]
+    fn faces(&self, simd: S, canvas: &Canvas<'_>, axis: usize) -> (Patches<S>, Facets) {
+        let offset = [self.offsets.x, self.offsets.y, self.offsets.z][axis];
+        // For an eye between the planes of two faces, both are turned away and culled.
+        let towards_eye = self.half_edges.copysign(-offset);
+        let rotation = canvas.view.rotation();
+        let along = |axis: usize| Vectors::splat(simd, rotation.col(axis));
+        let patches = Patches {
+            centers: self.centers.plus(along(axis).times(towards_eye)),
+            // Ordered so that their cross product points outwards.
+            u: along((axis + 1) % 3).times(towards_eye),
+            v: along((axis + 2) % 3).times(self.half_edges),
+        };
+        let facets = Facets::new(simd, canvas, &patches, self.may_touch);
+        (patches, facets)
     }
 }
