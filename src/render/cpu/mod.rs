@@ -189,50 +189,36 @@ fn of_surfaces(packet: &ScenePacket) -> ScenePacket {
     packet
 }
 
-/// What is made of the pixels of tiles: bytes of a picture, four each, or depths.
+/// Some rows of what is made of the pixels of tiles.
+enum Rows<'a> {
+    /// Of a picture, four bytes a pixel.
+    Bytes(&'a mut [u8]),
+    /// Distances along the view axis.
+    Depths(&'a mut [f32]),
+}
+
+/// What [`Rows`] are made of.
 trait Output: Copy + Send + Sync {
     /// How many of them a pixel has.
     const PER_PIXEL: usize;
 
-    /// Writes a part of a tile to its places in the rows of the picture that it is in.
-    fn finish<S: Simd>(
-        simd: S,
-        tile: &Tile,
-        clip: PixelRect,
-        picture: &Picture<'_>,
-        band: &mut [Self],
-    );
+    /// Rows of them.
+    fn rows(rows: &mut [Self]) -> Rows<'_>;
 }
 
 impl Output for u8 {
     const PER_PIXEL: usize = 4;
 
-    #[inline(always)]
-    fn finish<S: Simd>(
-        simd: S,
-        tile: &Tile,
-        clip: PixelRect,
-        picture: &Picture<'_>,
-        band: &mut [Self],
-    ) {
-        let width_px = picture.view.size_px[0] as usize;
-        tile.finish(simd, clip, picture.held, &picture.gradient, width_px, band);
+    fn rows(rows: &mut [Self]) -> Rows<'_> {
+        Rows::Bytes(rows)
     }
 }
 
 impl Output for f32 {
     const PER_PIXEL: usize = 1;
 
-    #[inline(always)]
-    fn finish<S: Simd>(
-        _: S,
-        tile: &Tile,
-        clip: PixelRect,
-        picture: &Picture<'_>,
-        band: &mut [Self],
-    ) {
-        let width_px = picture.view.size_px[0] as usize;
-        tile.write_depths(clip, picture.held, picture.view.near, width_px, band);
+    fn rows(rows: &mut [Self]) -> Rows<'_> {
+        Rows::Depths(rows)
     }
 }
 
@@ -281,7 +267,7 @@ fn draw<T: Output>(
             || (Tile::new(), Waiting::new()),
             |(tile, waiting), (row, band)| {
                 for column in 0..tiles.columns {
-                    dispatch!(level, simd => picture.draw_tile(simd, tile, waiting, [column, row], band));
+                    dispatch!(level, simd => picture.draw_tile(simd, tile, waiting, [column, row], T::rows(band)));
                 }
             },
         );
@@ -301,15 +287,15 @@ struct Picture<'a> {
 }
 
 impl Picture<'_> {
-    /// Draws a tile, and writes it to its place in a band of the picture.
+    /// Draws a tile, and writes it to its place in some rows of the picture.
     #[inline(always)]
-    fn draw_tile<S: Simd, T: Output>(
+    fn draw_tile<S: Simd>(
         &self,
         simd: S,
         tile: &mut Tile,
         waiting: &mut Waiting,
         [column, row]: [usize; 2],
-        band: &mut [T],
+        rows: Rows<'_>,
     ) {
         let origin = [(WIDTH * column) as i32, (HEIGHT * row) as i32];
         tile.begin(origin, self.held, &self.gradient);
@@ -337,6 +323,12 @@ impl Picture<'_> {
             ),
             Drawable::Nothing => {}
         }
-        T::finish(simd, tile, clip, self, band);
+        let width_px = self.view.size_px[0] as usize;
+        match rows {
+            Rows::Bytes(rows) => tile.finish(simd, clip, self.held, &self.gradient, width_px, rows),
+            Rows::Depths(rows) => {
+                tile.write_depths(clip, self.held, self.view.near, width_px, rows)
+            }
+        }
     }
 }
