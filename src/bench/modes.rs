@@ -56,13 +56,14 @@ impl FromStr for Modes {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let mut modes = Self::default();
         for word in text.split(',').map(str::trim) {
-            if let (Ok(renderer), true) = (word.parse(), word != RendererChoice::Auto.name()) {
+            let is_renderer = |choice: &RendererChoice| *choice != RendererChoice::Auto;
+            if let Some(renderer) = word.parse().ok().filter(is_renderer) {
                 modes.renderers.push(renderer);
-            } else if let Ok(primitive) = word.parse() {
+            } else if let Ok(primitive) = word.parse::<Primitive>() {
                 modes.primitives.push(primitive);
-            } else if let Ok(splatting) = word.parse() {
+            } else if let Ok(splatting) = word.parse::<Splatting>() {
                 modes.splattings.push(splatting);
-            } else if let Ok(strategy) = word.parse() {
+            } else if let Ok(strategy) = word.parse::<Strategy>() {
                 modes.strategies.push(strategy);
             } else {
                 return Err(ParseModeError(word.to_owned()));

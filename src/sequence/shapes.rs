@@ -151,7 +151,7 @@ impl Shape {
     }
 
     /// Red, green and blue at a place: soft waves of a few periods, so that blurring shows.
-    pub(crate) fn color_at(self, position: DVec3) -> [u8; 3] {
+    pub(crate) fn color_at(position: DVec3) -> [u8; 3] {
         let waves = (position * DVec3::new(7.0, 6.0, 5.0))
             .to_array()
             .map(f64::sin);
@@ -166,7 +166,7 @@ impl Shape {
         Sequence::with_decoder(vec![source], move |_| {
             let Sampled { positions, normals } = self.sample(count, 0.0);
             let color = |position: &Vec3| {
-                let [red, green, blue] = self.color_at(position.as_dvec3());
+                let [red, green, blue] = Self::color_at(position.as_dvec3());
                 [red, green, blue, 255]
             };
             Ok(RawCloud {

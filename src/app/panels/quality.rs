@@ -30,19 +30,15 @@ pub(super) fn quality_ui(ui: &mut Ui, state: &mut State) {
         return;
     }
     heading(ui, "Quality");
-    match state.quality.clone() {
-        Some(quality) => choose(ui, state, &quality),
-        None => {
-            let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. Then one \
-                           slider chooses from fast to exact. What was measured is kept for this sequence";
-            if ui
-                .add(Button::new("Measure…"))
-                .on_hover_text(tooltip)
-                .clicked()
-            {
-                state.start_benchmark(Suite::Error);
-            }
-        }
+    if let Some(quality) = state.quality.clone() {
+        choose(ui, state, &quality);
+        return;
+    }
+    let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. Then one slider \
+                   chooses from fast to exact. What was measured is kept for this sequence";
+    let measure = ui.add(Button::new("Measure…")).on_hover_text(tooltip);
+    if measure.clicked() {
+        state.start_benchmark(Suite::Error);
     }
 }
 

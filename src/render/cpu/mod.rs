@@ -117,7 +117,7 @@ impl Renderer for CpuRenderer {
             self.image = RgbaImage::new(width, height);
         }
         let slack = DEPTH_SLACK_RADII;
-        let drawn_records = rayon::scope(|_| draw(packet, blocks, slack, &mut *self.image));
+        let drawn_records = rayon::scope(|_| draw(packet, blocks, slack, &mut self.image));
         self.stats.frames += 1;
         self.stats.passes += 1;
         self.stats.draw_calls = 1;
@@ -327,7 +327,7 @@ impl Picture<'_> {
         match rows {
             Rows::Bytes(rows) => tile.finish(simd, clip, self.held, &self.gradient, width_px, rows),
             Rows::Depths(rows) => {
-                tile.write_depths(clip, self.held, self.view.near, width_px, rows)
+                tile.write_depths(clip, self.held, self.view.near, width_px, rows);
             }
         }
     }

@@ -74,7 +74,7 @@ impl Disks<'_> {
         let center = view.to_view(DVec3::from_array(point.position.map(f64::from)));
         let normal = view.view_from_frame * oct_decode(shape.normal).as_dvec3().normalize();
         let radius = f64::from(shape.radius);
-        if !(radius > 0.0) || self.cull_back_faces && normal.dot(center) >= 0.0 {
+        if radius == 0.0 || self.cull_back_faces && normal.dot(center) >= 0.0 {
             return None;
         }
         let [red, green, blue, _] = point.color;
@@ -91,7 +91,7 @@ impl Disks<'_> {
 /// The places that a sphere in view space may cover, or none where it is behind the eye.
 fn covered_px(view: &TruthView, center: DVec3, radius: f64) -> Option<[[f64; 2]; 2]> {
     let [nearest, farthest] = [-center.z - radius, -center.z + radius];
-    if !(farthest > 0.0) {
+    if farthest <= 0.0 {
         return None;
     }
     let [width, height] = view.size_px.map(f64::from);
@@ -209,7 +209,7 @@ impl Disk {
         let sizes = samples.size();
         [0, 1].map(|axis| {
             let sample =
-                |place_px: f64| (place_px - f64::from(starts[axis])) * f64::from(samples.per_px);
+                |place_px: f64| (place_px - f64::from(starts[axis])) * f64::from(samples.per_edge);
             let [first, last] = self.place_px[axis].map(sample);
             // Negative numbers become 0.
             (first.floor() as usize).min(sizes[axis])..(last.ceil() as usize).min(sizes[axis])

@@ -101,7 +101,9 @@ impl<'a> TruthKey<'a> {
         for number in numbers.chain(eye.to_array()).chain([*px_per_slope]) {
             take(&number.to_le_bytes());
         }
-        size_px.iter().for_each(|edge| take(&edge.to_le_bytes()));
+        for edge in size_px {
+            take(&edge.to_le_bytes());
+        }
         take(&[u8::from(*lighting == Lighting::Unlit)]);
         take(&background.top);
         take(&background.bottom);
@@ -137,11 +139,12 @@ trait Visible: Sync {
     fn meet(&self, view: &TruthView, samples: &Samples) -> Vec<Option<Hit>>;
 }
 
-/// The samples of a rectangle of pixels: `per_px` along each edge of each pixel, in the middles of equal squares.
+/// The samples of a rectangle of pixels: `per_edge` along each edge of each pixel, in the middles of equal squares.
 struct Samples {
     columns_px: Range<u32>,
     rows_px: Range<u32>,
-    per_px: u32,
+    /// Along each edge of a pixel.
+    per_edge: u32,
 }
 
 impl TruthView {
@@ -197,13 +200,13 @@ impl TruthView {
 
 impl Samples {
     fn size(&self) -> [usize; 2] {
-        [&self.columns_px, &self.rows_px].map(|range| range.len() * self.per_px as usize)
+        [&self.columns_px, &self.rows_px].map(|range| range.len() * self.per_edge as usize)
     }
 
     /// The place of a sample in the picture.
     fn place_px(&self, column: usize, row: usize) -> [f64; 2] {
         let place = |first: u32, sample: usize| {
-            f64::from(first) + (sample as f64 + 0.5) / f64::from(self.per_px)
+            f64::from(first) + (sample as f64 + 0.5) / f64::from(self.per_edge)
         };
         [
             place(self.columns_px.start, column),
@@ -238,10 +241,10 @@ impl Truth {
             .for_each(|(((band, pixels), depths), tolerances)| {
                 let rows_px = TILE_PX * band..(TILE_PX * (band + 1)).min(height);
                 for left in (0..width).step_by(TILE_PX as usize) {
-                    let tile = |per_px: u32| Samples {
+                    let tile = |per_edge: u32| Samples {
                         columns_px: left..(left + TILE_PX).min(width),
                         rows_px: rows_px.clone(),
-                        per_px,
+                        per_edge,
                     };
                     let pixel =
                         |column: usize, row: usize| row * width as usize + left as usize + column;
@@ -284,8 +287,8 @@ fn mean_colors(
     samples: &Samples,
 ) -> impl Iterator<Item = ([usize; 2], DVec3)> {
     let [columns, _] = samples.size();
-    let per_px = samples.per_px as usize;
-    let width = columns / per_px;
+    let per_edge = samples.per_edge as usize;
+    let width = columns / per_edge;
     let mut sums = vec![DVec3::ZERO; width * samples.rows_px.len()];
     for (index, hit) in visible.meet(view, samples).into_iter().enumerate() {
         let [column, row] = [index % columns, index / columns];
@@ -293,9 +296,9 @@ fn mean_colors(
             || view.background_at(samples.place_px(column, row)[1]),
             |hit| hit.color,
         );
-        sums[row / per_px * width + column / per_px] += color;
+        sums[row / per_edge * width + column / per_edge] += color;
     }
-    let share = 1.0 / (per_px * per_px) as f64;
+    let share = 1.0 / (per_edge * per_edge) as f64;
     sums.into_iter()
         .enumerate()
         .map(move |(pixel, sum)| ([pixel % width, pixel / width], sum * share))

@@ -34,7 +34,7 @@ impl Visible for Traced {
                 let depth = self.shape.depth(view.eye, direction)?;
                 let position = view.eye + direction * depth;
                 let normal = self.shape.shape.normal_at(position);
-                let color = unit_color(self.shape.shape.color_at(position));
+                let color = unit_color(Shape::color_at(position));
                 Some(Hit {
                     depth,
                     color: view.lit(color, view.view_from_frame * normal, ray),

@@ -55,28 +55,25 @@ impl View {
         let background = Background::solid(BACKGROUND);
         let view = TruthView::new(&camera, origin, size_px, Lighting::PerFragment, background);
         let shapes = frame.shapes.as_deref().map_or(&[][..], Vec::as_slice);
-        let truth = match shape {
-            Some(shape) => {
-                let traced = RayTraced {
-                    shape,
-                    cull_back_faces: true,
-                };
-                let radii = shapes.iter().map(|shape| f64::from(shape.radius));
-                let tolerance = 2.0 * radii.sum::<f64>() / shapes.len().max(1) as f64;
-                cache.get(&TruthKey::of_shape(traced, &view, tolerance), || {
-                    Truth::of_shape(traced, &view, tolerance)
-                })
-            }
-            None => {
-                let disks = Disks {
-                    points: &frame.points,
-                    shapes,
-                    cull_back_faces: true,
-                };
-                cache.get(&TruthKey::of_disks(disks, &view), || {
-                    Truth::of_disks(&disks, &view)
-                })
-            }
+        let truth = if let Some(shape) = shape {
+            let traced = RayTraced {
+                shape,
+                cull_back_faces: true,
+            };
+            let radii = shapes.iter().map(|shape| f64::from(shape.radius));
+            let tolerance = 2.0 * radii.sum::<f64>() / shapes.len().max(1) as f64;
+            cache.get(&TruthKey::of_shape(traced, &view, tolerance), || {
+                Truth::of_shape(traced, &view, tolerance)
+            })
+        } else {
+            let disks = Disks {
+                points: &frame.points,
+                shapes,
+                cull_back_faces: true,
+            };
+            cache.get(&TruthKey::of_disks(disks, &view), || {
+                Truth::of_disks(&disks, &view)
+            })
         };
         Self {
             camera,
