@@ -18,7 +18,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 /// Changes with every change of [`Stored`] that older programs, or newer ones, would misread.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// A slider that is being dragged is not written at each of its steps.
 const WRITE_DELAY: Duration = Duration::from_secs(1);
@@ -78,6 +78,9 @@ struct Stored {
     stop: StopCriterion,
     lod: Lod,
     surfel_lod: bool,
+    footprint: String,
+    normal_bits: String,
+    offset_bits: String,
     loop_mode: String,
     speed: f64,
     settings_panel: bool,
@@ -133,6 +136,9 @@ impl Preferences {
             stop,
             lod,
             surfel_lod,
+            footprint,
+            normal_bits,
+            offset_bits,
         } = self.settings;
         serde_json::to_vec_pretty(&Stored {
             version: VERSION,
@@ -150,6 +156,9 @@ impl Preferences {
             stop,
             lod,
             surfel_lod,
+            footprint: footprint.to_string(),
+            normal_bits: normal_bits.to_string(),
+            offset_bits: offset_bits.to_string(),
             loop_mode: loop_name(self.loop_mode).to_owned(),
             speed: self.speed,
             settings_panel: self.panels.settings,
@@ -180,6 +189,9 @@ impl Preferences {
             stop: as_offered("stop", stored.stop, offered_stop)?,
             lod: as_offered("lod", stored.lod, Lod::offered)?,
             surfel_lod: stored.surfel_lod,
+            footprint: word(&stored.footprint)?,
+            normal_bits: word(&stored.normal_bits)?,
+            offset_bits: word(&stored.offset_bits)?,
         };
         if let Some(size) = stored.window_size {
             for edge in size {
@@ -345,7 +357,7 @@ fn read(file: &Path) -> Result<Preferences, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Lighting, Primitive, RendererChoice, Splatting, Strategy};
+    use crate::scene::{Footprint, Lighting, NormalBits, OffsetBits, Primitive, RendererChoice, Splatting, Strategy};
     use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
     use std::fs;
 
@@ -370,6 +382,9 @@ mod tests {
                 stop: StopCriterion::Loss(0.31),
                 lod: Lod::ThresholdPx(2.5),
                 surfel_lod: true,
+                footprint: Footprint::Masks,
+                normal_bits: NormalBits::Fifteen,
+                offset_bits: OffsetBits::Two,
             },
             loop_mode: LoopMode::PingPong,
             speed: 0.25,
@@ -453,8 +468,8 @@ mod tests {
             "{".to_owned(),
             "[]".to_owned(),
             good[..good.len() / 2].to_owned(),
-            good.replace("\"version\": 4", "\"version\": 3"),
-            good.replace("\"version\": 4,", ""),
+            good.replace("\"version\": 5", "\"version\": 4"),
+            good.replace("\"version\": 5,", ""),
             good.replace("\"voxel\"", "\"cone\""),
             good.replace("\"scalar\"", "\"sound\""),
             good.replace("0.31", "0.61"),

@@ -8,6 +8,7 @@
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
 mod blocks;
+mod coded;
 mod facet;
 mod finish;
 mod points;
@@ -161,6 +162,9 @@ impl<'a> Drawable<'a> {
 
 /// Draws a packet; how many records were handed to tiles.
 fn draw(packet: &ScenePacket, blocks: &Blocks, image: &mut RgbaImage) -> u64 {
+    if let Some(drawn_nodes) = coded::draw(packet, image) {
+        return drawn_nodes;
+    }
     let view = PixelView::new(packet);
     let tiles = Tiles::of_picture(packet.viewport_px);
     let drawable = Drawable::of(packet);
