@@ -33,7 +33,7 @@ const SMALLEST_PX: f32 = 0.5;
 /// Radii from here on have no mask.
 pub(super) const LARGEST_PX: f32 = 16.0;
 
-const SIZES: usize = 1 + (5 << SIZE_BITS);
+const SIZES: usize = 5 << SIZE_BITS;
 
 /// Zeros beside each row.
 const MARGIN: usize = 8;
