@@ -357,7 +357,9 @@ fn read(file: &Path) -> Result<Preferences, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Footprint, Lighting, NormalBits, OffsetBits, Primitive, RendererChoice, Splatting, Strategy};
+    use crate::scene::{
+        Footprint, Lighting, NormalBits, OffsetBits, Primitive, RendererChoice, Splatting, Strategy,
+    };
     use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
     use std::fs;
 

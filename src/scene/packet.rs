@@ -83,7 +83,10 @@ impl ScenePacket {
             (None, None) => true,
             _ => false,
         };
-        same_voxels && same_shapes && self.coded == other.coded && Arc::ptr_eq(&self.points, &other.points)
+        same_voxels
+            && same_shapes
+            && self.coded == other.coded
+            && Arc::ptr_eq(&self.points, &other.points)
     }
 }
 
@@ -230,6 +233,14 @@ impl Scene {
             coded: self.coded(frame, settings),
             bounds: frame.frame.bounds(),
         };
+        if let Some(coded) = &packet.coded
+            && selected.is_none()
+        {
+            self.stats.emitted_voxels = coded
+                .cloud
+                .level(coded.deepest_level.min(coded.cloud.depth()))
+                .len();
+        }
         match (selected, octree) {
             (Some(Drawn::Voxels(records)), Some(octree)) => {
                 let cube_edge = octree.cube().edge;
@@ -266,7 +277,7 @@ impl Scene {
     /// Takes notice of how long the last picture took to draw, for [`Lod::FrameTimeMs`].
     pub fn note_draw_ms(&mut self, settings: &Settings, draw_ms: f64) {
         if let Lod::FrameTimeMs(asked_ms) = settings.lod
-            && settings.draws_cells()
+            && (settings.draws_cells() || settings.draws_codes())
         {
             let drawn = self.stats.emitted_voxels;
             self.affordable.learn(drawn, draw_ms, f64::from(asked_ms));

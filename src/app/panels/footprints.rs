@@ -67,8 +67,16 @@ fn precision(ui: &mut Ui, settings: &mut Settings) {
                 OffsetBits::None,
                 "Splats stand in the middles of cells: gaps at grazing angles",
             ),
-            ("2 bits", OffsetBits::Two, "A quarter of the cell's diagonal"),
-            ("3 bits", OffsetBits::Three, "An eighth of the cell's diagonal"),
+            (
+                "2 bits",
+                OffsetBits::Two,
+                "A quarter of the cell's diagonal",
+            ),
+            (
+                "3 bits",
+                OffsetBits::Three,
+                "An eighth of the cell's diagonal",
+            ),
         ],
     );
 }

@@ -53,9 +53,7 @@ impl NodeAttributes {
         let radius = radius.ceil().clamp(0.0, 255.0) as u32;
         let cone = (cone / PI * CONE_STEPS).ceil().clamp(0.0, CONE_STEPS) as u8;
         Self {
-            shape: normal & NORMAL_MASK
-                | (offset as u32) << OFFSET_SHIFT
-                | radius << RADIUS_SHIFT,
+            shape: normal & NORMAL_MASK | (offset as u32) << OFFSET_SHIFT | radius << RADIUS_SHIFT,
             color,
             cone,
         }
@@ -120,8 +118,14 @@ mod tests {
     #[test]
     fn offsets_with_all_bits_and_fewer() {
         let edges = |code, bits| offset_of_code(code, bits) / LARGEST_OFFSET;
-        assert_eq!([0, 3, 4, 7].map(|code| edges(code, 3)), [-0.875, -0.125, 0.125, 0.875]);
-        assert_eq!([0, 1, 5, 7].map(|code| edges(code, 2)), [-0.75, -0.75, 0.25, 0.75]);
+        assert_eq!(
+            [0, 3, 4, 7].map(|code| edges(code, 3)),
+            [-0.875, -0.125, 0.125, 0.875]
+        );
+        assert_eq!(
+            [0, 1, 5, 7].map(|code| edges(code, 2)),
+            [-0.75, -0.75, 0.25, 0.75]
+        );
         assert_eq!([0, 7].map(|code| edges(code, 0)), [0.0, 0.0]);
     }
 

@@ -180,6 +180,12 @@ impl Summary {
     fn attributes(&self, edge: f32) -> NodeAttributes {
         let color = self.color.round().to_array().map(|channel| channel as u8);
         let radius_edges = self.radius / edge;
-        NodeAttributes::new(self.normal_index, self.offset_edges, radius_edges, color, self.cone)
+        NodeAttributes::new(
+            self.normal_index,
+            self.offset_edges,
+            radius_edges,
+            color,
+            self.cone,
+        )
     }
 }

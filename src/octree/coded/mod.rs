@@ -179,7 +179,10 @@ impl CodedCloud {
 
     /// No splat of a level has a larger radius, in scene units.
     pub fn largest_radius(&self, level: u32) -> f32 {
-        self.largest_radii.get(level as usize).copied().unwrap_or(0.0)
+        self.largest_radii
+            .get(level as usize)
+            .copied()
+            .unwrap_or(0.0)
     }
 
     /// The number of a node's first child; of the first leaf, the number of nodes. Precondition: no other leaf.

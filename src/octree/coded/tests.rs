@@ -33,7 +33,11 @@ pub(crate) fn records(surfels: &[(Vec3, Vec3, f32)]) -> Records {
 }
 
 pub(crate) fn tree_of(records: &Records, stop: StopCriterion) -> Arc<Octree> {
-    let positions: Vec<Vec3> = records.0.iter().map(|point| point.position.into()).collect();
+    let positions: Vec<Vec3> = records
+        .0
+        .iter()
+        .map(|point| point.position.into())
+        .collect();
     let colors: Vec<[u8; 4]> = records.0.iter().map(|point| point.color).collect();
     Arc::new(Octree::build(&positions, &colors, stop))
 }
@@ -75,7 +79,11 @@ fn all_nodes(cloud: &CodedCloud) -> Vec<(usize, u32, [u32; 3], Range<usize>)> {
 #[test]
 fn nothing_has_no_code() {
     let records = records(&[]);
-    let cloud = CodedCloud::new(&tree_of(&records, StopCriterion::default()), &records.0, &records.1);
+    let cloud = CodedCloud::new(
+        &tree_of(&records, StopCriterion::default()),
+        &records.0,
+        &records.1,
+    );
     assert!(cloud.masks().is_empty());
     assert!(cloud.attributes().is_empty());
     assert_eq!(cloud.depth(), 0);
@@ -89,7 +97,11 @@ fn a_point_is_a_node_where_it_is() {
     let octree = tree_of(&records, StopCriterion::Depth(3));
     let cloud = CodedCloud::new(&octree, &records.0, &records.1);
     assert!(cloud.is_of(&octree, &records.0, &records.1));
-    assert!(!cloud.is_of(&tree_of(&records, StopCriterion::Depth(3)), &records.0, &records.1));
+    assert!(!cloud.is_of(
+        &tree_of(&records, StopCriterion::Depth(3)),
+        &records.0,
+        &records.1
+    ));
     assert_eq!(cloud.attributes().len(), 4);
     for node in cloud.attributes() {
         let decoded = quantised_normals(17)[node.normal() as usize];
@@ -202,7 +214,11 @@ fn offsets_lead_to_the_surface() {
     let depth = cloud.depth();
     let edge = cloud.cube().cell_edge(depth);
     let (mut without, mut with) = (0f32, 0f32);
-    for (cell, node) in cloud.cells(depth).into_iter().zip(&cloud.attributes()[cloud.level(depth)]) {
+    for (cell, node) in cloud
+        .cells(depth)
+        .into_iter()
+        .zip(&cloud.attributes()[cloud.level(depth)])
+    {
         let center = cloud.cube().cell_center(depth, cell);
         let normal = quantised_normals(17)[node.normal() as usize];
         without = without.max((center.length() - 1.0).abs() / edge);
@@ -242,11 +258,19 @@ fn numbers_of_all_sizes_are_survived() {
     let surfels: Vec<_> = (0..100)
         .map(|index| {
             let pick = |factor: usize| extremes[index * factor % extremes.len()];
-            (Vec3::new(pick(1), pick(3), pick(5)), oct_decode([index as i16 * 300, 7]), pick(7).abs())
+            (
+                Vec3::new(pick(1), pick(3), pick(5)),
+                oct_decode([index as i16 * 300, 7]),
+                pick(7).abs(),
+            )
         })
         .collect();
     let records = records(&surfels);
-    for stop in [StopCriterion::Loss(0.0), StopCriterion::Depth(21), StopCriterion::Depth(0)] {
+    for stop in [
+        StopCriterion::Loss(0.0),
+        StopCriterion::Depth(21),
+        StopCriterion::Depth(0),
+    ] {
         let octree = tree_of(&records, stop);
         let cloud = CodedCloud::new(&octree, &records.0, &records.1);
         assert_eq!(cloud.attributes().len(), octree.node_count());

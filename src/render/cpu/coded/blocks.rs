@@ -11,10 +11,10 @@
 
 use super::super::tile::Tiles;
 use super::super::view::PixelView;
-use super::transform::{Transform, in_view};
 use super::Coded;
-use crate::cloud::quantised_normals;
+use super::transform::{Transform, in_view};
 use crate::cloud::FINEST_NORMAL_BITS;
+use crate::cloud::quantised_normals;
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -83,7 +83,9 @@ impl<'a> Traversal<'a> {
         }
         let (mut blocks, mut roots) = (Vec::new(), Vec::new());
         // The nodes of two levels are enough tasks.
-        self.visit((0, 0, self.transform.root), &mut blocks, &mut |node| roots.push(node));
+        self.visit((0, 0, self.transform.root), &mut blocks, &mut |node| {
+            roots.push(node)
+        });
         let children = std::mem::take(&mut roots);
         for child in children {
             self.visit(child, &mut blocks, &mut |node| roots.push(node));
@@ -121,7 +123,10 @@ impl<'a> Traversal<'a> {
         let drawn_level = self.drawn_level(level, nearest);
         let half = self.view.rotate_extent(Vec3::splat(0.5 * edge));
         let reach = self.reach(node, level);
-        if self.view.covered_px(middle, half + Vec3::splat(reach), 2.0).is_empty()
+        if self
+            .view
+            .covered_px(middle, half + Vec3::splat(reach), 2.0)
+            .is_empty()
             || (self.coded.cull_back_faces && self.faces_away(node, middle, edge))
         {
             return;
@@ -153,10 +158,11 @@ impl<'a> Traversal<'a> {
             return deepest.max(level);
         }
         let per_edge = self.px_per_slope / nearest;
-        let is_small = |&level: &u32| {
-            self.coded.cloud.cube().cell_edge(level) * per_edge < self.coded.lod_px
-        };
-        (level..deepest).find(is_small).unwrap_or(deepest.max(level))
+        let is_small =
+            |&level: &u32| self.coded.cloud.cube().cell_edge(level) * per_edge < self.coded.lod_px;
+        (level..deepest)
+            .find(is_small)
+            .unwrap_or(deepest.max(level))
     }
 
     /// How far splats below a node may reach from its cell: no farther than the largest of all levels that may be drawn, nor

@@ -89,11 +89,12 @@ fn footprint(normal: Vec3, [right, down]: [f32; 2]) -> Footprint {
     let spread = half_difference.hypot(xy);
     let (longer2, shorter2) = (middle + spread, (middle - spread).max(0.0));
     // The direction of the shorter axis: the eigenvector of the smaller value, of the two forms it has the longer.
-    let (a, b) = (
-        Vec2::new(xy, shorter2 - xx),
-        Vec2::new(shorter2 - yy, xy),
-    );
-    let shorter = if a.length_squared() > b.length_squared() { a } else { b };
+    let (a, b) = (Vec2::new(xy, shorter2 - xx), Vec2::new(shorter2 - yy, xy));
+    let shorter = if a.length_squared() > b.length_squared() {
+        a
+    } else {
+        b
+    };
     let tilt2 = (1.0 - shorter2 / longer2).max(0.0);
     let tilt = shorter.normalize_or_zero() * tilt2.sqrt();
     Footprint {
@@ -127,6 +128,9 @@ mod tests {
         assert!((footprint.stretch - length).abs() < 1e-4);
         let ratio2: f32 = 1.0 / (length * length);
         let across = Vec2::new(-0.6, 0.8) * (1.0 - ratio2).sqrt();
-        assert_eq!(footprint.shape, masks::shape_of(across.extend(ratio2.sqrt())));
+        assert_eq!(
+            footprint.shape,
+            masks::shape_of(across.extend(ratio2.sqrt()))
+        );
     }
 }

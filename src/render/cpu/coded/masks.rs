@@ -182,8 +182,7 @@ impl Masks {
 }
 
 /// [`places_of_size`] of all sizes.
-static PLACES: LazyLock<[usize; SIZES]> =
-    LazyLock::new(|| std::array::from_fn(places_of_size));
+static PLACES: LazyLock<[usize; SIZES]> = LazyLock::new(|| std::array::from_fn(places_of_size));
 
 /// `d²` as a function of the offset from the middle, in pixels: `xx·x² + 2·xy·x·y + yy·y²`.
 #[derive(Debug, Clone, Copy)]

@@ -24,14 +24,14 @@ mod transform;
 use super::facet::{Facet, Outline, Patch};
 use super::finish::{Gradient, Held};
 use super::raster;
-use super::shading::{Light, Shading, unit_color};
+use super::shading::{Light, Shading, head_light_of_cosine, unit_color};
 use super::tile::{HEIGHT, NOWHERE, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::cloud::{largest_normal_error, quantised_normals};
 use crate::octree::CodedCloud;
 use crate::octree::coded::{NodeAttributes, offset_of_code, radius_of_code};
 use crate::render::DEPTH_SLACK_RADII;
-use crate::scene::{Footprint, ScenePacket, Splatting};
+use crate::scene::{Footprint, Lighting, ScenePacket, Splatting};
 use blocks::{Block, Traversal};
 use decode::Decoder;
 use fearless_simd::{Level, Simd, dispatch};
@@ -122,6 +122,7 @@ pub(super) fn draw(packet: &ScenePacket, image: &mut RgbaImage) -> Option<u64> {
     };
     let picture = Picture {
         is_depth_only: packet.settings.splatting == Splatting::Visibility,
+        lighting: packet.settings.lighting,
         normals: normals::seen(packet, &view, coded.normal_bits),
         directions: quantised_normals(coded.normal_bits),
         footprints: Footprints::new(&view),
@@ -191,6 +192,7 @@ struct Picture<'a> {
     offsets: [f32; 8],
     held: Held,
     is_depth_only: bool,
+    lighting: Lighting,
     gradient: Gradient,
 }
 
@@ -228,8 +230,7 @@ impl Picture<'_> {
         let clip = canvas.tile.rect().intersection(picture);
         for &block in &self.lists.lists[self.tiles.columns * row + column] {
             let block = &self.blocks[block as usize];
-            let (nodes, centers) =
-                decoder.decode(self.coded.cloud, &self.transform, block);
+            let (nodes, centers) = decoder.decode(self.coded.cloud, &self.transform, block);
             let edge = self.coded.cloud.cube().cell_edge(block.drawn_level);
             let offsets = self.offsets.map(|offset| offset * edge);
             let attributes = &self.coded.cloud.attributes()[nodes];
@@ -238,7 +239,7 @@ impl Picture<'_> {
                     continue;
                 };
                 if self.coded.are_pixels {
-                    put_pixel(&mut canvas.tile, self.view.near, &node);
+                    self.put_pixel(&mut canvas.tile, &node);
                 } else {
                     self.begin_splat(simd, canvas, clip, &node);
                 }
@@ -251,7 +252,9 @@ impl Picture<'_> {
             raster::attribute(simd, &self.view, &mut canvas.tile, facet, shading);
         }
         let width_px = self.view.size_px[0] as usize;
-        canvas.tile.finish(clip, self.held, &self.gradient, width_px, band);
+        canvas
+            .tile
+            .finish(clip, self.held, &self.gradient, width_px, band);
     }
 
     /// A node at its place, unless it faces away or is not beyond the near plane.
@@ -327,7 +330,7 @@ impl Picture<'_> {
         canvas.masks.push(WaitingMask {
             place: self.place(node, [x, y], self.coded.scales[1]),
             mask: *mask,
-            color: lit_color(node),
+            color: self.lit_color(node),
         });
     }
 
@@ -338,7 +341,11 @@ impl Picture<'_> {
         let reach = (scale * node.radius * node.per_distance).min(1.0);
         // Seen edge on, the depth of the middle has to do.
         let is_steep = node.facing.abs() < 1e-3 * node.at.z;
-        let per_facing = if is_steep { 0.0 } else { self.view.near / node.facing };
+        let per_facing = if is_steep {
+            0.0
+        } else {
+            self.view.near / node.facing
+        };
         let per_column = node.normal.facing.x * per_facing;
         let per_row = node.normal.facing.y * per_facing;
         let (right, down) = (x + 0.5 - node.x_px, y + 0.5 - node.y_px);
@@ -371,6 +378,11 @@ impl Picture<'_> {
         let normal = self.view.rotate(self.directions[index as usize]);
         let (u, v) = normal.any_orthonormal_pair();
         let center = in_view(&self.view, node.at);
+        let light = match self.lighting {
+            Lighting::Unlit | Lighting::PerSurfel => Light::Same(node.normal.light),
+            Lighting::PerVertex => Light::Same(self.light_at(node)),
+            Lighting::PerFragment => Light::OfPixels,
+        };
         let facet = |scale: f32| {
             let (u, v) = (u * (scale * node.radius), v * (scale * node.radius));
             let patch = Patch { center, u, v };
@@ -385,38 +397,50 @@ impl Picture<'_> {
         {
             let shading = Shading {
                 color: unit_color(node.attributes.color),
-                light: Light::Same(node.normal.light),
+                light,
             };
             waiting.push((facet, shading));
         }
     }
-}
 
-/// The colour of a node with its light, 0 to 1.
-#[inline(always)]
-fn lit_color(node: &SeenNode<'_>) -> [f32; 3] {
-    let [factor, white] = node.normal.light;
-    let [red, green, blue] = unit_color(node.attributes.color);
-    let lit = |channel: f32| (channel * factor + white).min(1.0);
-    [lit(red), lit(green), lit(blue)]
-}
-
-/// Draws a node as the pixel that it is in, unless something nearer is there.
-#[inline(always)]
-fn put_pixel(tile: &mut Tile, near: f32, node: &SeenNode<'_>) {
-    let x = node.x_px - tile.origin[0] as f32;
-    let y = node.y_px - tile.origin[1] as f32;
-    let is_inside = x >= 0.0 && x < WIDTH as f32 && y >= 0.0 && y < HEIGHT as f32;
-    if !is_inside {
-        return;
+    /// The head light at a node. Where it is asked for at surfels, it is that of the normal, from infinity; else of the ray as well.
+    #[inline(always)]
+    fn light_at(&self, node: &SeenNode<'_>) -> [f32; 2] {
+        if matches!(self.lighting, Lighting::Unlit | Lighting::PerSurfel) {
+            return node.normal.light;
+        }
+        let right = (node.x_px - self.view.middle_px[0]) / self.view.px_per_slope[0];
+        let down = (node.y_px - self.view.middle_px[1]) / self.view.px_per_slope[1];
+        let ray = (1.0 + right * right + down * down).sqrt();
+        head_light_of_cosine(node.facing.abs() * node.per_distance / ray)
     }
-    let place = (y as usize * WIDTH + x as usize).min(NOWHERE);
-    let byte = |channel: f32| (channel * 255.0 + 0.5) as u32;
-    let [red, green, blue] = lit_color(node);
-    let color = byte(red) | byte(green) << 8 | byte(blue) << 16;
-    // The bits of positive numbers are in their order.
-    let depth = near * node.per_distance;
-    let key = u64::from(depth.to_bits()) << 32 | u64::from(color);
-    let there = &mut tile.keys[place];
-    *there = (*there).max(key);
+
+    /// The colour of a node with its light, 0 to 1.
+    #[inline(always)]
+    fn lit_color(&self, node: &SeenNode<'_>) -> [f32; 3] {
+        let [factor, white] = self.light_at(node);
+        let [red, green, blue] = unit_color(node.attributes.color);
+        let lit = |channel: f32| (channel * factor + white).min(1.0);
+        [lit(red), lit(green), lit(blue)]
+    }
+
+    /// Draws a node as the pixel that it is in, unless something nearer is there.
+    #[inline(always)]
+    fn put_pixel(&self, tile: &mut Tile, node: &SeenNode<'_>) {
+        let x = node.x_px - tile.origin[0] as f32;
+        let y = node.y_px - tile.origin[1] as f32;
+        let is_inside = x >= 0.0 && x < WIDTH as f32 && y >= 0.0 && y < HEIGHT as f32;
+        if !is_inside {
+            return;
+        }
+        let place = (y as usize * WIDTH + x as usize).min(NOWHERE);
+        let byte = |channel: f32| (channel * 255.0 + 0.5) as u32;
+        let [red, green, blue] = self.lit_color(node);
+        let color = byte(red) | byte(green) << 8 | byte(blue) << 16;
+        // The bits of positive numbers are in their order.
+        let depth = self.view.near * node.per_distance;
+        let key = u64::from(depth.to_bits()) << 32 | u64::from(color);
+        let there = &mut tile.keys[place];
+        *there = (*there).max(key);
+    }
 }

@@ -33,7 +33,10 @@ fn packet_of_points(points: &[[f32; 3]], depth: u32, camera: &Camera) -> ScenePa
     };
     let colors = vec![[9; 4]; positions.len()];
     let octree = Octree::build(&positions, &colors, StopCriterion::Depth(depth));
-    let (points, shapes) = (Arc::new(records.collect()), Arc::new(vec![shape; positions.len()]));
+    let (points, shapes) = (
+        Arc::new(records.collect()),
+        Arc::new(vec![shape; positions.len()]),
+    );
     let cloud = CodedCloud::new(&Arc::new(octree), &points, &shapes);
     let mut packet = packet_of([320, 200]);
     packet.view = camera.transform(DVec3::ZERO, packet.viewport_px);
@@ -189,14 +192,20 @@ fn masks_are_disks_seen_from_straight_ahead() {
                     sum_y += weight * y;
                 }
             }
-            assert!(weights >= 0.9, "{normal} {radius}: a splat has a pixel at least");
+            assert!(
+                weights >= 0.9,
+                "{normal} {radius}: a splat has a pixel at least"
+            );
             // Half the distance of places, which is that of the middle of a pixel from the next place, and a tenth for sampling.
             let off = if radius < 3.0 { 0.125 } else { 0.25 } + 0.1;
             let [x, y] = [sum_x, sum_y].map(|sum: f32| (sum / weights).abs());
             assert!(x < off && y < off, "{normal} {radius}: {x} {y}");
             let whole = std::f32::consts::PI * radius * radius * normal.z * 0.3167;
             if radius * normal.z > 2.0 {
-                assert!((0.8..1.4).contains(&(weights / whole)), "{normal} {radius}: {weights} {whole}");
+                assert!(
+                    (0.8..1.4).contains(&(weights / whole)),
+                    "{normal} {radius}: {weights} {whole}"
+                );
             }
         }
     }
@@ -217,7 +226,11 @@ fn sizes_are_quarters_of_octaves() {
 #[test]
 fn opposite_normals_have_one_shape() {
     for &normal in quantised_directions(4) {
-        assert_eq!(masks::shape_of(normal), masks::shape_of(-normal), "{normal}");
+        assert_eq!(
+            masks::shape_of(normal),
+            masks::shape_of(-normal),
+            "{normal}"
+        );
     }
     let bytes = MASKS.byte_size();
     assert!(bytes < 16 << 20, "{bytes}");

@@ -65,8 +65,8 @@ impl Transform {
 /// A vector in view space as pixels times distance.
 pub(super) fn homogeneous(view: &PixelView, vector: Vec3) -> Vec3 {
     let distance = -vector.z;
-    let [x, y] = [0, 1]
-        .map(|axis| view.px_per_slope[axis] * vector[axis] + view.middle_px[axis] * distance);
+    let [x, y] =
+        [0, 1].map(|axis| view.px_per_slope[axis] * vector[axis] + view.middle_px[axis] * distance);
     Vec3::new(x, y, distance)
 }
 
