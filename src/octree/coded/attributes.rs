@@ -61,34 +61,34 @@ impl NodeAttributes {
 
     /// The finest index of the normal.
     #[inline(always)]
-    pub fn normal(&self) -> u32 {
+    pub fn normal(self) -> u32 {
         self.shape & NORMAL_MASK
     }
 
     /// The index of the offset, 0 to 7; [`offset_of_code`] says which it is.
     #[inline(always)]
-    pub(crate) fn offset_code(&self) -> usize {
+    pub(crate) fn offset_code(self) -> usize {
         (self.shape >> OFFSET_SHIFT) as usize % (1 << OFFSET_BITS)
     }
 
     /// The offset in cell edges, with 3 bits.
-    pub fn offset_edges(&self) -> f32 {
+    pub fn offset_edges(self) -> f32 {
         offset_of_code(self.offset_code(), OFFSET_BITS)
     }
 
     #[inline(always)]
-    pub(crate) fn radius_code(&self) -> u8 {
+    pub(crate) fn radius_code(self) -> u8 {
         (self.shape >> RADIUS_SHIFT) as u8
     }
 
     /// The radius in cell edges.
     #[inline(always)]
-    pub fn radius_edges(&self) -> f32 {
+    pub fn radius_edges(self) -> f32 {
         radius_of_code(self.radius_code())
     }
 
     /// Half the opening of a cone around the normal that holds those of all nodes below, in radians.
-    pub fn cone(&self) -> f32 {
+    pub fn cone(self) -> f32 {
         f32::from(self.cone) * (PI / CONE_STEPS)
     }
 }

@@ -84,7 +84,7 @@ impl<'a> Traversal<'a> {
         let (mut blocks, mut roots) = (Vec::new(), Vec::new());
         // The nodes of two levels are enough tasks.
         self.visit((0, 0, self.transform.root), &mut blocks, &mut |node| {
-            roots.push(node)
+            roots.push(node);
         });
         let children = std::mem::take(&mut roots);
         for child in children {

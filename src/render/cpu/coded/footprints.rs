@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn disks_straight_ahead_keep_their_radius() {
-        for normal in quantised_directions(CLASS_LEVEL)[..CLASSES].iter() {
+        for normal in &quantised_directions(CLASS_LEVEL)[..CLASSES] {
             let footprint = footprint(*normal, [0.0, 0.0]);
             assert!((footprint.stretch - 1.0).abs() < 1e-3);
             // Rows are counted downwards.

@@ -63,7 +63,7 @@ pub(super) struct Mask {
 pub(super) struct Masks {
     weights: Vec<u8>,
     /// By size, shape and place.
-    masks: Vec<Mask>,
+    footprints: Vec<Mask>,
     /// The first mask of each size.
     size_starts: [usize; SIZES],
 }
@@ -136,15 +136,15 @@ impl Masks {
             })
             .collect();
         let mut weights = vec![0; MARGIN];
-        let mut masks = Vec::with_capacity(count);
+        let mut footprints = Vec::with_capacity(count);
         for (mask, rows) in rows {
             let start = weights.len() as u32;
-            masks.push(Mask { start, ..mask });
+            footprints.push(Mask { start, ..mask });
             weights.extend(rows);
         }
         Self {
             weights,
-            masks,
+            footprints,
             size_starts,
         }
     }
@@ -155,7 +155,7 @@ impl Masks {
         let places = PLACES[size];
         let place = |fraction: f32| ((fraction * places as f32) as usize).min(places - 1);
         let place = places * place(fraction[1]) + place(fraction[0]);
-        &self.masks[self.size_starts[size] + places * places * shape as usize + place]
+        &self.footprints[self.size_starts[size] + places * places * shape as usize + place]
     }
 
     /// Eight weights of a row from a column on: 8 before its first one at the earliest, and at its last one at the latest.
@@ -177,7 +177,7 @@ impl Masks {
     /// Bytes held in memory.
     #[cfg(test)]
     pub(super) fn byte_size(&self) -> usize {
-        self.weights.len() + size_of_val(self.masks.as_slice())
+        self.weights.len() + size_of_val(self.footprints.as_slice())
     }
 }
 

@@ -81,8 +81,13 @@ pub(super) fn visibility(
         let there = &mut there[at];
         for lane in 0..LANES {
             let depth = clamped(first + per_column * lane as f32, farthest, nearest) * push_back;
-            let is_nearer = (weights[lane] > 0) & (depth > there[lane]) & (depth <= 1.0);
-            there[lane] = if is_nearer { depth } else { there[lane] };
+            let drawn = if weights[lane] > 0 { depth } else { 0.0 };
+            let drawn = if depth <= 1.0 { drawn } else { 0.0 };
+            there[lane] = if drawn > there[lane] {
+                drawn
+            } else {
+                there[lane]
+            };
         }
     });
 }
@@ -105,9 +110,9 @@ pub(super) fn attribute(masks: &Masks, tile: &mut Tile, splat: &WaitingMask) {
         let mut weight = [0.0; LANES];
         for lane in 0..LANES {
             let depth = clamped(first + per_column * lane as f32, farthest, nearest);
-            let is_seen = (depth >= there[lane]) & (depth <= 1.0);
             let whole = f32::from(weights[lane]) * (1.0 / FULL_WEIGHT);
-            weight[lane] = if is_seen { whole } else { 0.0 };
+            let seen = if depth >= there[lane] { whole } else { 0.0 };
+            weight[lane] = if depth <= 1.0 { seen } else { 0.0 };
         }
         add(&mut sums[at], &weight, 1.0);
         add(&mut red[at], &weight, color[0]);
