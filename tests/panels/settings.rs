@@ -3,7 +3,7 @@
 use super::{click, window};
 use egui::accesskit::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::State;
 use pointreel::octree::StopCriterion;
 use pointreel::scene::{

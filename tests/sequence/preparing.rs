@@ -364,14 +364,9 @@ fn byte_codes_stay_as_long_as_what_they_are_made_of() {
     let code = coded.coded.as_ref().unwrap();
     assert_eq!(code.depth(), coded.octree.as_ref().unwrap().depth());
     assert_eq!(coded.byte_size(), plain.byte_size() + code.byte_size());
-    let ellipses = Needs {
-        ellipses: true,
-        ..with
-    };
     for (needs, is_same) in [
         (with, true),
         (without, true),
-        (ellipses, false),
         (
             Needs {
                 octree: Some(StopCriterion::Depth(2)),
