@@ -78,6 +78,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
         points: Arc::new(points),
         shapes: (primitive == Primitive::Surfel).then(|| Arc::new(shapes.collect())),
         voxels,
+        coded: None,
         bounds,
     }
 }

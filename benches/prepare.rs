@@ -29,6 +29,7 @@ const SURFELS: Needs = Needs {
     shapes: true,
     ellipses: false,
     octree: None,
+    coded: false,
     colors: pointreel::sequence::ColorSource::Auto,
 };
 

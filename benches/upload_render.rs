@@ -71,6 +71,7 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
         points: Arc::new(points.collect()),
         shapes: (primitive == Primitive::Surfel).then(|| Arc::new(shapes.collect())),
         voxels: None,
+        coded: None,
         bounds,
     }
 }

@@ -186,6 +186,30 @@ fn render_draws_every_primitive_mode_and_strategy() {
             "{flags:?}"
         );
     }
+    let (disks, _) = with(&["--renderer", "cpu"]);
+    for footprint in ["masks", "pixels"] {
+        let coded = ["--renderer", "cpu", "--footprint", footprint];
+        let (image, stats) = with(&[&coded[..], &["--lod", "0"]].concat());
+        assert!(image != disks, "{footprint}");
+        let leaves = &stats["frames"][0]["octree"]["leaves"];
+        let drawn = &stats["frames"][0]["render"]["drawn_instances"];
+        assert!(drawn.as_u64().unwrap() > 0 && drawn.as_u64() <= leaves.as_u64());
+        let (coarse, stats) =
+            with(&[&coded[..], &["--lod-level", "3", "--normal-bits", "15"]].concat());
+        assert!(coarse != image, "{footprint}");
+        let drawn = &stats["frames"][0]["render"]["drawn_instances"];
+        assert!(
+            (1..=512).contains(&drawn.as_u64().unwrap()),
+            "{footprint}: {drawn}"
+        );
+        let (without, _) = with(&[&coded[..], &["--lod", "0", "--offset-bits", "0"]].concat());
+        assert!(without != image, "{footprint}");
+        let (gpu, _) = with(&["--renderer", "gpu", "--footprint", footprint]);
+        assert!(
+            gpu == with(&["--renderer", "gpu"]).0,
+            "{footprint}: the GPU draws disks"
+        );
+    }
     let (black, _) = with(&[
         "--background",
         "#000000",

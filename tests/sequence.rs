@@ -34,6 +34,7 @@ const SURFELS: Needs = Needs {
     shapes: true,
     ellipses: false,
     octree: None,
+    coded: false,
     colors: ColorSource::Auto,
 };
 
@@ -42,6 +43,7 @@ fn voxels(delta: f32) -> Needs {
         shapes: false,
         ellipses: false,
         octree: Some(StopCriterion::Loss(delta)),
+        coded: false,
         colors: ColorSource::Auto,
     }
 }

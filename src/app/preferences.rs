@@ -79,6 +79,9 @@ struct Stored {
     lod: Lod,
     surfel_lod: bool,
     resolution: f32,
+    footprint: String,
+    normal_bits: String,
+    offset_bits: String,
     loop_mode: String,
     speed: f64,
     settings_panel: bool,
@@ -136,6 +139,9 @@ impl Preferences {
             lod,
             surfel_lod,
             resolution,
+            footprint,
+            normal_bits,
+            offset_bits,
         } = self.settings;
         serde_json::to_vec_pretty(&Stored {
             version: VERSION,
@@ -154,6 +160,9 @@ impl Preferences {
             lod,
             surfel_lod,
             resolution,
+            footprint: footprint.to_string(),
+            normal_bits: normal_bits.to_string(),
+            offset_bits: offset_bits.to_string(),
             loop_mode: loop_name(self.loop_mode).to_owned(),
             speed: self.speed,
             settings_panel: self.panels.settings,
@@ -185,6 +194,9 @@ impl Preferences {
             lod: as_offered("lod", stored.lod, Lod::offered)?,
             surfel_lod: stored.surfel_lod,
             resolution: within("resolution", stored.resolution, Settings::RESOLUTIONS)?,
+            footprint: word(&stored.footprint)?,
+            normal_bits: word(&stored.normal_bits)?,
+            offset_bits: word(&stored.offset_bits)?,
         };
         if let Some(size) = stored.window_size {
             for edge in size {
@@ -350,7 +362,9 @@ fn read(file: &Path) -> Result<Preferences, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Lighting, Primitive, RendererChoice, Splatting, Strategy};
+    use crate::scene::{
+        Footprint, Lighting, NormalBits, OffsetBits, Primitive, RendererChoice, Splatting, Strategy,
+    };
     use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
     use std::fs;
 
@@ -376,6 +390,9 @@ mod tests {
                 lod: Lod::ThresholdPx(2.5),
                 surfel_lod: true,
                 resolution: 0.5,
+                footprint: Footprint::Masks,
+                normal_bits: NormalBits::Fifteen,
+                offset_bits: OffsetBits::Two,
             },
             loop_mode: LoopMode::PingPong,
             speed: 0.25,

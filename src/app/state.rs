@@ -136,6 +136,8 @@ impl Default for Viewport {
 pub struct GraphicsInfo {
     /// Name, type and driver.
     pub adapter: String,
+    /// Whether the adapter is a program that draws on the processor.
+    pub is_software: bool,
     /// Whether GPU time can be measured.
     pub has_timestamps: bool,
     /// Counters of the renderer.

@@ -229,6 +229,7 @@ impl App {
         self.state.viewport.other_texture = None;
         self.state.viewport.max_edge_px = Some(max_edge_px);
         self.state.graphics.adapter = graphics.context().adapter_summary();
+        self.state.graphics.is_software = graphics.context().is_software();
         self.state.graphics.has_timestamps = graphics.context().has_timestamps;
         self.state.forget_picture();
         Ok(Screen {

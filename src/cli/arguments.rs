@@ -3,7 +3,8 @@
 use crate::headless::CameraChoice;
 use crate::octree::StopCriterion;
 use crate::scene::{
-    Background, Lighting, Lod, Primitive, RendererChoice, Settings, Splatting, Strategy, UpAxis,
+    Background, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive, RendererChoice,
+    Settings, Splatting, Strategy, UpAxis,
 };
 use crate::sequence::{ColorSource, Sequence, SequenceError};
 use clap::Args;
@@ -82,6 +83,18 @@ pub(super) struct PictureArgs {
     /// Draw a picture of this share of its edges, 0.25 to 1, and scale it up: fewer pixels, less time
     #[arg(long, value_name = "SHARE", value_parser = resolution)]
     resolution: Option<f32>,
+    /// What the software renderer draws surfels from: disks (exact), or masks or pixels (from the byte code of the octree, as
+    /// finely as --lod, --lod-level, --lod-budget or --lod-time say)
+    #[arg(long, value_name = "FOOTPRINT")]
+    footprint: Option<Footprint>,
+
+    /// Bits of the normals of byte codes: 13, 15 or 17
+    #[arg(long, value_name = "BITS")]
+    normal_bits: Option<NormalBits>,
+
+    /// Bits of the offsets along normals of byte codes: 0, 2 or 3
+    #[arg(long, value_name = "BITS")]
+    offset_bits: Option<OffsetBits>,
 }
 
 impl PictureArgs {
@@ -103,6 +116,9 @@ impl PictureArgs {
             lod: self.lod.choice().unwrap_or(default.lod),
             surfel_lod: default.surfel_lod || self.surfel_lod,
             resolution: self.resolution.unwrap_or(default.resolution),
+            footprint: self.footprint.unwrap_or(default.footprint),
+            normal_bits: self.normal_bits.unwrap_or(default.normal_bits),
+            offset_bits: self.offset_bits.unwrap_or(default.offset_bits),
         }
     }
 }

@@ -2,10 +2,15 @@
 
 mod ellipse;
 mod frame;
+mod quantised_normal;
 mod raw;
 mod record;
 
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};
 pub use frame::{CloudError, Frame};
+pub use quantised_normal::{
+    FINEST_NORMAL_BITS, coarser_normal, largest_normal_error, quantise_direction, quantise_normal,
+    quantised_directions, quantised_normals,
+};
 pub use raw::{Positions, RawCloud};
 pub use record::{PointRecord, ShapeRecord, VoxelRecord, oct_decode, oct_encode};

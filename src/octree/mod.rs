@@ -20,6 +20,7 @@
 mod build;
 mod byte_code;
 mod cells;
+pub mod coded;
 mod cut;
 #[cfg(test)]
 mod cut_tests;
@@ -39,6 +40,7 @@ mod voxels;
 mod write;
 
 pub use byte_code::OctreeError;
+pub use coded::CodedCloud;
 pub use cut::{Cut, CutHints};
 pub use node_surfel::NodeSurfel;
 pub use select::{SelectStats, SelectView};

@@ -8,8 +8,8 @@ mod settings;
 
 pub use camera::{Camera, UpAxis, ViewPreset, ViewTransform};
 pub use lod::Lod;
-pub use packet::{Scene, ScenePacket, SceneStats, Voxels};
+pub use packet::{CodedCells, Scene, ScenePacket, SceneStats, Voxels};
 pub use settings::{
-    Background, Lighting, ParseChoiceError, Primitive, RendererChoice, Settings, Splatting,
-    Strategy,
+    Background, Footprint, Lighting, NormalBits, OffsetBits, ParseChoiceError, Primitive,
+    RendererChoice, Settings, Splatting, Strategy,
 };

@@ -7,7 +7,7 @@ use super::lod::{Affordable, Lod};
 use super::{Camera, Primitive, Settings, ViewTransform};
 use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 use crate::math::Aabb;
-use crate::octree::{Cut, CutHints, LodSurfels, Octree};
+use crate::octree::{CodedCloud, Cut, CutHints, LodSurfels, Octree};
 use crate::sequence::{Needs, PreparedFrame};
 use glam::DVec3;
 use std::sync::Arc;
@@ -20,6 +20,26 @@ pub struct Voxels {
     pub records: Arc<Vec<VoxelRecord>>,
     /// Edge of the octree's cube; a cell of level h has this edge / 2^h.
     pub cube_edge: f32,
+}
+
+/// Surfels as the byte code of an octree, and how finely they are drawn.
+#[derive(Debug, Clone)]
+pub struct CodedCells {
+    /// The code.
+    pub cloud: Arc<CodedCloud>,
+    /// Cells whose edge projects below so many pixels are not divided.
+    pub lod_px: f32,
+    /// Cells of this level are not divided: the codes and attributes of the levels down to it are a coarser cloud.
+    pub deepest_level: u32,
+}
+
+impl PartialEq for CodedCells {
+    /// Clouds are compared by identity.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.cloud, &other.cloud)
+            && self.lod_px == other.lod_px
+            && self.deepest_level == other.deepest_level
+    }
 }
 
 /// Everything a renderer needs for one picture.
@@ -37,6 +57,8 @@ pub struct ScenePacket {
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
     /// Its visible cells, when the primitive needs them.
     pub voxels: Option<Voxels>,
+    /// The same surfels as byte code, for renderers that draw from it as [`Settings::footprint`] says.
+    pub coded: Option<CodedCells>,
     /// The box around the cloud, for the grey of [`super::Splatting::Visibility`].
     pub bounds: Aabb,
 }
@@ -61,7 +83,10 @@ impl ScenePacket {
             (None, None) => true,
             _ => false,
         };
-        same_voxels && same_shapes && Arc::ptr_eq(&self.points, &other.points)
+        same_voxels
+            && same_shapes
+            && self.coded == other.coded
+            && Arc::ptr_eq(&self.points, &other.points)
     }
 }
 
@@ -164,7 +189,8 @@ impl Scene {
         Needs {
             shapes: settings.primitive == Primitive::Surfel,
             ellipses: false,
-            octree: settings.draws_cells().then_some(settings.stop),
+            octree: (settings.draws_cells() || settings.draws_codes()).then_some(settings.stop),
+            coded: settings.draws_codes(),
             colors: settings.colors,
         }
     }
@@ -205,8 +231,17 @@ impl Scene {
             points: Arc::clone(&frame.points),
             shapes: frame.shapes.clone().filter(|_| is_surfel),
             voxels: None,
+            coded: self.coded(frame, settings),
             bounds: frame.frame.bounds(),
         };
+        if let Some(coded) = &packet.coded
+            && selected.is_none()
+        {
+            self.stats.emitted_voxels = coded
+                .cloud
+                .level(coded.deepest_level.min(coded.cloud.depth()))
+                .len();
+        }
         match (selected, octree) {
             (Some(Drawn::Voxels(records)), Some(octree)) => {
                 let cube_edge = octree.cube().edge;
@@ -221,10 +256,29 @@ impl Scene {
         packet
     }
 
+    /// The byte code of a frame, if it is to be drawn. What is not a threshold chooses a level: as the code is stored breadth-first,
+    /// that is one of its prefixes.
+    fn coded(&self, frame: &PreparedFrame, settings: &Settings) -> Option<CodedCells> {
+        let cloud = frame.coded.as_ref().filter(|_| settings.draws_codes())?;
+        let at_most = |nodes: u32| (0.0, cloud.deepest_level_of(nodes as usize));
+        let (lod_px, deepest_level) = match settings.lod {
+            Lod::ThresholdPx(lod_px) => (lod_px, cloud.depth()),
+            Lod::Level(level) => (0.0, level),
+            Lod::Budget(nodes) => at_most(nodes),
+            Lod::FrameTimeMs(_) => at_most(self.affordable.voxels()),
+        };
+        let cloud = Arc::clone(cloud);
+        Some(CodedCells {
+            cloud,
+            lod_px,
+            deepest_level,
+        })
+    }
+
     /// Takes notice of how long the last picture took to draw, for [`Lod::FrameTimeMs`].
     pub fn note_draw_ms(&mut self, settings: &Settings, draw_ms: f64) {
         if let Lod::FrameTimeMs(asked_ms) = settings.lod
-            && settings.draws_cells()
+            && (settings.draws_cells() || settings.draws_codes())
         {
             let drawn = self.stats.emitted_voxels;
             self.affordable.learn(drawn, draw_ms, f64::from(asked_ms));

@@ -108,6 +108,65 @@ choices! {
 }
 
 choices! {
+    /// What the software renderer draws surfels from, and as what. Effective in the splatting modes that begin with a visibility
+    /// pass; the GPU draws exact disks whatever it says.
+    Footprint, "footprint" {
+        /// Exact disks, pixel by pixel, of the records of points.
+        Disks = "disks",
+        /// Masks worked out once for quantised normals, from the byte code of the octree (paper 001 §5.2).
+        Masks = "masks",
+        /// A pixel for each cell, from the byte code of the octree (paper 001 §4).
+        Pixels = "pixels",
+    }
+}
+
+choices! {
+    /// Bits of the normals that are drawn from byte codes (paper 001 §4.1).
+    NormalBits, "number of bits of normals" {
+        /// 8192 directions, up to 2.3° off: the paper's.
+        Thirteen = "13",
+        /// 32,768 directions.
+        Fifteen = "15",
+        /// 131,072 directions.
+        Seventeen = "17",
+    }
+}
+
+impl NormalBits {
+    /// The number.
+    pub fn bits(self) -> u32 {
+        match self {
+            Self::Thirteen => 13,
+            Self::Fifteen => 15,
+            Self::Seventeen => 17,
+        }
+    }
+}
+
+choices! {
+    /// Bits of the offsets along normals with which byte codes are drawn (paper 001 §5.1).
+    OffsetBits, "number of bits of offsets" {
+        /// Splats stand in the middles of cells: gaps at grazing angles.
+        None = "0",
+        /// The paper's.
+        Two = "2",
+        /// All there are.
+        Three = "3",
+    }
+}
+
+impl OffsetBits {
+    /// The number.
+    pub fn bits(self) -> u32 {
+        match self {
+            Self::None => 0,
+            Self::Two => 2,
+            Self::Three => 3,
+        }
+    }
+}
+
+choices! {
     /// Who draws.
     RendererChoice, "renderer" {
         /// The GPU if there is a real one, else the processor.
@@ -287,6 +346,12 @@ pub struct Settings {
     pub surfel_lod: bool,
     /// Edge of the picture that is drawn, as a share of the one that is shown: below 1 fewer pixels are drawn and scaled up.
     pub resolution: f32,
+    /// What the software renderer draws surfels from.
+    pub footprint: Footprint,
+    /// Precision of normals drawn from byte codes.
+    pub normal_bits: NormalBits,
+    /// Precision of offsets along normals drawn from byte codes.
+    pub offset_bits: OffsetBits,
 }
 
 impl Settings {
@@ -314,10 +379,21 @@ impl Settings {
     /// Whether what is drawn are cells of an octree.
     pub fn draws_cells(&self) -> bool {
         match self.primitive {
-            Primitive::Surfel => self.surfel_lod,
+            // Who draws codes draws no cut of the tree; by itself the machine may decide for the GPU.
+            Primitive::Surfel => {
+                self.surfel_lod && !(self.draws_codes() && self.renderer == RendererChoice::Cpu)
+            }
             Primitive::Voxel => true,
             Primitive::Point => false,
         }
+    }
+
+    /// Whether surfels are drawn from the byte code of an octree, if the processor draws; [`Settings::lod`] says how finely.
+    pub fn draws_codes(&self) -> bool {
+        self.primitive == Primitive::Surfel
+            && self.footprint != Footprint::Disks
+            && self.renderer != RendererChoice::Gpu
+            && !matches!(self.splatting, Splatting::Regular | Splatting::NoDepth)
     }
 }
 
@@ -339,6 +415,9 @@ impl Default for Settings {
             lod: Lod::default(),
             surfel_lod: false,
             resolution: 1.0,
+            footprint: Footprint::Disks,
+            normal_bits: NormalBits::Thirteen,
+            offset_bits: OffsetBits::Three,
         }
     }
 }

@@ -72,6 +72,15 @@ pub struct Needs {
     pub ellipses: bool,
     /// An octree of this depth: for voxels, levels of detail and picking.
     pub octree: Option<StopCriterion>,
+    /// The byte code of the octree with attributes, where shapes and an octree are asked for: for footprints from masks.
+    pub coded: bool,
     /// The colours of points and voxels.
     pub colors: ColorSource,
+}
+
+impl Needs {
+    /// Whether byte codes are asked for, and all that they are made of.
+    pub(super) fn asks_for_codes(&self) -> bool {
+        self.coded && self.shapes && self.octree.is_some()
+    }
 }

@@ -20,7 +20,7 @@
 use super::records::{self, SurfaceWork};
 use super::{ColorSource, Needs, milliseconds_since};
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
-use crate::octree::{LodSurfels, Octree, StopCriterion};
+use crate::octree::{CodedCloud, LodSurfels, Octree, StopCriterion};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -93,6 +93,8 @@ pub struct PreparedFrame {
     pub octree: Option<Arc<Octree>>,
     /// The surfels of the octree's nodes, if both surfels and an octree were asked for; worked out when they are drawn.
     pub lod_surfels: Option<Arc<LodSurfels>>,
+    /// The octree's byte code with attributes, if it was asked for.
+    pub coded: Option<Arc<CodedCloud>>,
     /// What the last completion took; decoding included if it happened then.
     pub timings: Timings,
     colors: ColorSource,
@@ -107,6 +109,7 @@ impl PreparedFrame {
             && (!needs.shapes || self.shapes.is_some())
             && (!needs.ellipses || self.has_ellipses)
             && (needs.octree.is_none() || needs.octree == self.octree_stop)
+            && (!needs.asks_for_codes() || self.coded.is_some())
     }
 
     /// Where the colours of the points come from; never [`ColorSource::Auto`].
@@ -132,6 +135,7 @@ impl PreparedFrame {
                 .lod_surfels
                 .as_ref()
                 .map_or(0, |surfels| surfels.most_bytes())
+            + self.coded.as_ref().map_or(0, |coded| coded.byte_size())
     }
 }
 
@@ -242,6 +246,19 @@ fn build(
                 ))
             })
     });
+    let coded = octree.as_ref().zip(shapes.as_ref());
+    let coded = coded.filter(|_| needs.asks_for_codes());
+    let coded = coded.map(|(octree, shapes)| {
+        let known = existing.and_then(|existing| existing.coded.clone());
+        known
+            .filter(|known| known.is_of(octree, &points, shapes))
+            .unwrap_or_else(|| {
+                let start = Instant::now();
+                let coded = CodedCloud::new(octree, &points, shapes);
+                timings.octree_ms += milliseconds_since(start);
+                Arc::new(coded)
+            })
+    });
     PreparedFrame {
         index,
         id,
@@ -250,6 +267,7 @@ fn build(
         shapes,
         octree,
         lod_surfels,
+        coded,
         timings,
         colors,
         has_ellipses,

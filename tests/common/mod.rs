@@ -116,6 +116,7 @@ pub(crate) fn surfels(
                 .collect(),
         )),
         voxels: None,
+        coded: None,
         bounds: Aabb::from_points(&positions),
     }
 }
@@ -142,6 +143,7 @@ pub(crate) fn voxels(
             records: Arc::new(records),
             cube_edge,
         }),
+        coded: None,
         bounds: Aabb::from_points(&centers),
     }
 }

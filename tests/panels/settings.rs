@@ -3,11 +3,12 @@
 use super::{click, window};
 use egui::accesskit::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::State;
 use pointreel::octree::StopCriterion;
 use pointreel::scene::{
-    Background, Lighting, Lod, Primitive, RendererChoice, Settings, Splatting, Strategy, UpAxis,
+    Background, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive, RendererChoice,
+    Settings, Splatting, Strategy, UpAxis,
 };
 use pointreel::sequence::ColorSource;
 
@@ -105,6 +106,40 @@ fn every_setting_can_be_changed_and_reset() {
     click(&mut harness, "Reset to defaults");
     assert_eq!(harness.state().settings, Settings::default());
     assert_eq!(harness.state().camera.up, UpAxis::Z);
+}
+
+#[test]
+fn footprints_are_for_the_processor_and_for_modes_with_a_visibility_pass() {
+    let mut harness = window();
+    let is_offered = |harness: &Harness<'_, State>| {
+        let list = harness.get_by_role_and_label(Role::ComboBox, "Footprint");
+        !list.accesskit_node().is_disabled()
+    };
+    choose(&mut harness, "Renderer", "GPU");
+    assert!(!is_offered(&harness), "the GPU draws exact disks");
+    choose(&mut harness, "Renderer", "CPU");
+    choose(&mut harness, "Splatting", "Regular");
+    assert!(
+        !is_offered(&harness),
+        "this mode lays splats over each other"
+    );
+    choose(&mut harness, "Splatting", "Two-pass");
+    assert!(is_offered(&harness));
+    assert!(
+        harness.query_by_label("Offsets").is_none(),
+        "disks are exact"
+    );
+    choose(&mut harness, "Footprint", "Masks");
+    choose(&mut harness, "Normals", "17 bits");
+    choose(&mut harness, "Offsets", "None");
+    let settings = harness.state().settings;
+    assert_eq!(settings.footprint, Footprint::Masks);
+    assert_eq!(settings.normal_bits, NormalBits::Seventeen);
+    assert_eq!(settings.offset_bits, OffsetBits::None);
+    assert!(settings.draws_codes());
+    // How finely codes are drawn is a level of detail.
+    slide(&mut harness, "Threshold τ", 8.0);
+    assert_eq!(harness.state().settings.lod, Lod::ThresholdPx(8.0));
 }
 
 #[test]

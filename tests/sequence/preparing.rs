@@ -328,6 +328,7 @@ fn frames_without_points_and_with_one_are_prepared() {
                 shapes: true,
                 ellipses: true,
                 octree: Some(StopCriterion::Loss(0.05)),
+                coded: true,
                 colors,
             };
             let prepared = prepare(
@@ -339,8 +340,51 @@ fn frames_without_points_and_with_one_are_prepared() {
             );
             assert_eq!(prepared.points.len(), count);
             assert_eq!(prepared.shapes.as_ref().unwrap().len(), count);
+            assert_eq!(prepared.coded.as_ref().unwrap().level(0).len(), count);
             assert!(prepared.satisfies(&needs));
         }
+    }
+}
+
+#[test]
+fn byte_codes_stay_as_long_as_what_they_are_made_of() {
+    let counters = PrepareCounters::default();
+    let without = Needs {
+        shapes: true,
+        ..voxels(0.05)
+    };
+    let with = Needs {
+        coded: true,
+        ..without
+    };
+    let frame = frame_of(complete_sheet(10, 0));
+    let plain = prepare(0, frame, 0.0, &without, &counters);
+    assert!(plain.coded.is_none() && !plain.satisfies(&with));
+    let coded = complete(&plain, &with, &counters);
+    let code = coded.coded.as_ref().unwrap();
+    assert_eq!(code.depth(), coded.octree.as_ref().unwrap().depth());
+    assert_eq!(coded.byte_size(), plain.byte_size() + code.byte_size());
+    for (needs, is_same) in [
+        (with, true),
+        (without, true),
+        (
+            Needs {
+                octree: Some(StopCriterion::Depth(2)),
+                ..with
+            },
+            false,
+        ),
+        (
+            Needs {
+                colors: ColorSource::Uniform,
+                ..with
+            },
+            false,
+        ),
+    ] {
+        let next = complete(&coded, &needs, &counters);
+        let other = next.coded.as_ref().unwrap();
+        assert_eq!(Arc::ptr_eq(code, other), is_same, "{needs:?}");
     }
 }
 

@@ -46,6 +46,7 @@ pub(crate) fn load(positions: &[DVec3], delta: f32) -> Chain {
         shapes: true,
         ellipses: false,
         octree: Some(StopCriterion::Loss(delta)),
+        coded: false,
         colors: ColorSource::Auto,
     };
     loader.request(0, Direction::Forward, &needs);

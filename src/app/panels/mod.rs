@@ -2,6 +2,7 @@
 
 mod benchmark;
 mod comparison;
+mod footprints;
 mod help;
 mod lab;
 mod menu;

@@ -5,7 +5,7 @@ use crate::app::State;
 use crate::bench::{Quality, Suite};
 use egui::{Button, DragValue, Slider, Ui};
 
-/// What a person would spend at most; see [`quality_ui`].
+/// What a person would spend at most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QualityLimits {
     /// Largest FLIP of the object, 0 to 1.

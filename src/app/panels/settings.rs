@@ -1,5 +1,6 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
+use super::footprints::footprints_ui;
 use super::quality::quality_ui;
 use super::voxels::octree_ui;
 use crate::app::State;
@@ -25,11 +26,16 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
             resolution(ui, &mut state.settings);
         });
         match state.settings.primitive {
-            Primitive::Surfel => surfels(ui, &mut state.settings),
+            Primitive::Surfel => {
+                surfels(ui, &mut state.settings);
+                let is_software = state.graphics.is_software;
+                let on_processor = state.settings.renderer.is_processor(is_software);
+                footprints_ui(ui, &mut state.settings, on_processor);
+            }
             Primitive::Voxel => {}
             Primitive::Point => points(ui, &mut state.settings),
         }
-        if state.settings.draws_cells() {
+        if state.settings.draws_cells() || state.settings.draws_codes() {
             octree_ui(ui, &mut state.settings);
         }
         heading(ui, "Shading");

@@ -16,6 +16,7 @@ use super::eight::Vectors;
 use super::tile::LANES;
 use super::view::{Affine, PixelRect, PixelView};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
+use glam::Vec3;
 
 /// A patch on the screen.
 #[derive(Debug, Clone, Copy)]
@@ -253,12 +254,28 @@ fn pixels_between<S: Simd>(
     ]
 }
 
+impl Facet {
+    /// One patch by its center and its half edges.
+    #[inline(always)]
+    pub(super) fn of_patch<S: Simd>(
+        simd: S,
+        canvas: &Canvas<'_>,
+        [center, u, v]: [Vec3; 3],
+    ) -> Option<Self> {
+        let patches = Patches {
+            centers: Vectors::splat(simd, center),
+            u: Vectors::splat(simd, u),
+            v: Vectors::splat(simd, v),
+        };
+        Facets::new(simd, canvas, &patches, mask32x8::splat(simd, -1)).get(0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::tests::view_of;
     use super::*;
     use fearless_simd::{Level, dispatch};
-    use glam::Vec3;
     use proptest::prelude::*;
 
     #[derive(Debug, Clone, Copy)]
@@ -276,13 +293,7 @@ mod tests {
             cull_back_faces: false,
         };
         dispatch!(Level::new(), simd => {
-            let patches = Patches {
-                centers: Vectors::splat(simd, patch.center),
-                u: Vectors::splat(simd, patch.u),
-                v: Vectors::splat(simd, patch.v),
-            };
-            let all = mask32x8::splat(simd, -1);
-            Facets::new(simd, &canvas, &patches, all).get(5)
+            Facet::of_patch(simd, &canvas, [patch.center, patch.u, patch.v])
         })
     }
 

@@ -8,6 +8,7 @@
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
 mod blocks;
+mod coded;
 mod eight;
 mod facet;
 mod finish;
@@ -116,8 +117,10 @@ impl Renderer for CpuRenderer {
         if self.image.dimensions() != (width, height) {
             self.image = RgbaImage::new(width, height);
         }
-        let slack = DEPTH_SLACK_RADII;
-        let drawn_records = rayon::scope(|_| draw(packet, blocks, slack, &mut self.image));
+        let drawn_records = match coded::draw(packet, &mut self.image) {
+            Some(drawn_nodes) => drawn_nodes,
+            None => rayon::scope(|_| draw(packet, blocks, DEPTH_SLACK_RADII, &mut self.image)),
+        };
         self.stats.frames += 1;
         self.stats.passes += 1;
         self.stats.draw_calls = 1;

@@ -43,7 +43,12 @@ impl Light {
 
 /// It shines from the eye, along a vector of any length.
 pub(super) fn head_light(normal: Vec3, from_eye: Vec3) -> [f32; 2] {
-    let facing = normal.dot(from_eye.normalize_or_zero()).abs();
+    head_light_of_cosine(normal.dot(from_eye.normalize_or_zero()).abs())
+}
+
+/// The same, from the cosine between the normal and the way to the eye.
+#[inline(always)]
+pub(super) fn head_light_of_cosine(facing: f32) -> [f32; 2] {
     let facing8 = facing.powi(8);
     [
         AMBIENT + (1.0 - AMBIENT) * facing,

@@ -24,6 +24,7 @@ pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
         points: Arc::new(Vec::<PointRecord>::new()),
         shapes: None,
         voxels: None,
+        coded: None,
         bounds: Aabb {
             min: Vec3::splat(-1.0),
             max: Vec3::splat(1.0),

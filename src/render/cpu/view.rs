@@ -59,6 +59,19 @@ impl PixelView {
         self.rotation.abs() * half
     }
 
+    /// `vector · ray` as a function of pixels, where the ray through a pixel has z = −1.
+    #[inline(always)]
+    pub(super) fn along_rays(&self, vector: Vec3) -> Affine {
+        let per_px = [
+            vector.x / self.px_per_slope[0],
+            vector.y / self.px_per_slope[1],
+        ];
+        Affine {
+            per_px,
+            at_origin: -vector.z - per_px[0] * self.middle_px[0] - per_px[1] * self.middle_px[1],
+        }
+    }
+
     /// The pixels that may be touched by what reaches some pixels beyond a box in view space; empty where none can be seen.
     pub(super) fn covered_px(&self, center: Vec3, half: Vec3, margin_px: f32) -> PixelRect {
         let [nearest, farthest] = [-center.z - half.z, -center.z + half.z];

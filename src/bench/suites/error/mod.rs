@@ -259,7 +259,9 @@ fn depths(
         splatting,
         ..
     } = packet.settings;
-    if primitive == Primitive::Surfel && splatting == Splatting::NoDepth {
+    if packet.settings.draws_codes()
+        || primitive == Primitive::Surfel && splatting == Splatting::NoDepth
+    {
         return Ok(None);
     }
     renderer.prepare(packet)?;
@@ -332,9 +334,11 @@ impl Samples {
         };
         let number_if =
             |is_there: bool, number: f32| Cell::maybe(is_there.then_some(f64::from(number)));
-        let has_depth = !(is_surfel && way.splatting == Splatting::NoDepth);
+        let has_depth = !way.draws_codes() && !(is_surfel && way.splatting == Splatting::NoDepth);
         let threshold = match way.lod {
-            Lod::ThresholdPx(threshold) if way.draws_cells() => Some(f64::from(threshold)),
+            Lod::ThresholdPx(threshold) if way.draws_cells() || way.draws_codes() => {
+                Some(f64::from(threshold))
+            }
             _ => None,
         };
         let delta = match way.stop {

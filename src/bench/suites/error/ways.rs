@@ -2,7 +2,7 @@
 
 use crate::octree::StopCriterion;
 use crate::scene::{
-    Background, Lighting, Lod, Primitive, RendererChoice, Settings, Splatting, Strategy,
+    Background, Footprint, Lighting, Lod, Primitive, RendererChoice, Settings, Splatting, Strategy,
 };
 use std::fmt::Write as _;
 
@@ -95,6 +95,20 @@ fn of_renderer(base: &Settings) -> Vec<Settings> {
         splatting: Splatting::TwoPass,
         ..*base
     };
+    if base.renderer == RendererChoice::Cpu {
+        // The GPU draws exact disks whatever it says.
+        ways.extend(
+            [Footprint::Masks, Footprint::Pixels].map(|footprint| Settings {
+                footprint,
+                lod: Lod::ThresholdPx(0.0),
+                ..*base
+            }),
+        );
+        ways.push(Settings {
+            footprint: Footprint::Masks,
+            ..*base
+        });
+    }
     for whole in [*base, two_pass, detail, voxel, point] {
         ways.extend(RESOLUTIONS.map(|resolution| Settings {
             resolution,
@@ -118,6 +132,9 @@ pub(super) fn label(way: &Settings) -> String {
             if way.splat_scale != default.splat_scale {
                 say(format!("×{}", way.splat_scale));
             }
+            if way.footprint != default.footprint {
+                say(format!("of {}", way.footprint));
+            }
             if way.lighting != default.lighting {
                 say(format!("lit per {}", way.lighting));
             }
@@ -125,7 +142,7 @@ pub(super) fn label(way: &Settings) -> String {
         Primitive::Voxel => say(stop(way)),
         Primitive::Point => say(format!("{} px", way.point_size_px)),
     }
-    if let (true, Lod::ThresholdPx(threshold)) = (way.draws_cells(), way.lod) {
+    if let (true, Lod::ThresholdPx(threshold)) = (way.draws_cells() || way.draws_codes(), way.lod) {
         say(format!("τ {threshold}"));
     }
     if way.resolution < 1.0 {
@@ -167,7 +184,8 @@ mod tests {
                 .iter()
                 .all(|way| way.renderer == RendererChoice::Cpu)
         );
-        assert_eq!(ways.len(), 2 * of_processor.len() + 12);
+        // Three footprints of byte codes are the processor's; twelve strategies the adapter's.
+        assert_eq!(ways.len(), 2 * of_processor.len() - 3 + 12);
         let first = label(&of_processor[0]);
         assert_eq!(first, "point 1 px CPU");
     }
