@@ -249,19 +249,19 @@ fn measure_way(
     Ok(())
 }
 
+/// Whether depths of what a way shows can be drawn: not of splats without depth, nor of byte codes.
+fn shows_known_surface(way: &Settings) -> bool {
+    let is_without_depth =
+        way.primitive == Primitive::Surfel && way.splatting == Splatting::NoDepth;
+    !is_without_depth && !way.draws_codes()
+}
+
 /// What lies where in the picture of a packet, if it shows one surface.
 fn depths(
     renderer: &mut CpuRenderer,
     packet: &ScenePacket,
 ) -> Result<Option<crate::measure::DepthImage>, BenchError> {
-    let Settings {
-        primitive,
-        splatting,
-        ..
-    } = packet.settings;
-    if packet.settings.draws_codes()
-        || primitive == Primitive::Surfel && splatting == Splatting::NoDepth
-    {
+    if !shows_known_surface(&packet.settings) {
         return Ok(None);
     }
     renderer.prepare(packet)?;
@@ -334,7 +334,7 @@ impl Samples {
         };
         let number_if =
             |is_there: bool, number: f32| Cell::maybe(is_there.then_some(f64::from(number)));
-        let has_depth = !way.draws_codes() && !(is_surfel && way.splatting == Splatting::NoDepth);
+        let has_depth = shows_known_surface(way);
         let threshold = match way.lod {
             Lod::ThresholdPx(threshold) if way.draws_cells() || way.draws_codes() => {
                 Some(f64::from(threshold))
