@@ -202,7 +202,10 @@ fn masks_are_disks_seen_from_straight_ahead() {
             // Half the distance of places, which is that of the middle of a pixel from the next place, and a tenth for sampling.
             let off = if radius < 3.0 { 0.125 } else { 0.25 } + 0.1;
             let [x, y] = [sum_x, sum_y].map(|sum: f32| (sum / weights).abs());
-            assert!(x < off && y < off, "{normal} {radius}: {x} {y}");
+            // Of what is narrower than its pixels, samples do not tell the middle.
+            if radius * normal.z >= 1.0 {
+                assert!(x < off && y < off, "{normal} {radius}: {x} {y}");
+            }
             let whole = std::f32::consts::PI * radius * radius * normal.z * 0.3167;
             if radius * normal.z > 2.0 {
                 assert!(
