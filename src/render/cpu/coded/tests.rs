@@ -180,7 +180,10 @@ fn masks_are_disks_seen_from_straight_ahead() {
                     let offset = glam::Vec2::new(x, y);
                     let [p, q] = [offset.dot(along), offset.perp_dot(along)];
                     let d = (p / normal.z.max(1e-3)).hypot(q) / radius;
-                    if d > 1.3 + 1.6 / (radius * normal.z.max(1.0 / radius)) {
+                    // Shapes are up to 5° off, sizes an eighth, and the filter widens both axes.
+                    let reach = |half_axis: f32| (1.13 * half_axis).hypot(0.71) + 0.3;
+                    let (along, across) = (reach(radius * (normal.z + 0.18)), reach(radius));
+                    if (p / along).hypot(q / across) > 1.0 {
                         assert_eq!(weight, 0, "{normal} {radius}: {x} {y}");
                     }
                     if d < 0.8 {
@@ -193,13 +196,16 @@ fn masks_are_disks_seen_from_straight_ahead() {
                 }
             }
             assert!(
-                weights >= 0.9,
-                "{normal} {radius}: a splat has a pixel at least"
+                weights >= 0.5,
+                "{normal} {radius}: twice what makes a pixel opaque"
             );
             // Half the distance of places, which is that of the middle of a pixel from the next place, and a tenth for sampling.
             let off = if radius < 3.0 { 0.125 } else { 0.25 } + 0.1;
             let [x, y] = [sum_x, sum_y].map(|sum: f32| (sum / weights).abs());
-            assert!(x < off && y < off, "{normal} {radius}: {x} {y}");
+            // Of what is narrower than its pixels, samples do not tell the middle.
+            if radius * normal.z >= 1.0 {
+                assert!(x < off && y < off, "{normal} {radius}: {x} {y}");
+            }
             let whole = std::f32::consts::PI * radius * radius * normal.z * 0.3167;
             if radius * normal.z > 2.0 {
                 assert!(
