@@ -67,7 +67,7 @@ prop_compose! {
 }
 
 proptest! {
-    /// Every node of every block is where a product of a matrix and its middle says, in f64: off by at most 2⁻²² of the sizes of
+    /// Every node of every block is where a product of a matrix and its middle says, in f64: off by at most 2⁻²¹ of the sizes of
     /// what was added up (each of at most 21 additions rounds by 2⁻²⁴ of its result, but the sizes halve).
     #[test]
     fn sums_of_vectors_are_products_of_a_matrix(
