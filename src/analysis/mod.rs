@@ -7,7 +7,9 @@ mod colors;
 mod ellipses;
 mod four_matrices;
 mod lanes;
-mod lazy_planes;
+mod lazy_surface;
+#[cfg(test)]
+mod lazy_tests;
 mod nearest_point;
 mod neighbours;
 mod normals;
@@ -26,7 +28,7 @@ mod tests;
 
 pub(crate) use colors::between_steps;
 pub use colors::{fake_color, scalar_colors};
-pub use lazy_planes::LazyPlanes;
+pub use lazy_surface::{Estimated, LazySurface};
 pub use nearest_point::NearestPoint;
 pub use neighbours::{Neighbours, nearest_neighbours};
 pub use radii::LONE_RADIUS;

@@ -14,27 +14,26 @@ use std::ops::Range;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Neighbours {
     per_point: usize,
-    /// Pieces before the first that is here.
-    pieces_before: usize,
+    /// The first point that has a list here.
+    first: usize,
     /// The lists of [`POINTS_PER_PIECE`] points each, one after the other. One piece for all would be megabytes that are
     /// filled with zeros before they are written; these never leave the nearest cache in between.
     pieces: Vec<Vec<u32>>,
 }
 
 /// Points whose lists are written by one task: whole buckets.
-pub(super) const POINTS_PER_PIECE: usize = 64 * LANES;
+const POINTS_PER_PIECE: usize = 64 * LANES;
 
 impl Neighbours {
-    /// Lists of consecutive points, of which `write` gets those of some. Precondition: the first one begins a piece.
+    /// Lists of consecutive points, of which `write` gets those of some.
     fn by_pieces(
         points: Range<usize>,
         per_point: usize,
         write: impl Fn(Range<usize>, &mut [u32]) + Sync,
     ) -> Self {
-        let pieces_before = points.start / POINTS_PER_PIECE;
-        let pieces = (pieces_before..points.end.div_ceil(POINTS_PER_PIECE)).into_par_iter();
+        let pieces = (0..points.len().div_ceil(POINTS_PER_PIECE)).into_par_iter();
         let pieces = pieces.map(|piece| {
-            let first = piece * POINTS_PER_PIECE;
+            let first = points.start + piece * POINTS_PER_PIECE;
             let points = first..points.end.min(first + POINTS_PER_PIECE);
             let mut lists = vec![0; points.len() * per_point];
             // A point that is alone has no neighbours.
@@ -45,7 +44,7 @@ impl Neighbours {
         });
         Self {
             per_point,
-            pieces_before,
+            first: points.start,
             pieces: pieces.collect(),
         }
     }
@@ -57,8 +56,9 @@ impl Neighbours {
 
     /// The neighbours of a point, never the point itself.
     pub fn of(&self, index: usize) -> &[u32] {
-        let first = index % POINTS_PER_PIECE * self.per_point;
-        &self.pieces[index / POINTS_PER_PIECE - self.pieces_before][first..first + self.per_point]
+        let place = index - self.first;
+        let start = place % POINTS_PER_PIECE * self.per_point;
+        &self.pieces[place / POINTS_PER_PIECE][start..start + self.per_point]
     }
 }
 
@@ -82,7 +82,7 @@ impl PointTree {
         self.neighbours_of(0..self.len(), k)
     }
 
-    /// [`PointTree::neighbours`] of some consecutive slots alone. Precondition: the first one begins a piece.
+    /// [`PointTree::neighbours`] of some consecutive slots alone. Precondition: the first one begins a bucket.
     pub(super) fn neighbours_of(&self, slots: Range<usize>, k: usize) -> Neighbours {
         let per_point = k.min(self.len().saturating_sub(1));
         let level = Level::new();

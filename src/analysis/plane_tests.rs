@@ -1,10 +1,8 @@
-//! Robust planes, and planes of less than all points.
+//! Robust planes.
 
 use super::test_shapes::{self, Random};
 use super::tests::angles;
 use super::*;
-use crate::cloud::{Frame, Positions, RawCloud};
-use glam::DVec3;
 
 /// Mean angle of normals to the truth, either sign, in degrees.
 fn mean_error(positions: &[Vec3], truth: &[Vec3], k: usize, fit: PlaneFit) -> f32 {
@@ -69,64 +67,4 @@ fn robust_planes_are_defined_where_plain_ones_are() {
             .iter()
             .all(|normal| normal.abs().abs_diff_eq(Vec3::Z, 1e-6))
     );
-}
-
-#[test]
-fn planes_asked_for_are_those_of_the_whole_and_no_others_are_estimated() {
-    let torus = test_shapes::torus(30_000, 0.4, &mut Random(20));
-    let raw = RawCloud::from_positions(Positions::F64(
-        torus
-            .positions
-            .iter()
-            .map(|p| p.as_dvec3().to_array())
-            .collect(),
-    ));
-    let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
-    let positions = frame.positions();
-    let sensor = Vec3::new(3.0, -1.0, 2.0);
-    let whole = estimate_planes(positions, 16, PlaneFit::LeastSquares);
-    let facing = estimate_surface(positions, Some(sensor)).normals;
-    let lazy = LazyPlanes::new(positions, 16, None);
-    let lazy_facing = LazyPlanes::new(positions, DEFAULT_NEIGHBOURS, Some(sensor));
-    assert_eq!(lazy.estimated_points(), 0);
-    // Three hundredths of the points, asked for from two threads and again.
-    let some = 12_000..12_900;
-    let (first, second) = rayon::join(|| lazy.of(some.clone()), || lazy.of(some.clone()));
-    assert_eq!(first, second);
-    assert!(first.normals == whole.normals[some.clone()]);
-    assert!(lazy_facing.of(some.clone()).normals == facing[some.clone()]);
-    let estimated = lazy.estimated_points();
-    assert!((900..9_000).contains(&estimated), "{estimated} of 30,000");
-    assert_eq!(lazy.of(some).normals.len(), 900);
-    assert_eq!(lazy.estimated_points(), estimated, "each block once");
-    assert!(lazy.of(0..30_000) == whole);
-    assert_eq!(lazy.estimated_points(), 30_000);
-    assert!(lazy.of(0..0).normals.is_empty());
-}
-
-#[test]
-fn planes_asked_for_of_any_cloud_are_those_of_the_whole() {
-    let mut random = Random(21);
-    let row: Vec<Vec3> = (0..700).map(|i| Vec3::X * i as f32).collect();
-    let equal = vec![Vec3::ONE; 600];
-    let cube: Vec<Vec3> = (0..1037).map(|_| random.cube()).collect();
-    for cloud in [&[][..], &cube[..1], &cube[..3], &row, &equal, &cube] {
-        let whole = estimate_planes(cloud, 12, PlaneFit::LeastSquares);
-        let lazy = LazyPlanes::new(cloud, 12, None);
-        // From the back, a third at a time.
-        let third = cloud.len().div_ceil(3).max(1);
-        for start in (0..cloud.len()).step_by(third).rev() {
-            let points = start..cloud.len().min(start + third);
-            let found = lazy.of(points.clone());
-            assert!(found.normals == whole.normals[points.clone()]);
-            let without = whole.without_plane.iter().copied();
-            assert!(
-                found
-                    .without_plane
-                    .into_iter()
-                    .eq(without.filter(|&p| points.contains(&(p as usize))))
-            );
-        }
-        assert_eq!(lazy.estimated_points(), cloud.len());
-    }
 }

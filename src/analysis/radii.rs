@@ -27,6 +27,7 @@ use super::point_tree::{LANES, PointTree, Row, SlotPoint};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, SimdMask, dispatch, f32x8, mask32x8};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Radius, in scene units, when no two points are apart: a single point, or points that all coincide.
 pub const LONE_RADIUS: f32 = 0.5;
@@ -47,46 +48,90 @@ pub(super) fn closing_radii(
     neighbours: &Neighbours,
     normals: &[Vec3],
 ) -> Vec<f32> {
-    let level = Level::new();
-    let mut raw = vec![0.0; tree.len()];
-    raw.par_chunks_mut(POINTS_PER_TASK)
-        .enumerate()
-        .for_each(|(task, raw)| {
-            let cells = Cells {
-                directions: quarter_circle(),
-                points: tree.points(),
-                neighbours,
-                normals,
-            };
-            dispatch!(level, simd => cells.measure(simd, POINTS_PER_TASK * task, raw));
-        });
-    let median = median_of_sample(&raw);
-    let inverse: Vec<f32> = raw
-        .iter()
-        .map(|&radius| if radius > 0.0 { 1.0 / radius } else { 0.0 })
-        .collect();
-    let largest = MAX_OF_CLOUD * median;
-    let mut radii = raw;
+    let cells = cell_radii(tree, neighbours, normals, 0..tree.len());
+    let limits = Limits::new(tree, sample(tree.len()).map(|slot| cells[slot]));
+    let inverse: Vec<f32> = cells.iter().map(|&radius| inverse_of(radius)).collect();
+    let mut radii = cells;
     radii
         .par_chunks_mut(POINTS_PER_TASK)
         .enumerate()
         .for_each(|(task, radii)| {
             let slots = POINTS_PER_TASK * task..;
             for (radii, first_slot) in radii.chunks_mut(LANES).zip(slots.step_by(LANES)) {
-                let means = harmonic_means(&inverse, neighbours, first_slot, radii.len());
-                for (radius, mean) in radii.iter_mut().zip(means) {
-                    let own = if *radius > 0.0 { *radius } else { median };
-                    let limited =
-                        OVERLAP * own.min(MAX_OF_NEIGHBOURS * mean).min(largest) * tree.unit();
-                    *radius = if limited > 0.0 {
-                        limited.min(f32::MAX)
-                    } else {
-                        LONE_RADIUS
-                    };
+                let sums = inverse_sums(&inverse, neighbours, first_slot, radii.len());
+                for (radius, sum) in radii.iter_mut().zip(sums) {
+                    *radius = limits.radius(*radius, neighbours.per_point(), sum);
                 }
             }
         });
     radii
+}
+
+/// Distances from consecutive points to the farthest corners of their cells, in units of the tree; 0 without neighbours
+/// apart. `normals` are those of these points. Precondition: the first slot begins a bucket, and the last one ends one or
+/// is the last of all.
+pub(super) fn cell_radii(
+    tree: &PointTree,
+    neighbours: &Neighbours,
+    normals: &[Vec3],
+    slots: Range<usize>,
+) -> Vec<f32> {
+    let level = Level::new();
+    let mut radii = vec![0.0; slots.len()];
+    let cells = Cells {
+        directions: quarter_circle(),
+        points: tree.points(),
+        neighbours,
+        normals,
+        first_slot: slots.start,
+    };
+    radii
+        .par_chunks_mut(POINTS_PER_TASK)
+        .enumerate()
+        .for_each(|(task, radii)| {
+            let first = slots.start + POINTS_PER_TASK * task;
+            dispatch!(level, simd => cells.measure(simd, first, radii));
+        });
+    radii
+}
+
+/// One over the radius of a cell; 0 if it is 0.
+pub(super) fn inverse_of(radius: f32) -> f32 {
+    if radius > 0.0 { 1.0 / radius } else { 0.0 }
+}
+
+/// What the radii of a cloud are limited by.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// Of the radii of cells.
+    median: f32,
+    /// Of the tree, in scene units.
+    unit: f32,
+}
+
+impl Limits {
+    /// Limits of a cloud of whose cells the [`sample`] has these radii.
+    pub(super) fn new(tree: &PointTree, sample: impl Iterator<Item = f32>) -> Self {
+        Self {
+            median: median_of_positive(sample),
+            unit: tree.unit(),
+        }
+    }
+
+    /// The radius, in scene units, of a point whose cell and the inverse radii of whose neighbours' cells, summed up, are these.
+    #[inline(always)]
+    pub(super) fn radius(&self, cell: f32, neighbours: usize, inverse_sum: f32) -> f32 {
+        // Harmonic, over all neighbours; not finite if none has a cell.
+        let mean = neighbours as f32 / inverse_sum;
+        let own = if cell > 0.0 { cell } else { self.median };
+        let largest = MAX_OF_CLOUD * self.median;
+        let limited = OVERLAP * own.min(MAX_OF_NEIGHBOURS * mean).min(largest) * self.unit;
+        if limited > 0.0 {
+            limited.min(f32::MAX)
+        } else {
+            LONE_RADIUS
+        }
+    }
 }
 
 /// Points that are worth handing to another thread.
@@ -116,7 +161,9 @@ struct Cells<'a> {
     directions: [[f32; 2]; QUARTER],
     points: &'a [SlotPoint],
     neighbours: &'a Neighbours,
+    /// From the first slot on.
     normals: &'a [Vec3],
+    first_slot: usize,
 }
 
 impl Cells<'_> {
@@ -136,10 +183,12 @@ impl Cells<'_> {
     fn cell_radii<S: Simd>(&self, simd: S, first_slot: usize, lines: &mut [[Row; 2]]) -> Row {
         let zero = f32x8::splat(simd, 0.0);
         // Lanes beyond the last point repeat it.
-        let last = self.points.len() - 1;
+        let last = self.first_slot + self.normals.len() - 1;
         let slot_of = |lane: usize| (first_slot + lane).min(last);
         let points = axes(simd, |lane| self.points[slot_of(lane)].register());
-        let normals = axes(simd, |lane| self.normals[slot_of(lane)].extend(0.0));
+        let normals = axes(simd, |lane| {
+            self.normals[slot_of(lane) - self.first_slot].extend(0.0)
+        });
         let (tangents, bitangents) = orthonormal_pair(simd, normals);
         let mut lists = [self.neighbours.of(first_slot); LANES];
         for (lane, list) in lists.iter_mut().enumerate() {
@@ -245,39 +294,32 @@ fn orthonormal_pair<S: Simd>(simd: S, [x, y, z]: [f32x8<S>; 3]) -> ([f32x8<S>; 3
     )
 }
 
-/// The harmonic means of the neighbours' radii of up to eight consecutive points, as far as they are positive, from their
-/// inverses (0 for those that are not); not finite if none is. Eight sums side by side, for each waits for its last term.
-fn harmonic_means(
-    inverse: &[f32],
-    neighbours: &Neighbours,
-    first_slot: usize,
-    count: usize,
-) -> Row {
+/// The inverse radii of the neighbours' cells, summed up for each of up to eight consecutive points. Eight sums side by side,
+/// for each waits for its last term.
+fn inverse_sums(inverse: &[f32], neighbours: &Neighbours, first_slot: usize, count: usize) -> Row {
     let lists: [&[u32]; LANES] =
         std::array::from_fn(|lane| neighbours.of(first_slot + lane.min(count - 1)));
-    let mut inverse_sums = [0.0; LANES];
+    let mut sums = [0.0; LANES];
     for neighbour in 0..neighbours.per_point() {
-        for (sum, list) in inverse_sums.iter_mut().zip(lists) {
+        for (sum, list) in sums.iter_mut().zip(lists) {
             *sum += inverse[list[neighbour] as usize];
         }
     }
-    inverse_sums.map(|sum| neighbours.per_point() as f32 / sum)
+    sums
 }
 
-/// Values that a median is taken of: it is off by two percent of the ranks at most times.
-const SAMPLE: usize = 1 << 12;
+/// Values that a median is taken of: it is off by four percent of the ranks at most times, which limits of many times the
+/// median do not feel. Who asks for few radii has to measure all of the sample, too.
+const SAMPLE: usize = 1 << 9;
 
-/// The median of evenly spaced positive values, of all where there are few; 0 without one.
-fn median_of_sample(values: &[f32]) -> f32 {
-    let stride = values.len().div_ceil(SAMPLE).max(1);
-    let mut positive: Vec<f32> = Vec::with_capacity(SAMPLE);
-    positive.extend(
-        values
-            .iter()
-            .step_by(stride)
-            .copied()
-            .filter(|&value| value > 0.0),
-    );
+/// Evenly spaced slots of a cloud, of whose cells the median is taken; all where there are few.
+pub(super) fn sample(count: usize) -> impl Iterator<Item = usize> {
+    (0..count).step_by(count.div_ceil(SAMPLE).max(1))
+}
+
+/// The median of those that are positive; 0 without one.
+fn median_of_positive(values: impl Iterator<Item = f32>) -> f32 {
+    let mut positive: Vec<f32> = values.filter(|&value| value > 0.0).collect();
     if positive.is_empty() {
         return 0.0;
     }

@@ -100,13 +100,27 @@ impl Cube {
             });
         cells
     }
+
+    /// [`Cube::cells`] and [`Cube::codes`] at once.
+    pub(crate) fn cells_and_codes(&self, points: &[Vec3]) -> (Vec<PackedCell>, Vec<u64>) {
+        let quantizer = Quantizer::new(self);
+        let level = Level::new();
+        let mut cells = vec![0; points.len()];
+        let mut codes = vec![0; points.len()];
+        cells
+            .par_chunks_mut(BLOCK)
+            .zip(codes.par_chunks_mut(BLOCK))
+            .zip(points.par_chunks(BLOCK))
+            .with_min_len(BLOCKS_PER_TASK)
+            .for_each(|((cells, codes), points)| {
+                dispatch!(level, _simd => quantizer.write_cells_and_codes(points, cells, codes));
+            });
+        (bytemuck::cast_vec(cells), codes)
+    }
 }
 
 /// Points that are quantised together.
 const BLOCK: usize = 64;
-
-/// A multiple of three coordinates, and of as many as registers hold.
-const TURN: usize = 12;
 
 /// Blocks that are worth handing to another thread: 16,384 points.
 const BLOCKS_PER_TASK: usize = 256;
@@ -136,34 +150,38 @@ impl Quantizer {
         }
     }
 
-    /// Writes the cells of at most [`BLOCK`] points.
-    ///
-    /// Coordinates are taken as they stand in memory, x, y and z in turn, which repeats every [`TURN`] of them: registers of four
-    /// are filled by one instruction, and know what to do for each place.
+    /// Writes the codes of points, or else their packed cells.
     #[inline(always)]
     fn write_cells<const INTERLEAVED: bool>(&self, points: &[Vec3], cells: &mut [u64]) {
-        let mins: [f64; TURN] = std::array::from_fn(|place| self.min[place % 3]);
-        let part = |coordinate: f32, place: usize| {
-            let index = self.index(f64::from(coordinate) - mins[place]);
-            if INTERLEAVED {
-                morton::spread(index) << (place % 3)
+        for (cell, point) in cells.iter_mut().zip(points) {
+            let indices = self.indices(*point);
+            *cell = if INTERLEAVED {
+                interleaved(indices)
             } else {
-                index << (LEVELS as usize * (place % 3))
-            }
-        };
-        let mut parts = [0; 3 * BLOCK];
-        let (turns, rest) = bytemuck::cast_slice(points).as_chunks::<TURN>();
-        let (parts_of_turns, parts_of_rest) = parts.split_at_mut(TURN * turns.len());
-        let (parts_of_turns, _) = parts_of_turns.as_chunks_mut::<TURN>();
-        for (parts, turn) in parts_of_turns.iter_mut().zip(turns) {
-            *parts = std::array::from_fn(|place| part(turn[place], place));
+                packed(indices)
+            };
         }
-        for (place, (into, &coordinate)) in parts_of_rest.iter_mut().zip(rest).enumerate() {
-            *into = part(coordinate, place);
+    }
+
+    /// Writes both.
+    #[inline(always)]
+    fn write_cells_and_codes(&self, points: &[Vec3], cells: &mut [u64], codes: &mut [u64]) {
+        for (point, (cell, code)) in points.iter().zip(cells.iter_mut().zip(codes)) {
+            let indices = self.indices(*point);
+            *cell = packed(indices);
+            *code = interleaved(indices);
         }
-        for (cell, [x, y, z]) in cells.iter_mut().zip(parts.as_chunks::<3>().0) {
-            *cell = x | y | z;
-        }
+    }
+
+    /// The indices of the cell of a point along the axes. Loops over points are compiled so that registers hold one axis of
+    /// four points, which never leave them before their cells are whole.
+    #[inline(always)]
+    fn indices(&self, point: Vec3) -> [u64; 3] {
+        [
+            self.index(f64::from(point.x) - self.min.x),
+            self.index(f64::from(point.y) - self.min.y),
+            self.index(f64::from(point.z) - self.min.z),
+        ]
     }
 
     /// The index of the cell at a distance of `offset` from the lower face, which must not be negative.
@@ -174,6 +192,18 @@ impl Quantizer {
         let is_below = border * self.cell > offset || border == f64::from(FINEST_CELLS);
         (rounded.to_bits() & u64::from(2 * FINEST_CELLS - 1)) - u64::from(is_below)
     }
+}
+
+/// The number in a [`PackedCell`].
+#[inline(always)]
+fn packed([x, y, z]: [u64; 3]) -> u64 {
+    x | y << LEVELS | z << (2 * LEVELS)
+}
+
+/// A Morton code.
+#[inline(always)]
+fn interleaved([x, y, z]: [u64; 3]) -> u64 {
+    morton::spread(x) | morton::spread(y) << 1 | morton::spread(z) << 2
 }
 
 #[cfg(test)]
@@ -233,6 +263,7 @@ mod tests {
             let points: Vec<Vec3> = points.into_iter().map(Vec3::from_array).collect();
             let cube = Cube::around(&points).unwrap();
             let cell_edge = f64::from(cube.edge) / f64::from(FINEST_CELLS);
+            prop_assert_eq!(cube.cells_and_codes(&points), (cube.cells(&points), cube.codes(&points)));
             for (code, point) in cube.codes(&points).into_iter().zip(&points) {
                 prop_assert_eq!(cube.cells(&[*point]), [PackedCell::from_code(code)]);
                 let offset = (point.as_dvec3() - cube.min.as_dvec3()).to_array();

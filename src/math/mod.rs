@@ -2,6 +2,7 @@
 
 mod aabb;
 mod cube;
+pub(crate) mod few_codes;
 mod frustum;
 pub mod morton;
 pub(crate) mod morton_sort;

@@ -18,8 +18,11 @@
 //!
 //! Codes that are in order already are left alone, which one look over them tells.
 //!
+//! Of up to 2¹⁷ codes the caches hold all, and [`super::few_codes`] sorts them without buckets.
+//!
 //! The sort is stable: equal codes stay in the order in which they were given. Nothing depends on timing or threads.
 
+use super::few_codes;
 use rayon::prelude::*;
 
 /// The indices of 63-bit `codes` in the order of the codes; of equal codes by ascending index.
@@ -35,6 +38,19 @@ pub fn order_of_codes(codes: &[u64]) -> Vec<u32> {
     if codes.is_sorted() {
         return (0..codes.len() as u32).collect();
     }
+    if codes.len() <= few_codes::MOST {
+        let mut items = codes.to_vec();
+        few_codes::make_items(&mut items);
+        few_codes::sort(&mut items, &mut vec![0; codes.len()], |index| codes[index]);
+        return items
+            .into_iter()
+            .map(|item| few_codes::index_of(item) as u32)
+            .collect();
+    }
+    order_in_buckets(codes)
+}
+
+fn order_in_buckets(codes: &[u64]) -> Vec<u32> {
     let buckets = Buckets::new(codes, |index| index as u32);
     let mut order = vec![0; codes.len()];
     buckets.sort_each(buckets.places(&mut order), |_, indices, order| {
@@ -333,7 +349,7 @@ fn scatter<'n>(
 }
 
 /// Sorts numbers of which most are in place and the others near.
-fn sort_nearly_sorted(items: &mut [u64]) {
+pub(super) fn sort_nearly_sorted(items: &mut [u64]) {
     /// An insertion sort has no business here if a number is further away.
     const FAR: usize = 32;
     for i in 1..items.len() {
@@ -362,6 +378,11 @@ mod tests {
         expected.sort_unstable();
         let expected: Vec<u32> = expected.into_iter().map(|(_, index)| index).collect();
         assert!(order_of_codes(codes) == expected, "{} codes", codes.len());
+        assert!(
+            order_in_buckets(codes) == expected,
+            "{} codes in buckets",
+            codes.len()
+        );
     }
 
     /// A fixed sequence of well-mixed 64-bit numbers (splitmix64).
@@ -429,6 +450,26 @@ mod tests {
                 }
             });
         }
+    }
+
+    /// More than are sorted without buckets, and as many as that.
+    #[test]
+    fn few_and_many_codes() {
+        for count in [few_codes::MOST, few_codes::MOST + 1] {
+            let codes: Vec<u64> = (0..count as u64).map(|i| mixed(i) >> 1).collect();
+            assert_sorted_like_std(&codes);
+        }
+    }
+
+    /// Codes that differ in their lowest bits alone, which the index of an item takes the place of, in runs of every length.
+    #[test]
+    fn codes_whose_items_differ_in_the_index_alone() {
+        let codes: Vec<u64> = (0..5000)
+            .map(|i| mixed(i % 1000 * (i % 7)) << 16 >> 1 | mixed(i) & 0xffff)
+            .collect();
+        assert_sorted_like_std(&codes);
+        let alike: Vec<u64> = (0..500).map(|i| 5 << 40 | mixed(i) & 0xff).collect();
+        assert_sorted_like_std(&alike);
     }
 
     proptest! {

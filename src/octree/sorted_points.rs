@@ -3,7 +3,7 @@
 use super::stop::OccupiedCells;
 use super::voxels::{self, ColorSum};
 use crate::math::{
-    Cube,
+    Cube, few_codes,
     morton::{LEVELS, PackedCell},
     morton_sort::Buckets,
 };
@@ -48,7 +48,11 @@ impl SortedPoints {
         {
             return Self::in_order(cells, partings, colors.iter().copied());
         }
-        let (cells, colors) = sorted(cube.codes(positions), colors);
+        let (cells, colors) = if positions.len() <= few_codes::MOST {
+            sorted_few(cube, positions, colors)
+        } else {
+            sorted(cube.codes(positions), colors)
+        };
         let partings = partings_in_order(&cells).expect("cells were sorted");
         Self {
             are_as_given: false,
@@ -89,6 +93,27 @@ impl SortedPoints {
             + size_of_val(self.partings.as_slice())
             + size_of_val(self.colors_before.as_slice())
     }
+}
+
+/// The cells of at most [`few_codes::MOST`] points in the order of their codes, and colours with them.
+fn sorted_few(
+    cube: &Cube,
+    positions: &[Vec3],
+    colors: &[[u8; 4]],
+) -> (Vec<PackedCell>, Vec<[u8; 4]>) {
+    let (cells, mut items) = cube.cells_and_codes(positions);
+    few_codes::make_items(&mut items);
+    let mut scratch = vec![0; items.len()];
+    few_codes::sort(&mut items, &mut scratch, |index| cells[index].code());
+    let mut sorted_cells: Vec<PackedCell> = bytemuck::cast_vec(scratch);
+    let mut sorted_colors = vec![[0; 4]; items.len()];
+    let places = sorted_cells.iter_mut().zip(&mut sorted_colors);
+    for (&item, (cell, color)) in items.iter().zip(places) {
+        let index = few_codes::index_of(item);
+        *cell = cells[index];
+        *color = colors[index];
+    }
+    (sorted_cells, sorted_colors)
 }
 
 /// The cells of codes in their order, in the same memory, and colours with them.
@@ -178,4 +203,22 @@ fn occupied_cells(partings: &[u8]) -> OccupiedCells {
             .sum::<usize>();
         total
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_shapes::Random;
+
+    #[test]
+    fn few_points_are_sorted_as_many_are() {
+        let mut random = Random(22);
+        let mut positions: Vec<Vec3> = (0..40_000).map(|_| random.cube()).collect();
+        positions.extend_from_within(..2000);
+        let colors: Vec<[u8; 4]> = (0..positions.len() as u32).map(u32::to_le_bytes).collect();
+        let cube = Cube::around(&positions).unwrap();
+        let few = sorted_few(&cube, &positions, &colors);
+        assert!(few == sorted(cube.codes(&positions), &colors));
+        assert_eq!(few.0.len(), 42_000);
+    }
 }
