@@ -120,7 +120,7 @@ impl Limits {
 
     /// The radius, in scene units, of a point whose cell and the inverse radii of whose neighbours' cells, summed up, are these.
     #[inline(always)]
-    pub(super) fn radius(&self, cell: f32, neighbours: usize, inverse_sum: f32) -> f32 {
+    pub(super) fn radius(self, cell: f32, neighbours: usize, inverse_sum: f32) -> f32 {
         // Harmonic, over all neighbours; not finite if none has a cell.
         let mean = neighbours as f32 / inverse_sum;
         let own = if cell > 0.0 { cell } else { self.median };
