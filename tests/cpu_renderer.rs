@@ -354,9 +354,10 @@ fn depths_of_points_and_voxels_are_their_distances() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// From anywhere, in the modes that close surfaces: what shows within the outline does not depend on the background. Wherever a
-    /// disk of the first pass is seen, its own enlarged splat alone is opaque. (Not so where both passes are enlarged: the rim of a
-    /// splat hides what would fill it up, and at grazing angles some of the background shows.)
+    /// From anywhere: what shows within the outline does not depend on the background. Two-pass-enlarged lets none of it through:
+    /// wherever a disk of the first pass is seen, its own enlarged splat alone is opaque, and so are those around an opening. The first
+    /// pass alone has openings where rays graze disks that are just large enough to close the surface. (Enlarging both passes
+    /// closes less than the second alone: the rim of a splat hides what would fill it up.)
     #[test]
     fn no_background_shines_through_a_closed_sphere(
         azimuth_deg in -180.0f64..180.0,
@@ -370,7 +371,7 @@ proptest! {
         // The outline of the sphere, less what disks of its rim may be short of.
         let outline_px = 0.5 * f64::from(size_px[1]) * focal / (distance * distance - 1.0).sqrt();
         let within_px = 0.97 * outline_px - 1.0;
-        for splatting in [Splatting::TwoPassEnlarged, Splatting::Visibility] {
+        for (splatting, most_open) in [(Splatting::TwoPassEnlarged, 0.0), (Splatting::Visibility, 1e-3)] {
             let draw = |background: [u8; 3]| {
                 let settings = Settings {
                     splatting,
@@ -380,12 +381,13 @@ proptest! {
                 draw_on_cpu(&packet_of(&SPHERE, &camera, &settings, size_px))
             };
             let (on_black, on_white) = (draw([0; 3]), draw([255; 3]));
-            for (x, y, pixel) in on_black.enumerate_pixels() {
-                let from_middle = (f64::from(x) - 119.5).hypot(f64::from(y) - 99.5);
-                if from_middle <= within_px {
-                    prop_assert_eq!(pixel, on_white.get_pixel(x, y), "{} at {} {}", splatting, x, y);
-                }
-            }
+            let within = on_black.enumerate_pixels().filter(|(x, y, _)| {
+                let from_middle = (f64::from(*x) - 119.5).hypot(f64::from(*y) - 99.5);
+                from_middle <= within_px
+            });
+            let is_open: Vec<bool> = within.map(|(x, y, pixel)| pixel != on_white.get_pixel(x, y)).collect();
+            let open = is_open.iter().filter(|&&open| open).count() as f64 / is_open.len() as f64;
+            prop_assert!(open <= most_open, "{} of {}", open, splatting);
         }
     }
 }
