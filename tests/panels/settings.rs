@@ -25,6 +25,15 @@ fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) {
     harness.run();
 }
 
+/// Clicks a button, wherever it is in the panel.
+fn tap(harness: &mut Harness<'_, State>, label: &str) {
+    harness
+        .get_by_role_and_label(Role::Button, label)
+        .scroll_to_me();
+    harness.run();
+    click(harness, label);
+}
+
 fn slide(harness: &mut Harness<'_, State>, label: &str, value: f64) {
     harness
         .get_by_role_and_label(Role::Slider, label)
@@ -71,7 +80,7 @@ fn every_setting_can_be_changed_and_reset() {
     slide(&mut harness, "Field of view", 60.0);
     assert_eq!(harness.state().camera.fov_deg, 60.0);
 
-    click(&mut harness, "Voxels");
+    tap(&mut harness, "Voxels");
     assert_eq!(harness.state().settings.primitive, Primitive::Voxel);
     slide(&mut harness, "Loss δ", 20.0);
     assert_eq!(harness.state().settings.stop, StopCriterion::Loss(0.2));
@@ -95,15 +104,13 @@ fn every_setting_can_be_changed_and_reset() {
     choose(&mut harness, "Level of detail", "Frame time");
     slide(&mut harness, "Time", 20.0);
     assert_eq!(harness.state().settings.lod, Lod::FrameTimeMs(20.0));
-    click(&mut harness, "Points");
+    tap(&mut harness, "Points");
     slide(&mut harness, "Point size", 4.0);
     assert_eq!(harness.state().settings.point_size_px, 4.0);
-    click(&mut harness, "Surfels");
+    tap(&mut harness, "Surfels");
     assert_eq!(harness.state().settings.primitive, Primitive::Surfel);
 
-    harness.get_by_label("Reset to defaults").scroll_to_me();
-    harness.run();
-    click(&mut harness, "Reset to defaults");
+    tap(&mut harness, "Reset to defaults");
     assert_eq!(harness.state().settings, Settings::default());
     assert_eq!(harness.state().camera.up, UpAxis::Z);
 }
