@@ -17,6 +17,9 @@ pub(super) struct Fragments<S: Simd> {
 }
 
 /// Calls `visit` with the place in the tile of every eight pixels that a patch may cover.
+///
+/// Closures that take registers say that they are to be inlined: the functions of this file are used by disks and by byte codes, and
+/// what is used twice is compiled by itself otherwise, for the least of processors.
 #[inline(always)]
 fn for_each<S: Simd>(
     simd: S,
@@ -92,38 +95,51 @@ fn store<S: Simd>(register: f32x8<S>, values: &mut [f32], at: usize) {
 pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_back: f32) {
     let depth_per_w = facet.depth_per_w * push_back;
     let nothing = f32x8::splat(simd, 0.0);
-    for_each(simd, tile.rect(), facet, |at, fragments| {
-        let depths = fragments.depths(simd, depth_per_w);
-        // Behind the eye depths are negative, and less than what is there.
-        let drawn = fragments.are_inside(Outline::Disk) & are_beyond_near(simd, depths);
-        let nearest = load(simd, &tile.depth, at).max(simd.select_f32x8(drawn, depths, nothing));
-        store(nearest, &mut tile.depth, at);
-    });
+    for_each(
+        simd,
+        tile.rect(),
+        facet,
+        #[inline(always)]
+        |at, fragments| {
+            let depths = fragments.depths(simd, depth_per_w);
+            // Behind the eye depths are negative, and less than what is there.
+            let drawn = fragments.are_inside(Outline::Disk) & are_beyond_near(simd, depths);
+            let nearest =
+                load(simd, &tile.depth, at).max(simd.select_f32x8(drawn, depths, nothing));
+            store(nearest, &mut tile.depth, at);
+        },
+    );
 }
 
 /// Sums weighted colours of what is not behind the depths that are there.
 #[inline(always)]
 pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading) {
     let nothing = f32x8::splat(simd, 0.0);
-    for_each(simd, tile.rect(), facet, |at, fragments| {
-        let depths = fragments.depths(simd, facet.depth_per_w);
-        let drawn = fragments.are_inside(Outline::Disk)
-            & are_beyond_near(simd, depths)
-            & depths.simd_ge(load(simd, &tile.depth, at));
-        if !simd.any_true_mask32x8(drawn) {
-            return;
-        }
-        let weight = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
-        let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
-        for (channel, sums) in tile.colors.iter_mut().enumerate() {
-            store(
-                colors[channel].mul_add(weight, load(simd, sums, at)),
-                sums,
-                at,
-            );
-        }
-        store(load(simd, &tile.weight, at) + weight, &mut tile.weight, at);
-    });
+    for_each(
+        simd,
+        tile.rect(),
+        facet,
+        #[inline(always)]
+        |at, fragments| {
+            let depths = fragments.depths(simd, facet.depth_per_w);
+            let drawn = fragments.are_inside(Outline::Disk)
+                & are_beyond_near(simd, depths)
+                & depths.simd_ge(load(simd, &tile.depth, at));
+            if !simd.any_true_mask32x8(drawn) {
+                return;
+            }
+            let weight = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
+            let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
+            for (channel, sums) in tile.colors.iter_mut().enumerate() {
+                store(
+                    colors[channel].mul_add(weight, load(simd, sums, at)),
+                    sums,
+                    at,
+                );
+            }
+            store(load(simd, &tile.weight, at) + weight, &mut tile.weight, at);
+        },
+    );
 }
 
 /// Lays a splat over what is there, with its mask as opacity. Where depth counts, its corners hide what is behind them.
@@ -136,55 +152,67 @@ pub(super) fn over<S: Simd>(
     with_depth: bool,
 ) {
     let nothing = f32x8::splat(simd, 0.0);
-    for_each(simd, tile.rect(), facet, |at, fragments| {
-        let depths = fragments.depths(simd, facet.depth_per_w);
-        let mut drawn =
-            fragments.are_inside(Outline::Parallelogram) & are_beyond_near(simd, depths);
-        if with_depth {
-            let before = load(simd, &tile.depth, at);
-            drawn &= depths.simd_ge(before);
-            store(
-                simd.select_f32x8(drawn, depths, before),
-                &mut tile.depth,
-                at,
-            );
-        }
-        drawn &= fragments.are_inside(Outline::Disk);
-        if !simd.any_true_mask32x8(drawn) {
-            return;
-        }
-        let opacity = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
-        let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
-        for (channel, below) in tile.colors.iter_mut().enumerate() {
-            let there = load(simd, below, at);
-            store((colors[channel] - there).mul_add(opacity, there), below, at);
-        }
-    });
+    for_each(
+        simd,
+        tile.rect(),
+        facet,
+        #[inline(always)]
+        |at, fragments| {
+            let depths = fragments.depths(simd, facet.depth_per_w);
+            let mut drawn =
+                fragments.are_inside(Outline::Parallelogram) & are_beyond_near(simd, depths);
+            if with_depth {
+                let before = load(simd, &tile.depth, at);
+                drawn &= depths.simd_ge(before);
+                store(
+                    simd.select_f32x8(drawn, depths, before),
+                    &mut tile.depth,
+                    at,
+                );
+            }
+            drawn &= fragments.are_inside(Outline::Disk);
+            if !simd.any_true_mask32x8(drawn) {
+                return;
+            }
+            let opacity = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
+            let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
+            for (channel, below) in tile.colors.iter_mut().enumerate() {
+                let there = load(simd, below, at);
+                store((colors[channel] - there).mul_add(opacity, there), below, at);
+            }
+        },
+    );
 }
 
 /// Draws what is nearest, opaque.
 #[inline(always)]
 pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading) {
-    for_each(simd, tile.rect(), facet, |at, fragments| {
-        let depths = fragments.depths(simd, facet.depth_per_w);
-        let before = load(simd, &tile.depth, at);
-        let drawn = fragments.are_inside(Outline::Parallelogram)
-            & are_beyond_near(simd, depths)
-            & depths.simd_ge(before);
-        if !simd.any_true_mask32x8(drawn) {
-            return;
-        }
-        store(
-            simd.select_f32x8(drawn, depths, before),
-            &mut tile.depth,
-            at,
-        );
-        let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
-        for (channel, below) in tile.colors.iter_mut().enumerate() {
-            let there = load(simd, below, at);
-            store(simd.select_f32x8(drawn, colors[channel], there), below, at);
-        }
-    });
+    for_each(
+        simd,
+        tile.rect(),
+        facet,
+        #[inline(always)]
+        |at, fragments| {
+            let depths = fragments.depths(simd, facet.depth_per_w);
+            let before = load(simd, &tile.depth, at);
+            let drawn = fragments.are_inside(Outline::Parallelogram)
+                & are_beyond_near(simd, depths)
+                & depths.simd_ge(before);
+            if !simd.any_true_mask32x8(drawn) {
+                return;
+            }
+            store(
+                simd.select_f32x8(drawn, depths, before),
+                &mut tile.depth,
+                at,
+            );
+            let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
+            for (channel, below) in tile.colors.iter_mut().enumerate() {
+                let there = load(simd, below, at);
+                store(simd.select_f32x8(drawn, colors[channel], there), below, at);
+            }
+        },
+    );
 }
 
 /// The circular Gaussian mask of paper 000 §V, `exp(−3·r²)` (`shaders/common/varyings.wgsl`), inside the disk. Relative error
