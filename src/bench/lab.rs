@@ -34,18 +34,20 @@ pub struct LabPoint {
     pub error_map: RgbaImage,
 }
 
+impl LabPoint {
+    /// Whether another way to draw the same sequence is at least as fast and as right, and one of them more so.
+    pub fn is_beaten_by(&self, other: &Self) -> bool {
+        let is_no_worse = other.draw_ms <= self.draw_ms && other.flip <= self.flip;
+        let is_better = other.draw_ms < self.draw_ms || other.flip < self.flip;
+        other.sequence == self.sequence && is_no_worse && is_better
+    }
+}
+
 /// Marks the points of each sequence that are on its front.
 pub fn mark_front(points: &mut [LabPoint]) {
-    let known: Vec<(String, f64, f64)> = points
-        .iter()
-        .map(|point| (point.sequence.clone(), point.draw_ms, point.flip))
-        .collect();
-    for point in points {
-        point.is_on_front = !known.iter().any(|(sequence, draw_ms, flip)| {
-            let is_no_worse = *draw_ms <= point.draw_ms && *flip <= point.flip;
-            let is_better = *draw_ms < point.draw_ms || *flip < point.flip;
-            *sequence == point.sequence && is_no_worse && is_better
-        });
+    for index in 0..points.len() {
+        let is_beaten = points.iter().any(|other| points[index].is_beaten_by(other));
+        points[index].is_on_front = !is_beaten;
     }
 }
 
@@ -71,9 +73,8 @@ pub struct QualityChoice {
 impl Quality {
     /// The front of `points`, all of one sequence; `None` without any.
     pub fn of(points: &[LabPoint]) -> Option<Self> {
-        let mut points = points.to_vec();
-        mark_front(&mut points);
-        let on_front = points.iter().filter(|point| point.is_on_front);
+        let is_beaten = |point: &&LabPoint| points.iter().any(|other| point.is_beaten_by(other));
+        let on_front = points.iter().filter(|point| !is_beaten(point));
         let mut choices: Vec<QualityChoice> = on_front
             .map(|point| QualityChoice {
                 label: point.label.clone(),

@@ -56,10 +56,7 @@ pub(super) fn lab_ui(ui: &mut Ui, state: &mut State, points: &[Arc<LabPoint>]) {
 
 /// While a run goes on, nobody has marked the front yet.
 fn is_on_front(point: &LabPoint, points: &[Arc<LabPoint>]) -> bool {
-    !points.iter().any(|other| {
-        let is_no_worse = other.draw_ms <= point.draw_ms && other.flip <= point.flip;
-        is_no_worse && (other.draw_ms < point.draw_ms || other.flip < point.flip)
-    })
+    !points.iter().any(|other| point.is_beaten_by(other))
 }
 
 /// A way in a line.

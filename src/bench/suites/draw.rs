@@ -120,12 +120,7 @@ fn measure_sequence(
             measure_way(run, &packets, way, samples)?;
         }
     }
-    if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
-        return Err(BenchError::NoFrame {
-            sequence: subject.name.to_owned(),
-            reason,
-        });
-    }
+    Run::check_measured(subject, &point_counts, first_failure)?;
     let depth = (!depths.is_empty()).then(|| mean(&depths));
     let rows = ways
         .iter()

@@ -243,6 +243,21 @@ impl<'a> Run<'a> {
         Ok(Cover::of(&on_first, &on_second, COVERAGE_BACKGROUNDS))
     }
 
+    /// Fails if no frame of a sequence could be measured, with the first reason.
+    pub(super) fn check_measured(
+        subject: &Subject<'_>,
+        point_counts: &[f64],
+        first_failure: Option<String>,
+    ) -> Result<(), BenchError> {
+        match first_failure {
+            Some(reason) if point_counts.is_empty() => Err(BenchError::NoFrame {
+                sequence: subject.name.to_owned(),
+                reason,
+            }),
+            _ => Ok(()),
+        }
+    }
+
     /// Adds what was measured of a sequence.
     pub(super) fn finish(
         &mut self,

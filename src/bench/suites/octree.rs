@@ -103,12 +103,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             traversals.measure(run, subject, &octree, &cameras, LOD_PX)?;
         }
     }
-    if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
-        return Err(BenchError::NoFrame {
-            sequence: subject.name.to_owned(),
-            reason,
-        });
-    }
+    Run::check_measured(subject, &point_counts, first_failure)?;
     let rows = DELTAS
         .iter()
         .zip(&samples)

@@ -85,12 +85,7 @@ fn measure_sequence(
             }
         }
     }
-    if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
-        return Err(BenchError::NoFrame {
-            sequence: subject.name.to_owned(),
-            reason,
-        });
-    }
+    Run::check_measured(subject, &point_counts, first_failure)?;
     let rows = PRIMITIVES
         .into_iter()
         .zip(&samples)

@@ -120,12 +120,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             samples.measure(run, subject, &frame, distance)?;
         }
     }
-    if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
-        return Err(BenchError::NoFrame {
-            sequence: subject.name.to_owned(),
-            reason,
-        });
-    }
+    Run::check_measured(subject, &point_counts, first_failure)?;
     let lod_rows = lod::DISTANCES
         .into_iter()
         .zip(&lod)

@@ -159,12 +159,7 @@ fn measure_sequence(
             run.say_measured(samples.point(subject.name, way));
         }
     }
-    if let (true, Some(reason)) = (point_counts.is_empty(), first_failure) {
-        return Err(BenchError::NoFrame {
-            sequence: subject.name.to_owned(),
-            reason,
-        });
-    }
+    Run::check_measured(subject, &point_counts, first_failure)?;
     let mut points: Vec<LabPoint> = ways
         .iter()
         .zip(&samples)
