@@ -443,26 +443,26 @@ fn a_screenshot_of_either_renderer_is_written_and_the_window_ends() {
 fn a_lost_device_is_opened_again() {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
-    let file = home.path().join("picture.png");
-    let output = server
-        .program(home.path())
-        .env("RUST_LOG", "warn")
-        .args([
-            "view",
-            "--size",
-            "800x600",
-            "--lose-device-after",
-            "2",
-            "--screenshot",
-        ])
-        .arg(&file)
-        .args(["--after-frames", "5"])
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    assert!(said.contains("device was lost"), "{said}");
-    assert!(has_a_cloud(image::open(file).unwrap().to_rgba8().as_raw()));
+    for renderer in ["cpu", "gpu"] {
+        let file = home.path().join(format!("{renderer}.png"));
+        let output = server
+            .program(home.path())
+            .env("RUST_LOG", "warn")
+            .args(["view", "--renderer", renderer, "--size", "800x600"])
+            .args(["--lose-device-after", "2", "--screenshot"])
+            .arg(&file)
+            .args(["--after-frames", "5"])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{renderer}: {said}");
+        assert!(said.contains("device was lost"), "{renderer}: {said}");
+        // Who drew with the graphics card goes on with the processor, and is told.
+        let falls_back = said.contains("The processor draws now");
+        assert_eq!(falls_back, renderer == "gpu", "{renderer}: {said}");
+        let picture = image::open(file).unwrap().to_rgba8();
+        assert!(has_a_cloud(picture.as_raw()), "{renderer}");
+    }
 }
 
 #[test]

@@ -10,16 +10,22 @@ use egui_plot::{Bar, BarChart, Plot};
 /// Height of a bar in the chart, points.
 const BAR_HEIGHT: f32 = 22.0;
 
+/// What the window's frame and the menu above it take of a low screen, points.
+const MARGIN: f32 = 90.0;
+
 /// The window while it is open.
 pub fn benchmark_ui(ui: &mut Ui, state: &mut State) {
     let mut open = state.panels.benchmark;
     let mut export = None;
+    let screen = ui.ctx().content_rect();
     Window::new("Benchmark")
         .open(&mut open)
         .collapsible(false)
         .default_width(820.0)
+        .max_height(screen.height() - MARGIN)
+        .vscroll(true)
         .pivot(Align2::CENTER_CENTER)
-        .default_pos(ui.ctx().content_rect().center())
+        .default_pos(screen.center())
         .show(ui, |ui| {
             let points = state.benchmark.points();
             match &state.benchmark {

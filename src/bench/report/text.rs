@@ -80,7 +80,7 @@ impl Report {
                  the truth (a shape ray-traced, else all points as disks in f64; 8x8 samples a pixel): FLIP over the pixels that \
                  show the object and over all, PSNR, SSIM, background where the surface is (holes), another surface than a \
                  splat's diameter away (wrong surface), surface where the background is (too much); bytes uploaded for a first \
-                 picture; ★ is what no other way beats in time and FLIP of the object",
+                 picture; on the front is what no other way beats in time and FLIP of the object",
                 "decoding, normals, octrees, reading back, showing",
             ],
         };

@@ -343,7 +343,7 @@ impl Samples {
         Row::new(vec![
             Cell::Text(point.sequence.clone()),
             Cell::Text(point.label.clone()),
-            text_if(point.is_on_front, "★"),
+            text_if(point.is_on_front, "yes"),
             Cell::Text(way.renderer.to_string()),
             Cell::Text(way.primitive.to_string()),
             text_if(is_surfel, way.splatting.name()),
