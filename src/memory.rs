@@ -27,6 +27,16 @@ pub fn keep_freed_pages() {
     }
 }
 
+/// Bytes of memory that this process may have: the machine's, or those of its control group if they are fewer; `None` where
+/// the system does not say.
+pub(crate) fn machine_bytes() -> Option<u64> {
+    let mut system = sysinfo::System::new();
+    system.refresh_memory();
+    let machine = Some(system.total_memory()).filter(|&bytes| bytes > 0);
+    let group = system.cgroup_limits().map(|limits| limits.total_memory);
+    machine.into_iter().chain(group).min()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

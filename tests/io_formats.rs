@@ -129,7 +129,7 @@ fn ply_attributes_in_any_order() {
         assert_eq!(cloud.colors, Some(vec![[1, 2, 3, 128]]), "{encoding}");
         assert_eq!(cloud.normals, Some(vec![[0.0, 0.5, 1.0]]), "{encoding}");
         assert_eq!(cloud.radii, Some(vec![0.25]), "{encoding}");
-        assert_eq!(cloud.scalars, Some(vec![9.0]), "{encoding}");
+        assert_eq!(cloud.scalars[0].values, [9.0], "{encoding}");
     }
 }
 
@@ -358,11 +358,11 @@ fn text_in_the_layouts_that_programs_write() {
         at("1 2 3 0.0 0.6 0.8\n4 5 6 -1 0 0\n").normals,
         Some(vec![[0.0, 0.6, 0.8], [-1.0, 0.0, 0.0]])
     );
-    assert_eq!(at("1 2 3 0.7\n").scalars, Some(vec![0.7]));
+    assert_eq!(at("1 2 3 0.7\n").scalars[0].values, [0.7]);
     let pts = at("1\n1 2 3 -17 255 128 0\n");
     assert_eq!(
-        (pts.scalars, pts.colors),
-        (Some(vec![-17.0]), Some(vec![[255, 128, 0, 255]]))
+        (pts.scalars[0].values.clone(), pts.colors),
+        (vec![-17.0], Some(vec![[255, 128, 0, 255]]))
     );
     let named = at("red green blue z y x\n255 128 0 3 2 1\n");
     assert_eq!(
@@ -425,7 +425,7 @@ fn files_of_every_format_hold_the_same_cube() {
         );
         let has_intensities = name != "cube.xyz";
         assert_eq!(
-            cloud.scalars.as_ref(),
+            cloud.scalars.first().map(|field| &field.values),
             has_intensities.then_some(&intensities),
             "{name}"
         );

@@ -3,7 +3,7 @@
 //! Points that are close in space are close in memory: whoever reads the points around a point, or the texels under it,
 //! finds them in the cache. [`Frame::file_index`] leads back to the file.
 
-use super::{Positions, RawCloud};
+use super::{Positions, RawCloud, ScalarField};
 use crate::math::{Aabb, Cube, order_of_codes};
 use glam::{DVec3, Vec3};
 
@@ -45,7 +45,7 @@ pub struct Frame {
     colors: Option<Vec<[u8; 4]>>,
     normals: Option<Vec<Vec3>>,
     radii: Option<Vec<f32>>,
-    scalars: Option<Vec<f32>>,
+    scalars: Vec<ScalarField>,
     sensor: Option<Vec3>,
     bounds: Aabb,
     dropped_points: usize,
@@ -62,7 +62,9 @@ impl Frame {
         check_length("color", point_count, raw.colors.as_deref())?;
         check_length("normal", point_count, raw.normals.as_deref())?;
         check_length("radius", point_count, raw.radii.as_deref())?;
-        check_length("scalar", point_count, raw.scalars.as_deref())?;
+        for field in &raw.scalars {
+            check_length("scalar", point_count, Some(&field.values))?;
+        }
         if point_count > Self::MAX_POINTS {
             return Err(CloudError::TooManyPoints { found: point_count });
         }
@@ -87,11 +89,16 @@ impl Frame {
             radii: raw
                 .radii
                 .map(|radii| gather(&radii, &file_index, usable_radius)),
-            scalars: raw.scalars.map(|scalars| {
-                gather(&scalars, &file_index, |scalar| {
-                    if scalar.is_finite() { scalar } else { 0.0 }
+            scalars: raw
+                .scalars
+                .into_iter()
+                .map(|field| ScalarField {
+                    values: gather(&field.values, &file_index, |scalar| {
+                        if scalar.is_finite() { scalar } else { 0.0 }
+                    }),
+                    ..field
                 })
-            }),
+                .collect(),
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
             file_index,
         })
@@ -132,9 +139,14 @@ impl Frame {
         self.radii.as_deref()
     }
 
-    /// The file's free scalar (intensity and the like).
+    /// The values of the first scalar field (intensity and the like), which colours show.
     pub fn scalars(&self) -> Option<&[f32]> {
-        self.scalars.as_deref()
+        self.scalars.first().map(|field| field.values.as_slice())
+    }
+
+    /// All scalar fields of the file.
+    pub fn scalar_fields(&self) -> &[ScalarField] {
+        &self.scalars
     }
 
     /// Where the sensor stood, relative to the sequence origin.
@@ -159,7 +171,7 @@ impl Frame {
             + self.colors.as_ref().map_or(0, |_| size_of::<[u8; 4]>())
             + self.normals.as_ref().map_or(0, |_| size_of::<Vec3>())
             + self.radii.as_ref().map_or(0, |_| size_of::<f32>())
-            + self.scalars.as_ref().map_or(0, |_| size_of::<f32>());
+            + self.scalars.len() * size_of::<f32>();
         self.len() * per_point
     }
 }
@@ -273,7 +285,8 @@ mod tests {
         positions.insert(3, [f32::NAN; 3]);
         positions.push(corner(0));
         let mut raw = RawCloud::from_positions(Positions::F32(positions.clone()));
-        raw.scalars = Some((0..10).map(|index| index as f32).collect());
+        let values = (0..10).map(|index| index as f32).collect();
+        raw.scalars = vec![ScalarField::new("scalar", values)];
         let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
         assert_eq!(frame.file_index(), [8, 9, 7, 6, 5, 4, 2, 1, 0]);
         for ((&index, position), &scalar) in frame
@@ -297,7 +310,7 @@ mod tests {
     #[test]
     fn a_short_attribute_is_refused() {
         let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 2]));
-        raw.scalars = Some(vec![1.0]);
+        raw.scalars = vec![ScalarField::new("scalar", vec![1.0])];
         assert_eq!(
             Frame::from_raw(raw, DVec3::ZERO),
             Err(CloudError::LengthMismatch {

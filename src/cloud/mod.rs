@@ -12,5 +12,5 @@ pub use quantised_normal::{
     FINEST_NORMAL_BITS, coarser_normal, largest_normal_error, quantise_direction, quantise_normal,
     quantised_directions, quantised_normals,
 };
-pub use raw::{Positions, RawCloud};
+pub use raw::{Positions, RawCloud, ScalarField};
 pub use record::{PointRecord, ShapeRecord, VoxelRecord, oct_decode, oct_encode};

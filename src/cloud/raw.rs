@@ -51,6 +51,45 @@ impl Positions {
     }
 }
 
+/// One number a point, under the name that the file has for it: intensity, classification, time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScalarField {
+    /// The file's name for it.
+    pub name: String,
+    /// One entry a point.
+    pub values: Vec<f32>,
+    /// What is to be added to a value to get the number in the file: not zero where single precision would lose it, as in GPS
+    /// times.
+    pub offset: f64,
+}
+
+impl ScalarField {
+    /// Values as the file has them.
+    pub fn new(name: impl Into<String>, values: Vec<f32>) -> Self {
+        Self {
+            name: name.into(),
+            values,
+            offset: 0.0,
+        }
+    }
+
+    /// Numbers of double precision, of which the smallest finite one becomes the offset if single precision loses digits.
+    pub fn from_f64(name: impl Into<String>, values: &[f64]) -> Self {
+        let is_exact = |value: &f64| !value.is_finite() || f64::from(*value as f32) == *value;
+        let offset = if values.iter().all(is_exact) {
+            0.0
+        } else {
+            let finite = values.iter().copied().filter(|value| value.is_finite());
+            finite.reduce(f64::min).unwrap_or(0.0).floor()
+        };
+        Self {
+            name: name.into(),
+            values: values.iter().map(|value| (value - offset) as f32).collect(),
+            offset,
+        }
+    }
+}
+
 /// A decoded point cloud. Every attribute that is there has one entry a point; [`super::Frame::from_raw`] checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawCloud {
@@ -62,8 +101,10 @@ pub struct RawCloud {
     pub normals: Option<Vec<[f32; 3]>>,
     /// Splat radii in file units.
     pub radii: Option<Vec<f32>>,
-    /// One free scalar a point: intensity, reflectance, confidence.
-    pub scalars: Option<Vec<f32>>,
+    /// Further numbers, the one to colour by first.
+    pub scalars: Vec<ScalarField>,
+    /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
+    pub faces: Vec<[u32; 3]>,
     /// Where the sensor stood, in file coordinates, if the file says so: normals are turned towards it.
     pub sensor: Option<DVec3>,
 }
@@ -76,22 +117,25 @@ impl RawCloud {
             colors: None,
             normals: None,
             radii: None,
-            scalars: None,
+            scalars: Vec::new(),
+            faces: Vec::new(),
             sensor: None,
         }
     }
 
     /// Names of the attributes that are there, positions first.
-    pub fn attributes(&self) -> Vec<&'static str> {
-        [
+    pub fn attributes(&self) -> Vec<&str> {
+        let arrays = [
             ("position", true),
             ("color", self.colors.is_some()),
             ("normal", self.normals.is_some()),
             ("radius", self.radii.is_some()),
-            ("scalar", self.scalars.is_some()),
-        ]
-        .into_iter()
-        .filter_map(|(name, there)| there.then_some(name))
-        .collect()
+        ];
+        let names = arrays
+            .into_iter()
+            .filter_map(|(name, there)| there.then_some(name));
+        names
+            .chain(self.scalars.iter().map(|field| field.name.as_str()))
+            .collect()
     }
 }

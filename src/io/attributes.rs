@@ -2,7 +2,7 @@
 
 use super::column::{Column, Scalar, Values, colors, vectors_f32, vectors_f64};
 use super::error::Fault;
-use crate::cloud::{Positions, RawCloud};
+use crate::cloud::{Positions, RawCloud, ScalarField};
 
 /// Names of normals, in the order PLY, PCD.
 const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
@@ -21,16 +21,30 @@ const ALPHA: [&str; 3] = ["alpha", "diffuse_alpha", "a"];
 
 const RADII: [&str; 2] = ["radius", "splat_radius"];
 
-/// Names of the free scalar, the best first.
-const SCALARS: [&str; 8] = [
+/// Names of scalars, the best to colour by first. CloudCompare writes `scalar_` before them.
+const SCALARS: [&str; 22] = [
     "intensity",
-    "scalar_intensity",
     "reflectance",
     "reflectivity",
     "scalar",
     "quality",
     "confidence",
     "curvature",
+    "classification",
+    "class",
+    "label",
+    "temperature",
+    "time",
+    "timestamp",
+    "t",
+    "gps_time",
+    "gpstime",
+    "ring",
+    "return_number",
+    "number_of_returns",
+    "ambient",
+    "near_ir",
+    "range",
 ];
 
 /// True when [`cloud`] looks at a column of this name.
@@ -43,7 +57,11 @@ pub(super) fn is_used(name: &str) -> bool {
         || PACKED_COLORS.contains(&name)
         || ALPHA.contains(&name)
         || RADII.contains(&name)
-        || SCALARS.contains(&name)
+        || is_scalar(name)
+}
+
+fn is_scalar(name: &str) -> bool {
+    SCALARS.contains(&name.strip_prefix("scalar_").unwrap_or(name))
 }
 
 /// The cloud of `count` points in `columns`; what their names do not say is left out.
@@ -92,8 +110,28 @@ pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fa
         .map(|channels| colors(channels, find_any(&ALPHA), count))
         .or_else(|| find_any(&PACKED_COLORS).map(|column| packed_colors(column, count)));
     cloud.radii = find_any(&RADII).map(|column| column.to_f32(count));
-    cloud.scalars = find_any(&SCALARS).map(|column| column.to_f32(count));
+    let has_name = |column: &Column<'_>, name: &str| {
+        let found = column.name.to_ascii_lowercase();
+        found.strip_prefix("scalar_").unwrap_or(&found) == name
+    };
+    cloud.scalars = SCALARS
+        .iter()
+        .filter_map(|name| columns.iter().find(|column| has_name(column, name)))
+        .map(|column| scalar_field(column, count))
+        .collect();
     Ok(cloud)
+}
+
+fn scalar_field(column: &Column<'_>, count: usize) -> ScalarField {
+    let is_wide = matches!(
+        column.scalar,
+        Scalar::F64 | Scalar::I32 | Scalar::U32 | Scalar::I64 | Scalar::U64
+    );
+    if is_wide {
+        ScalarField::from_f64(&column.name, &column.to_f64(count))
+    } else {
+        ScalarField::new(&column.name, column.to_f32(count))
+    }
 }
 
 /// PCL packs colours as 0xAARRGGBB, into an unsigned integer or into the bits of a float. `rgb` leaves alpha at 0.

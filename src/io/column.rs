@@ -162,6 +162,13 @@ impl Column<'_> {
         numbers
     }
 
+    /// `count` numbers with all digits.
+    pub(super) fn to_f64(&self, count: usize) -> Vec<f64> {
+        let mut numbers = vec![0.0; count];
+        self.for_each_f64(0..count, |index, value| numbers[index] = value);
+        numbers
+    }
+
     /// The four bytes of `count` numbers as they are in the file, for colours packed into one number.
     pub(super) fn bits(&self, count: usize) -> Vec<u32> {
         match &self.values {

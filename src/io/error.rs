@@ -1,8 +1,8 @@
 //! Why a file cannot be read: which one, where in it, what was expected and what to do.
 
-use super::Format;
+use super::{Format, ReadOptions};
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why there is no cloud.
 #[derive(Debug, thiserror::Error)]
@@ -30,12 +30,20 @@ pub enum IoError {
     },
     /// Neither the first bytes nor the extension are of a format that is read.
     #[error(
-        "{} is not in a format that pointreel reads (PLY, PCD or text with x y z in columns): convert it to one of them",
+        "{} is not in a format that pointreel reads (`pointreel --help` lists them): convert it to one of them",
         path.display()
     )]
     UnknownFormat {
         /// The file.
         path: PathBuf,
+    },
+    /// An archive or recording without a point cloud.
+    #[error("{} holds no point cloud ({format} file): check that it is the right file", path.display())]
+    NoFrame {
+        /// The file.
+        path: PathBuf,
+        /// Its format.
+        format: Format,
     },
     /// The file breaks the rules of its format.
     #[error("{}, {place}: {problem} ({format} file)", path.display())]
@@ -94,6 +102,25 @@ impl Fault {
             place,
             problem: problem.into(),
         }
+    }
+
+    /// The same with the file it is in.
+    pub(super) fn of(self, path: &Path, format: Format) -> IoError {
+        IoError::Invalid {
+            path: path.to_owned(),
+            format,
+            place: self.place,
+            problem: self.problem,
+        }
+    }
+
+    /// `needed` bytes that are more than `options` allow.
+    pub(super) fn too_large(what: &str, needed: u64, options: &ReadOptions) -> Self {
+        Self::header(format!(
+            "{what} would take {} MiB of memory, more than the {} MiB that it may: raise --max-memory if the machine has them",
+            needed >> 20,
+            options.max_memory_bytes >> 20
+        ))
     }
 
     pub(super) fn header(problem: impl Into<String>) -> Self {

@@ -11,40 +11,142 @@ pub enum Format {
     Ply,
     /// Point Cloud Library: ascii, binary, compressed.
     Pcd,
+    /// ASPRS LAS, LAZ and COPC.
+    Las,
+    /// ASTM E57 of laser scanners.
+    E57,
+    /// Draco.
+    Draco,
     /// Text with coordinates in columns.
     Xyz,
+    /// Leica PTX: text of scans with poses.
+    Ptx,
+    /// Wavefront OBJ.
+    Obj,
+    /// Geomview OFF.
+    Off,
+    /// Stereolithography: ascii, binary.
+    Stl,
+    /// glTF and GLB.
+    Gltf,
+    /// An array of numpy.
+    Npy,
+    /// Named arrays of numpy.
+    Npz,
+    /// Bare f32 records of KITTI and nuScenes.
+    Bin,
+    /// MCAP recording.
+    Mcap,
+    /// ROS 1 bag.
+    Bag,
+    /// ROS 2 bag in `SQLite`.
+    Db3,
+    /// ZIP archive of files of the other formats.
+    Zip,
+    /// TAR archive, compressed or not.
+    Tar,
 }
 
+/// Formats with their name for people and their extensions, without dot, in lower case.
+const FORMATS: [(Format, &str, &[&str]); 19] = [
+    (Format::Ply, "PLY", &["ply"]),
+    (Format::Pcd, "PCD", &["pcd"]),
+    (Format::Las, "LAS", &["las", "laz"]),
+    (Format::E57, "E57", &["e57"]),
+    (Format::Draco, "Draco", &["drc"]),
+    (Format::Xyz, "text", &["xyz", "txt", "csv", "asc", "pts"]),
+    (Format::Ptx, "PTX", &["ptx"]),
+    (Format::Obj, "OBJ", &["obj"]),
+    (Format::Off, "OFF", &["off"]),
+    (Format::Stl, "STL", &["stl"]),
+    (Format::Gltf, "glTF", &["gltf", "glb"]),
+    (Format::Npy, "NPY", &["npy"]),
+    (Format::Npz, "NPZ", &["npz"]),
+    (Format::Bin, "KITTI", &["bin"]),
+    (Format::Mcap, "MCAP", &["mcap"]),
+    (Format::Bag, "ROS bag", &["bag"]),
+    (Format::Db3, "ROS 2 bag", &["db3"]),
+    (Format::Zip, "ZIP", &["zip"]),
+    (Format::Tar, "TAR", &["tar", "tgz", "gz"]),
+];
+
 /// Extensions of the files that are taken from a folder, without dot, in lower case.
-pub fn supported_extensions() -> &'static [&'static str] {
-    &["ply", "pcd", "xyz", "txt", "csv", "asc", "pts"]
+pub fn supported_extensions() -> impl Iterator<Item = &'static str> {
+    FORMATS
+        .iter()
+        .flat_map(|(_, _, extensions)| extensions.iter().copied())
 }
 
 impl Format {
+    /// First bytes that are enough for [`Format::detect`].
+    pub const MAGIC_BYTES: usize = 4096;
+
     /// The format of a file with this name and these first bytes.
     pub fn detect(name: &Path, bytes: &[u8]) -> Option<Self> {
-        if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") || bytes.starts_with(b"ply ")
-        {
-            return Some(Self::Ply);
-        }
-        if looks_like_pcd(bytes) {
-            return Some(Self::Pcd);
-        }
+        Self::of_magic(name, bytes).or_else(|| Self::of_extension(name))
+    }
+
+    /// The format that the extension of `name` is of.
+    pub fn of_extension(name: &Path) -> Option<Self> {
         let extension = name.extension()?.to_str()?.to_ascii_lowercase();
-        match extension.as_str() {
-            // A wrong magic is a fault of the file, said by its decoder.
-            "ply" => Some(Self::Ply),
-            "pcd" => Some(Self::Pcd),
-            other => supported_extensions().contains(&other).then_some(Self::Xyz),
+        FORMATS
+            .iter()
+            .find(|(_, _, extensions)| extensions.contains(&extension.as_str()))
+            .map(|&(format, _, _)| format)
+    }
+
+    /// Whether a file of this format may hold more than one frame.
+    pub fn holds_many(self) -> bool {
+        matches!(
+            self,
+            Self::E57
+                | Self::Gltf
+                | Self::Mcap
+                | Self::Bag
+                | Self::Db3
+                | Self::Zip
+                | Self::Tar
+        )
+    }
+
+    fn of_magic(name: &Path, bytes: &[u8]) -> Option<Self> {
+        const MAGICS: [(&[u8], Format); 15] = [
+            (b"ply\n", Format::Ply),
+            (b"ply\r", Format::Ply),
+            (b"ply ", Format::Ply),
+            (b"LASF", Format::Las),
+            (b"ASTM-E57", Format::E57),
+            (b"DRACO", Format::Draco),
+            (b"glTF", Format::Gltf),
+            (b"\x93NUMPY", Format::Npy),
+            (b"\x89MCAP0\r\n", Format::Mcap),
+            (b"#ROSBAG", Format::Bag),
+            (b"SQLite format 3\0", Format::Db3),
+            (b"PK\x03\x04", Format::Zip),
+            (b"PK\x05\x06", Format::Zip),
+            (b"\x1f\x8b", Format::Tar),
+            (b"OFF\n", Format::Off),
+        ];
+        /// Where the header of a TAR member says what it is.
+        const TAR_MAGIC: std::ops::Range<usize> = 257..262;
+        let magic = MAGICS
+            .iter()
+            .find(|(magic, _)| bytes.starts_with(magic))
+            .map(|&(_, format)| format);
+        match magic {
+            // Numpy's archives are ZIP archives.
+            Some(Self::Zip) if Self::of_extension(name) == Some(Self::Npz) => Some(Self::Npz),
+            Some(format) => Some(format),
+            None if bytes.get(TAR_MAGIC) == Some(b"ustar") => Some(Self::Tar),
+            None if looks_like_pcd(bytes) => Some(Self::Pcd),
+            None => None,
         }
     }
 }
 
 /// The first line that is no comment begins with VERSION, or with FIELDS as some writers leave VERSION out.
 fn looks_like_pcd(bytes: &[u8]) -> bool {
-    /// Comments may come first, but not for long.
-    const SEARCHED_BYTES: usize = 4096;
-    bytes[..bytes.len().min(SEARCHED_BYTES)]
+    bytes[..bytes.len().min(Format::MAGIC_BYTES)]
         .split(|&byte| byte == b'\n')
         .map(<[u8]>::trim_ascii)
         .find(|line| !line.is_empty() && !line.starts_with(b"#"))
@@ -53,11 +155,8 @@ fn looks_like_pcd(bytes: &[u8]) -> bool {
 
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Ply => "PLY",
-            Self::Pcd => "PCD",
-            Self::Xyz => "text",
-        })
+        let named = FORMATS.iter().find(|(format, _, _)| format == self);
+        f.write_str(named.map_or("unknown", |(_, name, _)| name))
     }
 }
 
@@ -75,13 +174,16 @@ mod tests {
                 Some(Format::Pcd),
                 "{name}"
             );
+            assert_eq!(detect(name, b"LASF"), Some(Format::Las), "{name}");
         }
         // Columns of text have no magic; words that only begin like one are text.
         assert_eq!(detect("a.XYZ", b"1 2 3"), Some(Format::Xyz));
         assert_eq!(detect("a.txt", b"plyometrics\n1 2 3"), Some(Format::Xyz));
         assert_eq!(detect("a.txt", b"VERSIONS\n"), Some(Format::Xyz));
-        for name in ["a.las", "a.e57", "a.glb", "a", ".ply"] {
-            assert_eq!(detect(name, b"LASF"), None, "{name}");
+        assert_eq!(detect("a.npz", b"PK\x03\x04"), Some(Format::Npz));
+        assert_eq!(detect("a.zip", b"PK\x03\x04"), Some(Format::Zip));
+        for name in ["a.jpg", "a", ".ply"] {
+            assert_eq!(detect(name, b"1 2 3"), None, "{name}");
         }
     }
 }

@@ -1,46 +1,91 @@
-//! Reading point clouds that other programs wrote.
+//! Reading and writing point clouds as other programs do.
 //!
-//! Well-kept crates read the headers (`ply-rs-bw`, `pcd-rs`), decompress (`lzf`) and read numbers in text
-//! (`fast-float2`). The payload is ours: the crates' readers make a value a property or a row, which takes about 40
-//! times as long or more, and one of them allocates what a header merely claims. Here every size is checked against the bytes
-//! there are before anything is allocated for it.
+//! Well-kept crates read what is intricate (ARCHITECTURE.md, "Libraries"). The payload of simple formats is ours: the crates'
+//! readers make a value a property or a row, which takes about 40 times as long or more, and one of them allocates what a
+//! header merely claims. Here every size is checked against the bytes there are, or against [`ReadOptions::max_memory_bytes`],
+//! before anything is allocated for it.
 
+mod archive;
 mod attributes;
 mod column;
+mod contents;
 mod error;
 mod format;
 mod numbers;
+mod options;
 mod pcd;
 mod ply;
+mod recording;
 mod xyz;
 
+pub use archive::Member;
+pub use contents::{Entry, Part, list};
 pub use error::{IoError, Place};
 pub use format::{Format, supported_extensions};
+pub use options::ReadOptions;
+pub use recording::Message;
 
 use crate::cloud::RawCloud;
+use error::Fault;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
-/// Reads the cloud in the file at `path`: by its first bytes, else by its extension.
+/// Reads the cloud in the file at `path`: by its first bytes, else by its extension. Of a file with many frames, all that belong
+/// together (scans) or the first one.
 pub fn read(path: &Path) -> Result<RawCloud, IoError> {
+    read_part(path, &Part::Whole, &ReadOptions::default())
+}
+
+/// Reads one of the frames that [`list`] found in the file at `path`.
+pub fn read_part(path: &Path, part: &Part, options: &ReadOptions) -> Result<RawCloud, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
     };
-    // A pipe or device may never end; only regular files are read.
-    let metadata = std::fs::metadata(path).map_err(failed)?;
-    if !metadata.is_file() {
-        return Err(IoError::NotAFile {
-            path: path.to_owned(),
-        });
+    match part {
+        Part::Member(member) => {
+            let (name, bytes) = archive::read(path, member, options)?;
+            return read_bytes_with(&name, &bytes, &Part::Whole, options);
+        }
+        Part::Message(message) => return recording::read(path, message, options),
+        Part::Whole | Part::Scan(_) | Part::Moment(_) => {}
+    }
+    let magic = first_bytes(path)?;
+    // Archives and recordings may be larger than the memory: their first frame is read alone.
+    if *part == Part::Whole
+        && let Some(format) = Format::detect(path, &magic)
+        && matches!(
+            format,
+            Format::Zip | Format::Tar | Format::Mcap | Format::Bag | Format::Db3
+        )
+    {
+        let entries = list_format(path, format, options)?;
+        return match entries.first() {
+            Some(first) if first.part != Part::Whole => read_part(path, &first.part, options),
+            _ => Err(IoError::NoFrame {
+                path: path.to_owned(),
+                format,
+            }),
+        };
     }
     // One allocation of the file's length, refused by an error where there is no memory for it.
     let bytes = std::fs::read(path).map_err(failed)?;
-    read_bytes(path, &bytes)
+    read_bytes_with(path, &bytes, part, options)
 }
 
 /// Reads the cloud in `bytes`; `name` stands in error messages, and its extension tells the format where the first
 /// bytes do not.
 pub fn read_bytes(name: &Path, bytes: &[u8]) -> Result<RawCloud, IoError> {
+    read_bytes_with(name, bytes, &Part::Whole, &ReadOptions::default())
+}
+
+fn read_bytes_with(
+    name: &Path,
+    bytes: &[u8],
+    part: &Part,
+    options: &ReadOptions,
+) -> Result<RawCloud, IoError> {
     if bytes.is_empty() {
         return Err(IoError::Empty {
             path: name.to_owned(),
@@ -53,11 +98,42 @@ pub fn read_bytes(name: &Path, bytes: &[u8]) -> Result<RawCloud, IoError> {
         Format::Ply => ply::decode(bytes),
         Format::Pcd => pcd::decode(bytes),
         Format::Xyz => xyz::decode(bytes),
+        _ => {
+            let _ = (part, options);
+            Err(Fault::header("not yet"))
+        }
     };
-    decoded.map_err(|fault| IoError::Invalid {
-        path: name.to_owned(),
-        format,
-        place: fault.place,
-        problem: fault.problem,
-    })
+    decoded.map_err(|fault| fault.of(name, format))
+}
+
+/// The frames in a file of `format`.
+fn list_format(
+    path: &Path,
+    format: Format,
+    options: &ReadOptions,
+) -> Result<Vec<Entry>, IoError> {
+    match format {
+        Format::Zip | Format::Tar => archive::list(path, format, options),
+        Format::Mcap | Format::Bag | Format::Db3 => recording::list(path, format),
+        _ => Ok(vec![Entry::whole()]),
+    }
+}
+
+/// The first [`Format::MAGIC_BYTES`] of a file, or all if there are fewer.
+fn first_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    // A pipe or device may never end; only regular files are read.
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
+        return Err(IoError::NotAFile {
+            path: path.to_owned(),
+        });
+    }
+    let mut magic = Vec::with_capacity(Format::MAGIC_BYTES);
+    let file = File::open(path).map_err(failed)?;
+    let mut start = file.take(Format::MAGIC_BYTES as u64);
+    start.read_to_end(&mut magic).map_err(failed)?;
+    Ok(magic)
 }

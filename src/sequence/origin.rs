@@ -85,8 +85,8 @@ fn raw_byte_size(raw: &RawCloud) -> usize {
         + raw.colors.as_ref().map_or(0, |_| 4)
         + raw.normals.as_ref().map_or(0, |_| 12)
         + raw.radii.as_ref().map_or(0, |_| 4)
-        + raw.scalars.as_ref().map_or(0, |_| 4);
-    raw.positions.len() * per_point
+        + raw.scalars.len() * 4;
+    raw.positions.len() * per_point + size_of_val(raw.faces.as_slice())
 }
 
 /// The origin for finite coordinates between `min` and `max`.

@@ -112,7 +112,8 @@ fn colors_come_from_the_best_there_is() {
         auto(raw.clone()),
         (ColorSource::Normal, fake_color(Vec3::Y))
     );
-    raw.scalars = Some((0..100).map(|i| i as f32).collect());
+    let values = (0..100).map(|i| i as f32).collect();
+    raw.scalars = vec![ScalarField::new("intensity", values)];
     assert_eq!(
         auto(raw).0,
         ColorSource::Normal,

@@ -1,0 +1,48 @@
+//! What reading may take, and what it makes of meshes.
+
+use std::num::NonZeroUsize;
+
+/// How files are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ReadOptions {
+    /// Most bytes that one frame may take in memory: a file that unpacks to more is refused before it is unpacked, or read in
+    /// part where it has coarse levels.
+    pub max_memory_bytes: u64,
+    /// Points sampled evenly from the faces of a mesh in place of its vertices.
+    pub sample_count: Option<NonZeroUsize>,
+}
+
+impl ReadOptions {
+    /// Limit where the memory of the machine is not known.
+    const FALLBACK_BYTES: u64 = 4 << 30;
+
+    /// The same with another limit.
+    #[must_use]
+    pub fn with_max_memory(self, max_memory_bytes: u64) -> Self {
+        Self {
+            max_memory_bytes,
+            ..self
+        }
+    }
+
+    /// The same with so many points from each mesh; `None` for its vertices.
+    #[must_use]
+    pub fn with_sample_count(self, sample_count: Option<NonZeroUsize>) -> Self {
+        Self {
+            sample_count,
+            ..self
+        }
+    }
+}
+
+impl Default for ReadOptions {
+    /// Half of the machine's memory, meshes by their vertices.
+    fn default() -> Self {
+        let machine_bytes = crate::memory::machine_bytes();
+        Self {
+            max_memory_bytes: machine_bytes.map_or(Self::FALLBACK_BYTES, |bytes| bytes / 2),
+            sample_count: None,
+        }
+    }
+}
