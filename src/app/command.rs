@@ -14,6 +14,8 @@ pub enum Command {
     First,
     /// Go to the last frame.
     Last,
+    /// Show the newest frame of a folder as it comes, or stop that.
+    ToggleFollow,
     /// Off, loop, ping-pong.
     NextLoopMode,
     /// Play at the next lower speed.
@@ -200,6 +202,13 @@ pub const BINDINGS: &[Binding] = &[
         "Last frame",
         Command::Last,
         &[Chord::plain(Key::End)],
+    ),
+    binding(
+        PLAY,
+        "Shift+End",
+        "Follow the newest frame of a folder that grows",
+        Command::ToggleFollow,
+        &[Chord::shift(Key::End)],
     ),
     binding(
         PLAY,

@@ -39,6 +39,7 @@ pub struct Player {
     runs_revision: Option<u64>,
     shown_at: VecDeque<Duration>,
     frames_shown: u64,
+    follows_newest: bool,
 }
 
 /// What [`Player::update`] changed.
@@ -60,6 +61,7 @@ impl Player {
         let loader = Loader::new(Arc::clone(&sequence), options)?;
         let mut clock = Clock::new(sequence.len());
         clock.set_fps(sequence.fps(), Duration::ZERO);
+        clock.set_pace(sequence.pace(), Duration::ZERO);
         Ok(Self {
             loader,
             clock,
@@ -73,6 +75,7 @@ impl Player {
             runs_revision: None,
             shown_at: VecDeque::new(),
             frames_shown: 0,
+            follows_newest: false,
             sequence,
         })
     }
@@ -129,8 +132,37 @@ impl Player {
         (self.is_playing() && elapsed > 0.0).then(|| (self.shown_at.len() - 1) as f64 / elapsed)
     }
 
+    /// Whether the newest frame is shown as it comes.
+    pub fn follows_newest(&self) -> bool {
+        self.follows_newest
+    }
+
+    /// Goes to the newest frame, and to each that comes; or stays where it is.
+    pub fn follow_newest(&mut self, follows: bool, now: Duration) {
+        if follows {
+            self.play_on_arrival = false;
+            self.seek(usize::MAX, now);
+            self.clock.pause(now);
+        }
+        self.follows_newest = follows;
+    }
+
+    /// Takes the frames by which the sequence has grown; true if there are some.
+    fn grow(&mut self, now: Duration) -> bool {
+        let frame_count = self.sequence.len();
+        if frame_count <= self.clock.frame_count() {
+            return false;
+        }
+        self.loader.grow();
+        self.clock.set_frame_count(frame_count, now);
+        self.clock.set_pace(self.sequence.pace(), now);
+        self.follow_newest(self.follows_newest, now);
+        true
+    }
+
     /// Play or pause.
     pub fn toggle(&mut self, now: Duration) {
+        self.follows_newest = false;
         if self.waiting_for.is_some() || self.play_on_arrival {
             self.play_on_arrival ^= true;
         } else {
@@ -141,6 +173,7 @@ impl Player {
 
     /// Goes to `frame`.
     pub fn seek(&mut self, frame: usize, now: Duration) {
+        self.follows_newest = false;
         self.waiting_for = None;
         self.clock.seek(frame, now);
         self.shown_at.clear();
@@ -148,6 +181,7 @@ impl Player {
 
     /// Pauses and goes `count` frames on.
     pub fn step(&mut self, count: i64, now: Duration) {
+        self.follows_newest = false;
         self.waiting_for = None;
         self.play_on_arrival = false;
         self.clock.step(count, now);
@@ -178,6 +212,7 @@ impl Player {
 
     /// Moves the playhead to where it is at `now` and shows its frame if it is there.
     pub(super) fn update(&mut self, now: Duration, settings: &Settings) -> PlayerChange {
+        let has_grown = self.grow(now);
         let needs = Scene::needs(settings);
         let playhead_before = self.clock.frame();
         let playing_before = self.is_playing();
@@ -185,7 +220,10 @@ impl Player {
         let target = ahead.advance(now);
         self.request(target, ahead.direction(), needs);
 
-        let mut change = PlayerChange::default();
+        let mut change = PlayerChange {
+            visible: has_grown,
+            new_failure: None,
+        };
         let frame = match self.loader.get(target, &needs) {
             Slot::Ready(frame) => Some(frame),
             // An older picture of the same pose serves meanwhile; one that cannot be drawn as asked would only flash.

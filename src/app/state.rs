@@ -19,7 +19,7 @@ use crate::render::RenderStats;
 use crate::scene::{
     Camera, Primitive, RendererChoice, Scene, ScenePacket, SceneStats, Settings, UpAxis,
 };
-use crate::sequence::{Clock, LoaderOptions, Sequence};
+use crate::sequence::{Clock, LoaderOptions, OpenOptions, Sequence, watch};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -31,8 +31,10 @@ pub struct StateOptions {
     pub preferences: Preferences,
     /// Which axis is up; guessed for each sequence if `None`.
     pub up: Option<UpAxis>,
-    /// Frames a second, where the sequence's own rate is not wanted.
-    pub fps: Option<f64>,
+    /// How inputs are opened.
+    pub open: OpenOptions,
+    /// Show the newest frame of a folder as it comes.
+    pub follow: bool,
     /// Do not play what is opened.
     pub paused: bool,
     /// Memory for prepared frames; the loader's default if `None`.
@@ -48,7 +50,8 @@ impl Default for StateOptions {
         Self {
             preferences: Preferences::default(),
             up: None,
-            fps: None,
+            open: OpenOptions::default(),
+            follow: false,
             paused: false,
             budget_bytes: None,
             recent: Recent::default(),
@@ -311,8 +314,11 @@ impl State {
             Ok(player) => player,
             Err(error) => return self.notices.error(error.to_string()),
         };
-        if let Some(fps) = self.options.fps {
-            player.set_fps(fps, self.now);
+        if let Err(error) = watch(player.sequence(), self.wake()) {
+            self.notices.error(error.to_string());
+        }
+        if self.options.follow {
+            player.follow_newest(true, self.now);
         }
         let (loop_mode, speed) = match &self.player {
             Some(before) => (before.clock().loop_mode(), before.clock().speed()),
@@ -336,7 +342,7 @@ impl State {
     /// Finds the frames of `inputs` on a thread and opens them.
     pub fn open_paths(&mut self, inputs: Vec<PathBuf>) {
         if !inputs.is_empty() {
-            self.tasks.find(inputs);
+            self.tasks.find(inputs, self.options.open);
         }
     }
 

@@ -5,7 +5,7 @@
 use super::benchmark::BenchmarkTable;
 use super::comparison::PictureDifference;
 use crate::io;
-use crate::sequence::{Sequence, SequenceError};
+use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -161,9 +161,9 @@ impl Tasks {
     }
 
     /// Finds the frames of `inputs`.
-    pub(super) fn find(&self, inputs: Vec<PathBuf>) {
+    pub(super) fn find(&self, inputs: Vec<PathBuf>, options: OpenOptions) {
         self.start("find frames", move || Outcome::Found {
-            sequence: Sequence::discover(&inputs).map(Arc::new),
+            sequence: Sequence::open(&inputs, &options).map(Arc::new),
             inputs,
         });
     }

@@ -1,24 +1,64 @@
 //! Arguments that several verbs share.
 
 use crate::headless::CameraChoice;
+use crate::io::ReadOptions;
 use crate::octree::StopCriterion;
 use crate::scene::{
     Background, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive, RendererChoice,
     Settings, Splatting, Strategy, UpAxis,
 };
-use crate::sequence::{ColorSource, Sequence, SequenceError};
+use crate::sequence::{ColorSource, OpenOptions, Sequence, SequenceError};
 use clap::Args;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 /// The name of the built-in sequence where an INPUT is expected.
 pub(super) const DEMO_INPUT: &str = "demo:";
 
 /// Opens what a person named; nothing or `demo:` is the built-in sequence.
-pub(super) fn open_sequence(inputs: &[PathBuf]) -> Result<Sequence, SequenceError> {
+pub(super) fn open_sequence(
+    inputs: &[PathBuf],
+    options: &OpenOptions,
+) -> Result<Sequence, SequenceError> {
+    let demo = || match options.fps {
+        Some(fps) => Sequence::demo().with_fps(fps),
+        None => Sequence::demo(),
+    };
     match inputs {
-        [] => Ok(Sequence::demo()),
-        [only] if only == Path::new(DEMO_INPUT) => Ok(Sequence::demo()),
-        _ => Sequence::discover(inputs),
+        [] => Ok(demo()),
+        [only] if only == Path::new(DEMO_INPUT) => Ok(demo()),
+        _ => Sequence::open(inputs, options),
+    }
+}
+
+/// How files are read.
+#[derive(Debug, Clone, Default, Args)]
+pub(super) struct ReadArgs {
+    /// Most memory that reading one frame may take (usually half of the machine's): bytes, or a number with KB, MB, GB, KiB,
+    /// MiB or GiB
+    #[arg(long, value_name = "SIZE", value_parser = byte_count)]
+    max_memory: Option<u64>,
+
+    /// Sample so many points evenly from the faces of a mesh, in place of its vertices
+    #[arg(long, value_name = "N")]
+    sample: Option<NonZeroUsize>,
+
+    /// All scans of an E57 file are one frame, not a frame each
+    #[arg(long)]
+    merge_scans: bool,
+}
+
+impl ReadArgs {
+    pub(super) fn open_options(&self) -> OpenOptions {
+        let default = ReadOptions::default();
+        let max_memory_bytes = self.max_memory.unwrap_or(default.max_memory_bytes);
+        OpenOptions {
+            read: default
+                .with_max_memory(max_memory_bytes)
+                .with_sample_count(self.sample),
+            fps: None,
+            merge_scans: self.merge_scans,
+        }
     }
 }
 
@@ -302,4 +342,40 @@ fn color_source(text: &str) -> Result<ColorSource, String> {
         .into_iter()
         .find(|source| source.name() == text)
         .ok_or_else(|| "expected auto, file, normal, scalar or uniform".to_owned())
+}
+
+/// `1500000000`, `1.5GB` (10⁹) or `2GiB` (2³⁰).
+pub(super) fn byte_count(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 8] = [
+        ("kib", 1024.0),
+        ("mib", 1_048_576.0),
+        ("gib", 1_073_741_824.0),
+        ("kb", 1e3),
+        ("mb", 1e6),
+        ("gb", 1e9),
+        ("b", 1.0),
+        ("", 1.0),
+    ];
+    let lower = text.trim().to_ascii_lowercase();
+    let parsed = UNITS.iter().find_map(|(unit, factor)| {
+        let number: f64 = lower.strip_suffix(unit)?.trim().parse().ok()?;
+        (number > 0.0 && number * factor < u64::MAX as f64).then_some((number * factor) as u64)
+    });
+    parsed.ok_or_else(|| "expected a size such as 2GB, 512MiB or 1500000000".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_with_their_units() {
+        assert_eq!(byte_count("1500"), Ok(1500));
+        assert_eq!(byte_count("2GB"), Ok(2_000_000_000));
+        assert_eq!(byte_count("1.5 GiB"), Ok(3 << 29));
+        assert_eq!(byte_count("64kib"), Ok(65536));
+        for wrong in ["", "GB", "-1GB", "nan", "inf", "1e40", "5%", "0"] {
+            assert!(byte_count(wrong).is_err(), "{wrong}");
+        }
+    }
 }

@@ -116,7 +116,7 @@ fn open_input(input: &Path) -> anyhow::Result<Input> {
     }
     Ok(Input {
         name: sequence_name(input),
-        sequence: Arc::new(open_sequence(&[input.to_owned()])?),
+        sequence: Arc::new(open_sequence(&[input.to_owned()], read)?),
         shape: None,
     })
 }

@@ -1,6 +1,6 @@
 //! `pointreel render`: frames to PNG files, with the code that draws the window.
 
-use super::arguments::{CameraArgs, PictureArgs, open_sequence, size_px};
+use super::arguments::{CameraArgs, PictureArgs, ReadArgs, open_sequence, size_px};
 use super::say;
 use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
@@ -94,7 +94,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
             arguments.output.display()
         );
     }
-    let sequence = Arc::new(open_sequence(&arguments.inputs)?);
+    let sequence = Arc::new(open_sequence(&arguments.inputs, &arguments.read.open_options())?);
     if last >= sequence.len() {
         bail!(
             "there is no frame {last}: the sequence has {} frames, counted from 0",

@@ -1,8 +1,9 @@
 //! `pointreel view`: the window.
 
-use super::arguments::{DEMO_INPUT, PictureArgs, open_sequence, size_px};
+use super::arguments::{DEMO_INPUT, PictureArgs, ReadArgs, byte_count, open_sequence, size_px};
 use crate::app::{Options, Preferences, PreferencesFile, Recent, StateOptions};
 use crate::scene::UpAxis;
+use crate::sequence::OpenOptions;
 use anyhow::Context as _;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -16,15 +17,22 @@ pub(super) struct ViewArgs {
     inputs: Vec<PathBuf>,
 
     #[command(flatten)]
+    read: ReadArgs,
+
+    #[command(flatten)]
     picture: PictureArgs,
 
     /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     up: Option<UpAxis>,
 
-    /// Frames a second
+    /// Frames a second, all equally long (usually as their time stamps say, else 24)
     #[arg(long, value_name = "FPS", value_parser = frame_rate)]
     fps: Option<f64>,
+
+    /// Show the newest frame of a folder as it comes
+    #[arg(long)]
+    follow: bool,
 
     /// Do not play
     #[arg(long)]
@@ -32,7 +40,7 @@ pub(super) struct ViewArgs {
 
     /// Memory for prepared frames: bytes, or a number with KB, MB, GB, KiB, MiB or GiB
     #[arg(long, value_name = "SIZE", value_parser = byte_count)]
-    memory: Option<usize>,
+    memory: Option<u64>,
 
     /// Size of the window in pixels
     #[arg(long, value_name = "WxH", value_parser = size_px)]
@@ -53,7 +61,11 @@ pub(super) struct ViewArgs {
 
 /// Opens the window and returns when it is closed.
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
-    let sequence = open_sequence(&args.inputs)?;
+    let open = OpenOptions {
+        fps: args.fps,
+        ..args.read.open_options()
+    };
+    let sequence = open_sequence(&args.inputs, &open)?;
     let (recent, problem) = Recent::load();
     // A picture that a script asks for does not depend on who looked at what before.
     let (preferences_file, preferences) = if args.screenshot.is_some() {
@@ -68,9 +80,10 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
                 ..preferences
             },
             up: args.up,
-            fps: args.fps,
+            open,
+            follow: args.follow,
             paused: args.paused,
-            budget_bytes: args.memory,
+            budget_bytes: args.memory.map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
             recent,
             ..StateOptions::default()
         },
@@ -99,40 +112,9 @@ fn frame_rate(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected frames a second from 0.1 to 1000".to_owned())
 }
 
-/// `1500000000`, `1.5GB` (10⁹) or `2GiB` (2³⁰).
-fn byte_count(text: &str) -> Result<usize, String> {
-    const UNITS: [(&str, f64); 8] = [
-        ("kib", 1024.0),
-        ("mib", 1_048_576.0),
-        ("gib", 1_073_741_824.0),
-        ("kb", 1e3),
-        ("mb", 1e6),
-        ("gb", 1e9),
-        ("b", 1.0),
-        ("", 1.0),
-    ];
-    let lower = text.trim().to_ascii_lowercase();
-    let parsed = UNITS.iter().find_map(|(unit, factor)| {
-        let number: f64 = lower.strip_suffix(unit)?.trim().parse().ok()?;
-        (number > 0.0 && number * factor < usize::MAX as f64).then_some((number * factor) as usize)
-    });
-    parsed.ok_or_else(|| "expected a size such as 2GB, 512MiB or 1500000000".to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sizes_are_read_with_their_units() {
-        assert_eq!(byte_count("1500"), Ok(1500));
-        assert_eq!(byte_count("2GB"), Ok(2_000_000_000));
-        assert_eq!(byte_count("1.5 GiB"), Ok(3 << 29));
-        assert_eq!(byte_count("64kib"), Ok(65536));
-        for wrong in ["", "GB", "-1GB", "nan", "inf", "1e40", "5%", "0"] {
-            assert!(byte_count(wrong).is_err(), "{wrong}");
-        }
-    }
 
     #[test]
     fn rates_are_bounded() {

@@ -103,6 +103,8 @@ pub struct RawCloud {
     pub radii: Option<Vec<f32>>,
     /// Further numbers, the one to colour by first.
     pub scalars: Vec<ScalarField>,
+    /// Whether the colours were found as 0 to 255 in fields of 16 bits, which other programs may show black.
+    pub has_narrow_colors: bool,
     /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
     pub faces: Vec<[u32; 3]>,
     /// Where the sensor stood, in file coordinates, if the file says so: normals are turned towards it.
@@ -118,6 +120,7 @@ impl RawCloud {
             normals: None,
             radii: None,
             scalars: Vec::new(),
+            has_narrow_colors: false,
             faces: Vec::new(),
             sensor: None,
         }

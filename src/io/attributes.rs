@@ -104,11 +104,13 @@ pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fa
         .iter()
         .find_map(find_all)
         .map(|columns| vectors_f32(columns, count));
-    cloud.colors = COLORS
-        .iter()
-        .find_map(find_all)
-        .map(|channels| colors(channels, find_any(&ALPHA), count))
-        .or_else(|| find_any(&PACKED_COLORS).map(|column| packed_colors(column, count)));
+    if let Some(channels) = COLORS.iter().find_map(find_all) {
+        let (colors, is_narrow) = colors(channels, find_any(&ALPHA), count);
+        cloud.colors = Some(colors);
+        cloud.has_narrow_colors = is_narrow;
+    } else {
+        cloud.colors = find_any(&PACKED_COLORS).map(|column| packed_colors(column, count));
+    }
     cloud.radii = find_any(&RADII).map(|column| column.to_f32(count));
     let has_name = |column: &Column<'_>, name: &str| {
         let found = column.name.to_ascii_lowercase();

@@ -260,11 +260,14 @@ fn components(raw: &[u8; 12], read: impl Fn([u8; 4]) -> f32) -> [f32; 3] {
 }
 
 /// Colour channels as 8 bits red, green, blue and alpha, which is full where there is no column for it.
+///
+/// The second answer is whether 8 bits were found in fields of 16.
 pub(super) fn colors(
     channels: [&Column<'_>; 3],
     alpha: Option<&Column<'_>>,
     count: usize,
-) -> Vec<[u8; 4]> {
+) -> (Vec<[u8; 4]>, bool) {
+    let mut is_narrow = false;
     let mut colors: Vec<[u8; 4]> = if let Some(rows) = SideBySide::<3>::new(channels, Scalar::U8) {
         rows.read(count)
             .map(|[red, green, blue]| [red, green, blue, 255])
@@ -275,6 +278,8 @@ pub(super) fn colors(
             .map(|column| column.largest(count))
             .into_iter()
             .fold(f64::NEG_INFINITY, f64::max);
+        let is_word = |column: &Column<'_>| matches!(column.scalar, Scalar::I16 | Scalar::U16);
+        is_narrow = channels.into_iter().all(is_word) && largest > 0.0 && largest <= 255.0;
         let mut colors = vec![[255; 4]; count];
         for (channel, column) in channels.into_iter().enumerate() {
             column.write_channel(&mut colors, channel, column.scalar.full_scale(largest));
@@ -285,7 +290,7 @@ pub(super) fn colors(
         let full_scale = alpha.scalar.full_scale(alpha.largest(count));
         alpha.write_channel(&mut colors, 3, full_scale);
     }
-    colors
+    (colors, is_narrow)
 }
 
 /// Three columns without a gap between them, `BYTES` together, as nearly all files have them: read with one copy a row.

@@ -47,15 +47,23 @@ impl UpAxis {
             .map_or("y", |&(name, _)| name)
     }
 
-    /// The likely up axis of a frame: depth cameras (whose position is known) look along +Z with Y down, surveys and
-    /// `LiDAR` sweeps are wide and flat along Z, and everything else is taken for a model with Y up.
+    /// The likely up axis of a frame.
     pub fn guess(frame: &Frame) -> Self {
+        Self::guess_of(&frame.bounds(), frame.sensor())
+    }
+
+    /// The likely up axis of points within `bounds` that a sensor at `sensor` took, if that is known: depth cameras look along +Z
+    /// with Y down, laser scanners stand among what they see with Z up, surveys and `LiDAR` sweeps are wide and flat along Z, and
+    /// everything else is taken for a model with Y up.
+    pub fn guess_of(bounds: &Aabb, sensor: Option<Vec3>) -> Self {
         // A street or a room is at least this much wider than high.
         const FLAT: f32 = 3.0;
-        let extent = frame.bounds().extent();
-        if frame.sensor().is_some() {
-            Self::NegY
-        } else if extent.z * FLAT < extent.x.min(extent.y) {
+        let extent = bounds.extent();
+        if let Some(sensor) = sensor {
+            let is_in_front = bounds.min.z >= sensor.z;
+            return if is_in_front { Self::NegY } else { Self::Z };
+        }
+        if extent.z * FLAT < extent.x.min(extent.y) {
             Self::Z
         } else {
             Self::Y

@@ -102,7 +102,7 @@ choices! {
         TwoPass = "two-pass",
         /// (e) Two passes, both with enlarged splats.
         Enlarged = "enlarged",
-        /// (f) Two passes, enlarged in the second only: the paper's proposal and the default.
+        /// (f) Two passes, enlarged in the second only: the paper's proposal.
         TwoPassEnlarged = "two-pass-enlarged",
     }
 }
@@ -402,7 +402,7 @@ impl Default for Settings {
         Self {
             primitive: Primitive::Surfel,
             renderer: RendererChoice::Auto,
-            splatting: Splatting::TwoPassEnlarged,
+            splatting: Splatting::TwoPass,
             strategy: Strategy::Storage,
             splat_scale: 1.0,
             enlargement: 2.0,

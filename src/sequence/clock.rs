@@ -1,12 +1,14 @@
 //! The playback clock: which frame is due at a given time. Pure: time is handed in, nothing here looks at a real clock.
 //!
 //! **How it works.** The clock remembers an anchor: a time, a frame, a direction and how much of that frame's duration had
-//! passed. The frame due at time t is `floor(phase + (t − anchor) · fps · |speed|)` steps away from the anchor. Since t is
+//! passed. The frame due at time t is `floor(phase + (t − anchor) · fps · |speed|)` steps away from the anchor, or as many as
+//! [`Pace`] says where frames have times of their own. Since t is
 //! compared with the anchor and never added up, there is no drift however unevenly the clock is asked. Whatever changes the
 //! pace or the place (speed, rate, seek, pause) sets a new anchor at the present position, fraction included.
 //!
-//! Every frame lasts equally long, the last one too: with [`LoopMode::Off`] playing ends when the last frame's time is over.
+//! The last frame lasts like any other: with [`LoopMode::Off`] playing ends when its time is over.
 
+use super::pace::Pace;
 use super::travel::{Direction, LoopMode, Travel};
 use std::time::Duration;
 
@@ -30,6 +32,7 @@ const TOLERANCE_FRAMES: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub struct Clock {
     travel: Travel,
+    pace: Pace,
     fps: f64,
     speed: f64,
     playing: bool,
@@ -46,7 +49,7 @@ struct Anchor {
     time: Duration,
     frame: usize,
     direction: Direction,
-    /// Part of the frame's duration that had passed, in 0..1.
+    /// What had passed of the frame, in median frames.
     phase: f64,
 }
 
@@ -58,6 +61,7 @@ impl Clock {
                 frame_count,
                 loop_mode: LoopMode::default(),
             },
+            pace: Pace::default(),
             fps: DEFAULT_FPS,
             speed: 1.0,
             playing: false,
@@ -173,8 +177,9 @@ impl Clock {
         if turned {
             // What had passed of the frame is what is left of it the other way.
             self.direction = self.direction.reversed();
-            let phase = 1.0 - self.anchor.phase;
-            self.set_anchor(now, if phase < 1.0 { phase } else { 0.0 });
+            let duration = self.pace.duration(self.frame);
+            let phase = duration - self.anchor.phase;
+            self.set_anchor(now, if phase < duration { phase } else { 0.0 });
         }
     }
 
@@ -184,6 +189,23 @@ impl Clock {
             self.reanchor(now);
             self.fps = fps.clamp(FPS_RANGE.0, FPS_RANGE.1);
         }
+    }
+
+    /// Sets how long each frame lasts; the present one begins anew.
+    pub fn set_pace(&mut self, pace: Pace, now: Duration) {
+        if self.pace != pace {
+            self.advance(now);
+            self.pace = pace;
+            self.set_anchor(now, 0.0);
+        }
+    }
+
+    /// Says that there are more frames now; the position stays.
+    pub fn set_frame_count(&mut self, frame_count: usize, now: Duration) {
+        self.reanchor(now);
+        self.travel.frame_count = frame_count;
+        self.frame = self.frame.min(self.last());
+        self.set_anchor(now, self.anchor.phase);
     }
 
     /// Sets what happens at the ends. The direction becomes that of the speed again.
@@ -243,7 +265,7 @@ impl Clock {
         if !self.playing || !changes {
             return None;
         }
-        let frames = (self.steps + 1) as f64 - self.anchor.phase;
+        let frames = self.elapsed_at(self.steps + 1) - self.anchor.phase;
         // Duration::MAX is 10^11 years: no sum of a session's times comes near it, but a hostile `now` could.
         Duration::try_from_secs_f64(frames / self.rate())
             .ok()
@@ -267,22 +289,36 @@ impl Clock {
         self.travel.frame_count.saturating_sub(1)
     }
 
-    /// Frames since the anchor's frame began, with fraction.
+    /// Median frames from the beginning of the anchor's frame until `steps` are made.
+    fn elapsed_at(&self, steps: u64) -> f64 {
+        let Anchor {
+            frame, direction, ..
+        } = self.anchor;
+        self.pace.elapsed_at(&self.travel, frame, direction, steps)
+    }
+
+    /// Median frames since the anchor's frame began, with fraction.
     fn frames_since_anchor(&self, now: Duration) -> f64 {
         let elapsed_secs = now.saturating_sub(self.anchor.time).as_secs_f64();
         self.anchor.phase + elapsed_secs * self.rate()
     }
 
     fn steps_due(&self, now: Duration) -> u64 {
-        (self.frames_since_anchor(now) + TOLERANCE_FRAMES).floor() as u64
+        let elapsed = self.frames_since_anchor(now) + TOLERANCE_FRAMES;
+        let Anchor {
+            frame, direction, ..
+        } = self.anchor;
+        self.pace
+            .steps_within(&self.travel, frame, direction, elapsed)
     }
 
     /// Advances, then makes the present position the anchor.
     fn reanchor(&mut self, now: Duration) {
         self.advance(now);
         if self.playing {
-            let phase = self.frames_since_anchor(now) - self.steps as f64;
-            self.set_anchor(now, phase.clamp(0.0, 1.0 - TOLERANCE_FRAMES));
+            let phase = self.frames_since_anchor(now) - self.elapsed_at(self.steps);
+            let most = (self.pace.duration(self.frame) - TOLERANCE_FRAMES).max(0.0);
+            self.set_anchor(now, phase.clamp(0.0, most));
         }
     }
 

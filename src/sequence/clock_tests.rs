@@ -250,6 +250,57 @@ fn there_is_no_drift_in_a_day() {
     assert_eq!(clock.advance(at(86_400.0)), 30 * 86_400);
 }
 
+/// Frames that begin at 0, 1, 3 and 4 tenths of a second.
+fn uneven(loop_mode: LoopMode) -> Clock {
+    let times = [0, 100, 300, 400].map(Duration::from_millis);
+    let (pace, fps) = Pace::of_times(&times).unwrap();
+    let mut clock = playing(4, loop_mode);
+    clock.set_pace(pace, Duration::ZERO);
+    clock.set_fps(fps, Duration::ZERO);
+    clock
+}
+
+#[test]
+fn frames_last_as_long_as_their_times_say() {
+    let mut clock = uneven(LoopMode::Loop);
+    assert_eq!(
+        shown(&mut clock, 0, 11),
+        [0, 1, 1, 2, 3, 0, 1, 1, 2, 3, 0]
+    );
+    assert_eq!(clock.skipped(), 0);
+    let mut clock = uneven(LoopMode::PingPong);
+    assert_eq!(
+        shown(&mut clock, 0, 12),
+        [0, 1, 1, 2, 3, 2, 1, 1, 0, 1, 1, 2]
+    );
+    let mut clock = uneven(LoopMode::Off);
+    assert_eq!(shown(&mut clock, 0, 6), [0, 1, 1, 2, 3, 3]);
+    assert!(!clock.is_playing());
+}
+
+#[test]
+fn pausing_within_a_long_frame_keeps_its_place() {
+    let mut clock = uneven(LoopMode::Loop);
+    clock.pause(at(0.25));
+    clock.play(at(10.0));
+    assert_eq!(clock.next_deadline(), Some(at(10.05)));
+    assert_eq!(clock.advance(at(10.04)), 1);
+    assert_eq!(clock.advance(at(10.06)), 2);
+    // Turned half-way through a long frame, the other half is left.
+    let mut clock = uneven(LoopMode::Loop);
+    clock.set_speed(-1.0, at(0.15));
+    assert_eq!(clock.advance(at(0.19)), 1);
+    assert_eq!(clock.advance(at(0.21)), 0);
+}
+
+#[test]
+fn a_sequence_that_grows_plays_on() {
+    let mut clock = playing(2, LoopMode::Off);
+    assert_eq!(clock.advance(at(0.15)), 1);
+    clock.set_frame_count(4, at(0.15));
+    assert_eq!(shown(&mut clock, 2, 2), [2, 3]);
+}
+
 proptest! {
     /// A window that sleeps until each deadline sees every frame, once, in order, and never spins.
     #[test]

@@ -3,24 +3,28 @@
 //! **How it works.** Inputs keep the order in which they were given, with one exception: files named one after the other are
 //! sorted naturally, because that is what a shell makes of `scan_*.ply` (it sorts `scan_10` before `scan_2`). A folder or
 //! a pattern is sorted naturally in itself. A file that was already taken is not taken again. Cost: the names are
-//! sorted, O(n log n); no file is opened.
+//! sorted, O(n log n); no file is opened but those that may hold many frames, whose list of contents is read.
 //!
 //! **What counts.** From a folder come files with an extension that a decoder knows, in any case, hidden ones left out, no
 //! sub-folders. A pattern is read the same way, unless nothing it matches has a known extension: then the
 //! person meant those files. A file named outright is always taken; its first bytes decide.
 
 use super::natural::{Run, Runs, natural_order, split_name};
-use super::{SequenceError, Source};
-use crate::io;
+use super::{OpenOptions, SequenceError, Source};
+use crate::io::{self, Format};
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// How many sub-folders the message of an empty folder names.
 const NAMED_SUBFOLDERS: usize = 3;
 
 /// The ordered frames of `inputs`; see the module's text for the rules.
-pub(super) fn discover(inputs: &[PathBuf]) -> Result<Vec<Source>, SequenceError> {
+pub(super) fn discover(
+    inputs: &[PathBuf],
+    options: &OpenOptions,
+) -> Result<Vec<Source>, SequenceError> {
     if inputs.is_empty() {
         return Err(SequenceError::NoInput);
     }
@@ -41,9 +45,38 @@ pub(super) fn discover(inputs: &[PathBuf]) -> Result<Vec<Source>, SequenceError>
 
     let mut taken = HashSet::with_capacity(paths.len());
     paths.retain(|path| taken.insert(path.clone()));
-    let mut sources: Vec<Source> = paths.into_iter().map(Source::file).collect();
+    let mut sources = Vec::with_capacity(paths.len());
+    for path in paths {
+        append_frames(&mut sources, path, options);
+    }
     number(&mut sources);
     Ok(sources)
+}
+
+/// Appends what is in the file at `path`: one frame, or those that [`io::list`] finds. What cannot be listed is one frame, which
+/// says why when it is decoded.
+fn append_frames(sources: &mut Vec<Source>, path: PathBuf, options: &OpenOptions) {
+    let format = Format::of_extension(&path);
+    // A file of one frame by its name is not opened here: there may be a hundred thousand.
+    let may_hold_many = format.is_none_or(Format::holds_many);
+    let stays_whole = format == Some(Format::E57) && options.merge_scans;
+    let listed = (may_hold_many && !stays_whole).then(|| io::list(&path, &options.read));
+    match listed {
+        Some(Ok(entries)) => {
+            let frames = entries.into_iter();
+            sources.extend(frames.map(|entry| Source::entry(&path, entry)));
+        }
+        None | Some(Err(_)) => sources.push(Source::file(path)),
+    }
+}
+
+/// Whether nobody writes to the file of `source` any more, as far as its time says.
+pub(super) fn is_written(source: &Source) -> bool {
+    /// Who writes a frame has it done in pieces that follow each other faster.
+    const QUIET: Duration = Duration::from_millis(500);
+    let modified = fs::metadata(&source.path).and_then(|metadata| metadata.modified());
+    // A clock that stands before the file's says nothing.
+    modified.map_or(true, |at| at.elapsed().map_or(true, |age| age >= QUIET))
 }
 
 /// Moves `group` to the end of `paths`, in natural order.
@@ -149,16 +182,11 @@ fn is_hidden(path: &Path) -> bool {
 }
 
 fn has_known_extension(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| {
-        io::supported_extensions()
-            .iter()
-            .any(|known| extension.eq_ignore_ascii_case(known))
-    })
+    Format::of_extension(path).is_some()
 }
 
 fn known_patterns() -> String {
     let patterns: Vec<String> = io::supported_extensions()
-        .iter()
         .map(|extension| format!("*.{extension}"))
         .collect();
     patterns.join(", ")
@@ -168,7 +196,7 @@ fn known_patterns() -> String {
 /// that grows from each name to the next. Without such a run nobody gets a number; a single file gets its last run.
 fn number(sources: &mut [Source]) {
     let numbers_of = |source: &Source| -> Vec<Option<u64>> {
-        Runs(&split_name(&source.path).0)
+        Runs(&split_name(Path::new(&source.name)).0)
             .filter_map(|run| match run {
                 Run::Digits(digits) => Some(digits.parse().ok()),
                 Run::Text(_) => None,

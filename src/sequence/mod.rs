@@ -25,39 +25,57 @@ mod loader;
 mod natural;
 mod needs;
 mod origin;
+mod pace;
 mod prepare;
 mod records;
 mod shapes;
 mod source;
 mod travel;
+mod watch;
 
 pub use clock::{Clock, DEFAULT_FPS, MAX_SPEED, MIN_SPEED};
 pub use error::{FrameError, SequenceError};
 pub use loader::{FrameState, Loader, LoaderOptions, LoaderStats, Slot};
 pub use natural::natural_order;
 pub use needs::{ColorSource, Needs};
+pub use pace::Pace;
 pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare};
 pub use records::UNIFORM_COLOR;
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use source::{Content, Decode, DecodeFailure, Source};
 pub use travel::{Direction, LoopMode};
+pub use watch::watch;
 
 use crate::cloud::{Frame, RawCloud};
+use crate::io::ReadOptions;
 use glam::DVec3;
 use origin::OriginFinder;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::sync::{Arc, RwLock};
+use std::time::{Duration, Instant};
 
-/// Ordered sources of frames, their common origin and their frame rate. Shared between threads behind an [`Arc`].
+/// How inputs are opened.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OpenOptions {
+    /// How files are read.
+    pub read: ReadOptions,
+    /// Frames a second, in place of what time stamps say.
+    pub fps: Option<f64>,
+    /// The scans of an E57 file are one frame, not a frame each.
+    pub merge_scans: bool,
+}
+
+/// Ordered sources of frames, their common origin and their pace. Shared between threads behind an [`Arc`]; may grow at its end.
 pub struct Sequence {
-    sources: Vec<Source>,
+    sources: RwLock<Vec<Arc<Source>>>,
     decode: Box<Decode>,
     decode_count: AtomicU64,
     origin: OriginFinder,
-    fps: f64,
+    fps: Option<f64>,
+    /// What was opened, and how, if it is to be looked at again.
+    opened: Option<(Vec<PathBuf>, OpenOptions)>,
 }
 
 /// A frame as [`Sequence::load`] gives it.
@@ -70,14 +88,55 @@ pub(crate) struct LoadedFrame {
 impl Sequence {
     /// Finds the frames of `inputs`: folders, glob patterns and files in any mix, in natural number order.
     ///
-    /// Nothing is read but folders. See [`SequenceError`] for what can be wrong.
+    /// Nothing is read but folders and the lists of contents of files that hold many frames. See [`SequenceError`] for what can
+    /// be wrong.
     pub fn discover(inputs: &[PathBuf]) -> Result<Self, SequenceError> {
-        discover::discover(inputs).map(|sources| Self::with_decoder(sources, source::decode))
+        Self::open(inputs, &OpenOptions::default())
+    }
+
+    /// [`Sequence::discover`] with a choice of how.
+    pub fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, SequenceError> {
+        let sources = discover::discover(inputs, options)?;
+        let read = options.read;
+        let sequence = Self::with_decoder(sources, move |source| source::decode(source, &read));
+        Ok(Self {
+            fps: options.fps,
+            opened: Some((inputs.to_vec(), *options)),
+            ..sequence
+        })
+    }
+
+    /// Whether [`Sequence::look_again`] can find anything: a folder or a pattern is open, not only files.
+    pub fn may_grow(&self) -> bool {
+        let inputs = self.opened.iter().flat_map(|(inputs, _)| inputs);
+        inputs.into_iter().any(|input| !input.is_file())
+    }
+
+    /// Looks at the inputs again and takes the frames that came behind the last one; says how many. What came between others is
+    /// left out: frames keep their places. Files that are still being written are left for the next time.
+    pub fn look_again(&self) -> Result<usize, SequenceError> {
+        let Some((inputs, options)) = &self.opened else {
+            return Ok(0);
+        };
+        let found = discover::discover(inputs, options)?;
+        let mut sources = write(&self.sources);
+        let is_last = |source: &Source| {
+            let last = sources.last();
+            last.is_some_and(|last| last.path == source.path && last.content == source.content)
+        };
+        let Some(known) = found.iter().rposition(is_last) else {
+            return Ok(0);
+        };
+        let new = found.into_iter().skip(known + 1);
+        let count_before = sources.len();
+        sources.extend(new.take_while(discover::is_written).map(Arc::new));
+        Ok(sources.len() - count_before)
     }
 
     /// The sequence embedded in the program: 24 poses of about 8,000 coloured points.
     pub fn demo() -> Self {
-        Self::with_decoder(demo::sources(), source::decode)
+        let read = ReadOptions::default();
+        Self::with_decoder(demo::sources(), move |source| source::decode(source, &read))
     }
 
     /// A sequence whose frames come from `decode`: sensors, generators, slow or broken files in tests.
@@ -86,11 +145,12 @@ impl Sequence {
         decode: impl Fn(&Source) -> Result<RawCloud, DecodeFailure> + Send + Sync + 'static,
     ) -> Self {
         Self {
-            sources,
+            sources: RwLock::new(sources.into_iter().map(Arc::new).collect()),
             decode: Box::new(decode),
             decode_count: AtomicU64::new(0),
             origin: OriginFinder::default(),
-            fps: DEFAULT_FPS,
+            fps: None,
+            opened: None,
         }
     }
 
@@ -98,34 +158,53 @@ impl Sequence {
     #[must_use]
     pub fn with_fps(mut self, fps: f64) -> Self {
         if fps.is_finite() && fps > 0.0 {
-            self.fps = fps;
+            self.fps = Some(fps);
         }
         self
     }
 
     /// Number of frames, broken ones included.
     pub fn len(&self) -> usize {
-        self.sources.len()
+        read(&self.sources).len()
     }
 
     /// True without frames; a discovered sequence has at least one.
     pub fn is_empty(&self) -> bool {
-        self.sources.is_empty()
+        self.len() == 0
     }
 
     /// All sources in order.
-    pub fn sources(&self) -> &[Source] {
-        &self.sources
+    pub fn sources(&self) -> Vec<Arc<Source>> {
+        read(&self.sources).clone()
     }
 
     /// Source of frame `index`. Precondition: `index < len()`.
-    pub fn source(&self, index: usize) -> &Source {
-        &self.sources[index]
+    pub fn source(&self, index: usize) -> Arc<Source> {
+        Arc::clone(&read(&self.sources)[index])
     }
 
-    /// Frames a second at normal speed.
+    /// Frames a second at normal speed, for most of the time.
     pub fn fps(&self) -> f64 {
-        self.fps
+        let stamped = || self.stamped_pace().map(|(_, fps)| fps);
+        self.fps.or_else(stamped).unwrap_or(DEFAULT_FPS)
+    }
+
+    /// How long each frame lasts: as its time stamps say, unless a frame rate was chosen.
+    pub fn pace(&self) -> Pace {
+        let stamped = || self.stamped_pace().map(|(pace, _)| pace);
+        match self.fps {
+            Some(_) => Pace::default(),
+            None => stamped().unwrap_or_default(),
+        }
+    }
+
+    /// Pace and frames a second by the time stamps, if every frame has one and they grow.
+    fn stamped_pace(&self) -> Option<(Pace, f64)> {
+        let times: Option<Vec<Duration>> = read(&self.sources)
+            .iter()
+            .map(|source| source.time)
+            .collect();
+        Pace::of_times(&times?)
     }
 
     /// What is subtracted from file coordinates before they become f32.
@@ -138,13 +217,14 @@ impl Sequence {
 
     /// Decodes frame `index` in file coordinates. A panic of the decoder is an error like any other.
     pub fn decode(&self, index: usize) -> Result<RawCloud, FrameError> {
-        let source = self.sources.get(index).ok_or(FrameError::NoSuchFrame {
+        let source = read(&self.sources).get(index).map(Arc::clone);
+        let source = source.ok_or_else(|| FrameError::NoSuchFrame {
             index,
             count: self.len(),
         })?;
         self.decode_count.fetch_add(1, Ordering::Relaxed);
         error::catch_panic(index, &source.path, || {
-            (self.decode)(source).map_err(|reason| FrameError::Decode {
+            (self.decode)(&source).map_err(|reason| FrameError::Decode {
                 index,
                 path: source.path.clone(),
                 reason: reason.into(),
@@ -172,7 +252,7 @@ impl Sequence {
         let start = Instant::now();
         let frame = Frame::from_raw(raw, origin).map_err(|reason| FrameError::Invalid {
             index,
-            path: self.sources[index].path.clone(),
+            path: self.source(index).path.clone(),
             reason,
         })?;
         Ok(LoadedFrame {
@@ -202,8 +282,8 @@ impl std::fmt::Debug for Sequence {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter
             .debug_struct("Sequence")
-            .field("sources", &self.sources)
-            .field("fps", &self.fps)
+            .field("sources", &read(&self.sources))
+            .field("fps", &self.fps())
             .finish_non_exhaustive()
     }
 }
@@ -219,6 +299,16 @@ pub(crate) fn lock<T>(mutex: &std::sync::Mutex<T>) -> std::sync::MutexGuard<'_, 
     mutex
         .lock()
         .unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// [`lock`] for readers.
+fn read<T>(lock: &RwLock<T>) -> std::sync::RwLockReadGuard<'_, T> {
+    lock.read().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// [`lock`] for writers.
+fn write<T>(lock: &RwLock<T>) -> std::sync::RwLockWriteGuard<'_, T> {
+    lock.write().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 // The loader hands sequences and frames to worker threads.

@@ -1,8 +1,9 @@
 //! Where one frame comes from, and the decoder that reads it.
 
 use crate::cloud::RawCloud;
-use crate::io;
+use crate::io::{self, Part, ReadOptions};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Why a decoder failed; its message names the file, the place in it and what was expected.
 pub type DecodeFailure = Box<dyn std::error::Error + Send + Sync>;
@@ -11,10 +12,10 @@ pub type DecodeFailure = Box<dyn std::error::Error + Send + Sync>;
 pub type Decode = dyn Fn(&Source) -> Result<RawCloud, DecodeFailure> + Send + Sync;
 
 /// Where the bytes of a frame are.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub enum Content {
-    /// In the file at [`Source::path`].
-    File,
+    /// In the file at [`Source::path`], which may hold others too.
+    File(Part),
     /// In the program; [`Source::path`] is only a name.
     Embedded(&'static [u8]),
 }
@@ -22,7 +23,7 @@ pub enum Content {
 impl std::fmt::Debug for Content {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::File => formatter.write_str("File"),
+            Self::File(part) => write!(formatter, "File({part:?})"),
             Self::Embedded(bytes) => write!(formatter, "Embedded({} bytes)", bytes.len()),
         }
     }
@@ -37,6 +38,8 @@ pub struct Source {
     pub name: String,
     /// The number in the name that counts the frames, where there is one: gaps in time can be seen in it.
     pub number: Option<u64>,
+    /// When it was taken, since whatever moment its file or its name counts from.
+    pub time: Option<Duration>,
     /// Where the bytes are.
     pub content: Content,
 }
@@ -44,7 +47,17 @@ pub struct Source {
 impl Source {
     /// The file at `path`.
     pub fn file(path: impl Into<PathBuf>) -> Self {
-        Self::new(path.into(), Content::File)
+        Self::new(path.into(), Content::File(Part::Whole))
+    }
+
+    /// A frame of a file that holds several.
+    pub(super) fn entry(path: impl Into<PathBuf>, entry: io::Entry) -> Self {
+        let mut source = Self::new(path.into(), Content::File(entry.part));
+        if !entry.name.is_empty() {
+            source.name = format!("{}: {}", source.name, entry.name);
+        }
+        source.time = entry.time;
+        source
     }
 
     /// Bytes in the program, under a name whose extension tells their format where their first bytes do not.
@@ -61,15 +74,16 @@ impl Source {
             path,
             name,
             number: None,
+            time: None,
             content,
         }
     }
 }
 
 /// The decoder of files and embedded bytes.
-pub(super) fn decode(source: &Source) -> Result<RawCloud, DecodeFailure> {
-    let decoded = match source.content {
-        Content::File => io::read(&source.path),
+pub(super) fn decode(source: &Source, options: &ReadOptions) -> Result<RawCloud, DecodeFailure> {
+    let decoded = match &source.content {
+        Content::File(part) => io::read_part(&source.path, part, options),
         Content::Embedded(bytes) => io::read_bytes(&source.path, bytes),
     };
     Ok(decoded?)

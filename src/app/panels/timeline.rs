@@ -11,6 +11,7 @@ use egui::{
     Align, Color32, ComboBox, DragValue, Label, Layout, Painter, Rect, Response, RichText, Role,
     Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
+use std::time::Duration;
 
 /// Height of the bar, points.
 const BAR_HEIGHT: f32 = 24.0;
@@ -305,6 +306,23 @@ fn pace(ui: &mut Ui, state: &mut State) {
         .on_hover_text("What happens at the ends of the sequence (L)");
     if mode != player.clock().loop_mode() {
         player.set_loop_mode(mode, now);
+    }
+    follow(ui, player, now);
+}
+
+/// Whether the newest frame of a folder that may grow is shown as it comes.
+fn follow(ui: &mut Ui, player: &mut Player, now: Duration) {
+    if !player.sequence().may_grow() {
+        return;
+    }
+    let follows = player.follows_newest();
+    let button = egui::Button::selectable(follows, "Follow");
+    if ui
+        .add(button)
+        .on_hover_text("Show the newest frame of this folder as it comes (Shift+End)")
+        .clicked()
+    {
+        player.follow_newest(!follows, now);
     }
 }
 

@@ -106,6 +106,9 @@ impl State {
             Command::Step(count) => self.play_with(|player, now| player.step(count, now)),
             Command::First => self.play_with(|player, now| player.seek(0, now)),
             Command::Last => self.play_with(|player, now| player.seek(usize::MAX, now)),
+            Command::ToggleFollow => self.play_with(|player, now| {
+                player.follow_newest(!player.follows_newest(), now);
+            }),
             Command::NextLoopMode => self.play_with(|player, now| {
                 let next = next_loop_mode(player.clock().loop_mode());
                 player.set_loop_mode(next, now);
@@ -302,7 +305,8 @@ impl State {
 
     /// What is open, for the title and for names of files.
     pub fn sequence_name(&self) -> Option<String> {
-        let source = self.player.as_ref()?.sequence().sources().first()?;
+        let sources = self.player.as_ref()?.sequence().sources();
+        let source = sources.first()?;
         let folder = source.path.parent().and_then(|folder| folder.file_name());
         Some(match folder {
             Some(folder)

@@ -82,6 +82,17 @@ impl Cache {
         }
     }
 
+    pub(super) fn frame_count(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// There are more frames now.
+    pub(super) fn grow(&mut self, frame_count: usize) {
+        if frame_count > self.entries.len() {
+            self.entries.resize_with(frame_count, Entry::default);
+        }
+    }
+
     pub(super) fn prepared(&self, index: usize) -> Option<&Arc<PreparedFrame>> {
         self.entries.get(index)?.prepared.as_ref()
     }

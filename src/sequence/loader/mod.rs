@@ -143,11 +143,11 @@ impl Loader {
     /// Says where the playhead is, where it goes and what pictures need. Never blocks; costs the same for any length of
     /// the sequence. A playhead beyond the end is the last frame.
     pub fn request(&self, playhead: usize, direction: Direction, needs: &Needs) {
-        let Some(last) = self.shared.sequence.len().checked_sub(1) else {
+        let mut queue = self.shared.queue();
+        let Some(last) = queue.cache.frame_count().checked_sub(1) else {
             return;
         };
         let playhead = playhead.min(last);
-        let mut queue = self.shared.queue();
         let focus = Focus {
             playhead,
             direction,
@@ -170,6 +170,17 @@ impl Loader {
     /// Says what happens at the ends, so that the right frames are prepared there. [`LoopMode::Loop`] until then.
     pub fn set_loop_mode(&self, loop_mode: LoopMode) {
         self.shared.queue().focus.travel.loop_mode = loop_mode;
+        self.shared.work.notify_all();
+    }
+
+    /// Takes the frames by which the sequence has grown.
+    pub fn grow(&self) {
+        let mut queue = self.shared.queue();
+        let frame_count = self.shared.sequence.len();
+        queue.cache.grow(frame_count);
+        queue.focus.travel.frame_count = frame_count;
+        queue.revision += 1;
+        drop(queue);
         self.shared.work.notify_all();
     }
 
@@ -269,7 +280,7 @@ impl Loader {
     }
 
     fn check_index(&self, index: usize) -> Result<(), FrameError> {
-        let count = self.shared.sequence.len();
+        let count = self.shared.queue().cache.frame_count();
         if index < count {
             Ok(())
         } else {

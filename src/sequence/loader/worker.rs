@@ -66,8 +66,8 @@ pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool, SequenceError> {
 pub(super) fn run(shared: &Shared) {
     while let Some(job) = next_job(shared) {
         let index = job.index;
-        let path = &shared.sequence.source(index).path;
-        match catch_panic(index, path, || make(shared, job)) {
+        let source = shared.sequence.source(index);
+        match catch_panic(index, &source.path, || make(shared, job)) {
             Ok(None) => {
                 shared.queue().cancel(index);
                 shared.work.notify_all();

@@ -1,0 +1,81 @@
+//! What is remembered of a frame after it was looked at.
+
+use crate::cloud::{Positions, RawCloud};
+use crate::math::Aabb;
+use crate::scene::UpAxis;
+use glam::DVec3;
+
+/// Facts of one frame, in file coordinates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameFacts {
+    /// Points, holes included.
+    pub point_count: usize,
+    /// Points with three finite coordinates.
+    pub finite_count: usize,
+    /// Corners of the box around the finite points.
+    pub bounds: Option<(DVec3, DVec3)>,
+    /// Names of what each point has.
+    pub attributes: Vec<String>,
+    /// Points that lie exactly where an earlier one does.
+    pub duplicate_count: usize,
+    /// Normals of no length or not finite, of finite points.
+    pub zero_normal_count: usize,
+    /// Whether colours of 8 bits were found in wider fields.
+    pub has_narrow_colors: bool,
+    /// Whether the file has coordinates of single precision.
+    pub is_single_precision: bool,
+    /// Which axis is probably up; `None` without a point.
+    pub probable_up: Option<UpAxis>,
+}
+
+impl FrameFacts {
+    /// Looks at every point of `raw`.
+    pub fn of(raw: &RawCloud) -> Self {
+        let (finite_count, bounds) = raw.positions.finite_bounds();
+        let zero_normals = raw.normals.iter().flatten().enumerate();
+        Self {
+            point_count: raw.positions.len(),
+            finite_count,
+            bounds,
+            attributes: raw.attributes().into_iter().map(str::to_owned).collect(),
+            duplicate_count: duplicates(&raw.positions),
+            zero_normal_count: zero_normals
+                .filter(|(index, normal)| {
+                    let length = glam::Vec3::from_array(**normal).length();
+                    (length == 0.0 || !length.is_finite())
+                        && raw.positions.get(*index).is_finite()
+                })
+                .count(),
+            has_narrow_colors: raw.has_narrow_colors,
+            is_single_precision: matches!(raw.positions, Positions::F32(_)),
+            probable_up: probable_up(bounds, raw.sensor),
+        }
+    }
+}
+
+/// How many finite points lie exactly where another one does that comes before them.
+fn duplicates(positions: &Positions) -> usize {
+    // Adding zero makes one of the two zeros of floating point.
+    let bits = |value: f64| (value + 0.0).to_bits();
+    let mut keys: Vec<[u64; 3]> = (0..positions.len())
+        .map(|index| positions.get(index))
+        .filter(|position| position.is_finite())
+        .map(|position| position.to_array().map(bits))
+        .collect();
+    let finite_count = keys.len();
+    keys.sort_unstable();
+    keys.dedup();
+    finite_count - keys.len()
+}
+
+/// The guess of the window, whose coordinates are near zero.
+fn probable_up(bounds: Option<(DVec3, DVec3)>, sensor: Option<DVec3>) -> Option<UpAxis> {
+    let (min, max) = bounds?;
+    let middle = min * 0.5 + max * 0.5;
+    let near = |position: DVec3| (position - middle).as_vec3();
+    let bounds = Aabb {
+        min: near(min),
+        max: near(max),
+    };
+    Some(UpAxis::guess_of(&bounds, sensor.map(near)))
+}

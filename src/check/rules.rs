@@ -1,0 +1,343 @@
+//! The rules: from facts to findings.
+
+use super::{Finding, FindingKind, FrameFacts};
+use crate::scene::UpAxis;
+use crate::sequence::{FrameError, Sequence};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Facts of each frame, or why there are none.
+type Facts = [Result<FrameFacts, FrameError>];
+
+/// Of the diagonal: the centre of a cloud that moves further from one frame to the next has jumped.
+const JUMP_IN_DIAGONALS: f64 = 0.5;
+
+/// The diagonal that grows or shrinks by more than this factor has jumped.
+const DIAGONAL_FACTOR: f64 = 2.0;
+
+/// Diagonals of what people scan, in metres: from a grain of pollen to a country.
+const PLAUSIBLE_DIAGONAL: std::ops::RangeInclusive<f64> = 1e-5..=2e6;
+
+/// A step of single precision above this share of the diagonal can be seen as stripes.
+const COARSE_STEP: f64 = 1e-5;
+
+/// Median spacings after which a pause was made.
+const PAUSE_IN_SPACINGS: f64 = 8.0;
+
+/// All findings, rule after rule.
+pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
+    let mut findings = number_gaps(sequence);
+    findings.extend(time_jumps(sequence));
+    findings.extend(unreadable(facts));
+    findings.extend(changed_attributes(facts));
+    findings.extend(bounds_jumps(facts));
+    findings.extend(changed_up_axes(facts));
+    findings.extend(counted(
+        facts,
+        FindingKind::EmptyFrame,
+        |facts| usize::from(facts.finite_count == 0),
+        |_, frames| format!("{frames} without a single point: nothing is shown there"),
+    ));
+    findings.extend(counted(
+        facts,
+        FindingKind::NonFinitePoints,
+        |facts| facts.point_count - facts.finite_count,
+        |count, frames| {
+            format!("{count} points in {frames} have coordinates that are NaN or infinite: they are left out")
+        },
+    ));
+    findings.extend(counted(
+        facts,
+        FindingKind::DuplicatePoints,
+        |facts| facts.duplicate_count,
+        |count, frames| {
+            format!("{count} points in {frames} lie exactly where another point does: `pointreel convert --voxel` joins them")
+        },
+    ));
+    findings.extend(counted(
+        facts,
+        FindingKind::ZeroNormals,
+        |facts| facts.zero_normal_count,
+        |count, frames| {
+            format!("{count} normals in {frames} have no length: they are estimated for the picture, `pointreel convert \
+                 --estimate-normals` writes them")
+        },
+    ));
+    findings.extend(counted(
+        facts,
+        FindingKind::NarrowColors,
+        |facts| usize::from(facts.has_narrow_colors),
+        |_, frames| {
+            format!("colours of {frames} are 0 to 255 in fields of 16 bits: they are read as 8 bits, other programs may show them black")
+        },
+    ));
+    findings.extend(suspicious_scales(facts));
+    findings
+}
+
+/// The axis that is probably up in most frames.
+pub(super) fn most_common_up(facts: &Facts) -> Option<UpAxis> {
+    let mut counts: Vec<(UpAxis, usize)> = Vec::new();
+    for up in facts.iter().flatten().filter_map(|facts| facts.probable_up) {
+        match counts.iter_mut().find(|(known, _)| *known == up) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((up, 1)),
+        }
+    }
+    let most = counts.iter().map(|(_, count)| *count).max()?;
+    counts
+        .into_iter()
+        .find(|(_, count)| *count == most)
+        .map(|(up, _)| up)
+}
+
+/// One finding for all frames of which `count` is not zero.
+fn counted(
+    facts: &Facts,
+    kind: FindingKind,
+    count: impl Fn(&FrameFacts) -> usize,
+    message: impl Fn(usize, &str) -> String,
+) -> Option<Finding> {
+    let counts = facts.iter().enumerate().filter_map(|(index, facts)| {
+        let count = facts.as_ref().map_or(0, &count);
+        (count > 0).then_some((index, count))
+    });
+    let (frames, counts): (Vec<usize>, Vec<usize>) = counts.unzip();
+    (!frames.is_empty()).then(|| Finding {
+        kind,
+        message: message(counts.iter().sum(), &named(&frames)),
+        frames,
+    })
+}
+
+/// Frames in words: `frame 3`, `frames 3 and 5`, `12 frames (3, 5, 7, …)`.
+fn named(frames: &[usize]) -> String {
+    match frames {
+        [] => "no frame".to_owned(),
+        [only] => format!("frame {only}"),
+        [first, second] => format!("frames {first} and {second}"),
+        [first, second, third, ..] => {
+            let more = if frames.len() > 3 { ", …" } else { "" };
+            format!("{} frames ({first}, {second}, {third}{more})", frames.len())
+        }
+    }
+}
+
+fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
+    let sources = sequence.sources();
+    let numbers: Option<Vec<u64>> = sources.iter().map(|source| source.number).collect();
+    let numbers = numbers.unwrap_or_default();
+    let steps: Vec<u64> = numbers
+        .windows(2)
+        .map(|pair| pair[1].saturating_sub(pair[0]))
+        .collect();
+    // Every second frame may have been kept on purpose: the commonest step is the rule.
+    let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
+    for &step in &steps {
+        *counts.entry(step).or_default() += 1;
+    }
+    let most = counts.values().max().copied().unwrap_or(0);
+    let usual = counts.into_iter().find(|&(_, count)| count == most);
+    let Some((usual, _)) = usual.filter(|&(step, _)| step > 0) else {
+        return Vec::new();
+    };
+    // Time stamps count too, but nothing is missing between them.
+    let is_counter = steps.iter().all(|step| step % usual == 0);
+    if !is_counter {
+        return Vec::new();
+    }
+    let gaps = steps.iter().enumerate().filter(|&(_, &step)| step > usual);
+    gaps.map(|(index, step)| {
+        let missing = step / usual - 1;
+        let (before, after) = (numbers[index], numbers[index + 1]);
+        Finding {
+            kind: FindingKind::NumberGap,
+            frames: vec![index, index + 1],
+            message: format!(
+                "{missing} {} missing between {} and {} ({} to {}): the frames play one after the other",
+                if missing == 1 { "number is" } else { "numbers are" },
+                sources[index].name,
+                sources[index + 1].name,
+                before + usual,
+                after - usual
+            ),
+        }
+    })
+    .collect()
+}
+
+fn time_jumps(sequence: &Sequence) -> Vec<Finding> {
+    let sources = sequence.sources();
+    let times: Option<Vec<f64>> = sources
+        .iter()
+        .map(|source| source.time.map(|time| time.as_secs_f64()))
+        .collect();
+    let times = times.unwrap_or_default();
+    let spacings: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut sorted = spacings.clone();
+    sorted.sort_by(f64::total_cmp);
+    let Some(&median) = sorted.get(sorted.len() / 2) else {
+        return Vec::new();
+    };
+    let odd = spacings.iter().enumerate().filter(|&(_, &spacing)| {
+        spacing <= 0.0 || (median > 0.0 && spacing > PAUSE_IN_SPACINGS * median)
+    });
+    odd.map(|(index, spacing)| Finding {
+        kind: FindingKind::TimeJump,
+        frames: vec![index, index + 1],
+        message: if *spacing > 0.0 {
+            format!(
+                "{spacing:.3} s lie between frames {index} and {} where {median:.3} s are usual: a pause, which is played shortened",
+                index + 1
+            )
+        } else {
+            format!(
+                "frame {} has a time stamp that is not after that of frame {index}: stamps are not used, --fps says how fast it plays",
+                index + 1
+            )
+        },
+    })
+    .collect()
+}
+
+fn unreadable(facts: &Facts) -> Vec<Finding> {
+    let failed = facts.iter().enumerate().filter_map(|(index, facts)| {
+        let error = facts.as_ref().err()?;
+        Some(Finding {
+            kind: FindingKind::UnreadableFrame,
+            frames: vec![index],
+            message: error.to_string(),
+        })
+    });
+    failed.collect()
+}
+
+/// Frames whose attributes are not those of most frames.
+fn changed_attributes(facts: &Facts) -> Vec<Finding> {
+    let mut kinds: BTreeMap<&[String], Vec<usize>> = BTreeMap::new();
+    for (index, facts) in facts.iter().enumerate() {
+        if let Ok(facts) = facts {
+            kinds.entry(&facts.attributes).or_default().push(index);
+        }
+    }
+    let most = kinds.values().map(Vec::len).max().unwrap_or(0);
+    let Some(usual) = kinds
+        .iter()
+        .find(|(_, frames)| frames.len() == most)
+        .map(|(attributes, _)| *attributes)
+    else {
+        return Vec::new();
+    };
+    kinds
+        .into_iter()
+        .filter(|(attributes, _)| *attributes != usual)
+        .map(|(attributes, frames)| Finding {
+            kind: FindingKind::ChangedAttributes,
+            message: format!(
+                "{} has {} where the others have {}: what is missing is estimated, so the picture may change there",
+                named(&frames),
+                attributes.join(", "),
+                usual.join(", ")
+            ),
+            frames,
+        })
+        .collect()
+}
+
+fn bounds_jumps(facts: &Facts) -> Vec<Finding> {
+    let boxes: Vec<(usize, DVec3, DVec3)> = facts
+        .iter()
+        .enumerate()
+        .filter_map(|(index, facts)| {
+            let (min, max) = facts.as_ref().ok()?.bounds?;
+            Some((index, min, max))
+        })
+        .collect();
+    let mut findings = Vec::new();
+    for pair in boxes.windows(2) {
+        let (before, min_before, max_before) = pair[0];
+        let (after, min_after, max_after) = pair[1];
+        let diagonals = [(max_before - min_before).length(), (max_after - min_after).length()];
+        let larger = diagonals[0].max(diagonals[1]);
+        let moved = (min_after * 0.5 + max_after * 0.5).distance(min_before * 0.5 + max_before * 0.5);
+        let has_grown = larger > DIAGONAL_FACTOR * diagonals[0].min(diagonals[1]);
+        if moved > JUMP_IN_DIAGONALS * larger || has_grown {
+            findings.push(Finding {
+                kind: FindingKind::BoundsJump,
+                frames: vec![before, after],
+                message: format!(
+                    "from frame {before} to {after} the middle moves by {moved:.4} and the diagonal goes from {:.4} to {:.4}: an \
+                     outlier, another unit or another scene",
+                    diagonals[0], diagonals[1]
+                ),
+            });
+        }
+    }
+    findings
+}
+
+fn changed_up_axes(facts: &Facts) -> Option<Finding> {
+    let usual = most_common_up(facts)?;
+    let ups = facts.iter().enumerate();
+    let frames: Vec<usize> = ups
+        .filter(|(_, facts)| {
+            let up = facts.as_ref().ok().and_then(|facts| facts.probable_up);
+            up.is_some_and(|up| up != usual)
+        })
+        .map(|(index, _)| index)
+        .collect();
+    // Guesses waver; a few that differ say nothing.
+    (frames.len() * 4 > facts.len()).then(|| Finding {
+        kind: FindingKind::ChangedUpAxis,
+        message: format!(
+            "{} looks as if another axis than {usual} was up: --up says which it is",
+            named(&frames)
+        ),
+        frames,
+    })
+}
+
+fn suspicious_scales(facts: &Facts) -> Vec<Finding> {
+    let mut unit = Vec::new();
+    let mut coarse = Vec::new();
+    for (index, facts) in facts.iter().enumerate() {
+        let Ok(facts) = facts else { continue };
+        let Some((min, max)) = facts.bounds else {
+            continue;
+        };
+        let diagonal = (max - min).length();
+        if diagonal > 0.0 && !PLAUSIBLE_DIAGONAL.contains(&diagonal) {
+            unit.push((index, diagonal));
+        }
+        let farthest = min.abs().max(max.abs()).max_element() as f32;
+        let step = f64::from(farthest.next_up() - farthest);
+        if facts.is_single_precision && step > COARSE_STEP * diagonal && diagonal > 0.0 {
+            coarse.push((index, step));
+        }
+    }
+    let mut findings = Vec::new();
+    if let Some(&(_, diagonal)) = unit.first() {
+        let frames: Vec<usize> = unit.iter().map(|&(index, _)| index).collect();
+        findings.push(Finding {
+            kind: FindingKind::SuspiciousScale,
+            message: format!(
+                "{} is {diagonal:.3e} across, which no scan in metres is: another unit, or an outlier",
+                named(&frames)
+            ),
+            frames,
+        });
+    }
+    if let Some(&(_, step)) = coarse.first() {
+        let frames: Vec<usize> = coarse.iter().map(|&(index, _)| index).collect();
+        findings.push(Finding {
+            kind: FindingKind::SuspiciousScale,
+            message: format!(
+                "coordinates of {} are of single precision so far from zero that they can only be multiples of {step:.3e}: write them in \
+                 double precision, or nearer to zero",
+                named(&frames)
+            ),
+            frames,
+        });
+    }
+    findings
+}

@@ -1,0 +1,229 @@
+//! Frames of one sequence written anew: in another format, moved, thinned out, with normals.
+//!
+//! **How it works.** Each frame is read, edited ([`Edit`]) and written by itself, as many at a time as there are cores, so that a
+//! sequence of any length takes the memory of a few frames. A frame is written under a hidden name and renamed when it is
+//! whole: what stands in the folder is finished. Who is interrupted and starts again finds finished frames and leaves them,
+//! unless their source has changed since, or the options: those are kept beside the frames ([`Record`]), and a folder that
+//! holds a conversion with others is refused. Shards take every n-th frame, whoever runs them.
+
+mod edit;
+mod record;
+
+pub use edit::{Edit, EditError};
+pub use record::Record;
+
+use crate::io::WriteFormat;
+use crate::sequence::{FrameError, Sequence};
+use rayon::prelude::*;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Which frames, what becomes of them, and where they go.
+#[derive(Debug, Clone)]
+pub struct Conversion {
+    /// Frames, both ends included; all for `None`.
+    pub frames: Option<RangeInclusive<usize>>,
+    /// Every how many-th frame, and from which on: `(0, 1)` for all.
+    pub shard: Shard,
+    /// What becomes of each.
+    pub edit: Edit,
+    /// Format of the files.
+    pub format: WriteFormat,
+    /// Where they go.
+    pub output: Output,
+    /// Write frames that are there already, whatever options they were written with.
+    pub overwrites: bool,
+}
+
+/// A share of the frames: those whose index leaves `index` when divided by `count`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// Which share, from 0.
+    pub index: usize,
+    /// How many shares there are, at least 1.
+    pub count: usize,
+}
+
+impl Shard {
+    /// Everything.
+    pub const WHOLE: Self = Self { index: 0, count: 1 };
+}
+
+/// Where frames go.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Output {
+    /// One frame to this file.
+    File(PathBuf),
+    /// Frames to files in this folder, named by their number and, if they have one, their time.
+    Folder(PathBuf),
+}
+
+/// What came of a conversion.
+#[derive(Debug, Default)]
+pub struct Converted {
+    /// Frames that were written.
+    pub written: usize,
+    /// Frames that were finished before.
+    pub left: usize,
+    /// Frames that could not be converted, and why.
+    pub failed: Vec<(usize, ConvertError)>,
+    /// True if it was cancelled before the end.
+    pub is_cancelled: bool,
+}
+
+/// Why a frame, or all, cannot be converted.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConvertError {
+    /// The frame cannot be read.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// What was asked for cannot be done with this frame.
+    #[error("{}: {reason}", path.display())]
+    Edit {
+        /// The frame's file.
+        path: PathBuf,
+        /// What stands in the way.
+        reason: EditError,
+    },
+    /// The output cannot be written.
+    #[error("{} cannot be written ({reason}): check the folder, its permissions and the space left", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        reason: std::io::Error,
+    },
+    /// The folder holds frames that were converted otherwise.
+    #[error(
+        "{} holds frames of another conversion ({difference}): choose another folder, or --overwrite to convert them anew",
+        path.display()
+    )]
+    OtherConversion {
+        /// The folder.
+        path: PathBuf,
+        /// What is different.
+        difference: String,
+    },
+}
+
+/// Converts frames of `sequence`; `progress` is called from several threads with how many of how many are done.
+///
+/// # Errors
+/// What concerns all frames; what concerns one is in [`Converted::failed`].
+pub fn convert(
+    sequence: &Sequence,
+    conversion: &Conversion,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    cancel: &AtomicBool,
+) -> Result<Converted, ConvertError> {
+    if let Output::Folder(folder) = &conversion.output {
+        fs::create_dir_all(folder).map_err(|reason| ConvertError::Write {
+            path: folder.clone(),
+            reason,
+        })?;
+        Record::of(conversion).keep_in(folder, conversion.overwrites)?;
+    }
+    let last = sequence.len().saturating_sub(1);
+    let range = conversion.frames.clone().unwrap_or(0..=last);
+    let Shard { index, count } = conversion.shard;
+    let frames: Vec<usize> = range
+        .filter(|frame| frame % count == index && *frame <= last)
+        .collect();
+    let done = AtomicUsize::new(0);
+    let outcomes: Vec<(usize, Option<Result<bool, ConvertError>>)> = frames
+        .par_iter()
+        .map(|&frame| {
+            if cancel.load(Ordering::Relaxed) {
+                return (frame, None);
+            }
+            let outcome = convert_frame(sequence, frame, conversion);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, frames.len());
+            (frame, Some(outcome))
+        })
+        .collect();
+    let mut converted = Converted::default();
+    for (frame, outcome) in outcomes {
+        match outcome {
+            Some(Ok(true)) => converted.written += 1,
+            Some(Ok(false)) => converted.left += 1,
+            Some(Err(error)) => converted.failed.push((frame, error)),
+            None => converted.is_cancelled = true,
+        }
+    }
+    Ok(converted)
+}
+
+/// Converts one frame; false if it was finished before.
+fn convert_frame(
+    sequence: &Sequence,
+    index: usize,
+    conversion: &Conversion,
+) -> Result<bool, ConvertError> {
+    let source = sequence.source(index);
+    let path = match &conversion.output {
+        Output::File(path) => path.clone(),
+        Output::Folder(folder) => {
+            let stem = match source.time {
+                Some(time) => format!("frame_{index:06}_{}.{:09}", time.as_secs(), time.subsec_nanos()),
+                None => format!("frame_{index:06}"),
+            };
+            folder.join(format!("{stem}.{}", conversion.format.extension()))
+        }
+    };
+    if !conversion.overwrites && is_finished(&path, &source.path) {
+        return Ok(false);
+    }
+    let mut cloud = sequence.decode(index)?;
+    conversion
+        .edit
+        .apply(&mut cloud)
+        .map_err(|reason| ConvertError::Edit {
+            path: source.path.clone(),
+            reason,
+        })?;
+    write_whole(&path, |out| {
+        crate::io::write(out, conversion.format, &cloud)
+    })
+    .map_err(|reason| ConvertError::Write { path, reason })?;
+    Ok(true)
+}
+
+/// Whether `output` is there and not older than what it was made from.
+fn is_finished(output: &Path, source: &Path) -> bool {
+    let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified());
+    match (modified(output), modified(source)) {
+        (Ok(output), Ok(source)) => output >= source,
+        // Frames in the program have no file.
+        (Ok(_), Err(_)) => true,
+        (Err(_), _) => false,
+    }
+}
+
+/// Writes a file under a hidden name beside `path` and renames it when it is whole and on the disk.
+fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+) -> std::io::Result<()> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let partial = path.with_file_name(format!(".{name}.{}.partial", std::process::id()));
+    let written = || -> std::io::Result<()> {
+        let mut out = BufWriter::with_capacity(1 << 20, File::create(&partial)?);
+        write(&mut out)?;
+        let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
+        file.sync_data()?;
+        fs::rename(&partial, path)
+    };
+    let written = written();
+    if written.is_err() {
+        // What is left of it would stay for ever; that it may not be there is no further problem.
+        let _ = fs::remove_file(&partial);
+    }
+    written
+}
+
+#[cfg(test)]
+mod tests;

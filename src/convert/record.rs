@@ -1,0 +1,54 @@
+//! What a folder of converted frames was made with, so that nobody mixes two conversions in it.
+
+use super::{Conversion, ConvertError};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Name of the file in the folder.
+const FILE_NAME: &str = ".pointreel-convert.json";
+
+/// The options that a converted frame depends on.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Record {
+    format: String,
+    edit: String,
+}
+
+impl Record {
+    pub(super) fn of(conversion: &Conversion) -> Self {
+        Self {
+            format: conversion.format.to_string(),
+            edit: conversion.edit.to_string(),
+        }
+    }
+
+    /// Leaves itself in `folder`, unless another one is there and is not to be overwritten. Several shards may do so at once: they
+    /// write the same.
+    pub(super) fn keep_in(&self, folder: &Path, overwrites: bool) -> Result<(), ConvertError> {
+        let path = folder.join(FILE_NAME);
+        let known = std::fs::read(&path)
+            .ok()
+            .and_then(|bytes| serde_json::from_slice::<Self>(&bytes).ok());
+        match known {
+            Some(known) if known == *self => return Ok(()),
+            Some(known) if !overwrites => {
+                return Err(ConvertError::OtherConversion {
+                    path: folder.to_owned(),
+                    difference: self.difference(&known),
+                });
+            }
+            _ => {}
+        }
+        let text = serde_json::to_vec_pretty(self).unwrap_or_default();
+        crate::kept::write_whole(&path, &text)
+            .map_err(|reason| ConvertError::Write { path, reason })
+    }
+
+    fn difference(&self, known: &Self) -> String {
+        if self.format == known.format {
+            format!("{} there, {} now", known.edit, self.edit)
+        } else {
+            format!("{} there, {} now", known.format, self.format)
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! How long each frame lasts: equally long, or as long as its time stamps say.
+//!
+//! **How it works.** Durations are counted in the duration of the median frame, so that a frame rate says the same of both kinds:
+//! frames a second of most of the time. What lies between two steps of a playhead is a sum of durations along its way; a
+//! whole turn of a loop is added at once, so that no sum is longer than a turn.
+//!
+//! **Pauses.** Recordings stop and go on a day later. Nobody waits for that: a frame lasts at most [`LONGEST_FRAME`].
+
+use super::travel::{Direction, LoopMode, Travel};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Longest duration of a frame, in median frames.
+const LONGEST_FRAME: f64 = 8.0;
+
+/// Slowest rate that is taken from time stamps, frames a second: what was scanned once a day is played like slides.
+const SLOWEST_FPS: f64 = 2.0;
+
+/// Durations of the frames of a sequence.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Pace {
+    /// In median frames; empty where all last equally long.
+    durations: Arc<[f64]>,
+}
+
+impl Pace {
+    /// The pace of frames that were taken at `times`, and its frames a second; `None` unless each is later than the one before.
+    pub fn of_times(times: &[Duration]) -> Option<(Self, f64)> {
+        let mut spacings_s = Vec::with_capacity(times.len());
+        for pair in times.windows(2) {
+            spacings_s.push(pair[1].checked_sub(pair[0])?.as_secs_f64());
+        }
+        let mut sorted = spacings_s.clone();
+        sorted.sort_by(f64::total_cmp);
+        let median_s = *sorted.get(sorted.len() / 2)?;
+        if sorted[0] <= 0.0 {
+            return None;
+        }
+        let durations = spacings_s
+            .iter()
+            .map(|spacing_s| (spacing_s / median_s).min(LONGEST_FRAME));
+        // Nobody knows when the last frame ended.
+        let durations = durations.chain([1.0]).collect();
+        Some((Self { durations }, (1.0 / median_s).max(SLOWEST_FPS)))
+    }
+
+    /// Whether all frames last equally long.
+    pub fn is_even(&self) -> bool {
+        self.durations.is_empty()
+    }
+
+    /// How long a frame lasts, in median frames.
+    pub(super) fn duration(&self, frame: usize) -> f64 {
+        self.durations.get(frame).copied().unwrap_or(1.0)
+    }
+
+    /// How many steps a playhead is due to have made when `elapsed` median frames have passed since frame `start` began.
+    pub(super) fn steps_within(
+        &self,
+        travel: &Travel,
+        start: usize,
+        direction: Direction,
+        elapsed: f64,
+    ) -> u64 {
+        if self.is_even() {
+            return elapsed.floor() as u64;
+        }
+        let turn = self.turn(travel);
+        let (mut steps, mut left) = match turn {
+            Some((steps, duration)) => {
+                let turns = (elapsed / duration).floor();
+                (turns as u64 * steps, elapsed - turns * duration)
+            }
+            None => (0, elapsed),
+        };
+        loop {
+            let arrival = travel.after(start, direction, steps);
+            let duration = self.duration(arrival.index);
+            // Where the way ends before, one step too many says so.
+            if left < duration || arrival.steps < steps {
+                return steps;
+            }
+            left -= duration;
+            steps += 1;
+        }
+    }
+
+    /// Median frames from the beginning of frame `start` until the playhead has made `steps`.
+    pub(super) fn elapsed_at(
+        &self,
+        travel: &Travel,
+        start: usize,
+        direction: Direction,
+        steps: u64,
+    ) -> f64 {
+        if self.is_even() {
+            return steps as f64;
+        }
+        let (turns, rest, turn_duration) = match self.turn(travel) {
+            Some((turn_steps, duration)) => (steps / turn_steps, steps % turn_steps, duration),
+            None => (0, steps, 0.0),
+        };
+        let along_the_way = (0..rest).map(|step| {
+            let index = travel.after(start, direction, step).index;
+            self.duration(index)
+        });
+        turns as f64 * turn_duration + along_the_way.sum::<f64>()
+    }
+
+    /// Steps and duration of the way that ends where it began, if the playhead comes back.
+    fn turn(&self, travel: &Travel) -> Option<(u64, f64)> {
+        let last = travel.frame_count.checked_sub(1).filter(|&last| last > 0)?;
+        let total: f64 = (0..=last).map(|frame| self.duration(frame)).sum();
+        match travel.loop_mode {
+            LoopMode::Off => None,
+            LoopMode::Loop => Some((last as u64 + 1, total)),
+            LoopMode::PingPong => {
+                let ends = self.duration(0) + self.duration(last);
+                Some((2 * last as u64, 2.0 * total - ends))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn millis(times: &[u64]) -> Vec<Duration> {
+        times.iter().copied().map(Duration::from_millis).collect()
+    }
+
+    #[test]
+    fn stamps_say_how_long_frames_last() {
+        let (pace, fps) = Pace::of_times(&millis(&[100, 200, 300, 600, 700, 99_700])).unwrap();
+        assert_eq!(fps, 10.0);
+        let durations: Vec<f64> = (0..6).map(|frame| pace.duration(frame)).collect();
+        let expected = [1.0, 1.0, 3.0, 1.0, LONGEST_FRAME, 1.0];
+        for (duration, expected) in durations.iter().zip(expected) {
+            assert!((duration - expected).abs() < 1e-9, "{durations:?}");
+        }
+    }
+
+    #[test]
+    fn stamps_that_do_not_grow_are_none() {
+        for times in [&[5, 5][..], &[5, 4], &[1], &[]] {
+            assert_eq!(Pace::of_times(&millis(times)), None, "{times:?}");
+        }
+        let (_, fps) = Pace::of_times(&millis(&[0, 86_400_000])).unwrap();
+        assert_eq!(fps, SLOWEST_FPS);
+    }
+
+    proptest! {
+        /// The two questions are each other's inverse, and a walk step by step says the same.
+        #[test]
+        fn steps_are_due_when_their_time_has_come(
+            spacings_ms in prop::collection::vec(1u64..50, 1..12),
+            start in 0usize..12, backward: bool, mode in 0usize..3, steps in 0u64..100,
+        ) {
+            let mut times = vec![0];
+            for spacing in spacings_ms {
+                times.push(times[times.len() - 1] + spacing);
+            }
+            let (pace, _) = Pace::of_times(&millis(&times)).unwrap();
+            let travel = Travel { frame_count: times.len(), loop_mode: LoopMode::ALL[mode] };
+            let start = start % times.len();
+            let direction = if backward { Direction::Backward } else { Direction::Forward };
+            let walked: f64 = (0..steps)
+                .map(|step| pace.duration(travel.after(start, direction, step).index))
+                .sum();
+            let elapsed = pace.elapsed_at(&travel, start, direction, steps);
+            prop_assert!((elapsed - walked).abs() < 1e-6, "{elapsed} {walked}");
+            let possible = travel.after(start, direction, steps).steps;
+            let due = pace.steps_within(&travel, start, direction, elapsed + 1e-6);
+            prop_assert_eq!(due.min(possible), possible);
+            if possible == steps {
+                prop_assert_eq!(due, steps);
+            }
+        }
+    }
+}
