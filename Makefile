@@ -55,6 +55,10 @@ cargo-deny:
 	@PATH="$$PATH:$(TOOLS)/bin" $(CARGO) deny --version >/dev/null 2>&1 \
 		|| $(CARGO) install --locked --debug --quiet --root $(TOOLS) cargo-deny
 
+.PHONY: fuzz
+fuzz: ## fuzz the readers, a minute a target (SECONDS=600 for longer, SEEDS=folders of files to begin with)
+	scripts/fuzz.sh $(or $(SECONDS),60) $(SEEDS)
+
 .PHONY: bench
 bench: ## run the criterion benches (benches/README.md)
 	$(CARGO) bench --locked --benches

@@ -17,14 +17,18 @@
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
 //! | [`mod@bench`] | the paper's tables, measured here |
+//! | [`mod@check`] | what may be wrong with a sequence |
+//! | [`mod@convert`] | frames written anew |
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
 
 pub mod analysis;
 pub mod app;
 pub mod bench;
+pub mod check;
 pub mod cli;
 pub mod cloud;
+pub mod convert;
 pub mod headless;
 pub mod io;
 mod kept;

@@ -15,7 +15,7 @@ const ORDER: &[&[&str]] = &[
     &["sequence"],
     &["scene"],
     &["render"],
-    &["headless", "bench"],
+    &["headless", "bench", "check", "convert"],
     &["app"],
     &["cli"],
 ];

@@ -67,7 +67,7 @@ pub struct CheckReport {
     /// Attributes of the first readable frame.
     pub attributes: Vec<String>,
     /// Which axis is probably up, of most frames.
-    pub probable_up: Option<String>,
+    pub probable_up: Option<&'static str>,
     /// Frames a second by the time stamps; `None` without.
     pub stamped_fps: Option<f64>,
     /// Smallest and largest corner of all frames in file coordinates.
@@ -99,7 +99,7 @@ pub fn check(sequence: &Sequence, progress: &(dyn Fn(usize) + Sync)) -> CheckRep
         attributes: readable()
             .next()
             .map_or_else(Vec::new, |facts| facts.attributes.clone()),
-        probable_up: rules::most_common_up(&facts).map(|up: UpAxis| up.to_string()),
+        probable_up: rules::most_common_up(&facts).map(UpAxis::name),
         stamped_fps: (!sequence.pace().is_even()).then(|| sequence.fps()),
         bounds: bounds.map(|(min, max)| [min.to_array(), max.to_array()]),
         findings,

@@ -290,8 +290,9 @@ fn changed_up_axes(facts: &Facts) -> Option<Finding> {
     (frames.len() * 4 > facts.len()).then(|| Finding {
         kind: FindingKind::ChangedUpAxis,
         message: format!(
-            "{} looks as if another axis than {usual} was up: --up says which it is",
-            named(&frames)
+            "{} looks as if another axis than {} was up: --up says which it is",
+            named(&frames),
+            usual.name()
         ),
         frames,
     })

@@ -10,7 +10,9 @@ use crate::scene::{
 use crate::sequence::{ColorSource, OpenOptions, Sequence, SequenceError};
 use clap::Args;
 use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// The name of the built-in sequence where an INPUT is expected.
 pub(super) const DEMO_INPUT: &str = "demo:";
@@ -344,6 +346,39 @@ fn color_source(text: &str) -> Result<ColorSource, String> {
         .ok_or_else(|| "expected auto, file, normal, scalar or uniform".to_owned())
 }
 
+/// Frames `first` to `last`, both included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct FrameRange {
+    pub(super) first: usize,
+    pub(super) last: usize,
+}
+
+impl FrameRange {
+    /// Both ends included.
+    pub(super) fn bounds(&self) -> RangeInclusive<usize> {
+        self.first..=self.last
+    }
+}
+
+impl FromStr for FrameRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parse = |number: &str| number.parse::<usize>().ok();
+        let range = match text.split_once("..") {
+            Some((first, last)) => parse(first).zip(parse(last)),
+            None => parse(text).map(|frame| (frame, frame)),
+        };
+        match range {
+            Some((first, last)) if first <= last => Ok(Self { first, last }),
+            _ => Err(
+                "expected a frame such as 0, or a range such as 0..23 with both ends included"
+                    .to_owned(),
+            ),
+        }
+    }
+}
+
 /// `1500000000`, `1.5GB` (10⁹) or `2GiB` (2³⁰).
 pub(super) fn byte_count(text: &str) -> Result<u64, String> {
     const UNITS: [(&str, f64); 8] = [
@@ -376,6 +411,15 @@ mod tests {
         assert_eq!(byte_count("64kib"), Ok(65536));
         for wrong in ["", "GB", "-1GB", "nan", "inf", "1e40", "5%", "0"] {
             assert!(byte_count(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn ranges_include_both_ends() {
+        assert_eq!("7".parse(), Ok(FrameRange { first: 7, last: 7 }));
+        assert_eq!("2..5".parse(), Ok(FrameRange { first: 2, last: 5 }));
+        for wrong in ["", "a", "5..2", "1..", "..3", "-1", "1...3"] {
+            assert!(wrong.parse::<FrameRange>().is_err(), "{wrong}");
         }
     }
 }

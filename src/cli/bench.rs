@@ -1,10 +1,10 @@
 //! `pointreel bench`: the suites of the benchmark menu, without a window.
 
-use super::arguments::{DEMO_INPUT, open_sequence, size_px};
+use super::arguments::{DEMO_INPUT, ReadArgs, open_sequence, size_px};
 use super::{answer, say};
 use crate::bench::{self, BenchOptions, Input, Modes, Progress, Suite};
 use crate::render::gpu::{Context, ContextOptions};
-use crate::sequence::Shape;
+use crate::sequence::{OpenOptions, Shape};
 use anyhow::{Context as _, bail};
 use clap::Args;
 use std::io::{IsTerminal as _, Write as _};
@@ -56,6 +56,9 @@ pub(super) struct BenchArgs {
     /// Timed rounds over all viewpoints
     #[arg(long, value_name = "N", default_value = "3", value_parser = count)]
     repeat: usize,
+
+    #[command(flatten)]
+    read: ReadArgs,
 }
 
 pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
@@ -65,7 +68,8 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
             arguments.suite
         );
     }
-    let inputs = arguments.inputs.iter().map(|input| open_input(input));
+    let open = arguments.read.open_options();
+    let inputs = arguments.inputs.iter().map(|input| open_input(input, &open));
     let inputs = inputs.collect::<anyhow::Result<Vec<Input>>>()?;
     let default = BenchOptions::new(arguments.suite);
     let options = BenchOptions {
@@ -106,7 +110,7 @@ const SHAPE_POINTS: usize = 100_000;
 const MOST_SHAPE_POINTS: usize = 50_000_000;
 
 /// Opens a sequence, or samples a shape.
-fn open_input(input: &Path) -> anyhow::Result<Input> {
+fn open_input(input: &Path, open: &OpenOptions) -> anyhow::Result<Input> {
     if let Some((shape, count)) = sampled_shape(input)? {
         return Ok(Input {
             name: shape.name().to_owned(),
@@ -116,7 +120,7 @@ fn open_input(input: &Path) -> anyhow::Result<Input> {
     }
     Ok(Input {
         name: sequence_name(input),
-        sequence: Arc::new(open_sequence(&[input.to_owned()], read)?),
+        sequence: Arc::new(open_sequence(&[input.to_owned()], open)?),
         shape: None,
     })
 }

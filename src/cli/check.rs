@@ -67,7 +67,7 @@ fn text(report: &CheckReport) -> String {
     if let Some([min, max]) = report.bounds {
         let _ = writeln!(text, "from {min:?} to {max:?}");
     }
-    if let Some(up) = &report.probable_up {
+    if let Some(up) = report.probable_up {
         let _ = writeln!(text, "{up} is probably up");
     }
     if let Some(fps) = report.stamped_fps {

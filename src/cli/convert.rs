@@ -5,7 +5,7 @@ use super::progress::Bar;
 use super::{answer, say};
 use crate::convert::{Conversion, Edit, Output, Shard, convert};
 use crate::io::WriteFormat;
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::Args;
 use glam::DMat4;
 use std::path::{Path, PathBuf};

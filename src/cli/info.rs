@@ -1,6 +1,6 @@
 //! `pointreel info`: what is in the frames of a sequence, in the coordinates of the files.
 
-use super::arguments::open_sequence;
+use super::arguments::{ReadArgs, open_sequence};
 use super::{answer, say};
 use crate::sequence::Sequence;
 use anyhow::{Context as _, bail};
@@ -20,18 +20,27 @@ pub(super) struct InfoArgs {
     /// Answer in JSON
     #[arg(long)]
     json: bool,
+
+    #[command(flatten)]
+    read: ReadArgs,
 }
 
 #[derive(Serialize)]
 struct Info {
     frames: Vec<FrameInfo>,
     origin: [f64; 3],
+    /// At normal speed, for most of the time.
+    fps: f64,
 }
 
 #[derive(Serialize)]
 struct FrameInfo {
     index: usize,
     file: String,
+    /// The frame's own name: that of the file, and of the part where it has several.
+    name: String,
+    /// By the time stamp of the file or its name.
+    time_s: Option<f64>,
     #[serde(flatten)]
     content: Content,
 }
@@ -45,7 +54,9 @@ enum Content {
         /// Null without a finite point.
         min: Option<[f64; 3]>,
         max: Option<[f64; 3]>,
-        attributes: Vec<&'static str>,
+        attributes: Vec<String>,
+        /// Triangles of a mesh.
+        faces: usize,
     },
     Failed {
         error: String,
@@ -53,7 +64,7 @@ enum Content {
 }
 
 pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
-    let sequence = open_sequence(&arguments.inputs)?;
+    let sequence = open_sequence(&arguments.inputs, &arguments.read.open_options())?;
     // Rayon decodes as many frames at once as there are cores, and keeps none.
     let frames: Vec<FrameInfo> = (0..sequence.len())
         .into_par_iter()
@@ -78,6 +89,7 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     let info = Info {
         frames,
         origin: sequence.origin().to_array(),
+        fps: sequence.fps(),
     };
     if arguments.json {
         answer(
@@ -98,16 +110,20 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
                 finite_points,
                 min: bounds.map(|(min, _)| min.to_array()),
                 max: bounds.map(|(_, max)| max.to_array()),
-                attributes: raw.attributes(),
+                attributes: raw.attributes().into_iter().map(str::to_owned).collect(),
+                faces: raw.faces.len(),
             }
         }
         Err(error) => Content::Failed {
             error: error.to_string(),
         },
     };
+    let source = sequence.source(index);
     FrameInfo {
         index,
-        file: sequence.source(index).path.display().to_string(),
+        file: source.path.display().to_string(),
+        name: source.name.clone(),
+        time_s: source.time.map(|time| time.as_secs_f64()),
         content,
     }
 }
@@ -127,6 +143,7 @@ fn table(info: &Info) -> String {
                 min,
                 max,
                 attributes,
+                faces,
             } => {
                 let bounds = match (min, max) {
                     (Some(min), Some(max)) => (0..3)
@@ -135,12 +152,16 @@ fn table(info: &Info) -> String {
                         .join(" "),
                     _ => "none".to_owned(),
                 };
+                let faces = match faces {
+                    0 => String::new(),
+                    faces => format!(" {faces} faces"),
+                };
                 writeln!(
                     text,
-                    "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}, {}",
+                    "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}, {}",
                     frame.index,
                     attributes.join(" "),
-                    frame.file
+                    place(frame)
                 )
             }
             Content::Failed { error } => {
@@ -149,8 +170,21 @@ fn table(info: &Info) -> String {
         };
     }
     let [x, y, z] = info.origin;
-    let _ = writeln!(text, "{} frames, origin {x} {y} {z}", info.frames.len());
+    let _ = writeln!(
+        text,
+        "{} frames, {:.3} a second, origin {x} {y} {z}",
+        info.frames.len(),
+        info.fps
+    );
     text
+}
+
+/// The file, and which part of it where it has several.
+fn place(frame: &FrameInfo) -> String {
+    match frame.name.split_once(": ") {
+        Some((_, part)) => format!("{}: {part}", frame.file),
+        None => frame.file.clone(),
+    }
 }
 
 /// A coordinate with as many digits as fit a column.

@@ -1,9 +1,13 @@
-//! The command line: one file a verb. Exit code 0, 2 for wrong usage, 1 for any failure with one sentence on stderr.
+//! The command line: one file a verb. Exit code 0, 2 for wrong usage, 1 for any failure with one sentence
+//! on stderr, 3 where `check` found something.
 
 mod arguments;
 mod bench;
+mod check;
 mod compare;
+mod convert;
 mod info;
+mod progress;
 mod render;
 mod view;
 
@@ -32,6 +36,10 @@ enum Verb {
     Bench(bench::BenchArgs),
     /// Says what is in a sequence
     Info(info::InfoArgs),
+    /// Says what may be wrong with a sequence: exit code 0 if nothing, 3 if something was found
+    Check(check::CheckArgs),
+    /// Writes frames in another format, moved, thinned out, with normals
+    Convert(Box<convert::ConvertArgs>),
     /// Says how far a picture is from another one: PSNR, FLIP, SSIM, pixels that differ
     Compare(compare::CompareArgs),
 }
@@ -47,20 +55,26 @@ pub fn main() -> ExitCode {
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
     let result = match arguments.verb {
-        None => view::run(&arguments.view),
-        Some(Verb::View(view)) => view::run(&view),
-        Some(Verb::Render(render)) => render::run(&render),
-        Some(Verb::Bench(bench)) => bench::run(&bench),
-        Some(Verb::Info(info)) => info::run(&info),
-        Some(Verb::Compare(compare)) => compare::run(&compare),
+        None => view::run(&arguments.view).map(done),
+        Some(Verb::View(view)) => view::run(&view).map(done),
+        Some(Verb::Render(render)) => render::run(&render).map(done),
+        Some(Verb::Bench(bench)) => bench::run(&bench).map(done),
+        Some(Verb::Info(info)) => info::run(&info).map(done),
+        Some(Verb::Check(check)) => check::run(&check),
+        Some(Verb::Convert(convert)) => convert::run(&convert).map(done),
+        Some(Verb::Compare(compare)) => compare::run(&compare).map(done),
     };
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             say(&format!("error: {error:#}"));
             ExitCode::FAILURE
         }
     }
+}
+
+fn done((): ()) -> ExitCode {
+    ExitCode::SUCCESS
 }
 
 /// One line on stderr.

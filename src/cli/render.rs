@@ -1,6 +1,6 @@
 //! `pointreel render`: frames to PNG files, with the code that draws the window.
 
-use super::arguments::{CameraArgs, PictureArgs, ReadArgs, open_sequence, size_px};
+use super::arguments::{CameraArgs, FrameRange, PictureArgs, ReadArgs, open_sequence, size_px};
 use super::say;
 use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
@@ -10,7 +10,6 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::Arc;
 
 /// Where the number of the frame goes in the name of the output.
@@ -36,6 +35,9 @@ pub(super) struct RenderArgs {
     size: [u32; 2],
 
     #[command(flatten)]
+    read: ReadArgs,
+
+    #[command(flatten)]
     picture: PictureArgs,
 
     #[command(flatten)]
@@ -44,32 +46,6 @@ pub(super) struct RenderArgs {
     /// JSON file to write counters and times to
     #[arg(long, value_name = "STATS.json")]
     stats: Option<PathBuf>,
-}
-
-/// Frames `first` to `last`, both included.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct FrameRange {
-    first: usize,
-    last: usize,
-}
-
-impl FromStr for FrameRange {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parse = |number: &str| number.parse::<usize>().ok();
-        let range = match text.split_once("..") {
-            Some((first, last)) => parse(first).zip(parse(last)),
-            None => parse(text).map(|frame| (frame, frame)),
-        };
-        match range {
-            Some((first, last)) if first <= last => Ok(Self { first, last }),
-            _ => Err(
-                "expected a frame such as 0, or a range such as 0..23 with both ends included"
-                    .to_owned(),
-            ),
-        }
-    }
 }
 
 #[derive(Serialize)]
@@ -179,15 +155,6 @@ fn output_path(output: &Path, index: usize, frame_count: usize) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ranges_include_both_ends() {
-        assert_eq!("7".parse(), Ok(FrameRange { first: 7, last: 7 }));
-        assert_eq!("2..5".parse(), Ok(FrameRange { first: 2, last: 5 }));
-        for wrong in ["", "a", "5..2", "1..", "..3", "-1", "1...3"] {
-            assert!(wrong.parse::<FrameRange>().is_err(), "{wrong}");
-        }
-    }
 
     #[test]
     fn numbers_of_outputs_sort() {

@@ -1,0 +1,25 @@
+//! Any bytes as a file of any name: the first byte chooses the extension, so that formats without magic are reached too.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use pointreel_fuzz::io;
+use std::path::PathBuf;
+
+fuzz_target!(|data: &[u8]| {
+    let Some((&choice, bytes)) = data.split_first() else {
+        return;
+    };
+    let extensions: Vec<&str> = io::supported_extensions().collect();
+    let extension = extensions[usize::from(choice) % extensions.len()];
+    let name = PathBuf::from(format!("fuzz.{extension}"));
+    if let Ok(cloud) = io::read_bytes(&name, bytes) {
+        let count = cloud.positions.len();
+        assert!(cloud.colors.is_none_or(|colors| colors.len() == count));
+        assert!(cloud.normals.is_none_or(|normals| normals.len() == count));
+        assert!(cloud.radii.is_none_or(|radii| radii.len() == count));
+        assert!(cloud.scalars.iter().all(|field| field.values.len() == count));
+        let indices = cloud.faces.iter().flatten();
+        assert!(indices.into_iter().all(|&index| (index as usize) < count));
+    }
+});

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Fuzzes the readers for a bounded time.
+#
+#     scripts/fuzz.sh [SECONDS_A_TARGET] [FOLDER_OF_SEED_FILES…]
+#
+# Seeds are the project's own fixtures and the files in the folders given; what is found is kept in fuzz/corpus and
+# fuzz/artifacts. Needs cargo-fuzz, which it installs, and a C++ compiler. Sanitizers are a matter of nightly compilers;
+# RUSTC_BOOTSTRAP lets the stable one do it.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+seconds=${1:-60}
+shift || true
+export RUSTC_BOOTSTRAP=1
+
+cargo fuzz --version >/dev/null 2>&1 || cargo install --locked --quiet cargo-fuzz
+
+# The extensions in the order of `Format`'s table: the first byte of a seed chooses among them.
+extensions=(ply pcd las laz e57 drc xyz txt csv asc pts ptx obj off stl gltf glb npy npz bin mcap bag db3 zip tar tgz gz)
+lists=(zip tar tgz mcap bag db3 e57 glb)
+mkdir -p fuzz/corpus/read fuzz/corpus/list
+
+# seed TARGET PLACE FILE: a seed that chooses the extension at PLACE.
+seed() {
+    local name
+    name=$(sha256sum "$3" | cut -c1-16)
+    { printf "\\x$(printf %02x "$2")"; cat "$3"; } >"fuzz/corpus/$1/$name"
+}
+place_of() { # place_of EXTENSION LIST…: where it stands, or nothing
+    local wanted=$1 place=0
+    shift
+    for extension in "$@"; do
+        [[ $extension == "$wanted" ]] && { echo "$place"; return; }
+        place=$((place + 1))
+    done
+}
+while IFS= read -r -d '' file; do
+    extension=${file##*.}
+    extension=${extension,,}
+    place=$(place_of "$extension" "${extensions[@]}")
+    [[ -n $place ]] && seed read "$place" "$file"
+    place=$(place_of "$extension" "${lists[@]}")
+    [[ -n $place ]] && seed list "$place" "$file"
+# Large files make slow seeds; what is in them is in small ones too.
+done < <(find tests/data "$@" -type f -size -64k -print0)
+
+for target in read list; do
+    cargo fuzz run "$target" -- -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -max_len=65536
+done

@@ -1,0 +1,234 @@
+use super::*;
+use crate::cloud::{Positions, RawCloud, ScalarField};
+use crate::sequence::Source;
+use glam::{DMat4, DVec3};
+use std::num::NonZeroUsize;
+use std::time::Duration;
+
+/// 1,000 points in a cube of ten metres, with everything a cloud can have.
+fn cube() -> RawCloud {
+    let positions: Vec<[f64; 3]> = (0..1000)
+        .map(|index| [index % 10, index / 10 % 10, index / 100].map(|value| f64::from(value) + 0.5))
+        .collect();
+    RawCloud {
+        colors: Some((0..1000).map(|index| [(index % 256) as u8, 7, 9, 255]).collect()),
+        normals: Some(vec![[0.0, 0.0, 1.0]; 1000]),
+        radii: Some(vec![0.5; 1000]),
+        scalars: vec![ScalarField::new(
+            "intensity",
+            (0..1000).map(|index| index as f32).collect(),
+        )],
+        ..RawCloud::from_positions(Positions::F64(positions))
+    }
+}
+
+fn edited(edit: &Edit) -> RawCloud {
+    let mut cloud = cube();
+    edit.apply(&mut cloud).unwrap();
+    cloud
+}
+
+#[test]
+fn transforms_move_points_and_turn_normals() {
+    // Z becomes X, twice as long, and 5,000,000 m away.
+    let transform = DMat4::from_translation(DVec3::new(5e6, 0.0, 0.0))
+        * DMat4::from_scale(DVec3::splat(2.0))
+        * DMat4::from_cols_array(&[
+            0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+        ]);
+    let cloud = edited(&Edit {
+        transform: Some(transform),
+        ..Edit::default()
+    });
+    assert_eq!(cloud.positions.get(123), DVec3::new(5e6 + 3.0, 7.0, 5.0));
+    assert_eq!(cloud.normals.unwrap()[0], [1.0, 0.0, 0.0]);
+    assert!((cloud.radii.unwrap()[0] - 1.0).abs() < 1e-6);
+    let flat = Edit {
+        transform: Some(DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0))),
+        ..Edit::default()
+    };
+    assert_eq!(flat.apply(&mut cube()), Err(EditError::FlatTransform));
+}
+
+#[test]
+fn cells_join_what_is_in_them() {
+    let cloud = edited(&Edit {
+        voxel_edge: Some(2.0),
+        ..Edit::default()
+    });
+    assert_eq!(cloud.positions.len(), 125);
+    assert_eq!(cloud.positions.get(0), DVec3::ONE);
+    // Points 0, 1, 10, 11, 100, 101, 110 and 111 are in the first cell.
+    assert_eq!(cloud.scalars[0].values[0], 55.5);
+    assert_eq!(cloud.colors.unwrap()[0], [56, 7, 9, 255]);
+    assert_eq!(cloud.normals.unwrap()[124], [0.0, 0.0, 1.0]);
+    assert_eq!(cloud.radii.unwrap()[0], 1.0);
+    let tiny = Edit {
+        voxel_edge: Some(1e-18),
+        ..Edit::default()
+    };
+    assert!(matches!(
+        tiny.apply(&mut cube()),
+        Err(EditError::TooManyCells { .. })
+    ));
+}
+
+#[test]
+fn thinning_out_is_even_and_keeps_the_order() {
+    let cloud = edited(&Edit {
+        sample_count: NonZeroUsize::new(125),
+        ..Edit::default()
+    });
+    assert_eq!(cloud.positions.len(), 125);
+    let values = &cloud.scalars[0].values;
+    assert!(values.is_sorted());
+    // Each octant of the cube has its share.
+    let mut counts = [0; 8];
+    for index in 0..125 {
+        let position = cloud.positions.get(index);
+        let octant = (0..3).fold(0, |octant, axis| {
+            octant * 2 + usize::from(position[axis] > 5.0)
+        });
+        counts[octant] += 1;
+    }
+    assert!(counts.iter().all(|count| (14..=17).contains(count)), "{counts:?}");
+}
+
+#[test]
+fn normals_are_estimated_where_there_are_none() {
+    let mut plane = RawCloud::from_positions(Positions::F64(
+        (0..400)
+            .map(|index| [f64::from(index % 20), f64::from(index / 20), 1e6])
+            .chain([[f64::NAN; 3]])
+            .collect(),
+    ));
+    let edit = Edit {
+        estimates_normals: true,
+        ..Edit::default()
+    };
+    edit.apply(&mut plane).unwrap();
+    let normals = plane.normals.unwrap();
+    assert!(normals[..400].iter().all(|normal| normal[2].abs() > 0.999));
+    assert_eq!(normals[400], [0.0; 3]);
+    assert!(plane.radii.unwrap()[210] > 0.3);
+}
+
+/// Ten frames, each with its number in all coordinates; frame 3 fails.
+fn sequence() -> Sequence {
+    let sources = (0..10).map(|number| Source {
+        number: Some(number),
+        ..Source::file(format!("nowhere/{number}.ply"))
+    });
+    Sequence::with_decoder(sources.collect(), |source| match source.number {
+        Some(3) => Err("broken".into()),
+        Some(number) => Ok(RawCloud::from_positions(Positions::F64(vec![
+            [number as f64; 3],
+        ]))),
+        None => Err("no number".into()),
+    })
+}
+
+fn conversion(folder: &Path) -> Conversion {
+    Conversion {
+        frames: None,
+        shard: Shard::WHOLE,
+        edit: Edit::default(),
+        format: WriteFormat::PlyBinary,
+        output: Output::Folder(folder.to_owned()),
+        overwrites: false,
+    }
+}
+
+fn run(conversion: &Conversion) -> Converted {
+    convert(&sequence(), conversion, &|_, _| {}, &AtomicBool::new(false)).unwrap()
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .filter(|name| !name.starts_with(".pointreel"))
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn every_frame_is_written_but_the_one_that_fails() {
+    let folder = tempfile::tempdir().unwrap();
+    let converted = run(&conversion(folder.path()));
+    assert_eq!((converted.written, converted.left), (9, 0));
+    assert_eq!(converted.failed.len(), 1);
+    assert_eq!(converted.failed[0].0, 3);
+    assert_eq!(names(folder.path()).len(), 9);
+    let seventh = crate::io::read(&folder.path().join("frame_000007.ply")).unwrap();
+    assert_eq!(seventh.positions.get(0), DVec3::splat(7.0));
+}
+
+#[test]
+fn who_starts_again_does_only_what_is_left() {
+    let folder = tempfile::tempdir().unwrap();
+    run(&conversion(folder.path()));
+    fs::remove_file(folder.path().join("frame_000005.ply")).unwrap();
+    let again = run(&conversion(folder.path()));
+    assert_eq!((again.written, again.left), (1, 8));
+    // Other options are another conversion.
+    let other = Conversion {
+        format: WriteFormat::PlyAscii,
+        ..conversion(folder.path())
+    };
+    let refused = convert(&sequence(), &other, &|_, _| {}, &AtomicBool::new(false));
+    assert!(matches!(refused, Err(ConvertError::OtherConversion { .. })));
+    let anew = Conversion {
+        overwrites: true,
+        ..other
+    };
+    assert_eq!(run(&anew).written, 9);
+}
+
+#[test]
+fn a_cancelled_conversion_leaves_whole_files_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let cancel = AtomicBool::new(false);
+    let stop = |_, _| cancel.store(true, Ordering::Relaxed);
+    let converted = convert(&sequence(), &conversion(folder.path()), &stop, &cancel).unwrap();
+    assert!(converted.is_cancelled);
+    assert_eq!(names(folder.path()).len(), converted.written);
+    for name in names(folder.path()) {
+        assert!(name.starts_with("frame_"), "{name}");
+        crate::io::read(&folder.path().join(name)).unwrap();
+    }
+    assert_eq!(run(&conversion(folder.path())).left, converted.written);
+}
+
+#[test]
+fn shards_share_the_frames_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let counts: Vec<usize> = (0..3)
+        .map(|index| {
+            run(&Conversion {
+                shard: Shard { index, count: 3 },
+                ..conversion(folder.path())
+            })
+            .written
+        })
+        .collect();
+    assert_eq!(counts, [3, 3, 3]);
+    assert_eq!(names(folder.path()).len(), 9);
+}
+
+#[test]
+fn times_are_in_the_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let sources = vec![Source {
+        time: Some(Duration::from_millis(1_305_031_102_175)),
+        ..Source::file("a.bag")
+    }];
+    let stamped = Sequence::with_decoder(sources, |_| Ok(cube()));
+    let nobody = AtomicBool::new(false);
+    convert(&stamped, &conversion(folder.path()), &|_, _| {}, &nobody).unwrap();
+    assert_eq!(
+        names(folder.path()),
+        ["frame_000000_1305031102.175000000.ply"]
+    );
+}
