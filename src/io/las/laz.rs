@@ -88,13 +88,18 @@ impl Compression {
             return self.unpack_running(bytes, header.points_start, count, count);
         }
         let start = header.points_start + TABLE_OFFSET_BYTES;
-        if let Some(chunks) = self.chunks_of_table(header, bytes) {
-            return self.unpack(bytes, &chunks);
+        let unpacked = self
+            .chunks_of_table(header, bytes)
+            .map(|chunks| self.unpack(bytes, &chunks));
+        if let Some(Ok(rows)) = unpacked {
+            return Ok(rows);
         }
         if self.record.uses_variable_size_chunks() {
-            return Err(Fault::header(
-                "the table of the chunks is missing or damaged: the file is truncated, or was not written to its end",
-            ));
+            return unpacked.unwrap_or_else(|| {
+                Err(Fault::header(
+                    "the table of the chunks is missing or damaged: the file is truncated, or was not written to its end",
+                ))
+            });
         }
         let chunk_points = self.record.chunk_size() as usize;
         if self.is_layered {
