@@ -56,7 +56,9 @@ fn mesh() -> Mesh {
         &colors,
     ));
     for start in 0..POINTS - 2 {
-        let corners = [start as u32, start as u32 + 1, start as u32 + 2];
+        // Every other one is turned, so that all have the same side up.
+        let (second, third) = (start + 1 + start % 2, start + 2 - start % 2);
+        let corners = [start, second, third].map(|point| point as u32);
         mesh.add_face(corners.map(draco_core::PointIndex));
     }
     mesh

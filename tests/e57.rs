@@ -21,6 +21,7 @@ fn file(fill: impl FnOnce(&mut File<'_>)) -> Vec<u8> {
     let mut writer = E57Writer::new(&mut bytes, "file").unwrap();
     fill(&mut writer);
     writer.finalize().unwrap();
+    drop(writer);
     bytes.into_inner()
 }
 
@@ -100,11 +101,11 @@ fn pose() -> Transform {
     }
 }
 
-fn time(gps_time: f64) -> Option<DateTime> {
-    Some(DateTime {
+fn time(gps_time: f64) -> DateTime {
+    DateTime {
         gps_time,
         atomic_reference: false,
-    })
+    }
 }
 
 /// A bare scan with a pose, an empty one, and one with colours, intensities, normals and packed integers.
@@ -119,7 +120,7 @@ fn three_scans() -> Vec<u8> {
         scan(file, &xyz(), &[doubles(&[1.0, 2.0, 3.0])], |scan| {
             scan.set_name(Some("first".to_owned()));
             scan.set_transform(Some(pose()));
-            scan.set_acquisition_start(time(200.0));
+            scan.set_acquisition_start(Some(time(200.0)));
         });
         scan(file, &xyz(), &[], |_| {});
         let millimetres = RecordDataType::ScaledInteger {
@@ -149,7 +150,7 @@ fn three_scans() -> Vec<u8> {
             .collect();
         scan(file, &prototype, &points, |scan| {
             scan.set_transform(Some(pose()));
-            scan.set_acquisition_start(time(100.5));
+            scan.set_acquisition_start(Some(time(100.5)));
         });
     })
 }
@@ -262,6 +263,20 @@ fn seal(bytes: &mut [u8]) {
     }
 }
 
+/// The file with other words in its description, of the same length so that nothing else moves.
+fn replace(mut bytes: Vec<u8>, from: &str, to: &str) -> Vec<u8> {
+    assert_eq!(from.len(), to.len());
+    let found: Vec<usize> = (0..bytes.len() - from.len())
+        .filter(|&at| bytes[at..].starts_with(from.as_bytes()))
+        .collect();
+    assert!(!found.is_empty(), "no {from}");
+    for at in found {
+        bytes[at..at + from.len()].copy_from_slice(to.as_bytes());
+    }
+    seal(&mut bytes);
+    bytes
+}
+
 /// Two points, one field of which has no bits.
 fn small() -> Vec<u8> {
     let mut prototype = xyz();
@@ -310,42 +325,28 @@ fn changed_bytes_under_right_sums_never_panic() {
 
 #[test]
 fn claims_of_the_description_are_held_against_the_file() {
-    let with = |from: &str, to: &str| {
-        // The same length, so that nothing else moves.
-        assert_eq!(from.len(), to.len());
-        let mut bytes = small();
-        let at = bytes
-            .windows(from.len())
-            .position(|window| window == from.as_bytes())
-            .unwrap_or_else(|| panic!("no {from}"));
-        bytes[at..at + from.len()].copy_from_slice(to.as_bytes());
-        seal(&mut bytes);
-        read(&bytes)
-    };
+    let with = |from: &str, to: &str| read(&replace(small(), from, to));
     let error = with("recordCount=\"2\"", "recordCount=\"9\"").unwrap_err();
     assert!(
         error.to_string().contains("points end before the last one"),
         "{error}"
     );
-    let name = |axis: &str| format!("cartesian{axis} type=\"Float\"");
-    let error = with(&name("X"), &name("x")).unwrap_err();
+    let error = with("cartesianX", "cartesianx").unwrap_err();
     assert!(error.to_string().contains("no coordinates"), "{error}");
 
-    // Fields without bits: no byte of the file says that there are so many points.
-    let constant = [
-        (RecordName::CartesianX, integer(4, 4)),
-        (RecordName::CartesianY, integer(5, 5)),
-        (RecordName::CartesianZ, integer(6, 6)),
-    ];
-    let point: Vec<RecordValue> = [4, 5, 6].map(RecordValue::Integer).to_vec();
-    let mut bytes = file(|file| scan(file, &constant, &vec![point; 3], |_| {}));
-    assert_eq!(positions(&read(&bytes).unwrap()), [[4.0, 5.0, 6.0]; 3]);
-    let (from, to) = (b"recordCount=\"3\">", b"recordCount=\"3\" ");
-    let at = bytes
-        .windows(from.len())
-        .position(|window| window == from)
-        .unwrap();
-    bytes[at..at + to.len()].copy_from_slice(to);
-    seal(&mut bytes);
-    assert!(read(&bytes).is_err());
+    // Fields that are said to be constant have no bits: no byte of the file vouches for the number of points.
+    for (count, is_read) in [(3, true), (100_000, false)] {
+        let axes = [
+            RecordName::CartesianX,
+            RecordName::CartesianY,
+            RecordName::CartesianZ,
+        ];
+        let prototype = axes.map(|name| (name, integer(4, 5)));
+        let points = vec![vec![RecordValue::Integer(4); 3]; count];
+        let bytes = file(|file| scan(file, &prototype, &points, |_| {}));
+        let constant = replace(bytes, "maximum=\"5\"", "maximum=\"4\"");
+        let found = read(&constant).map(|cloud| positions(&cloud).to_vec());
+        assert_eq!(found.is_ok(), is_read, "{count}");
+        assert!(found.is_err() || found.unwrap() == vec![[4.0; 3]; count]);
+    }
 }

@@ -67,13 +67,13 @@ impl Stream<'_> {
                 }
             }
             RecordDataType::Integer { min, .. } => {
-                self.for_each_integer(count, min, |index, value| each(index, value));
+                self.for_each_integer(count, min, each);
             }
             RecordDataType::ScaledInteger {
                 min, scale, offset, ..
             } => {
                 self.for_each_integer(count, min, |index, value| {
-                    each(index, value * scale + offset)
+                    each(index, value * scale + offset);
                 });
             }
         }

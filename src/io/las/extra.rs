@@ -75,9 +75,7 @@ pub(super) fn fields<'a>(
                     || fields.iter().any(|field| field.name == name)
             };
             if name.is_empty() || is_taken(&name) {
-                name = format!("{name} extra {}", fields.len() + 1)
-                    .trim()
-                    .to_owned();
+                name = format!("{name} extra {}", fields.len() + 1);
             }
             fields.push(ExtraField {
                 name,

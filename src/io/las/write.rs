@@ -32,7 +32,7 @@ impl Axis {
     fn new(
         (min, max): (f64, f64),
         precision: f64,
-        coordinates: impl Iterator<Item = f64> + Clone,
+        coordinates: &(impl Iterator<Item = f64> + Clone),
     ) -> Self {
         let mut digits = Self::LEAST_DIGITS;
         while Self::fitting(digits, min, max).is_none() && digits > -300 {
@@ -147,7 +147,7 @@ impl<'a> Points<'a> {
                 .map(|index| cloud.positions.get(index))
                 .filter(|position| position.is_finite())
                 .map(move |position| position[axis]);
-            Axis::new((min[axis], max[axis]), precision, coordinates)
+            Axis::new((min[axis], max[axis]), precision, &coordinates)
         });
         let field = |name: &str| {
             let is_named = |field: &&ScalarField| field.name.eq_ignore_ascii_case(name);

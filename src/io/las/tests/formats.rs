@@ -3,7 +3,9 @@
 use super::*;
 
 /// Bytes of a point, and where its time, colours and near infrared are.
-const FORMATS: [(u16, Option<usize>, Option<usize>, Option<usize>); 11] = [
+type Fields = (u16, Option<usize>, Option<usize>, Option<usize>);
+
+const FORMATS: [Fields; 11] = [
     (20, None, None, None),
     (28, Some(20), None, None),
     (26, None, Some(20), None),

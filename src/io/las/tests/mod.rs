@@ -54,18 +54,15 @@ fn sample(count: usize) -> RawCloud {
     let mut cloud = RawCloud::from_positions(Positions::F64(positions.collect()));
     let colors = (0..count).map(|i| [i as u8, 255 - i as u8, 7, 255]);
     cloud.colors = Some(colors.collect());
-    let fields: [(&str, fn(f64) -> f64); 3] = [
-        ("intensity", |i| i * 13.0),
-        ("classification", |i| i % 40.0),
-        ("gps_time", |i| 3.1e8 + i * 0.5),
+    let field = |name: &str, number: &dyn Fn(f64) -> f64| {
+        let values: Vec<f64> = (0..count).map(|index| number(at(index))).collect();
+        ScalarField::from_f64(name, &values)
+    };
+    cloud.scalars = vec![
+        field("intensity", &|index| index * 13.0),
+        field("classification", &|index| index % 40.0),
+        field("gps_time", &|index| 3.1e8 + index * 0.5),
     ];
-    cloud.scalars = fields
-        .into_iter()
-        .map(|(name, number)| {
-            let values: Vec<f64> = (0..count).map(|i| number(at(i))).collect();
-            ScalarField::from_f64(name, &values)
-        })
-        .collect();
     cloud
 }
 

@@ -107,7 +107,7 @@ fn points_come_level_by_level() {
 fn as_many_levels_are_read_as_there_is_memory_for() {
     let file = octree();
     let mut seen = Vec::new();
-    for bytes in 0..10_000 {
+    for bytes in (0..10_000).step_by(97) {
         if let Ok(cloud) = decode(&file, &options().with_max_memory(bytes)) {
             let count = cloud.positions.len();
             assert_eq!(
