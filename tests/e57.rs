@@ -350,3 +350,16 @@ fn claims_of_the_description_are_held_against_the_file() {
         assert!(found.is_err() || found.unwrap() == vec![[4.0; 3]; count]);
     }
 }
+
+#[test]
+fn a_description_nested_deeply_is_answered() {
+    const DEPTH: usize = 200_000;
+    let mut bytes = Cursor::new(Vec::new());
+    let mut writer = E57Writer::new(&mut bytes, "file").unwrap();
+    let nested = format!("{}{}", "<a>".repeat(DEPTH), "</a>".repeat(DEPTH));
+    let nest = |xml: String| Ok(xml.replace("</e57Root>", &format!("{nested}</e57Root>")));
+    writer.finalize_customized_xml(nest).unwrap();
+    drop(writer);
+    // Either answer will do, an overflow of the stack would not.
+    let _ = read(&bytes.into_inner()).is_ok();
+}

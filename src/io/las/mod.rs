@@ -10,7 +10,7 @@ mod laz;
 mod points;
 #[cfg(test)]
 mod tests;
-mod write;
+pub(in crate::io) mod write;
 
 pub(in crate::io) use header::take;
 

@@ -5,10 +5,10 @@ use laz::{LazVlrBuilder, ParLasZipCompressor};
 use std::time::{Duration, Instant};
 
 /// The same cloud in the older compression, which has one stream of bytes for all fields.
-fn older() -> Vec<u8> {
+fn older(chunk_points: u32) -> Vec<u8> {
     const POINT_BYTES: u16 = 28;
     let compression = LazVlrBuilder::default().with_point_format(1, 0).unwrap();
-    let compression = compression.with_fixed_chunk_size(8).build();
+    let compression = compression.with_fixed_chunk_size(chunk_points).build();
     let mut described = Vec::new();
     compression.write_to(&mut described).unwrap();
     let described = record(b"laszip encoded", 22204, &described);
@@ -32,7 +32,7 @@ fn files() -> [(&'static str, Vec<u8>); 4] {
     [
         ("plain", written(&sample(20), false)),
         ("compressed", written(&sample(20), true)),
-        ("older compression", older()),
+        ("older compression", older(8)),
         ("octree", octrees::octree()),
     ]
 }
@@ -106,6 +106,18 @@ fn chunks_are_found_without_their_table() {
             assert_eq!(read(&file), expected, "{what}, table at {offset}");
         }
     }
+}
+
+#[test]
+fn the_oldest_files_are_one_stream_without_chunks() {
+    let mut file = older(100);
+    let expected = read(&file);
+    let start = u32::from_le_bytes(take(&file, POINTS_AT)) as usize;
+    file.drain(start..start + 8);
+    // The record of the compression begins with the way in which points are divided.
+    file[375 + 54] = 1;
+    assert_eq!(read(&file), expected);
+    assert_eq!(expected.positions.get(3).x, 9.0 * 0.5 + 100.0);
 }
 
 #[test]
