@@ -14,7 +14,9 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Formats that are read.
-const READ: [&str; 5] = ["PLY", "PCD", "XYZ", "PTS", "TXT"];
+const READ: [&str; 10] = [
+    "PLY", "PCD", "XYZ", "PTS", "TXT", "LAS", "LAZ", "COPC", "E57", "DRC",
+];
 
 fn shared_data() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
@@ -73,6 +75,10 @@ fn differences(cloud: &RawCloud, expected: &Value, points: &str, finite: &str) -
     for (name, found) in [
         ("has_color", cloud.colors.is_some()),
         ("has_normals", cloud.normals.is_some()),
+        (
+            "has_intensity",
+            cloud.scalars.iter().any(|field| field.name == "intensity"),
+        ),
     ] {
         // What the other readers know no name for (upper-case fields, columns of text) is no mistake of ours.
         if expected[name] == true && !found {

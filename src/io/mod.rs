@@ -9,8 +9,11 @@ mod archive;
 mod attributes;
 mod column;
 mod contents;
+mod draco;
+mod e57;
 mod error;
 mod format;
+mod las;
 mod numbers;
 mod options;
 mod pcd;
@@ -98,6 +101,9 @@ fn read_bytes_with(
         Format::Ply => ply::decode(bytes),
         Format::Pcd => pcd::decode(bytes),
         Format::Xyz => xyz::decode(bytes),
+        Format::Las => las::decode(bytes, options),
+        Format::E57 => e57::decode(bytes, part, options),
+        Format::Draco => draco::decode(bytes, options),
         _ => {
             let _ = (part, options);
             Err(Fault::header("not yet"))
@@ -115,6 +121,7 @@ fn list_format(
     match format {
         Format::Zip | Format::Tar => archive::list(path, format, options),
         Format::Mcap | Format::Bag | Format::Db3 => recording::list(path, format),
+        Format::E57 => e57::list(path),
         _ => Ok(vec![Entry::whole()]),
     }
 }

@@ -1,0 +1,131 @@
+//! Draco: compressed point clouds and meshes, by the crate `draco-core`.
+//!
+//! The crate has ceilings for what a file may unpack to, and refuses memory that a file merely claims; a panic within it becomes
+//! an error.
+
+use super::ReadOptions;
+use super::column::{self, Column, Scalar, Values};
+use super::error::{Fault, Place};
+use crate::cloud::{Positions, RawCloud};
+use draco_core::{
+    DataType, DecodeLimits, DecoderBuffer, GeometryAttributeType, Mesh, MeshDecoder,
+    PointAttribute, PointIndex,
+};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
+    /// What a point and a face take in the cloud, and beside it while it is read.
+    const POINT_BYTES: u64 = 64;
+    const FACE_BYTES: u64 = 64;
+    let limits = DecodeLimits::default()
+        .with_max_points((options.max_memory_bytes / POINT_BYTES).min(u64::from(u32::MAX)))
+        .with_max_faces(options.max_memory_bytes / FACE_BYTES)
+        .with_max_decoded_bytes(options.max_memory_bytes / 2);
+    let unpack = || {
+        let mut mesh = Mesh::new();
+        let mut buffer = DecoderBuffer::new(bytes).with_limits(limits);
+        MeshDecoder::new()
+            .decode(&mut buffer, &mut mesh)
+            .map_err(|error| {
+                Fault::new(
+                    Place::Byte(buffer.position()),
+                    format!(
+                        "{error}: the file is damaged or truncated, or needs a higher --max-memory"
+                    ),
+                )
+            })?;
+        cloud(&mesh)
+    };
+    catch_unwind(AssertUnwindSafe(unpack))
+        .unwrap_or_else(|_| Err(Fault::header("the compressed data are damaged")))
+}
+
+fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
+    let count = mesh.num_points();
+    let attribute = |kind| mesh.named_attribute(kind);
+    let positions = attribute(GeometryAttributeType::Position)
+        .filter(|positions| positions.num_components() == 3)
+        .ok_or_else(|| Fault::header("the points have no positions of three numbers"))?;
+    let coordinates = columns(positions, count)?;
+    let coordinates = coordinates.each_ref();
+    let is_wide = !matches!(positions.data_type(), DataType::Float32);
+    let mut cloud = RawCloud::from_positions(if is_wide {
+        Positions::F64(column::vectors_f64(coordinates, count))
+    } else {
+        Positions::F32(column::vectors_f32(coordinates, count))
+    });
+    if let Some(normals) = attribute(GeometryAttributeType::Normal)
+        && normals.num_components() == 3
+    {
+        cloud.normals = Some(column::vectors_f32(
+            columns(normals, count)?.each_ref(),
+            count,
+        ));
+    }
+    if let Some(colors) = attribute(GeometryAttributeType::Color)
+        && (3..=4).contains(&colors.num_components())
+    {
+        let alpha = (colors.num_components() == 4)
+            .then(|| column(colors, 3, count))
+            .transpose()?;
+        let channels = columns(colors, count)?;
+        cloud.colors = Some(column::colors(channels.each_ref(), alpha.as_ref(), count));
+    }
+    let faces = mesh.faces().iter().map(|face| face.map(|point| point.0));
+    cloud.faces = faces.collect();
+    if cloud
+        .faces
+        .iter()
+        .flatten()
+        .any(|&point| point as usize >= count)
+    {
+        return Err(Fault::header("a face refers to a point that is not there"));
+    }
+    Ok(cloud)
+}
+
+fn columns(attribute: &PointAttribute, count: usize) -> Result<[Column<'static>; 3], Fault> {
+    Ok([
+        column(attribute, 0, count)?,
+        column(attribute, 1, count)?,
+        column(attribute, 2, count)?,
+    ])
+}
+
+/// One component of an attribute for every point, of which several may share a value.
+fn column(
+    attribute: &PointAttribute,
+    component: usize,
+    count: usize,
+) -> Result<Column<'static>, Fault> {
+    let wrong = || Fault::header("the values of an attribute are not all there");
+    let scalar = match attribute.data_type() {
+        DataType::Int8 => Scalar::I8,
+        DataType::Uint8 | DataType::Bool => Scalar::U8,
+        DataType::Int16 => Scalar::I16,
+        DataType::Uint16 => Scalar::U16,
+        DataType::Int32 => Scalar::I32,
+        DataType::Uint32 => Scalar::U32,
+        DataType::Int64 => Scalar::I64,
+        DataType::Uint64 => Scalar::U64,
+        DataType::Float32 => Scalar::F32,
+        DataType::Float64 => Scalar::F64,
+        DataType::Invalid => return Err(wrong()),
+    };
+    let step = usize::try_from(attribute.byte_stride()).map_err(|_| wrong())?;
+    let bytes = attribute.buffer().data();
+    let values = (0..count)
+        .map(|point| {
+            let value = attribute.mapped_index(PointIndex(point as u32)).0 as usize;
+            let start = value.checked_mul(step)? + component * scalar.byte_size();
+            let raw = bytes.get(start..start + scalar.byte_size())?;
+            Some(scalar.read(raw, false))
+        })
+        .collect::<Option<Vec<f64>>>()
+        .ok_or_else(wrong)?;
+    Ok(Column {
+        name: String::new(),
+        scalar,
+        values: Values::Parsed(values),
+    })
+}

@@ -1,0 +1,191 @@
+//! The header of a LAS file, and the records behind it that say more about the points.
+//!
+//! Only what is needed to find and read the points is looked at. Counts of records are claims: they are walked as far as the
+//! bytes go. The bounding box is not used, as writers get it wrong.
+
+use crate::io::error::Fault;
+
+/// Bytes of the smallest header, that of version 1.0.
+const MIN_HEADER_BYTES: usize = 227;
+
+/// Bytes of the header of version 1.4, which has wider counts.
+const HEADER_1_4_BYTES: usize = 375;
+
+/// Bytes of a point of each format without extra bytes.
+const POINT_BYTES: [usize; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
+
+/// What the header says.
+#[derive(Debug, Clone)]
+pub(super) struct Header {
+    /// Point format, 0 to 10.
+    pub(super) format: u8,
+    /// True when the points are compressed (LAZ).
+    pub(super) compressed: bool,
+    /// Bytes of a point, with extra bytes.
+    pub(super) point_bytes: usize,
+    /// Points that the file claims.
+    pub(super) count: u64,
+    /// Where the points begin.
+    pub(super) points_start: usize,
+    pub(super) scale: [f64; 3],
+    pub(super) offset: [f64; 3],
+    /// Where the records behind the header begin, and how many there are said to be.
+    records: (usize, u32),
+    /// The same for those behind the points.
+    late_records: (u64, u32),
+}
+
+/// A variable-length record.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Record<'a> {
+    pub(super) user: &'a [u8],
+    pub(super) id: u16,
+    pub(super) data: &'a [u8],
+}
+
+impl Record<'_> {
+    pub(super) fn is(&self, user: &[u8], id: u16) -> bool {
+        self.user == user && self.id == id
+    }
+}
+
+/// The `N` bytes at `at`. Precondition: they are there.
+pub(in crate::io) fn take<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    let mut raw = [0; N];
+    raw.copy_from_slice(&bytes[at..at + N]);
+    raw
+}
+
+impl Header {
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        if bytes.len() < MIN_HEADER_BYTES || !bytes.starts_with(b"LASF") {
+            return Err(Fault::header(format!(
+                "a LAS file begins with LASF and a header of {MIN_HEADER_BYTES} bytes at least, this one has {} bytes: it \
+                 is truncated, or no LAS file",
+                bytes.len()
+            )));
+        }
+        let word = |at| usize::from(u16::from_le_bytes(take(bytes, at)));
+        let long = |at| u32::from_le_bytes(take(bytes, at));
+        let float = |at| f64::from_le_bytes(take(bytes, at));
+        let (major, minor) = (bytes[24], bytes[25]);
+        if major != 1 {
+            return Err(Fault::header(format!(
+                "LAS {major}.{minor} is not known: versions 1.0 to 1.4 are read"
+            )));
+        }
+        // The two highest bits say that the points are compressed.
+        let (format, compressed) = (bytes[104] & 0x3f, bytes[104] & 0xc0 != 0);
+        let Some(&least_bytes) = POINT_BYTES.get(usize::from(format)) else {
+            return Err(Fault::header(format!(
+                "point format {format} is not known: 0 to 10 are read"
+            )));
+        };
+        let point_bytes = word(105);
+        if point_bytes < least_bytes {
+            return Err(Fault::header(format!(
+                "points of format {format} take {least_bytes} bytes at least, but the header says {point_bytes}"
+            )));
+        }
+        let (scale, offset) = ([131, 139, 147].map(float), [155, 163, 171].map(float));
+        if scale
+            .iter()
+            .chain(&offset)
+            .any(|number| !number.is_finite())
+        {
+            return Err(Fault::header(format!(
+                "scale {scale:?} and offset {offset:?} must be finite numbers"
+            )));
+        }
+        let header_bytes = word(94);
+        let is_1_4 =
+            minor >= 4 && header_bytes >= HEADER_1_4_BYTES && bytes.len() >= HEADER_1_4_BYTES;
+        let legacy_count = u64::from(long(107));
+        let count = if is_1_4 {
+            u64::from_le_bytes(take(bytes, 247))
+        } else {
+            0
+        };
+        let points_start = long(96) as usize;
+        if points_start > bytes.len() {
+            return Err(Fault::header(format!(
+                "the points begin at byte {points_start}, but the file ends at {}: it is truncated",
+                bytes.len()
+            )));
+        }
+        Ok(Self {
+            format,
+            compressed,
+            point_bytes,
+            // Some writers of 1.4 fill only the legacy field.
+            count: if count == 0 { legacy_count } else { count },
+            points_start,
+            scale,
+            offset,
+            records: (header_bytes, long(100)),
+            late_records: if is_1_4 {
+                (u64::from_le_bytes(take(bytes, 235)), long(243))
+            } else {
+                (0, 0)
+            },
+        })
+    }
+
+    /// Bytes of a point of the format, behind which the extra bytes are.
+    pub(super) fn extra_start(&self) -> usize {
+        POINT_BYTES[usize::from(self.format)]
+    }
+
+    /// The records behind the header, then those behind the points, as far as there are bytes for them.
+    pub(super) fn records<'a>(&self, bytes: &'a [u8]) -> impl Iterator<Item = Record<'a>> {
+        let early = Records {
+            bytes: &bytes[..self.points_start],
+            at: self.records.0,
+            left: self.records.1,
+            length_bytes: 2,
+        };
+        let late = Records {
+            bytes,
+            at: usize::try_from(self.late_records.0).unwrap_or(usize::MAX),
+            left: self.late_records.1,
+            length_bytes: 8,
+        };
+        early.chain(late)
+    }
+}
+
+struct Records<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    left: u32,
+    /// Two in records before the points, eight in those behind them.
+    length_bytes: usize,
+}
+
+impl<'a> Iterator for Records<'a> {
+    type Item = Record<'a>;
+
+    fn next(&mut self) -> Option<Record<'a>> {
+        const USER: std::ops::Range<usize> = 2..18;
+        const LENGTH_START: usize = 20;
+        const DESCRIPTION_BYTES: usize = 32;
+        self.left = self.left.checked_sub(1)?;
+        let header_bytes = LENGTH_START + self.length_bytes + DESCRIPTION_BYTES;
+        let data_start = self.at.checked_add(header_bytes)?;
+        let header = self.bytes.get(self.at..data_start)?;
+        let mut length = [0; 8];
+        length[..self.length_bytes]
+            .copy_from_slice(&header[LENGTH_START..LENGTH_START + self.length_bytes]);
+        let length = usize::try_from(u64::from_le_bytes(length)).ok()?;
+        let end = data_start.checked_add(length)?;
+        let data = self.bytes.get(data_start..end)?;
+        self.at = end;
+        let user = &header[USER];
+        let end = user.iter().position(|&byte| byte == 0);
+        Some(Record {
+            user: &user[..end.unwrap_or(user.len())],
+            id: u16::from_le_bytes(take(header, USER.end)),
+            data,
+        })
+    }
+}

@@ -1,0 +1,331 @@
+//! Compressed points (LAZ). They are in chunks, each of which is unpacked alone: in parallel, and in any order.
+//!
+//! The crate `laz` unpacks. It trusts its input: it allocates the sizes of layers that a chunk claims and may overflow, so
+//! sizes are checked here before it sees them, and a panic within it becomes an error. The table of the chunks may be missing
+//! or wrong; the chunks are then found one behind the other, as far as that goes.
+
+use super::header::{Header, take};
+use crate::io::error::{Fault, Place};
+use laz::laszip::ChunkTable;
+use laz::record::{
+    LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor,
+};
+use laz::{DecompressionSelection, LazItemType, LazVlr};
+use rayon::prelude::*;
+use std::io::Cursor;
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Points that a byte can hold at most: those that are all alike take about a thousandth of a byte, as the probabilities of the
+/// coder have 15 bits.
+const MAX_POINTS_PER_BYTE: u64 = 4096;
+
+/// Bytes before the first chunk that say where the table is.
+const TABLE_OFFSET_BYTES: usize = 8;
+
+/// Points that are unpacked alone.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Chunk {
+    pub(super) bytes: Range<usize>,
+    pub(super) points: usize,
+}
+
+/// How the points of a file are compressed.
+pub(super) struct Compression {
+    record: LazVlr,
+    /// Newer files have a stream of bytes for each field (layers), older ones one for all.
+    is_layered: bool,
+    /// One stream without chunks.
+    is_single: bool,
+    point_bytes: usize,
+}
+
+impl Compression {
+    /// From the record that describes it.
+    pub(super) fn new(header: &Header, data: &[u8]) -> Result<Self, Fault> {
+        let unknown = |reason: String| {
+            Fault::header(format!(
+                "the compression is not understood ({reason}): rewrite the file with another program, or without compression"
+            ))
+        };
+        let record = LazVlr::read_from(data).map_err(|error| unknown(error.to_string()))?;
+        let items = record.items();
+        let bytes: usize = items
+            .iter()
+            .map(|item| item_bytes(item.item_type(), item.size()))
+            .sum();
+        let first = items.first().map(laz::LazItem::item_type);
+        if !matches!(first, Some(LazItemType::Point10 | LazItemType::Point14))
+            || bytes != header.point_bytes
+        {
+            return Err(unknown(format!(
+                "its fields take {bytes} bytes, points {}",
+                header.point_bytes
+            )));
+        }
+        Ok(Self {
+            is_layered: items[0].version() >= 3,
+            // The first number says how the points are divided, 1 not at all.
+            is_single: data.starts_with(&[1, 0]),
+            point_bytes: header.point_bytes,
+            record,
+        })
+    }
+
+    /// All points of the file, in its order.
+    pub(super) fn unpack_all(&self, header: &Header, bytes: &[u8]) -> Result<Vec<u8>, Fault> {
+        let count = header.count as usize;
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        if header.count > (bytes.len() as u64).saturating_mul(MAX_POINTS_PER_BYTE) {
+            return Err(Fault::header(format!(
+                "{count} points cannot be in {} bytes: the header is wrong, or the file truncated",
+                bytes.len()
+            )));
+        }
+        if self.is_single {
+            return self.unpack_running(bytes, header.points_start, count, count);
+        }
+        let start = header.points_start + TABLE_OFFSET_BYTES;
+        let unpacked = self
+            .chunks_of_table(header, bytes)
+            .map(|chunks| self.unpack(bytes, &chunks));
+        if let Some(Ok(rows)) = unpacked {
+            return Ok(rows);
+        }
+        if self.record.uses_variable_size_chunks() {
+            return unpacked.unwrap_or_else(|| {
+                Err(Fault::header(
+                    "the table of the chunks is missing or damaged: the file is truncated, or was not written to its end",
+                ))
+            });
+        }
+        let chunk_points = self.record.chunk_size() as usize;
+        if self.is_layered {
+            self.unpack(
+                bytes,
+                &self.chunks_in_a_row(bytes, start, count, chunk_points)?,
+            )
+        } else {
+            self.unpack_running(bytes, start, count, chunk_points)
+        }
+    }
+
+    /// The chunks by the table, if it is there and agrees with the file.
+    fn chunks_of_table(&self, header: &Header, bytes: &[u8]) -> Option<Vec<Chunk>> {
+        let offset_at = |at: usize| {
+            let raw = bytes.get(at..at.checked_add(TABLE_OFFSET_BYTES)?)?;
+            let offset = usize::try_from(i64::from_le_bytes(take(raw, 0))).ok()?;
+            (offset >= header.points_start + TABLE_OFFSET_BYTES).then_some(offset)
+        };
+        // Writers that cannot go back put it at the end.
+        let table_start = offset_at(header.points_start)
+            .or_else(|| offset_at(bytes.len().checked_sub(TABLE_OFFSET_BYTES)?))?;
+        let table = bytes.get(table_start..)?;
+        let entries = u32::from_le_bytes(take(table.get(..8)?, 4)) as usize;
+        // The crate allocates what the table claims. Even an entry that compresses well has its chunk.
+        if entries > bytes.len() / self.point_bytes + 1 {
+            return None;
+        }
+        let is_variable = self.record.uses_variable_size_chunks();
+        let read = || ChunkTable::read(&mut Cursor::new(table), is_variable).ok();
+        let table = catch_unwind(AssertUnwindSafe(read)).ok()??;
+
+        let mut chunks = Vec::new();
+        let mut left = header.count;
+        let mut start = header.points_start + TABLE_OFFSET_BYTES;
+        for entry in &table {
+            let end = start.checked_add(usize::try_from(entry.byte_count).ok()?)?;
+            if end > table_start || left == 0 {
+                break;
+            }
+            let claimed = if is_variable {
+                entry.point_count
+            } else {
+                u64::from(self.record.chunk_size())
+            };
+            let points = claimed.min(left);
+            if points > 0 {
+                chunks.push(Chunk {
+                    bytes: start..end,
+                    points: points as usize,
+                });
+            }
+            left -= points;
+            start = end;
+        }
+        (left == 0).then_some(chunks)
+    }
+
+    /// The chunks of layered points, each of which says how long it is.
+    fn chunks_in_a_row(
+        &self,
+        bytes: &[u8],
+        start: usize,
+        count: usize,
+        chunk_points: usize,
+    ) -> Result<Vec<Chunk>, Fault> {
+        let mut chunks = Vec::new();
+        let (mut start, mut left) = (start, count);
+        while left > 0 {
+            let layers = bytes.get(start..).and_then(|rest| self.layered_bytes(rest));
+            let end = layers
+                .and_then(|layers| start.checked_add(layers))
+                .filter(|&end| end <= bytes.len())
+                .ok_or_else(|| cut_short(chunks.len(), bytes.len()))?;
+            let points = left.min(chunk_points);
+            chunks.push(Chunk {
+                bytes: start..end,
+                points,
+            });
+            left -= points;
+            start = end;
+        }
+        Ok(chunks)
+    }
+
+    /// Bytes of the layered chunk at the start of `bytes` as its own sizes say.
+    fn layered_bytes(&self, bytes: &[u8]) -> Option<usize> {
+        /// How many points there are, behind the first of them.
+        const COUNT_BYTES: usize = 4;
+        let sizes: usize = self
+            .record
+            .items()
+            .iter()
+            .map(|item| layers(item.item_type()))
+            .sum();
+        let sizes_start = self.point_bytes + COUNT_BYTES;
+        let sizes = bytes.get(sizes_start..sizes_start + 4 * sizes)?;
+        let layers = sizes.as_chunks::<4>().0;
+        layers
+            .iter()
+            .try_fold(sizes_start + sizes.len(), |sum, &size| {
+                sum.checked_add(u32::from_le_bytes(size) as usize)
+            })
+    }
+
+    /// The points of `chunks`, in their order. The caller has checked that there is memory for them.
+    pub(super) fn unpack(&self, bytes: &[u8], chunks: &[Chunk]) -> Result<Vec<u8>, Fault> {
+        let points: usize = chunks.iter().map(|chunk| chunk.points).sum();
+        let mut rows = vec![0; points * self.point_bytes];
+        let mut rest = rows.as_mut_slice();
+        let mut work = Vec::with_capacity(chunks.len());
+        for (index, chunk) in chunks.iter().enumerate() {
+            let (own, others) = rest.split_at_mut(chunk.points * self.point_bytes);
+            work.push((index, chunk, own));
+            rest = others;
+        }
+        work.into_par_iter().try_for_each(|(index, chunk, rows)| {
+            let packed = bytes
+                .get(chunk.bytes.clone())
+                .ok_or_else(|| cut_short(index, bytes.len()))?;
+            let damaged = || damaged(index, chunk.bytes.start);
+            if chunk.points as u64 > (packed.len() as u64).saturating_mul(MAX_POINTS_PER_BYTE) {
+                return Err(damaged());
+            }
+            // Layers are allocated before they are read.
+            if self.is_layered
+                && self
+                    .layered_bytes(packed)
+                    .is_none_or(|layers| layers > packed.len())
+            {
+                return Err(damaged());
+            }
+            let unpack = || self.unpack_chunk(&mut Cursor::new(packed), rows);
+            match catch_unwind(AssertUnwindSafe(unpack)) {
+                Ok(Ok(())) => Ok(()),
+                Ok(Err(_)) | Err(_) => Err(damaged()),
+            }
+        })?;
+        Ok(rows)
+    }
+
+    /// Chunks of which only the first one's start is known: each begins where the one before it ends.
+    fn unpack_running(
+        &self,
+        bytes: &[u8],
+        start: usize,
+        count: usize,
+        chunk_points: usize,
+    ) -> Result<Vec<u8>, Fault> {
+        let mut rows = vec![0; count * self.point_bytes];
+        let packed = bytes.get(start..).unwrap_or_default();
+        if self.is_layered {
+            return Err(damaged(0, start));
+        }
+        let mut cursor = Cursor::new(packed);
+        let chunk_bytes = chunk_points.min(count) * self.point_bytes;
+        for (index, rows) in rows.chunks_mut(chunk_bytes).enumerate() {
+            let chunk_start = start + cursor.position() as usize;
+            let unpack = || self.unpack_chunk(&mut cursor, rows);
+            match catch_unwind(AssertUnwindSafe(unpack)) {
+                Ok(Ok(())) => {}
+                Ok(Err(_)) | Err(_) => return Err(damaged(index, chunk_start)),
+            }
+        }
+        Ok(rows)
+    }
+
+    fn unpack_chunk(&self, packed: &mut Cursor<&[u8]>, rows: &mut [u8]) -> laz::Result<()> {
+        let items = self.record.items();
+        if self.is_layered {
+            let mut chunk = LayeredPointRecordDecompressor::new(packed);
+            chunk.set_fields_from(items)?;
+            // What no cloud has a place for.
+            chunk.set_selection(
+                DecompressionSelection::all()
+                    .skip_flags()
+                    .skip_scan_angle()
+                    .skip_user_data()
+                    .skip_point_source_id()
+                    .skip_wavepacket(),
+            );
+            chunk.decompress_many(rows)?;
+        } else {
+            let mut chunk = SequentialPointRecordDecompressor::new(packed);
+            chunk.set_fields_from(items)?;
+            chunk.decompress_many(rows)?;
+        }
+        Ok(())
+    }
+}
+
+/// Bytes of a field of a point. Only fields of extra bytes have the size that the file says.
+fn item_bytes(kind: LazItemType, size: u16) -> usize {
+    match kind {
+        LazItemType::Point10 => 20,
+        LazItemType::GpsTime | LazItemType::RGBNIR14 => 8,
+        LazItemType::RGB12 | LazItemType::RGB14 => 6,
+        LazItemType::WavePacket13 | LazItemType::WavePacket14 => 29,
+        LazItemType::Point14 => 30,
+        LazItemType::Byte(_) | LazItemType::Byte14(_) => usize::from(size),
+    }
+}
+
+/// Layers that a field is in.
+fn layers(kind: LazItemType) -> usize {
+    match kind {
+        LazItemType::Point14 => 9,
+        LazItemType::RGBNIR14 => 2,
+        LazItemType::Byte14(bytes) => usize::from(bytes),
+        _ => 1,
+    }
+}
+
+fn damaged(chunk: usize, start: usize) -> Fault {
+    Fault::new(
+        Place::Byte(start),
+        format!(
+            "the compressed points of chunk {chunk} are damaged: the file was changed or cut after it was written"
+        ),
+    )
+}
+
+fn cut_short(chunk: usize, end: usize) -> Fault {
+    Fault::entry(
+        "chunk",
+        chunk,
+        format!("the file ends at byte {end}, before this chunk does: it is truncated"),
+    )
+}

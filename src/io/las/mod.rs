@@ -1,0 +1,114 @@
+//! ASPRS LAS 1.0 to 1.4 with point formats 0 to 10, compressed (LAZ) and cloud-optimised (COPC).
+//!
+//! Header and points have a fixed layout and are read here: it takes one pass over the bytes, and what is wrong in them but not
+//! needed (bounding boxes, counts of records) does no harm. The compression is the crate's, see [`laz`].
+
+mod copc;
+mod extra;
+mod header;
+mod laz;
+mod points;
+#[cfg(test)]
+mod tests;
+pub(in crate::io) mod write;
+
+pub(in crate::io) use header::take;
+
+use super::ReadOptions;
+use super::error::Fault;
+use crate::cloud::RawCloud;
+use header::Header;
+use laz::{Chunk, Compression};
+
+/// What names the record that describes the compression.
+const COMPRESSION_USER: &[u8] = b"laszip encoded";
+const COMPRESSION_ID: u16 = 22204;
+
+pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
+    let header = Header::read(bytes)?;
+    let extra = extra::fields(&header, header.records(bytes));
+    let cloud_bytes = points::Layout::of(header.format).cloud_bytes(&extra) as u64;
+    let fits = |points: u64, point_bytes: u64| {
+        points
+            .checked_mul(point_bytes)
+            .is_some_and(|needed| needed <= options.max_memory_bytes)
+    };
+    let check = |point_bytes: u64| {
+        if fits(header.count, point_bytes) {
+            return Ok(());
+        }
+        let what = format!("a cloud of {} points", header.count);
+        let needed = header.count.saturating_mul(point_bytes);
+        Err(Fault::too_large(&what, needed, options))
+    };
+    if !header.compressed {
+        let rows = rows(&header, bytes)?;
+        check(cloud_bytes)?;
+        return Ok(points::cloud(&header, &extra, rows));
+    }
+
+    let record = header
+        .records(bytes)
+        .find(|record| record.is(COMPRESSION_USER, COMPRESSION_ID))
+        .ok_or_else(|| {
+            Fault::header("the points are compressed, but no record says how: the file is damaged")
+        })?;
+    let compression = Compression::new(&header, record.data)?;
+    // Unpacked points and the cloud are there at the same time.
+    let point_bytes = cloud_bytes + header.point_bytes as u64;
+    let levels = copc::levels(&header, header.records(bytes), bytes);
+    let rows = if let Some(levels) = levels {
+        let (chunks, points) = coarse(levels, |points| fits(points, point_bytes));
+        if points == 0 {
+            check(point_bytes)?;
+        } else if points < header.count {
+            log::warn!(
+                "read {points} of {} points, the coarse levels of the file: all would take more than the {} MiB of memory \
+                 that they may, raise --max-memory if the machine has them",
+                header.count,
+                options.max_memory_bytes >> 20
+            );
+        }
+        match compression.unpack(bytes, &chunks) {
+            Err(_) if points == header.count => compression.unpack_all(&header, bytes)?,
+            unpacked => unpacked?,
+        }
+    } else {
+        check(point_bytes)?;
+        compression.unpack_all(&header, bytes)?
+    };
+    Ok(points::cloud(&header, &extra, &rows))
+}
+
+/// The points of a file without compression.
+fn rows<'a>(header: &Header, bytes: &'a [u8]) -> Result<&'a [u8], Fault> {
+    let available = &bytes[header.points_start..];
+    usize::try_from(header.count)
+        .ok()
+        .and_then(|count| available.get(..count.checked_mul(header.point_bytes)?))
+        .ok_or_else(|| {
+            Fault::entry(
+                "point",
+                available.len() / header.point_bytes,
+                format!(
+                    "the file ends here, but its header claims {} points of {} bytes: it is truncated, or its header is wrong",
+                    header.count, header.point_bytes
+                ),
+            )
+        })
+}
+
+/// The chunks of as many levels as `fits` their points, from the coarsest on, and the number of these points.
+fn coarse(levels: Vec<Vec<Chunk>>, fits: impl Fn(u64) -> bool) -> (Vec<Chunk>, u64) {
+    let mut chunks = Vec::new();
+    let mut points = 0u64;
+    for level in levels {
+        let more: u64 = level.iter().map(|chunk| chunk.points as u64).sum();
+        if !fits(points + more) {
+            break;
+        }
+        points += more;
+        chunks.extend(level);
+    }
+    (chunks, points)
+}

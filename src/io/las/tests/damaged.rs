@@ -1,0 +1,160 @@
+//! Files that lie, end early or were changed: an answer, never a panic, in no time.
+
+use super::*;
+use laz::{LazVlrBuilder, ParLasZipCompressor};
+use std::time::{Duration, Instant};
+
+/// The same cloud in the older compression, which has one stream of bytes for all fields.
+fn older(chunk_points: u32) -> Vec<u8> {
+    const POINT_BYTES: u16 = 28;
+    let compression = LazVlrBuilder::default().with_point_format(1, 0).unwrap();
+    let compression = compression.with_fixed_chunk_size(chunk_points).build();
+    let mut described = Vec::new();
+    compression.write_to(&mut described).unwrap();
+    let described = record(b"laszip encoded", 22204, &described);
+    let mut file = header(0x81, POINT_BYTES, 20, 1, 375 + described.len());
+    file.extend(described);
+    let mut file = Cursor::new(file);
+    file.set_position(file.get_ref().len() as u64);
+    let mut packer = ParLasZipCompressor::new(&mut file, compression).unwrap();
+    let mut rows = Vec::new();
+    for index in 0..20i32 {
+        rows.extend((index * index).to_le_bytes());
+        rows.extend([index as u8; 24]);
+    }
+    packer.compress_many(&rows).unwrap();
+    packer.done().unwrap();
+    file.into_inner()
+}
+
+/// Files of each kind, with the bytes that no point can do without.
+fn files() -> [(&'static str, Vec<u8>); 4] {
+    [
+        ("plain", written(&sample(8), false)),
+        ("compressed", written(&sample(8), true)),
+        ("older compression", older(8)),
+        ("octree", octrees::octree()),
+    ]
+}
+
+/// Reads what may be damaged. Precondition: the limit of memory is far above what the whole file needs.
+fn try_read(what: &str, bytes: &[u8]) -> Option<RawCloud> {
+    const LONGEST: Duration = Duration::from_secs(5);
+    let start = Instant::now();
+    let cloud = decode(bytes, &options().with_max_memory(4 << 20)).ok();
+    assert!(start.elapsed() < LONGEST, "{what} takes too long");
+    if let Some(cloud) = &cloud {
+        let count = cloud.positions.len();
+        assert!(
+            cloud
+                .colors
+                .as_ref()
+                .is_none_or(|colors| colors.len() == count)
+        );
+        assert!(
+            cloud
+                .scalars
+                .iter()
+                .all(|field| field.values.len() == count)
+        );
+    }
+    cloud
+}
+
+#[test]
+fn truncated_files_are_refused_or_whole() {
+    for (what, file) in files() {
+        let whole = read(&file).positions;
+        for length in 0..file.len() {
+            let Some(cloud) = try_read(what, &file[..length]) else {
+                continue;
+            };
+            // What lies behind the points may be missing: tables are found again by the chunks.
+            assert_ne!(what, "plain", "{length} of {}", file.len());
+            let mut found: Vec<_> = (0..whole.len()).map(|i| cloud.positions.get(i).x).collect();
+            let mut expected: Vec<_> = (0..whole.len()).map(|i| whole.get(i).x).collect();
+            found.sort_by(f64::total_cmp);
+            expected.sort_by(f64::total_cmp);
+            assert_eq!(found, expected, "{what}: {length} of {}", file.len());
+        }
+    }
+}
+
+#[test]
+fn changed_bytes_never_panic() {
+    for (what, file) in files() {
+        // Small changes matter where there are numbers that say what follows.
+        let points_start = u32::from_le_bytes(take(&file, POINTS_AT)) as usize;
+        for at in 0..file.len() {
+            let changes: &[u8] = if at < points_start {
+                &[0x01, 0xff]
+            } else {
+                &[0xff]
+            };
+            for change in changes {
+                let mut file = file.clone();
+                file[at] ^= change;
+                try_read(what, &file);
+            }
+        }
+    }
+}
+
+#[test]
+fn chunks_are_found_without_their_table() {
+    for (what, mut file) in files() {
+        if !["compressed", "older compression"].contains(&what) {
+            continue;
+        }
+        let expected = read(&file);
+        let start = u32::from_le_bytes(take(&file, POINTS_AT)) as usize;
+        for offset in [0, -1, i64::MAX, i64::MIN, start as i64 + 9] {
+            file[start..start + 8].copy_from_slice(&offset.to_le_bytes());
+            assert_eq!(read(&file), expected, "{what}, table at {offset}");
+        }
+    }
+}
+
+#[test]
+fn the_oldest_files_are_one_stream_without_chunks() {
+    let mut file = older(100);
+    let expected = read(&file);
+    let start = u32::from_le_bytes(take(&file, POINTS_AT)) as usize;
+    file.drain(start..start + 8);
+    // The record of the compression begins with the way in which points are divided.
+    file[375 + 54] = 1;
+    assert_eq!(read(&file), expected);
+    assert_eq!(expected.positions.get(3).x, 9.0 * 0.5 + 100.0);
+}
+
+#[test]
+fn claims_are_held_against_the_file_and_the_memory() {
+    let refused = |file: &[u8], expected: &str| {
+        let problem = decode(file, &options()).unwrap_err().problem;
+        assert!(problem.contains(expected), "{problem}");
+    };
+    for (what, file) in files() {
+        let mut more = file.clone();
+        more[COUNT_AT..COUNT_AT + 8].copy_from_slice(&(1u64 << 60).to_le_bytes());
+        let expected = match what {
+            "plain" => "claims 1152921504606846976 points",
+            _ => "raise --max-memory",
+        };
+        refused(&more, expected);
+        more[COUNT_AT..COUNT_AT + 8].copy_from_slice(&1_000_000u64.to_le_bytes());
+        assert!(try_read(what, &more).is_none(), "{what}");
+    }
+    let mut file = written(&sample(3), true);
+    // A count of records that no file has, and then none for the compression.
+    file[RECORDS_AT..RECORDS_AT + 4].copy_from_slice(&u32::MAX.to_le_bytes());
+    assert_eq!(read(&file).positions.len(), 3);
+    file[RECORDS_AT..RECORDS_AT + 4].copy_from_slice(&0u32.to_le_bytes());
+    refused(&file, "no record says how");
+    refused(&file[..300], "the file ends at 300");
+    refused(&file[..200], "it is truncated, or no LAS file");
+    let limit = options().with_max_memory(1000);
+    let problem = decode(&written(&sample(50), false), &limit)
+        .unwrap_err()
+        .problem;
+    assert!(problem.contains("raise --max-memory"), "{problem}");
+}
