@@ -11,7 +11,7 @@ use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::octree::StopCriterion;
 use pointreel::sequence::{
     ColorSource, DecodeFailure, Direction, FrameError, FrameState, Loader, LoaderOptions, LoopMode,
-    Needs, PreparedFrame, Sequence, SequenceError, Slot, Source,
+    Needs, OpenOptions, PreparedFrame, Sequence, SequenceError, Slot, Source,
 };
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -14,18 +14,18 @@ fn folder(names: &[&str]) -> tempfile::TempDir {
     folder
 }
 
-fn names(sequence: &Sequence) -> Vec<&str> {
+fn names(sequence: &Sequence) -> Vec<String> {
     sequence
         .sources()
         .iter()
-        .map(|source| source.name.as_str())
+        .map(|source| source.name.clone())
         .collect()
 }
 
 fn found_in(files: &[&str]) -> Vec<String> {
     let folder = folder(files);
     let sequence = Sequence::discover(&[folder.path().to_path_buf()]).unwrap();
-    names(&sequence).iter().map(ToString::to_string).collect()
+    names(&sequence)
 }
 
 #[test]
@@ -190,4 +190,49 @@ fn a_hundred_thousand_names_are_sorted_without_opening_them() {
     }));
     // O(n²) comparisons would take minutes.
     assert!(start.elapsed() < PATIENCE);
+}
+
+#[test]
+fn frames_that_come_are_found_and_keep_the_places_of_others() {
+    let folder = folder(&["f1.ply", "f3.ply"]);
+    let sequence = Sequence::discover(&[folder.path().to_path_buf()]).unwrap();
+    assert!(sequence.may_grow());
+    assert_eq!(sequence.look_again().unwrap(), 0);
+    fs::write(folder.path().join("f2.ply"), "").unwrap();
+    fs::write(folder.path().join("f4.ply"), "").unwrap();
+    fs::write(folder.path().join("f10.ply"), "").unwrap();
+    // Who writes is not finished yet.
+    assert_eq!(sequence.look_again().unwrap(), 0);
+    std::thread::sleep(Duration::from_millis(600));
+    assert_eq!(sequence.look_again().unwrap(), 2);
+    assert_eq!(
+        names(&sequence),
+        ["f1.ply", "f3.ply", "f4.ply", "f10.ply"]
+    );
+    assert_eq!(sequence.look_again().unwrap(), 0);
+    let one = Sequence::discover(&[folder.path().join("f1.ply")]).unwrap();
+    assert!(!one.may_grow());
+}
+
+#[test]
+fn times_in_names_say_how_long_frames_last() {
+    let names = [
+        "frame_20121214T142255.814212.pcd",
+        "frame_20121214T142256.068683.pcd",
+        "frame_20121214T142256.332395.pcd",
+    ];
+    let folder = folder(&names);
+    let open = |fps: Option<f64>| {
+        let options = OpenOptions {
+            fps,
+            ..OpenOptions::default()
+        };
+        Sequence::open(&[folder.path().to_path_buf()], &options).unwrap()
+    };
+    let stamped = open(None);
+    assert!(!stamped.pace().is_even());
+    assert!((stamped.fps() - 1.0 / 0.263_712).abs() < 0.01, "{}", stamped.fps());
+    let chosen = open(Some(10.0));
+    assert!(chosen.pace().is_even());
+    assert_eq!(chosen.fps(), 10.0);
 }
