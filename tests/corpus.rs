@@ -14,7 +14,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Formats that are read.
-const READ: [&str; 5] = ["PLY", "PCD", "XYZ", "PTS", "TXT"];
+const READ: [&str; 6] = ["PLY", "PCD", "XYZ", "PTS", "PTX", "TXT"];
 
 fn shared_data() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
