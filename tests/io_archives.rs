@@ -112,6 +112,24 @@ fn text_beside_clouds_is_no_frame() {
 }
 
 #[test]
+fn members_without_an_extension_are_told_by_their_first_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.zip");
+    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n";
+    let files = [("cloud", ply), ("Makefile", "all:")];
+    for bytes in [
+        zipped(&files, CompressionMethod::Deflated),
+        gzipped(&tarred(&files)),
+    ] {
+        std::fs::write(&path, bytes).unwrap();
+        let entries = io::list(&path, &ReadOptions::default()).unwrap();
+        assert_eq!(entries.len(), 1);
+        assert_eq!(entries[0].name, "cloud");
+        assert_eq!(io::read(&path).unwrap().positions.len(), 1);
+    }
+}
+
+#[test]
 fn a_damaged_member_is_a_failing_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.zip");

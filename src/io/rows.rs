@@ -43,7 +43,7 @@ impl Dialect {
                 .filter(|word| !word.is_empty())
             {
                 words += 1;
-                let commas = word.iter().filter(|&&byte| byte == b',').count();
+                let commas = word.split(|&byte| byte == b',').count() - 1;
                 let is_between_digits = word.windows(3).any(|three| {
                     three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit()
                 });

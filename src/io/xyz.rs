@@ -182,7 +182,7 @@ fn plain_name(name: &str) -> String {
     name.trim().to_owned()
 }
 
-/// A coordinate by another name: ParaView's, surveyors'.
+/// A coordinate by another name: that of `ParaView`, of surveyors.
 fn plain_coordinate(name: String) -> String {
     const COORDINATES: [(&str, &str); 9] = [
         ("points:0", "x"),

@@ -101,11 +101,11 @@ pub(super) fn list(
         file.rewind().map_err(failed)?;
         let bytes = unpack_unknown(Packing::Gzip, file, options)
             .map_err(|problem| invalid(Fault::header(format!("the archive: {problem}"))))?;
-        tar::members_of_memory(Unpacked(Arc::new(bytes))).map_err(invalid)?
+        tar::members_of_memory(&Unpacked(Arc::new(bytes))).map_err(invalid)?
     } else {
         tar::members_of_file(file).map_err(invalid)?
     };
-    members.retain(|member| is_frame(&member.name));
+    members.retain(|member| is_frame(path, member));
     let is_text =
         |member: &Member| Format::of_extension(Path::new(&member.name)) == Some(Format::Xyz);
     // Text beside clouds of other formats is about them: README.txt, poses.txt.
@@ -211,15 +211,47 @@ fn clean(name: &str) -> String {
     parts.join("/")
 }
 
-/// True for names of files that hold a frame: in a format that is one cloud, not hidden, not what macOS adds.
-fn is_frame(name: &str) -> bool {
+/// True for files that hold a frame: in a format that is one cloud by its extension, or else by its first bytes; not hidden, not
+/// what macOS adds.
+fn is_frame(path: &Path, member: &Member) -> bool {
     let is_left_out = |part: &str| part.starts_with('.') || part == "__MACOSX";
-    let format = Format::of_extension(Path::new(name));
-    !name.split('/').any(is_left_out)
-        && format.is_some_and(|format| {
-            !matches!(
-                format,
-                Format::Zip | Format::Tar | Format::Mcap | Format::Bag | Format::Db3
-            )
-        })
+    if member.name.split('/').any(is_left_out) {
+        return false;
+    }
+    let name = Path::new(&member.name);
+    let format = Format::of_extension(name)
+        .or_else(|| Format::detect(name, &first_bytes(path, member).unwrap_or_default()));
+    format.is_some_and(|format| {
+        !matches!(
+            format,
+            Format::Zip | Format::Tar | Format::Mcap | Format::Bag | Format::Db3
+        )
+    })
+}
+
+/// What a member begins with; none of it where it cannot be read.
+fn first_bytes(path: &Path, member: &Member) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    match &member.place {
+        MemberPlace::Memory(unpacked, range) => {
+            let end = range
+                .end
+                .min(range.start.saturating_add(Format::MAGIC_BYTES));
+            bytes.extend(unpacked.0.get(range.start..end).unwrap_or_default());
+        }
+        &MemberPlace::Packed {
+            offset,
+            packed_bytes,
+            packing,
+            ..
+        } => {
+            let mut file = File::open(path)?;
+            file.seek(SeekFrom::Start(offset))?;
+            reader(packing, file.take(packed_bytes))?
+                .take(Format::MAGIC_BYTES as u64)
+                .read_to_end(&mut bytes)?;
+        }
+        MemberPlace::Gzip | MemberPlace::Unreadable(_) => {}
+    }
+    Ok(bytes)
 }

@@ -21,9 +21,8 @@ pub(super) fn members_of_file(file: File) -> Result<Vec<Member>, Fault> {
 }
 
 /// All files in an archive that was.
-pub(super) fn members_of_memory(unpacked: Unpacked) -> Result<Vec<Member>, Fault> {
-    let bytes = unpacked.clone();
-    members(Cursor::new(bytes.0.as_slice()), |offset, size| {
+pub(super) fn members_of_memory(unpacked: &Unpacked) -> Result<Vec<Member>, Fault> {
+    members(Cursor::new(unpacked.0.as_slice()), |offset, size| {
         let end = offset.saturating_add(size);
         MemberPlace::Memory(unpacked.clone(), offset as usize..end as usize)
     })

@@ -153,14 +153,13 @@ pub(super) fn list(
         path: path.to_owned(),
         source,
     };
-    let found = match format {
-        Format::Db3 => db3::find(path),
-        _ => {
-            let mut walk = walk::Walk::new(File::open(path).map_err(failed)?).map_err(failed)?;
-            match format {
-                Format::Mcap => mcap::find(&mut walk, options),
-                _ => bag::find(&mut walk, options),
-            }
+    let found = if format == Format::Db3 {
+        db3::find(path)
+    } else {
+        let mut walk = walk::Walk::new(File::open(path).map_err(failed)?).map_err(failed)?;
+        match format {
+            Format::Mcap => mcap::find(&mut walk, options),
+            _ => bag::find(&mut walk, options),
         }
     };
     Ok(found.map_err(|fault| fault.of(path, format))?.entries(path))
