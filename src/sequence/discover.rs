@@ -9,9 +9,9 @@
 //! sub-folders. A pattern is read the same way, unless nothing it matches has a known extension: then the
 //! person meant those files. A file named outright is always taken; its first bytes decide.
 
-use crate::io::natural::{Run, Runs, natural_order, split_name};
 use super::{SequenceError, Source};
 use crate::io;
+use crate::io::natural::{Run, Runs, natural_order, split_name};
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};

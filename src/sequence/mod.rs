@@ -30,10 +30,10 @@ mod shapes;
 mod source;
 mod travel;
 
+pub use crate::io::natural_order;
 pub use clock::{Clock, DEFAULT_FPS, MAX_SPEED, MIN_SPEED};
 pub use error::{FrameError, SequenceError};
 pub use loader::{FrameState, Loader, LoaderOptions, LoaderStats, Slot};
-pub use crate::io::natural_order;
 pub use needs::{ColorSource, Needs};
 pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare};
 pub use records::UNIFORM_COLOR;
