@@ -364,7 +364,7 @@ fn checksum(bytes: &[u8]) -> u32 {
 mod tests {
     use super::*;
 
-    // Packed by the program itself.
+    // Packed by libbz2, through Python's module `bz2`.
     const HELLO: &[u8] = &[
         0x42, 0x5a, 0x68, 0x39, 0x31, 0x41, 0x59, 0x26, 0x53, 0x59, 0x19, 0x31, 0x65, 0x3d, 0x00,
         0x00, 0x00, 0x81, 0x00, 0x02, 0x44, 0xa0, 0x00, 0x21, 0x9a, 0x68, 0x33, 0x4d, 0x07, 0x33,
@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_program_packs_is_unpacked() {
+    fn what_libbz2_packs_is_unpacked() {
         assert_eq!(unpacked(HELLO).unwrap(), b"hello");
         assert_eq!(unpacked(RUN).unwrap(), vec![b'a'; 8000]);
         assert_eq!(unpacked(WORDS).unwrap(), words());
