@@ -14,8 +14,8 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Formats that are read.
-const READ: [&str; 10] = [
-    "PLY", "PCD", "XYZ", "PTS", "TXT", "LAS", "LAZ", "COPC", "E57", "DRC",
+const READ: [&str; 11] = [
+    "PLY", "PCD", "XYZ", "PTS", "PTX", "TXT", "LAS", "LAZ", "COPC", "E57", "DRC",
 ];
 
 fn shared_data() -> Option<PathBuf> {

@@ -96,7 +96,7 @@ fn wrong_plys() -> Vec<Case> {
         ),
         (
             "no magic, no extension",
-            "a.bin",
+            "a.dat",
             b"\x7fELF".to_vec(),
             "not in a format that pointreel reads",
         ),

@@ -99,13 +99,7 @@ impl Format {
     pub fn holds_many(self) -> bool {
         matches!(
             self,
-            Self::E57
-                | Self::Gltf
-                | Self::Mcap
-                | Self::Bag
-                | Self::Db3
-                | Self::Zip
-                | Self::Tar
+            Self::E57 | Self::Gltf | Self::Mcap | Self::Bag | Self::Db3 | Self::Zip | Self::Tar
         )
     }
 
@@ -139,6 +133,9 @@ impl Format {
             Some(format) => Some(format),
             None if bytes.get(TAR_MAGIC) == Some(b"ustar") => Some(Self::Tar),
             None if looks_like_pcd(bytes) => Some(Self::Pcd),
+            None if Self::of_extension(name) == Some(Self::Xyz) && super::ptx::is_ptx(bytes) => {
+                Some(Self::Ptx)
+            }
             None => None,
         }
     }

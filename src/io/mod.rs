@@ -7,6 +7,8 @@
 
 mod archive;
 mod attributes;
+mod bin;
+mod bzip2;
 mod column;
 mod contents;
 mod draco;
@@ -14,17 +16,23 @@ mod e57;
 mod error;
 mod format;
 mod las;
+pub(crate) mod natural;
 mod numbers;
 mod options;
 mod pcd;
 mod ply;
+mod ptx;
 mod recording;
+mod rows;
+pub(crate) mod timestamps;
+mod unpack;
 mod xyz;
 
 pub use archive::Member;
 pub use contents::{Entry, Part, list};
 pub use error::{IoError, Place};
 pub use format::{Format, supported_extensions};
+pub use natural::natural_order;
 pub use options::ReadOptions;
 pub use recording::Message;
 
@@ -104,6 +112,8 @@ fn read_bytes_with(
         Format::Las => las::decode(bytes, options),
         Format::E57 => e57::decode(bytes, part, options),
         Format::Draco => draco::decode(bytes, options),
+        Format::Ptx => ptx::decode(bytes),
+        Format::Bin => bin::decode(name, bytes),
         _ => {
             let _ = (part, options);
             Err(Fault::header("not yet"))
@@ -113,14 +123,10 @@ fn read_bytes_with(
 }
 
 /// The frames in a file of `format`.
-fn list_format(
-    path: &Path,
-    format: Format,
-    options: &ReadOptions,
-) -> Result<Vec<Entry>, IoError> {
+fn list_format(path: &Path, format: Format, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     match format {
         Format::Zip | Format::Tar => archive::list(path, format, options),
-        Format::Mcap | Format::Bag | Format::Db3 => recording::list(path, format),
+        Format::Mcap | Format::Bag | Format::Db3 => recording::list(path, format, options),
         Format::E57 => e57::list(path),
         _ => Ok(vec![Entry::whole()]),
     }

@@ -19,6 +19,39 @@ impl<'a> Tokens<'a> {
         }
     }
 
+    /// Goes behind the end of the line that the last token was on.
+    pub(super) fn skip_line(&mut self) {
+        while let Some(&byte) = self.bytes.get(self.position)
+            && byte != b'\n'
+        {
+            self.position += 1;
+        }
+    }
+
+    /// The next token as a number, in one pass over its bytes; `None` behind the last one, the token itself where it is no number.
+    #[inline]
+    pub(super) fn next_number(&mut self) -> Option<Result<f64, &'a [u8]>> {
+        let mut start = self.position;
+        while let Some(&byte) = self.bytes.get(start)
+            && separates(byte)
+        {
+            self.line += usize::from(byte == b'\n');
+            start += 1;
+        }
+        self.position = start;
+        if let Ok((value, length)) = fast_float2::parse_partial::<f64, _>(&self.bytes[start..])
+            && self
+                .bytes
+                .get(start + length)
+                .is_none_or(|&byte| separates(byte))
+        {
+            self.position = start + length;
+            return Some(Ok(value));
+        }
+        let token = self.next()?;
+        Some(parse_number(token).ok_or(token))
+    }
+
     /// The line that the last token was on.
     pub(super) fn line(&self) -> usize {
         self.line
@@ -53,6 +86,7 @@ pub(super) fn line_endings(bytes: &[u8]) -> usize {
 }
 
 /// White space, and the comma that some writers put between numbers.
+#[inline]
 fn separates(byte: u8) -> bool {
     byte.is_ascii_whitespace() || byte == b','
 }

@@ -5,7 +5,7 @@
 use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
-use super::numbers::{Tokens, line_endings, parse_number, quoted};
+use super::numbers::{Tokens, line_endings, quoted};
 use crate::cloud::RawCloud;
 use glam::DVec3;
 use pcd_rs::{DataKind, PcdMeta, ValueKind};
@@ -234,7 +234,7 @@ impl Table {
             for field in &self.fields {
                 let mut first = f64::NAN;
                 for number in 0..field.count {
-                    let token = tokens.next().ok_or_else(|| {
+                    let value = tokens.next_number().ok_or_else(|| {
                         Fault::entry(
                             "point",
                             row,
@@ -244,7 +244,7 @@ impl Table {
                             ),
                         )
                     })?;
-                    let value = parse_number(token).ok_or_else(|| {
+                    let value = value.map_err(|token| {
                         Fault::new(
                             Place::Line(tokens.line()),
                             format!(
@@ -267,6 +267,8 @@ impl Table {
                     values.push(first);
                 }
             }
+            // A point is a line: what follows its last field is of no field.
+            tokens.skip_line();
         }
         Ok(columns)
     }

@@ -14,7 +14,7 @@
 use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
-use super::numbers::{parse_number, quoted};
+use super::rows::{self, Dialect, Rows};
 use crate::cloud::{Positions, RawCloud};
 
 /// Columns that are looked at.
@@ -22,12 +22,9 @@ const MAX_COLUMNS: usize = 64;
 
 pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut rows = Rows::default();
-    for (index, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
-        rows.read_line(line.trim_ascii(), index + 1)?;
-    }
-    let Some(column_count) = rows.column_count else {
-        return match (rows.claimed, rows.names) {
+    let mut head = Head::read(bytes)?;
+    let Some(width) = head.width else {
+        return match (head.claimed, head.names) {
             (Some(claimed), _) if claimed > 0 => Err(cut_short(claimed, 0)),
             // A header or a count of none alone is a cloud of no points.
             (Some(_), _) | (_, Some(_)) => Ok(RawCloud::from_positions(Positions::F64(Vec::new()))),
@@ -37,26 +34,25 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
             )),
         };
     };
-    let count = rows.values.len() / column_count;
-    if let Some(claimed) = rows.claimed.filter(|&claimed| claimed > count) {
+    let parsed = rows::parse(
+        &bytes[head.byte_count..],
+        head.line_count + 1,
+        width,
+        head.dialect,
+    )?;
+    let count = parsed.len();
+    if let Some(claimed) =
+        claimed_points(head.claimed, &parsed, width)?.filter(|&claimed| claimed > count)
+    {
         return Err(cut_short(claimed, count));
     }
-    let column = |index: usize| {
-        (0..count)
-            .map(|row| rows.values[row * column_count + index])
-            .collect::<Vec<f64>>()
-    };
-    let columns: Vec<Vec<f64>> = (0..column_count).map(column).collect();
-    let names = match rows
-        .names
-        .filter(|names| names.len() == column_count && has_coordinates(names))
-    {
+    let names = match head.names.take().filter(|names| names.len() == width) {
         Some(names) => names,
-        None => guessed_names(&columns),
+        None => guessed_names(&parsed.columns),
     };
     let columns: Vec<Column<'_>> = names
         .into_iter()
-        .zip(columns)
+        .zip(parsed.columns)
         .map(|(name, values)| Column {
             name,
             scalar: Scalar::F64,
@@ -74,105 +70,133 @@ fn cut_short(claimed: usize, count: usize) -> Fault {
     )
 }
 
-#[derive(Default)]
-struct Rows {
-    names: Option<Vec<String>>,
-    column_count: Option<usize>,
-    /// Row after row.
-    values: Vec<f64>,
-    /// Points of the scans so far by the lone number before each: `.pts` files count their points there.
-    claimed: Option<usize>,
+/// Points of all scans by the lone number before each: `.pts` files count their points there.
+fn claimed_points(first: Option<usize>, rows: &Rows, width: usize) -> Result<Option<usize>, Fault> {
+    let mut claimed = first;
+    for lone in &rows.lones {
+        // A further count comes when all points of those before it are there.
+        match (claimed, count_of_points(lone.value)) {
+            (Some(before), Some(count)) if lone.row > 0 && lone.row == before => {
+                claimed = Some(before.saturating_add(count));
+            }
+            _ => {
+                return Err(Fault::new(
+                    Place::Line(lone.line),
+                    format!("found 1 numbers, expected {width}"),
+                ));
+            }
+        }
+    }
+    Ok(claimed)
 }
 
-impl Rows {
-    fn read_line(&mut self, line: &[u8], number: usize) -> Result<(), Fault> {
-        let (line, is_comment) = match line.strip_prefix(b"//").or_else(|| line.strip_prefix(b"#"))
-        {
-            Some(comment) => (comment, true),
-            None => (line, false),
+fn count_of_points(value: f64) -> Option<usize> {
+    /// More would not fit into any memory.
+    const MOST_POINTS: f64 = 1e12;
+    (value.fract() == 0.0 && (0.0..=MOST_POINTS).contains(&value)).then_some(value as usize)
+}
+
+/// What stands before the first point.
+struct Head {
+    dialect: Dialect,
+    names: Option<Vec<String>>,
+    /// Points by the lone number before the first one.
+    claimed: Option<usize>,
+    /// Numbers of the first point; `None` if there is none.
+    width: Option<usize>,
+    byte_count: usize,
+    line_count: usize,
+}
+
+impl Head {
+    fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        let mut head = Self {
+            dialect: Dialect::of(bytes),
+            names: None,
+            claimed: None,
+            width: None,
+            byte_count: 0,
+            line_count: 0,
         };
-        if line.is_empty() {
-            return Ok(());
-        }
-        let tokens = || {
-            line.split(|byte| b" \t,;".contains(byte))
-                .filter(|token| !token.is_empty())
-        };
-        if is_comment {
-            // CloudCompare and others write the names of the columns as a comment.
-            self.take_names(tokens());
-            return Ok(());
-        }
-        let before = self.values.len();
-        for token in tokens() {
-            match parse_number(token) {
-                Some(value) => self.values.push(value),
+        let mut numbers = Vec::new();
+        for line in bytes.split_inclusive(|&byte| byte == b'\n') {
+            let content = line.trim_ascii();
+            numbers.clear();
+            if let Some(comment) = rows::comment(content) {
+                // CloudCompare and others write the names of the columns as a comment.
+                head.take_names(comment);
+            } else if let Ok(found) = head.dialect.parse_line(content, &mut numbers) {
+                let count = numbers.first().copied().and_then(count_of_points);
+                match (found, count) {
+                    (0, _) => {}
+                    (1, Some(count)) if head.claimed.is_none_or(|claimed| claimed == 0) => {
+                        head.claimed = Some(count);
+                    }
+                    (3..=MAX_COLUMNS, _) => {
+                        head.width = Some(found);
+                        return Ok(head);
+                    }
+                    _ => {
+                        return Err(Fault::new(
+                            Place::Line(head.line_count + 1),
+                            format!("found {found} numbers, expected x y z and what follows them"),
+                        ));
+                    }
+                }
+            } else {
                 // Before the first point, words are the names of columns.
-                None if self.column_count.is_none() => {
-                    self.values.truncate(before);
-                    self.take_names(tokens());
-                    return Ok(());
-                }
-                None => {
-                    return Err(Fault::new(
-                        Place::Line(number),
-                        format!("found {}, expected a number", quoted(token)),
-                    ));
-                }
+                head.take_names(content);
             }
+            head.byte_count += line.len();
+            head.line_count += 1;
         }
-        let found = self.values.len() - before;
-        match self.column_count {
-            _ if found == 1 && self.is_scan_start(self.values[before]) => {
-                self.claimed = Some(self.claimed.unwrap_or(0) + self.values[before] as usize);
-                self.values.truncate(before);
-                Ok(())
-            }
-            None if (3..=MAX_COLUMNS).contains(&found) => {
-                self.column_count = Some(found);
-                Ok(())
-            }
-            Some(expected) if expected == found => Ok(()),
-            expected => Err(Fault::new(
-                Place::Line(number),
-                format!(
-                    "found {found} numbers, expected {}",
-                    expected.map_or_else(
-                        || "x y z and what follows them".to_owned(),
-                        |n| n.to_string()
-                    )
-                ),
-            )),
-        }
+        Ok(head)
     }
 
-    /// True for the count of points before the first one, and behind the last one of a scan.
-    fn is_scan_start(&self, count: f64) -> bool {
-        /// More would not fit into any memory.
-        const MOST_POINTS: f64 = 1e12;
-        let points = self
-            .column_count
-            .map_or(0, |columns| self.values.len() / columns);
-        let is_due = match self.claimed {
-            None => points == 0,
-            Some(claimed) => points > 0 && points == claimed,
-        };
-        is_due && count.fract() == 0.0 && (0.0..=MOST_POINTS).contains(&count)
-    }
-
-    fn take_names<'a>(&mut self, tokens: impl Iterator<Item = &'a [u8]>) {
-        let names: Vec<String> = tokens
+    fn take_names(&mut self, line: &[u8]) {
+        // Where there are commas or semicolons, names may have spaces in them.
+        let has_marks = line.iter().any(|byte| b",;".contains(byte));
+        let separators: &[u8] = if has_marks { b",;" } else { b" \t" };
+        let names: Vec<String> = line
+            .split(|byte| separators.contains(byte))
+            .map(<[u8]>::trim_ascii)
+            .filter(|name| !name.is_empty())
             .take(MAX_COLUMNS)
-            .map(|token| {
-                String::from_utf8_lossy(token)
-                    .trim_matches('"')
-                    .to_ascii_lowercase()
-            })
+            .map(|name| plain_name(&String::from_utf8_lossy(name)))
             .collect();
+        if has_coordinates(&names) {
+            self.names = Some(names);
+            return;
+        }
+        let names: Vec<String> = names.into_iter().map(plain_coordinate).collect();
         if has_coordinates(&names) {
             self.names = Some(names);
         }
     }
+}
+
+/// A name as [`attributes::cloud`] knows it: in lower case, without quotes and unit.
+fn plain_name(name: &str) -> String {
+    let name = name.trim_matches(['"', '\'', ' ']).to_ascii_lowercase();
+    let name = name.split(['(', '[']).next().unwrap_or("");
+    name.trim().to_owned()
+}
+
+/// A coordinate by another name: that of `ParaView`, of surveyors.
+fn plain_coordinate(name: String) -> String {
+    const COORDINATES: [(&str, &str); 9] = [
+        ("points:0", "x"),
+        ("points:1", "y"),
+        ("points:2", "z"),
+        ("easting", "x"),
+        ("northing", "y"),
+        ("elevation", "z"),
+        ("rechtswert", "x"),
+        ("hochwert", "y"),
+        ("height", "z"),
+    ];
+    let known = COORDINATES.iter().find(|(other, _)| *other == name);
+    known.map_or(name, |(_, plain)| (*plain).to_owned())
 }
 
 fn has_coordinates(names: &[String]) -> bool {

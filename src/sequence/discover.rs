@@ -9,8 +9,9 @@
 //! sub-folders. A pattern is read the same way, unless nothing it matches has a known extension: then the
 //! person meant those files. A file named outright is always taken; its first bytes decide.
 
-use super::natural::{Run, Runs, natural_order, split_name};
 use super::{OpenOptions, SequenceError, Source};
+use crate::io::natural::{Run, Runs, natural_order, split_name};
+use crate::io::timestamps::times_of_names;
 use crate::io::{self, Format};
 use std::collections::HashSet;
 use std::fs;

@@ -4,7 +4,7 @@
 
 use super::super::column::Column;
 use super::super::error::{Fault, Place};
-use super::super::numbers::{Tokens, parse_number, quoted};
+use super::super::numbers::{Tokens, quoted};
 use super::header::{Element, Header, Kind, Property};
 use super::{KeptColumns, POINTS};
 
@@ -89,7 +89,7 @@ fn ascii_number(
     list: &str,
     row: usize,
 ) -> Result<f64, Fault> {
-    let Some(token) = tokens.next() else {
+    let Some(number) = tokens.next_number() else {
         return Err(Fault::entry(
             list,
             row,
@@ -99,7 +99,7 @@ fn ascii_number(
             ),
         ));
     };
-    parse_number(token).ok_or_else(|| {
+    number.map_err(|token| {
         Fault::new(
             Place::Line(tokens.line()),
             format!(

@@ -48,7 +48,7 @@ fn compare_folders(left: &Path, right: &Path) -> Ordering {
 }
 
 /// Stem and extension; `scan.0001` has no extension but a number.
-pub(super) fn split_name(path: &Path) -> (std::borrow::Cow<'_, str>, std::borrow::Cow<'_, str>) {
+pub(crate) fn split_name(path: &Path) -> (std::borrow::Cow<'_, str>, std::borrow::Cow<'_, str>) {
     let is_number = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
     match (path.file_stem(), path.extension()) {
         (Some(stem), Some(extension)) if !is_number(&extension.to_string_lossy()) => {
@@ -100,7 +100,7 @@ fn compare_text(left: &str, right: &str) -> Ordering {
 
 /// A piece of a name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Run<'a> {
+pub(crate) enum Run<'a> {
     /// ASCII digits only.
     Digits(&'a str),
     /// No ASCII digit.
@@ -109,7 +109,7 @@ pub(super) enum Run<'a> {
 
 /// Cuts a name into runs.
 #[derive(Clone)]
-pub(super) struct Runs<'a>(pub(super) &'a str);
+pub(crate) struct Runs<'a>(pub(super) &'a str);
 
 impl<'a> Iterator for Runs<'a> {
     type Item = Run<'a>;

@@ -1,0 +1,257 @@
+//! ZIP and TAR archives of frames, and single files packed with gzip.
+//!
+//! The directory is read once, by `zip` and `tar`; each [`Member`] then knows where its bytes are, so that one is read without
+//! the others. Nothing is ever unpacked to disk: names in an archive are names for people, not paths. A compressed TAR cannot
+//! be entered in the middle, so it is unpacked once into memory that its members share.
+
+mod tar;
+mod zip;
+
+use super::error::{Fault, Place};
+use super::natural::natural_order;
+use super::unpack::{Packing, reader, unpack, unpack_unknown};
+use super::{Entry, Format, IoError, Part, ReadOptions, timestamps};
+use std::fmt;
+use std::fs::File;
+use std::io::{Read as _, Seek as _, SeekFrom};
+use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+/// A file within an archive.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Member {
+    /// Name within the archive, cleaned: no roots, no parents, no control characters.
+    name: String,
+    place: MemberPlace,
+}
+
+/// Where a member's bytes are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum MemberPlace {
+    /// In the archive's file.
+    Packed {
+        offset: u64,
+        packed_bytes: u64,
+        unpacked_bytes: u64,
+        packing: Packing,
+        crc: Option<u32>,
+    },
+    /// In the unpacked archive.
+    Memory(Unpacked, Range<usize>),
+    /// The whole file is this member, packed with gzip.
+    Gzip,
+    /// Nowhere: why it cannot be read.
+    Unreadable(String),
+}
+
+/// An unpacked archive. A `Vec`, as making a slice of it would copy all of it once more.
+#[derive(Clone)]
+struct Unpacked(Arc<Vec<u8>>);
+
+impl PartialEq for Unpacked {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
+    }
+}
+
+impl Eq for Unpacked {}
+
+impl fmt::Debug for Unpacked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} unpacked bytes", self.0.len())
+    }
+}
+
+/// The frames in the archive at `path`, in natural order of their names.
+pub(super) fn list(
+    path: &Path,
+    format: Format,
+    options: &ReadOptions,
+) -> Result<Vec<Entry>, IoError> {
+    let failed = io_error(path);
+    let mut file = File::open(path).map_err(failed)?;
+    let invalid = |fault: Fault| fault.of(path, format);
+    let mut magic = [0; 2];
+    let is_gzip = file.read(&mut magic).map_err(failed)? == 2 && magic == *b"\x1f\x8b";
+    file.rewind().map_err(failed)?;
+    let mut members = if format == Format::Zip {
+        zip::members(file).map_err(invalid)?
+    } else if is_gzip {
+        // What is in it is told by what comes out first.
+        let mut start = Vec::with_capacity(tar::BLOCK_BYTES);
+        let unpacked = reader(Packing::Gzip, &mut file)
+            .and_then(|packed| packed.take(tar::BLOCK_BYTES as u64).read_to_end(&mut start));
+        if unpacked.is_err() && start.is_empty() {
+            return Err(invalid(Fault::new(
+                Place::Byte(0),
+                "this is no gzip stream, or it ends before its first byte: it is damaged",
+            )));
+        }
+        if !tar::is_header(&start) {
+            return Ok(vec![Entry {
+                name: String::new(),
+                time: None,
+                part: Part::Member(Member {
+                    name: clean(&path.file_stem().unwrap_or_default().to_string_lossy()),
+                    place: MemberPlace::Gzip,
+                }),
+            }]);
+        }
+        file.rewind().map_err(failed)?;
+        let bytes = unpack_unknown(Packing::Gzip, file, options)
+            .map_err(|problem| invalid(Fault::header(format!("the archive: {problem}"))))?;
+        tar::members_of_memory(&Unpacked(Arc::new(bytes))).map_err(invalid)?
+    } else {
+        tar::members_of_file(file).map_err(invalid)?
+    };
+    members.retain(|member| is_frame(path, member));
+    let is_text =
+        |member: &Member| Format::of_extension(Path::new(&member.name)) == Some(Format::Xyz);
+    // Text beside clouds of other formats is about them: README.txt, poses.txt.
+    if !members.iter().all(is_text) {
+        members.retain(|member| !is_text(member));
+    }
+    members.sort_by(|left, right| natural_order(Path::new(&left.name), Path::new(&right.name)));
+    let names: Vec<&str> = members.iter().map(|member| member.name.as_str()).collect();
+    let times = timestamps::times_of_names(&names);
+    Ok(members
+        .into_iter()
+        .zip(times)
+        .map(|(member, time)| Entry {
+            name: member.name.clone(),
+            time,
+            part: Part::Member(member),
+        })
+        .collect())
+}
+
+/// Name (the archive's path and the member's within it) and bytes of a member.
+pub(super) fn read(
+    path: &Path,
+    member: &Member,
+    options: &ReadOptions,
+) -> Result<(PathBuf, Vec<u8>), IoError> {
+    let failed = io_error(path);
+    let name = path.join(&member.name);
+    let format = match member.place {
+        MemberPlace::Packed { crc: Some(_), .. } => Format::Zip,
+        _ => Format::Tar,
+    };
+    let invalid = |offset: u64, problem: String| {
+        Fault::new(Place::Byte(offset as usize), problem).of(&name, format)
+    };
+    let bytes = match &member.place {
+        &MemberPlace::Packed {
+            offset,
+            packed_bytes,
+            unpacked_bytes,
+            packing,
+            crc,
+        } => {
+            let mut file = File::open(path).map_err(failed)?;
+            file.seek(SeekFrom::Start(offset)).map_err(failed)?;
+            let bytes = unpack(packing, file.take(packed_bytes), unpacked_bytes, options)
+                .map_err(|problem| invalid(offset, problem))?;
+            if crc.is_some_and(|crc| crc32fast::hash(&bytes) != crc) {
+                return Err(invalid(
+                    offset,
+                    "its checksum is not the one in the archive: it is damaged".to_owned(),
+                ));
+            }
+            bytes
+        }
+        MemberPlace::Memory(unpacked, range) => match unpacked.0.get(range.clone()) {
+            Some(bytes) => bytes.to_vec(),
+            None => {
+                return Err(invalid(
+                    range.start as u64,
+                    format!(
+                        "it should have {} bytes, but the archive ends at byte {}: the archive is truncated",
+                        range.len(),
+                        unpacked.0.len()
+                    ),
+                ));
+            }
+        },
+        MemberPlace::Gzip => {
+            unpack_unknown(Packing::Gzip, File::open(path).map_err(failed)?, options)
+                .map_err(|problem| invalid(0, problem))?
+        }
+        MemberPlace::Unreadable(problem) => return Err(invalid(0, problem.clone())),
+    };
+    Ok((name, bytes))
+}
+
+fn io_error(path: &Path) -> impl Fn(std::io::Error) -> IoError + Copy {
+    move |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// A name without what would lead out of a folder or garble a message.
+fn clean(name: &str) -> String {
+    let name: String = name
+        .chars()
+        .map(|c| match c {
+            // Some writers on Windows use its own separator.
+            '\\' => '/',
+            c if c.is_control() => '?',
+            c => c,
+        })
+        .collect();
+    let parts: Vec<_> = Path::new(&name)
+        .components()
+        .filter_map(|component| match component {
+            Component::Normal(part) => Some(part.to_string_lossy()),
+            _ => None,
+        })
+        .collect();
+    parts.join("/")
+}
+
+/// True for files that hold a frame: in a format that is one cloud by its extension, or else by its first bytes; not hidden, not
+/// what macOS adds.
+fn is_frame(path: &Path, member: &Member) -> bool {
+    let is_left_out = |part: &str| part.starts_with('.') || part == "__MACOSX";
+    if member.name.split('/').any(is_left_out) {
+        return false;
+    }
+    let name = Path::new(&member.name);
+    let format = Format::of_extension(name)
+        .or_else(|| Format::detect(name, &first_bytes(path, member).unwrap_or_default()));
+    format.is_some_and(|format| {
+        !matches!(
+            format,
+            Format::Zip | Format::Tar | Format::Mcap | Format::Bag | Format::Db3
+        )
+    })
+}
+
+/// What a member begins with; none of it where it cannot be read.
+fn first_bytes(path: &Path, member: &Member) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    match &member.place {
+        MemberPlace::Memory(unpacked, range) => {
+            let end = range
+                .end
+                .min(range.start.saturating_add(Format::MAGIC_BYTES));
+            bytes.extend(unpacked.0.get(range.start..end).unwrap_or_default());
+        }
+        &MemberPlace::Packed {
+            offset,
+            packed_bytes,
+            packing,
+            ..
+        } => {
+            let mut file = File::open(path)?;
+            file.seek(SeekFrom::Start(offset))?;
+            reader(packing, file.take(packed_bytes))?
+                .take(Format::MAGIC_BYTES as u64)
+                .read_to_end(&mut bytes)?;
+        }
+        MemberPlace::Gzip | MemberPlace::Unreadable(_) => {}
+    }
+    Ok(bytes)
+}

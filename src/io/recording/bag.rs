@@ -1,0 +1,214 @@
+//! ROS 1 bags, version 2.0: records of a header with named fields, and data; <http://wiki.ros.org/Bags/Format/2.0>.
+//!
+//! Connections (topics) and the index of a chunk stand behind the chunks, so one walk over the heads of the records meets them.
+//! A bag that was not closed has neither: then its chunks are looked into.
+
+use super::super::ReadOptions;
+use super::super::error::{Fault, Place};
+use super::super::unpack::Packing;
+use super::bytes::Bytes;
+use super::walk::Walk;
+use super::{Chunk, Found, MessagePlace, encoding_of};
+use std::time::Duration;
+
+const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
+/// Headers are a few short fields.
+const MOST_HEADER_BYTES: u64 = 1 << 20;
+/// A connection carries the definition of its type.
+const MOST_TEXT_BYTES: u64 = 16 << 20;
+/// Sequence number and time stamp.
+const START_BYTES: u64 = 16;
+
+const MESSAGE: u8 = 0x02;
+const INDEX: u8 = 0x04;
+const CHUNK: u8 = 0x05;
+const CONNECTION: u8 = 0x07;
+
+/// The fields of a header that are looked at.
+#[derive(Default)]
+struct Header {
+    op: u8,
+    connection: Option<u32>,
+    time: Option<Duration>,
+    topic: Option<String>,
+    kind: Option<String>,
+    compression: Option<String>,
+    unpacked_bytes: Option<u32>,
+}
+
+impl Header {
+    fn parse(bytes: &[u8]) -> Option<Self> {
+        let mut header = Self::default();
+        let mut fields = Bytes::new(bytes);
+        while !fields.is_empty() {
+            let field = fields.counted()?;
+            let split = field.iter().position(|&byte| byte == b'=')?;
+            let (name, value) = (&field[..split], &field[split + 1..]);
+            let text = || Some(String::from_utf8_lossy(value).into_owned());
+            let mut number = Bytes::new(value);
+            match name {
+                b"op" => header.op = number.u8()?,
+                b"conn" => header.connection = number.u32(),
+                b"time" => {
+                    header.time = number
+                        .u32()
+                        .zip(number.u32())
+                        .map(|(seconds, nanos)| time(seconds, nanos));
+                }
+                b"topic" => header.topic = text(),
+                b"type" => header.kind = text(),
+                b"compression" => header.compression = text(),
+                b"size" => header.unpacked_bytes = number.u32(),
+                _ => {}
+            }
+        }
+        Some(header)
+    }
+}
+
+fn time(seconds: u32, nanos: u32) -> Duration {
+    Duration::from_secs(seconds.into()) + Duration::from_nanos(nanos.into())
+}
+
+/// The point clouds of the file that `walk` is at the start of.
+pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Fault> {
+    let magic = walk.take(MAGIC.len() as u64).unwrap_or_default();
+    if magic != MAGIC {
+        return Err(Fault::new(
+            Place::Byte(0),
+            "only bags of version 2.0 are read: convert it with `rosbag migrate`, or to MCAP",
+        ));
+    }
+    let mut found = Found::default();
+    let mut chunks: Vec<(Chunk, Vec<u32>)> = Vec::new();
+    while walk.left() > 0 {
+        let start = walk.position();
+        if record(walk, &mut found, &mut chunks).is_none() {
+            log::warn!(
+                "the bag breaks off in the record at byte {start}: what lies before is read"
+            );
+            break;
+        }
+    }
+    for (chunk, connections) in chunks {
+        if !found.may_hold_clouds(&connections) {
+            continue;
+        }
+        match walk.unpack(&chunk, options) {
+            Ok(bytes) => records_of(&bytes, chunk, &mut found),
+            Err(problem) => log::warn!(
+                "the messages at byte {} of the bag are left out: {problem}",
+                chunk.offset
+            ),
+        }
+    }
+    Ok(found)
+}
+
+/// Reads the record that `walk` is at and goes to the next one; `None` where it is cut.
+fn record(walk: &mut Walk, found: &mut Found, chunks: &mut Vec<(Chunk, Vec<u32>)>) -> Option<()> {
+    let mut length = |most: u64| {
+        let length = u64::from(Bytes::new(&walk.take(4)?).u32()?);
+        (length <= most).then_some(length)
+    };
+    let header_bytes = length(MOST_HEADER_BYTES)?;
+    let header = Header::parse(&walk.take(header_bytes)?)?;
+    let data_bytes = u64::from(Bytes::new(&walk.take(4)?).u32()?);
+    let offset = walk.position();
+    let end = offset + data_bytes;
+    if data_bytes > walk.left() {
+        return None;
+    }
+    match header.op {
+        CONNECTION if data_bytes <= MOST_TEXT_BYTES => {
+            let data = walk.take(data_bytes)?;
+            connection(&header, &data, found);
+        }
+        MESSAGE => {
+            let start = walk.take(data_bytes.min(START_BYTES))?;
+            let place = MessagePlace::File {
+                offset,
+                byte_count: data_bytes,
+            };
+            message(&header, &start, place, found);
+        }
+        CHUNK => {
+            let packing = match header.compression.as_deref() {
+                Some("none") => Some(Packing::Stored),
+                Some("lz4") => Some(Packing::Lz4),
+                Some("bz2") => Some(Packing::Bzip2),
+                other => {
+                    log::warn!(
+                        "a chunk at byte {offset} is packed by {}, expected lz4, bz2 or none: it is left out",
+                        other.unwrap_or("nothing that is named")
+                    );
+                    None
+                }
+            };
+            if let (Some(packing), Some(unpacked_bytes)) = (packing, header.unpacked_bytes) {
+                let chunk = Chunk {
+                    offset,
+                    packed_bytes: data_bytes,
+                    unpacked_bytes: unpacked_bytes.into(),
+                    packing,
+                    crc: 0,
+                };
+                chunks.push((chunk, Vec::new()));
+            }
+        }
+        INDEX => {
+            if let (Some((_, connections)), Some(connection)) =
+                (chunks.last_mut(), header.connection)
+            {
+                connections.push(connection);
+            }
+        }
+        _ => {}
+    }
+    walk.go_to(end)
+}
+
+/// Reads what is in a chunk.
+fn records_of(bytes: &[u8], chunk: Chunk, found: &mut Found) {
+    let mut records = Bytes::new(bytes);
+    while !records.is_empty() {
+        let mut next = || {
+            let header = Header::parse(records.counted()?)?;
+            let data = records.counted()?;
+            Some((header, records.position() - data.len(), data))
+        };
+        let Some((header, offset, data)) = next() else {
+            log::warn!("a chunk at byte {} breaks off", chunk.offset);
+            return;
+        };
+        match header.op {
+            CONNECTION => connection(&header, data, found),
+            MESSAGE => {
+                let place = MessagePlace::Chunk {
+                    chunk,
+                    offset: offset as u64,
+                    byte_count: data.len() as u64,
+                };
+                message(&header, data, place, found);
+            }
+            _ => {}
+        }
+    }
+}
+
+fn connection(header: &Header, data: &[u8], found: &mut Found) {
+    let kind = Header::parse(data).and_then(|connection| connection.kind);
+    if let (Some(id), Some(kind)) = (header.connection, kind) {
+        let topic = header.topic.clone().unwrap_or_default();
+        let encoding = encoding_of(&kind, "ros1");
+        found
+            .topics
+            .insert(id, encoding.map(|encoding| (topic, encoding)));
+    }
+}
+
+fn message(header: &Header, start: &[u8], place: MessagePlace, found: &mut Found) {
+    if let (Some(connection), Some(time)) = (header.connection, header.time) {
+        found.add(connection, time, start, place);
+    }
+}

@@ -1,0 +1,144 @@
+//! ROS 2 bags in `SQLite`: a table of topics and one of messages.
+//!
+//! The file is opened for reading only. A database can hold what computes without end in the place of a table (views, virtual
+//! tables, generated columns), so plain tables are asked for; and a damaged one that leads in circles is left when it yields
+//! more rows than the file has bytes for.
+
+use super::super::ReadOptions;
+use super::super::error::Fault;
+use super::{Found, MessagePlace, encoding_of};
+use rusqlite::{Connection, OpenFlags};
+use std::io::Read as _;
+use std::path::Path;
+use std::time::Duration;
+
+/// What zstd begins with: messages may be packed one by one.
+const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+/// Kind of CDR and time stamp.
+const START_BYTES: u64 = 12;
+/// No row of a table is smaller than this on its page.
+const LEAST_ROW_BYTES: u64 = 4;
+
+/// The point clouds of the database at `path`.
+pub(super) fn find(path: &Path) -> Result<Found, Fault> {
+    find_rows(path).map_err(|error| match error {
+        Failure::Sql(error) => Fault::header(format!(
+            "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, or is another database"
+        )),
+        Failure::Said(problem) => Fault::header(problem),
+    })
+}
+
+enum Failure {
+    Sql(rusqlite::Error),
+    Said(String),
+}
+
+impl From<rusqlite::Error> for Failure {
+    fn from(error: rusqlite::Error) -> Self {
+        Self::Sql(error)
+    }
+}
+
+fn open(path: &Path) -> Result<Connection, Failure> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let database = Connection::open_with_flags(path, flags)?;
+    database.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;")?;
+    for table in ["topics", "messages"] {
+        let sql: String = database.query_row(
+            "SELECT sql FROM sqlite_master WHERE name = ?1 AND type = 'table'",
+            [table],
+            |row| row.get(0),
+        )?;
+        let mut words = sql.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+        let computes =
+            |word: &str| word.eq_ignore_ascii_case("virtual") || word.eq_ignore_ascii_case("as");
+        if words.any(computes) {
+            return Err(Failure::Said(format!(
+                "`{table}` is computed, expected a plain table: this is no ROS 2 bag"
+            )));
+        }
+    }
+    Ok(database)
+}
+
+fn find_rows(path: &Path) -> Result<Found, Failure> {
+    let file_bytes = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+    let mut rows_left = file_bytes / LEAST_ROW_BYTES;
+    let mut count = || {
+        rows_left = rows_left.checked_sub(1).ok_or_else(|| {
+            Failure::Said("the tables lead in circles: the file is damaged".to_owned())
+        })?;
+        Ok::<(), Failure>(())
+    };
+    let database = open(path)?;
+    let mut found = Found::default();
+    let mut statement =
+        database.prepare("SELECT id, name, type, serialization_format FROM topics")?;
+    let mut rows = statement.query([])?;
+    while let Some(row) = rows.next()? {
+        count()?;
+        let id: i64 = row.get(0)?;
+        let (topic, kind, encoding): (String, String, String) =
+            (row.get(1)?, row.get(2)?, row.get(3)?);
+        let topic = encoding_of(&kind, &encoding).map(|encoding| (topic, encoding));
+        if let Ok(id) = u32::try_from(id) {
+            found.topics.insert(id, topic);
+        }
+    }
+    let mut statement = database.prepare("SELECT rowid, topic_id, timestamp FROM messages")?;
+    let mut rows = statement.query([])?;
+    while let Some(row) = rows.next()? {
+        count()?;
+        let (id, topic, log_time): (i64, i64, i64) = (row.get(0)?, row.get(1)?, row.get(2)?);
+        let Some(topic) = u32::try_from(topic).ok() else {
+            continue;
+        };
+        if !matches!(found.topics.get(&topic), Some(Some(_))) {
+            continue;
+        }
+        // The first bytes alone, not all that a query would read of a message.
+        let mut start = Vec::with_capacity(START_BYTES as usize);
+        let message = database.blob_open("main", "messages", "data", id, true)?;
+        message
+            .take(START_BYTES)
+            .read_to_end(&mut start)
+            .map_err(|error| Failure::Said(format!("message {id} is not readable ({error})")))?;
+        if start.starts_with(&ZSTD_MAGIC) {
+            return Err(Failure::Said(
+                "the messages are packed one by one with zstd, which is not read: convert the bag with `ros2 bag convert` to \
+                 one without compression, or to MCAP"
+                    .to_owned(),
+            ));
+        }
+        let log_time = Duration::from_nanos(log_time.max(0).unsigned_abs());
+        found.add(topic, log_time, &start, MessagePlace::Row(id));
+    }
+    Ok(found)
+}
+
+/// The bytes of a message; the error is a sentence without its place.
+pub(super) fn read(path: &Path, row: i64, options: &ReadOptions) -> Result<Vec<u8>, String> {
+    let read = || -> Result<Vec<u8>, Failure> {
+        let database = open(path)?;
+        let mut message = database.blob_open("main", "messages", "data", row, true)?;
+        if message.len() as u64 > options.max_memory_bytes {
+            return Err(Failure::Said(
+                Fault::too_large("the message", message.len() as u64, options).problem,
+            ));
+        }
+        let mut bytes = Vec::new();
+        message.read_to_end(&mut bytes).map_err(|error| {
+            Failure::Said(format!(
+                "the message is not readable ({error}): the file is damaged"
+            ))
+        })?;
+        Ok(bytes)
+    };
+    read().map_err(|failure| match failure {
+        Failure::Sql(error) => {
+            format!("the message is not readable ({error}): the file is damaged")
+        }
+        Failure::Said(problem) => problem,
+    })
+}

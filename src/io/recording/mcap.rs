@@ -1,0 +1,211 @@
+//! MCAP: records of a kind (one byte), a length and a body; <https://mcap.dev/spec>.
+//!
+//! Nothing but lengths, numbers and strings is read here; the crate for it would read whole files from memory, or unpack every
+//! chunk to find a channel. Schemas and channels stand in the summary at the end, too, so one walk over the heads of the records
+//! meets them all, whether there is a summary or not.
+
+use super::super::ReadOptions;
+use super::super::error::{Fault, Place};
+use super::super::unpack::Packing;
+use super::bytes::Bytes;
+use super::walk::Walk;
+use super::{Chunk, Encoding, Found, MessagePlace, encoding_of};
+use std::collections::HashMap;
+use std::time::Duration;
+
+const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+/// Kind and length.
+const HEAD_BYTES: u64 = 9;
+/// Schemas and channels are text; more is none that is needed here.
+const MOST_TEXT_BYTES: u64 = 16 << 20;
+/// Of a chunk, what stands before its bytes; of a message, what stands before its own, and its time stamp.
+const START_BYTES: u64 = 64;
+/// Channel, sequence, two times.
+const MESSAGE_HEAD_BYTES: u64 = 22;
+
+const FOOTER: u8 = 0x02;
+const SCHEMA: u8 = 0x03;
+const CHANNEL: u8 = 0x04;
+const MESSAGE: u8 = 0x05;
+const CHUNK: u8 = 0x06;
+const MESSAGE_INDEX: u8 = 0x07;
+
+/// Schemas by their number, and what is found.
+#[derive(Default)]
+struct Finder {
+    schemas: HashMap<u16, String>,
+    found: Found,
+}
+
+/// The point clouds of the file that `walk` is at the start of.
+pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Fault> {
+    if walk.take(MAGIC.len() as u64).as_deref() != Some(MAGIC) {
+        return Err(Fault::new(
+            Place::Byte(0),
+            "this is no MCAP file: its first bytes are others",
+        ));
+    }
+    let mut finder = Finder::default();
+    let mut chunks: Vec<(Chunk, Vec<u32>)> = Vec::new();
+    loop {
+        let start = walk.position();
+        let read = finder.record(walk, &mut chunks);
+        match read {
+            Some(FOOTER) => break,
+            Some(_) => {}
+            None => {
+                log::warn!(
+                    "the MCAP file breaks off in the record at byte {start}: what lies before is read"
+                );
+                break;
+            }
+        }
+    }
+    for (chunk, channels) in chunks {
+        if !finder.found.may_hold_clouds(&channels) {
+            continue;
+        }
+        match walk.unpack(&chunk, options) {
+            Ok(bytes) => finder.records_of(&bytes, chunk),
+            Err(problem) => log::warn!(
+                "the messages at byte {} of the MCAP file are left out: {problem}",
+                chunk.offset
+            ),
+        }
+    }
+    Ok(finder.found)
+}
+
+impl Finder {
+    /// Reads the record that `walk` is at and goes to the next one; `None` where it is cut.
+    fn record(&mut self, walk: &mut Walk, chunks: &mut Vec<(Chunk, Vec<u32>)>) -> Option<u8> {
+        let head = walk.take(HEAD_BYTES)?;
+        let mut head = Bytes::new(&head);
+        let (kind, length) = (head.u8()?, head.u64()?);
+        let body = walk.position();
+        let end = body.checked_add(length)?;
+        if length > walk.left() {
+            return None;
+        }
+        match kind {
+            SCHEMA | CHANNEL if length <= MOST_TEXT_BYTES => {
+                let bytes = walk.take(length)?;
+                self.text_record(kind, &bytes);
+            }
+            MESSAGE => {
+                let bytes = walk.take(length.min(START_BYTES))?;
+                self.message(&bytes, |head| MessagePlace::File {
+                    offset: body + head,
+                    byte_count: length - head,
+                });
+            }
+            CHUNK => {
+                let bytes = walk.take(length.min(START_BYTES))?;
+                if let Some(chunk) = chunk(&bytes, body, length) {
+                    chunks.push((chunk, Vec::new()));
+                }
+            }
+            MESSAGE_INDEX => {
+                let bytes = walk.take(length.min(START_BYTES))?;
+                let channel = Bytes::new(&bytes).u16();
+                if let (Some((_, channels)), Some(channel)) = (chunks.last_mut(), channel) {
+                    channels.push(u32::from(channel));
+                }
+            }
+            _ => {}
+        }
+        walk.go_to(end)?;
+        Some(kind)
+    }
+
+    /// Reads what is in a chunk.
+    fn records_of(&mut self, bytes: &[u8], chunk: Chunk) {
+        let mut records = Bytes::new(bytes);
+        while !records.is_empty() {
+            let mut next = || {
+                let (kind, length) = (records.u8()?, records.u64()?);
+                let start = records.position() as u64;
+                Some((kind, start, records.take(usize::try_from(length).ok()?)?))
+            };
+            let Some((kind, start, body)) = next() else {
+                log::warn!("a chunk at byte {} breaks off", chunk.offset);
+                return;
+            };
+            match kind {
+                SCHEMA | CHANNEL => {
+                    self.text_record(kind, body);
+                }
+                MESSAGE => {
+                    self.message(body, |head| MessagePlace::Chunk {
+                        chunk,
+                        offset: start + head,
+                        byte_count: body.len() as u64 - head,
+                    });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn text_record(&mut self, kind: u8, body: &[u8]) -> Option<()> {
+        let mut body = Bytes::new(body);
+        let id = body.u16()?;
+        if kind == SCHEMA {
+            let name = body.text()?;
+            self.schemas.insert(id, name);
+            return Some(());
+        }
+        let schema = body.u16()?;
+        let (topic, encoding) = (body.text()?, body.text()?);
+        let encoding: Option<Encoding> = self
+            .schemas
+            .get(&schema)
+            .and_then(|kind| encoding_of(kind, &encoding));
+        self.found
+            .topics
+            .insert(u32::from(id), encoding.map(|encoding| (topic, encoding)));
+        Some(())
+    }
+
+    /// Notes a message that begins with `start`; `place` makes its place of the size of what stands before its own bytes.
+    fn message(&mut self, start: &[u8], place: impl FnOnce(u64) -> MessagePlace) -> Option<()> {
+        let mut head = Bytes::new(start);
+        let channel = head.u16()?;
+        let _sequence = head.u32()?;
+        let log_time = Duration::from_nanos(head.u64()?);
+        let _publish_time = head.u64()?;
+        let own = start.get(MESSAGE_HEAD_BYTES as usize..)?;
+        self.found
+            .add(u32::from(channel), log_time, own, place(MESSAGE_HEAD_BYTES));
+        Some(())
+    }
+}
+
+/// The chunk whose record's body begins at `body` with `start`; `None` for what is none that can be unpacked.
+fn chunk(start: &[u8], body: u64, length: u64) -> Option<Chunk> {
+    let mut head = Bytes::new(start);
+    let _times = (head.u64()?, head.u64()?);
+    let unpacked_bytes = head.u64()?;
+    let crc = head.u32()?;
+    let compression = head.text()?;
+    let packed_bytes = head.u64()?;
+    let offset = body + head.position() as u64;
+    let packing = match compression.as_str() {
+        "" => Packing::Stored,
+        "lz4" => Packing::Lz4,
+        "zstd" => Packing::Zstd,
+        other => {
+            log::warn!(
+                "a chunk at byte {body} is packed by {other}, expected lz4, zstd or none: it is left out"
+            );
+            return None;
+        }
+    };
+    (packed_bytes <= length - head.position() as u64).then_some(Chunk {
+        offset,
+        packed_bytes,
+        unpacked_bytes,
+        packing,
+        crc,
+    })
+}

@@ -1,0 +1,246 @@
+//! Recordings of robots: messages with point clouds and their times.
+//!
+//! A recording is a list of messages on topics, most of them packed together into chunks. [`list`] walks over the heads of its
+//! records once, unpacks only chunks with point clouds (their index says so; chunks without one are looked into), and notes
+//! where each cloud is. [`read`] then touches one message, or the one chunk it is packed in. MCAP and bags differ only in how
+//! their records are written ([`mcap`], [`bag`]); a ROS 2 bag in `SQLite` is asked by `rusqlite` ([`db3`]).
+
+mod bag;
+mod bytes;
+mod db3;
+mod mcap;
+mod pointcloud2;
+mod walk;
+
+use super::error::{Fault, Place};
+use super::unpack::{Packing, unpack};
+use super::{Entry, Format, IoError, Part, ReadOptions};
+use crate::cloud::RawCloud;
+use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::io::{Read as _, Seek as _, SeekFrom};
+use std::path::Path;
+use std::time::Duration;
+
+/// A message with a point cloud.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    place: MessagePlace,
+    encoding: Encoding,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum MessagePlace {
+    /// So many bytes from there on in the file.
+    File { offset: u64, byte_count: u64 },
+    /// The same within an unpacked chunk.
+    Chunk {
+        chunk: Chunk,
+        offset: u64,
+        byte_count: u64,
+    },
+    /// The row with this id in the table of messages.
+    Row(i64),
+}
+
+/// Where many messages are packed together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Chunk {
+    offset: u64,
+    packed_bytes: u64,
+    unpacked_bytes: u64,
+    packing: Packing,
+    /// Zero where there is none.
+    crc: u32,
+}
+
+/// How the fields of a message are written one after the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Encoding {
+    /// ROS 1: little endian without gaps.
+    Ros1,
+    /// ROS 2: numbers at multiples of their size, in the byte order that the first bytes say.
+    Cdr,
+}
+
+/// What is found in a recording.
+#[derive(Debug, Default)]
+struct Found {
+    /// Topics by the number that messages call them by; `None` for those without point clouds.
+    topics: HashMap<u32, Option<(String, Encoding)>>,
+    messages: Vec<(u32, Duration, Message)>,
+}
+
+impl Found {
+    /// Notes a message of a topic with point clouds; `start` is what it begins with.
+    fn add(&mut self, topic: u32, log_time: Duration, start: &[u8], place: MessagePlace) {
+        if let Some(Some((_, encoding))) = self.topics.get(&topic) {
+            let encoding = *encoding;
+            let time = pointcloud2::stamp(start, encoding).unwrap_or(log_time);
+            self.messages
+                .push((topic, time, Message { place, encoding }));
+        }
+    }
+
+    /// True when a chunk with messages of these topics may hold point clouds.
+    fn may_hold_clouds(&self, topics: &[u32]) -> bool {
+        topics.is_empty()
+            || topics
+                .iter()
+                .any(|topic| self.topics.get(topic).is_none_or(Option::is_some))
+    }
+
+    /// The messages of the topic that has the most, in the order of time.
+    fn entries(self, path: &Path) -> Vec<Entry> {
+        // The same topic may have several numbers, one for each of its publishers.
+        let mut by_name: BTreeMap<String, Vec<(Duration, Message)>> = BTreeMap::new();
+        for (topic, time, message) in self.messages {
+            if let Some(Some((name, _))) = self.topics.get(&topic) {
+                by_name
+                    .entry(name.clone())
+                    .or_default()
+                    .push((time, message));
+            }
+        }
+        let most = by_name.values().map(Vec::len).max().unwrap_or(0);
+        let Some(name) = by_name
+            .iter()
+            .find(|(_, messages)| messages.len() == most)
+            .map(|(name, _)| name.clone())
+        else {
+            return Vec::new();
+        };
+        let mut messages = by_name.remove(&name).unwrap_or_default();
+        if !by_name.is_empty() {
+            let others: Vec<&str> = by_name.keys().map(String::as_str).collect();
+            log::warn!(
+                "{}: {most} point clouds of topic {name} are read; other topics with point clouds are not: {}",
+                path.display(),
+                others.join(", ")
+            );
+        }
+        messages.sort_by_key(|(time, _)| *time);
+        messages
+            .into_iter()
+            .enumerate()
+            .map(|(index, (time, message))| Entry {
+                name: format!("{name} {index}"),
+                time: Some(time),
+                part: Part::Message(message),
+            })
+            .collect()
+    }
+}
+
+/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1 and of ROS 2.
+fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
+    const CLOUDS: [&str; 2] = ["sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2"];
+    match encoding {
+        _ if !CLOUDS.contains(&kind) => None,
+        "ros1" => Some(Encoding::Ros1),
+        "cdr" => Some(Encoding::Cdr),
+        _ => None,
+    }
+}
+
+/// The point clouds of the recording at `path`, in the order of their time.
+pub(super) fn list(
+    path: &Path,
+    format: Format,
+    options: &ReadOptions,
+) -> Result<Vec<Entry>, IoError> {
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let found = if format == Format::Db3 {
+        db3::find(path)
+    } else {
+        let mut walk = walk::Walk::new(File::open(path).map_err(failed)?).map_err(failed)?;
+        match format {
+            Format::Mcap => mcap::find(&mut walk, options),
+            _ => bag::find(&mut walk, options),
+        }
+    };
+    Ok(found.map_err(|fault| fault.of(path, format))?.entries(path))
+}
+
+/// The point cloud of a message.
+pub(super) fn read(
+    path: &Path,
+    message: &Message,
+    options: &ReadOptions,
+) -> Result<RawCloud, IoError> {
+    let (format, place) = match (&message.place, message.encoding) {
+        (&MessagePlace::Row(row), _) => (
+            Format::Db3,
+            Place::Entry {
+                list: "message".to_owned(),
+                index: row as usize,
+            },
+        ),
+        (&MessagePlace::File { offset, .. } | &MessagePlace::Chunk { offset, .. }, encoding) => (
+            // A ROS 1 message may be in an MCAP file, too; the file's name says which.
+            match (encoding, Format::of_extension(path)) {
+                (Encoding::Ros1, Some(Format::Bag)) => Format::Bag,
+                _ => Format::Mcap,
+            },
+            Place::Byte(offset as usize),
+        ),
+    };
+    let invalid = |problem: String| Fault::new(place.clone(), problem).of(path, format);
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let bytes = match &message.place {
+        MessagePlace::Row(row) => db3::read(path, *row, options).map_err(invalid)?,
+        &MessagePlace::File { offset, byte_count } => {
+            let mut file = File::open(path).map_err(failed)?;
+            file.seek(SeekFrom::Start(offset)).map_err(failed)?;
+            unpack(Packing::Stored, file.take(byte_count), byte_count, options).map_err(invalid)?
+        }
+        MessagePlace::Chunk {
+            chunk,
+            offset,
+            byte_count,
+        } => {
+            let mut file = File::open(path).map_err(failed)?;
+            let mut unpacked = chunk.unpack(&mut file, options).map_err(invalid)?;
+            let end = offset.saturating_add(*byte_count);
+            if end > unpacked.len() as u64 {
+                return Err(invalid(
+                    "the message ends beyond its chunk: the file has changed".to_owned(),
+                ));
+            }
+            unpacked.truncate(end as usize);
+            unpacked.drain(..*offset as usize);
+            unpacked
+        }
+    };
+    pointcloud2::decode(&bytes, message.encoding, options)
+        .map_err(|fault| invalid(format!("the point cloud: {}", fault.problem)))
+}
+
+impl Chunk {
+    /// The chunk's bytes; the error is a sentence without its place.
+    fn unpack(
+        &self,
+        file: &mut (impl std::io::Read + std::io::Seek),
+        options: &ReadOptions,
+    ) -> Result<Vec<u8>, String> {
+        file.seek(SeekFrom::Start(self.offset))
+            .map_err(|error| error.to_string())?;
+        let bytes = unpack(
+            self.packing,
+            file.by_ref().take(self.packed_bytes),
+            self.unpacked_bytes,
+            options,
+        )
+        .map_err(|problem| format!("the chunk: {problem}"))?;
+        if self.crc != 0 && crc32fast::hash(&bytes) != self.crc {
+            return Err("the chunk's checksum is wrong: it is damaged".to_owned());
+        }
+        Ok(bytes)
+    }
+}

@@ -1,0 +1,181 @@
+//! `sensor_msgs/PointCloud2`: rows of points whose fields are named, in the serialisations of ROS 1 and ROS 2.
+
+use super::super::ReadOptions;
+use super::super::attributes;
+use super::super::column::{Column, Scalar, Values};
+use super::super::error::Fault;
+use super::Encoding;
+use super::bytes::Bytes;
+use crate::cloud::RawCloud;
+use std::time::Duration;
+
+/// Kind of CDR and options, before the message itself.
+const CDR_HEAD_BYTES: usize = 4;
+const NANOS_PER_SECOND: u32 = 1_000_000_000;
+
+/// The fields of `message`, past what says how it is written.
+fn body(message: &[u8], encoding: Encoding) -> Option<Bytes<'_>> {
+    match encoding {
+        Encoding::Ros1 => Some(Bytes::new(message)),
+        Encoding::Cdr => {
+            let (head, rest) = message.split_at_checked(CDR_HEAD_BYTES)?;
+            // Plain CDR of the first and of the second version; numbers of 8 bytes, in which they differ, there are none.
+            match head[..2] {
+                [0, 0 | 6] => Some(Bytes::aligned(rest, true)),
+                [0, 1 | 7] => Some(Bytes::aligned(rest, false)),
+                _ => None,
+            }
+        }
+    }
+}
+
+/// When the cloud was taken, if `start`, the first bytes of the message, says so.
+pub(super) fn stamp(start: &[u8], encoding: Encoding) -> Option<Duration> {
+    let mut fields = body(start, encoding)?;
+    if encoding == Encoding::Ros1 {
+        let _sequence = fields.u32()?;
+    }
+    let (seconds, nanos) = (fields.u32()?, fields.u32()?);
+    // ROS 2 counts seconds in 32 bits with a sign: before 1970 is no time of a recording.
+    let is_negative = encoding == Encoding::Cdr && seconds > i32::MAX as u32;
+    if is_negative || nanos >= NANOS_PER_SECOND || (seconds, nanos) == (0, 0) {
+        return None;
+    }
+    Some(Duration::new(seconds.into(), nanos))
+}
+
+struct Field {
+    name: String,
+    offset: u32,
+    datatype: u8,
+    count: u32,
+}
+
+struct Cloud<'a> {
+    height: u32,
+    width: u32,
+    fields: Vec<Field>,
+    big_endian: bool,
+    point_step: u32,
+    row_step: u32,
+    data: &'a [u8],
+}
+
+fn parse(message: &[u8], encoding: Encoding) -> Option<Cloud<'_>> {
+    let mut fields = body(message, encoding)?;
+    if encoding == Encoding::Ros1 {
+        let _sequence = fields.u32()?;
+    }
+    let _stamp = (fields.u32()?, fields.u32()?);
+    let _frame = fields.counted()?;
+    let (height, width) = (fields.u32()?, fields.u32()?);
+    let field_count = fields.u32()?;
+    // Not allocated for the count that is claimed: every field takes bytes that must be there.
+    let mut list = Vec::new();
+    for _ in 0..field_count {
+        list.push(Field {
+            name: fields.text()?,
+            offset: fields.u32()?,
+            datatype: fields.u8()?,
+            count: fields.u32()?,
+        });
+    }
+    Some(Cloud {
+        height,
+        width,
+        fields: list,
+        big_endian: fields.u8()? != 0,
+        point_step: fields.u32()?,
+        row_step: fields.u32()?,
+        data: fields.counted()?,
+    })
+}
+
+/// The cloud of a message.
+pub(super) fn decode(
+    message: &[u8],
+    encoding: Encoding,
+    options: &ReadOptions,
+) -> Result<RawCloud, Fault> {
+    let cloud = parse(message, encoding).ok_or_else(|| {
+        Fault::header("the message ends before its last field: it is truncated or damaged")
+    })?;
+    let (width, height) = (u64::from(cloud.width), u64::from(cloud.height));
+    let (point_step, row_step) = (u64::from(cloud.point_step), u64::from(cloud.row_step));
+    let count = width * height;
+    let row_bytes = width * point_step;
+    // Rows of one line need no step; some writers leave it at zero.
+    let row_step = if height <= 1 { row_bytes } else { row_step };
+    let needed = row_step
+        .saturating_mul(height.saturating_sub(1))
+        .saturating_add(row_bytes);
+    if count > 0 && (point_step == 0 || row_step < row_bytes || needed > cloud.data.len() as u64) {
+        return Err(Fault::header(format!(
+            "{width} x {height} points of {point_step} bytes in rows of {row_step} need {needed} bytes, {} are there",
+            cloud.data.len()
+        )));
+    }
+    if count.saturating_mul(size_of::<[f64; 3]>() as u64) > options.max_memory_bytes {
+        return Err(Fault::too_large(
+            "the cloud",
+            count * size_of::<[f64; 3]>() as u64,
+            options,
+        ));
+    }
+    let without_gaps: Vec<u8>;
+    let bytes = if count == 0 || row_step == row_bytes {
+        cloud.data
+    } else {
+        without_gaps = cloud
+            .data
+            .chunks(row_step as usize)
+            .take(height as usize)
+            .flat_map(|row| &row[..row_bytes as usize])
+            .copied()
+            .collect();
+        &without_gaps
+    };
+    let mut columns = Vec::new();
+    for field in &cloud.fields {
+        let Some(scalar) = scalar(field.datatype) else {
+            return Err(Fault::header(format!(
+                "field `{}` is of type {}, expected 1 to 8",
+                field.name, field.datatype
+            )));
+        };
+        // Some drivers count a lone number as none. Of several numbers the first is read.
+        let numbers = u64::from(field.count.max(1));
+        let end = u64::from(field.offset) + numbers * scalar.byte_size() as u64;
+        if end > point_step && count > 0 {
+            return Err(Fault::header(format!(
+                "field `{}` ends at byte {end} of a point, which has {point_step}",
+                field.name
+            )));
+        }
+        columns.push(Column {
+            name: field.name.clone(),
+            scalar,
+            values: Values::Packed {
+                bytes,
+                start: field.offset as usize,
+                step: point_step as usize,
+                big_endian: cloud.big_endian,
+            },
+        });
+    }
+    attributes::cloud(&columns, count as usize)
+}
+
+fn scalar(datatype: u8) -> Option<Scalar> {
+    Some(match datatype {
+        1 => Scalar::I8,
+        2 => Scalar::U8,
+        3 => Scalar::I16,
+        4 => Scalar::U16,
+        5 => Scalar::I32,
+        6 => Scalar::U32,
+        7 => Scalar::F32,
+        8 => Scalar::F64,
+        _ => return None,
+    })
+}

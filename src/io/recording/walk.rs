@@ -1,0 +1,68 @@
+//! Steps over the records of a file, reading only what is asked for.
+
+use super::super::ReadOptions;
+use super::Chunk;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+
+/// A place in a file that moves forward.
+pub(super) struct Walk {
+    file: BufReader<File>,
+    at: u64,
+    end: u64,
+}
+
+impl Walk {
+    pub(super) fn new(file: File) -> io::Result<Self> {
+        let end = file.metadata()?.len();
+        Ok(Self {
+            file: BufReader::new(file),
+            at: 0,
+            end,
+        })
+    }
+
+    pub(super) fn position(&self) -> u64 {
+        self.at
+    }
+
+    /// Bytes up to the end of the file.
+    pub(super) fn left(&self) -> u64 {
+        self.end.saturating_sub(self.at)
+    }
+
+    /// The next `count` bytes; `None` where there are fewer.
+    pub(super) fn take(&mut self, count: u64) -> Option<Vec<u8>> {
+        if count > self.left() {
+            return None;
+        }
+        let mut bytes = vec![0; usize::try_from(count).ok()?];
+        self.file.read_exact(&mut bytes).ok()?;
+        self.at += count;
+        Some(bytes)
+    }
+
+    /// Goes on at byte `position`, which is none before this one.
+    pub(super) fn go_to(&mut self, position: u64) -> Option<()> {
+        if position > self.end {
+            return None;
+        }
+        let step = i64::try_from(position.checked_sub(self.at)?).ok()?;
+        self.file.seek_relative(step).ok()?;
+        self.at = position;
+        Some(())
+    }
+
+    /// The bytes of a chunk; the place stays.
+    pub(super) fn unpack(
+        &mut self,
+        chunk: &Chunk,
+        options: &ReadOptions,
+    ) -> Result<Vec<u8>, String> {
+        let unpacked = chunk.unpack(&mut self.file, options);
+        self.file
+            .seek(SeekFrom::Start(self.at))
+            .map_err(|error| error.to_string())?;
+        unpacked
+    }
+}

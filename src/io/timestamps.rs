@@ -1,0 +1,296 @@
+//! Times in file names.
+//!
+//! Recorders name frames by when they were taken; others number them. A number is believed to be a time only if it cannot well
+//! be a counter:
+//!
+//! - a date and a time of day, `20121214T142255.814212` or `2012-12-14_14-22-55-814`, in range (no month 13). Eight digits
+//!   alone may be a date, but a day is no time of a frame, and as well a counter.
+//! - seconds with a fraction, `1305031102.175304`: seven or more digits, a point, three to nine digits. Counters have no fraction;
+//!   versions (`v1.25`) and sizes (`0.5`) are shorter.
+//! - 16 or 19 digits: micro- or nanoseconds since 1970, from 2001 on (a first digit that is not 0): counters are padded to ten
+//!   digits at most. Ten and thirteen digits (seconds, milliseconds) are left: padded counters and serial numbers are as long.
+//!
+//! All names must have a time of the same kind and the times must grow in the order of the names; else it is no time of them, as
+//! one of a thousand clouds with a date in its name says nothing about the others.
+
+use std::path::Path;
+use std::time::Duration;
+
+/// How a time is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Date,
+    Seconds,
+    Digits(usize),
+}
+
+/// The times in `names`, which are in order: since 1970, or since whatever moment they count from. All are `None` unless all are
+/// times that grow.
+pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
+    let none = || vec![None; names.len()];
+    let mut times: Vec<Option<Duration>> = Vec::with_capacity(names.len());
+    let mut kind = None;
+    for name in names {
+        let Some((found, time)) = time_of_name(name) else {
+            return none();
+        };
+        let grows = times.last().is_none_or(|last| *last < Some(time));
+        if !grows || kind.is_some_and(|kind| kind != found) {
+            return none();
+        }
+        kind = Some(found);
+        times.push(Some(time));
+    }
+    // The name of a single file says when it was made, not what frame it is.
+    if times.len() < 2 { none() } else { times }
+}
+
+fn time_of_name(name: &str) -> Option<(Kind, Duration)> {
+    let path = Path::new(name);
+    let file = path.file_name()?.to_str()?;
+    // What stands behind the last dot is an extension unless it is a number.
+    let stem = match file.rsplit_once('.') {
+        Some((stem, extension)) if !extension.bytes().all(|byte| byte.is_ascii_digit()) => stem,
+        _ => file,
+    };
+    let runs = runs(stem);
+    // A time may start at any number of the name: `frame_2_20121214T142255.814212`.
+    (0..runs.len()).find_map(|first| {
+        let runs = &runs[first..];
+        date(runs)
+            .map(|time| (Kind::Date, time))
+            .or_else(|| seconds(runs).map(|time| (Kind::Seconds, time)))
+            .or_else(|| digits(runs))
+    })
+}
+
+/// A number, and the one character behind it where another number follows.
+#[derive(Debug, Clone, Copy)]
+struct Run<'a> {
+    digits: &'a str,
+    separator: Option<char>,
+}
+
+fn runs(text: &str) -> Vec<Run<'_>> {
+    /// More are no name of a frame.
+    const MOST_RUNS: usize = 32;
+    let mut runs = Vec::new();
+    let mut rest = text;
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
+        let found = &rest[start..];
+        let end = found
+            .find(|c: char| !c.is_ascii_digit())
+            .unwrap_or(found.len());
+        let mut behind = found[end..].chars();
+        let separator = behind.next();
+        let is_digit_next = behind.next().is_some_and(|c| c.is_ascii_digit());
+        runs.push(Run {
+            digits: &found[..end],
+            separator: separator.filter(|_| is_digit_next),
+        });
+        rest = &found[end..];
+        if runs.len() == MOST_RUNS {
+            break;
+        }
+    }
+    runs
+}
+
+/// Year, month, day, hour, minute, second and what is after the second.
+fn date(runs: &[Run<'_>]) -> Option<Duration> {
+    let mut fields = Vec::new();
+    let mut runs = runs.iter();
+    // Date and time of day are one number each, or a number for each of their three parts.
+    for widths in [[4, 2, 2], [2, 2, 2]] {
+        let run = runs.next()?;
+        let separator = if run.digits.len() == widths.iter().sum::<usize>() {
+            let mut rest = run.digits;
+            for width in widths {
+                let (field, behind) = rest.split_at(width);
+                fields.push(field);
+                rest = behind;
+            }
+            run.separator
+        } else {
+            let [second, third] = [runs.next()?, runs.next()?];
+            let parts = [run, second, third];
+            if parts
+                .iter()
+                .zip(widths)
+                .any(|(part, width)| part.digits.len() != width)
+            {
+                return None;
+            }
+            fields.extend(parts.map(|part| part.digits));
+            third.separator
+        };
+        let expected: &[char] = if fields.len() == 3 {
+            &['T', 't', '_', '-', ' ']
+        } else {
+            &['.', '-', '_', ',']
+        };
+        if fields.len() == 3 && !separator.is_some_and(|found| expected.contains(&found)) {
+            return None;
+        }
+        if fields.len() == 6 && separator.is_some_and(|found| expected.contains(&found)) {
+            fields.push(runs.next()?.digits);
+        }
+    }
+    let number = |index: usize| fields[index].parse::<u32>().ok();
+    let [year, month, day] = [number(0)?, number(1)?, number(2)?];
+    let [hour, minute, second] = [number(3)?, number(4)?, number(5)?];
+    let is_in_range = (1970..=2199).contains(&year)
+        && (1..=12).contains(&month)
+        && (1..=31).contains(&day)
+        && hour < 24
+        && minute < 60
+        && second <= 60;
+    let nanos = match fields.get(6) {
+        Some(fraction) => fraction_nanos(fraction)?,
+        None => 0,
+    };
+    let day_seconds = u64::from(hour * 3600 + minute * 60 + second);
+    is_in_range.then(|| {
+        Duration::new(
+            days_since_1970(year, month, day) * 86_400 + day_seconds,
+            nanos,
+        )
+    })
+}
+
+/// Days from the first of January 1970. Precondition: the year is none before it.
+fn days_since_1970(year: u32, month: u32, day: u32) -> u64 {
+    let is_leap = |year: u32| {
+        (year.is_multiple_of(4) && !year.is_multiple_of(100)) || year.is_multiple_of(400)
+    };
+    let years: u64 = (1970..year)
+        .map(|year| if is_leap(year) { 366 } else { 365 })
+        .sum();
+    let months: u64 = (1..month)
+        .map(|month| match month {
+            2 => 28 + u64::from(is_leap(year)),
+            4 | 6 | 9 | 11 => 30,
+            _ => 31,
+        })
+        .sum();
+    years + months + u64::from(day) - 1
+}
+
+/// What stands behind the point of a second.
+fn fraction_nanos(digits: &str) -> Option<u32> {
+    const NANO_DIGITS: usize = 9;
+    if digits.len() > NANO_DIGITS {
+        return None;
+    }
+    format!("{digits:0<NANO_DIGITS$}").parse().ok()
+}
+
+fn seconds(runs: &[Run<'_>]) -> Option<Duration> {
+    let [whole, fraction, ..] = runs else {
+        return None;
+    };
+    let is_time = (7..=11).contains(&whole.digits.len())
+        && whole.separator == Some('.')
+        && (3..=9).contains(&fraction.digits.len());
+    let seconds = whole.digits.parse().ok()?;
+    is_time.then(|| Some(Duration::new(seconds, fraction_nanos(fraction.digits)?)))?
+}
+
+fn digits(runs: &[Run<'_>]) -> Option<(Kind, Duration)> {
+    let digits = runs.first()?.digits;
+    let number: u64 = digits.parse().ok()?;
+    let time = match digits.len() {
+        _ if digits.starts_with('0') => return None,
+        16 => Duration::from_micros(number),
+        19 => Duration::from_nanos(number),
+        _ => return None,
+    };
+    Some((Kind::Digits(digits.len()), time))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Seconds of the names, rounded to microseconds.
+    fn seconds_of(names: &[&str]) -> Option<Vec<f64>> {
+        times_of_names(names)
+            .into_iter()
+            .map(|time| time.map(|time| time.as_micros() as f64 / 1e6))
+            .collect()
+    }
+
+    #[test]
+    fn names_of_recorders_have_times() {
+        for (names, expected) in [
+            (
+                [
+                    "frame_20121214T142255.814212.pcd",
+                    "frame_20121214T142256.068683.pcd",
+                ],
+                [1_355_494_975.814_212, 1_355_494_976.068_683],
+            ),
+            (
+                ["2012-12-14_14-22-55-814.ply", "2012-12-14_14-22-55-914.ply"],
+                [1_355_494_975.814, 1_355_494_975.914],
+            ),
+            (
+                ["a/20240229_235959.ply", "a/20240301_000001.ply"],
+                [1_709_251_199.0, 1_709_251_201.0],
+            ),
+            (
+                ["1305031102.175304.png", "1305031102.211214.png"],
+                [1_305_031_102.175_304, 1_305_031_102.211_214],
+            ),
+            (
+                ["1351492.123456.pcd", "1351493.023456.pcd"],
+                [1_351_492.123_456, 1_351_493.023_456],
+            ),
+            (
+                [
+                    "scan_1403636579763555584.ply",
+                    "scan_1403636579863555584.ply",
+                ],
+                [1_403_636_579.763_555, 1_403_636_579.863_555],
+            ),
+            (
+                ["1403636579763555.bin", "1403636579863555.bin"],
+                [1_403_636_579.763_555, 1_403_636_579.863_555],
+            ),
+            // Of a name without extension, the fraction is none.
+            (
+                ["1305031102.175304", "1305031102.211214"],
+                [1_305_031_102.175_304, 1_305_031_102.211_214],
+            ),
+        ] {
+            assert_eq!(seconds_of(&names), Some(expected.to_vec()), "{names:?}");
+        }
+    }
+
+    #[test]
+    fn counters_and_odd_names_are_no_times() {
+        for names in [
+            ["frame_0001.ply", "frame_0002.ply"],
+            ["0000000001.bin", "0000000002.bin"],
+            ["0000000000000001.bin", "0000000000000002.bin"],
+            ["scan_20121214_1.ply", "scan_20121214_2.ply"],
+            ["20121214.ply", "20121215.ply"],
+            ["20121314T142255.ply", "20121314T142256.ply"],
+            ["v1.25_a.ply", "v1.26_b.ply"],
+            // Times, but not growing, not all of one kind, not all.
+            ["1305031102.275304.ply", "1305031102.211214.ply"],
+            ["1305031102.211214.ply", "1305031102.211214.ply"],
+            ["1305031102.175304.ply", "2024-12-14_14-22-55.ply"],
+            ["1305031102.175304.ply", "last.ply"],
+            [
+                "99999999999999999999999.ply",
+                "999999999999999999999999.ply",
+            ],
+        ] {
+            assert_eq!(times_of_names(&names), [None, None], "{names:?}");
+        }
+        assert_eq!(times_of_names(&["1305031102.175304.ply"]), [None]);
+        assert_eq!(times_of_names(&[]), []);
+        assert_eq!(times_of_names(&["é1.2é3", "\u{1F600}4"]), [None, None]);
+    }
+}
