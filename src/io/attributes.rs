@@ -1,6 +1,6 @@
 //! From named columns to a cloud: which name means what.
 
-use super::column::{Column, Scalar, Values, colors, vectors_f32, vectors_f64};
+use super::column::{Column, Scalar, Values, set_colors, vectors_f32, vectors_f64};
 use super::error::Fault;
 use crate::cloud::{Positions, RawCloud, ScalarField};
 
@@ -105,9 +105,7 @@ pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fa
         .find_map(find_all)
         .map(|columns| vectors_f32(columns, count));
     if let Some(channels) = COLORS.iter().find_map(find_all) {
-        let (colors, is_narrow) = colors(channels, find_any(&ALPHA), count);
-        cloud.colors = Some(colors);
-        cloud.has_narrow_colors = is_narrow;
+        set_colors(&mut cloud, channels, find_any(&ALPHA), count);
     } else {
         cloud.colors = find_any(&PACKED_COLORS).map(|column| packed_colors(column, count));
     }

@@ -1,5 +1,6 @@
 //! A column of numbers, wherever it lies: in rows, in a block of its own, or parsed from text.
 
+use crate::cloud::RawCloud;
 use std::ops::Range;
 
 /// Type of a binary number.
@@ -259,10 +260,22 @@ fn components(raw: &[u8; 12], read: impl Fn([u8; 4]) -> f32) -> [f32; 3] {
     [read(parts[0]), read(parts[1]), read(parts[2])]
 }
 
+/// Gives `cloud` the colours in `channels`, and notes whether they were narrower than their fields.
+pub(super) fn set_colors(
+    cloud: &mut RawCloud,
+    channels: [&Column<'_>; 3],
+    alpha: Option<&Column<'_>>,
+    count: usize,
+) {
+    let (colors, is_narrow) = colors(channels, alpha, count);
+    cloud.colors = Some(colors);
+    cloud.has_narrow_colors = is_narrow;
+}
+
 /// Colour channels as 8 bits red, green, blue and alpha, which is full where there is no column for it.
 ///
 /// The second answer is whether 8 bits were found in fields of 16.
-pub(super) fn colors(
+fn colors(
     channels: [&Column<'_>; 3],
     alpha: Option<&Column<'_>>,
     count: usize,

@@ -69,7 +69,7 @@ fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
             .then(|| column(colors, 3, count))
             .transpose()?;
         let channels = columns(colors, count)?;
-        cloud.colors = Some(column::colors(channels.each_ref(), alpha.as_ref(), count));
+        column::set_colors(&mut cloud, channels.each_ref(), alpha.as_ref(), count);
     }
     let faces = mesh.faces().iter().map(|face| face.map(|point| point.0));
     cloud.faces = faces.collect();

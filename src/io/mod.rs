@@ -8,7 +8,6 @@
 mod archive;
 mod attributes;
 mod bin;
-mod bzip2;
 mod column;
 mod contents;
 mod draco;

@@ -109,7 +109,7 @@ pub(crate) enum Run<'a> {
 
 /// Cuts a name into runs.
 #[derive(Clone)]
-pub(crate) struct Runs<'a>(pub(super) &'a str);
+pub(crate) struct Runs<'a>(pub(crate) &'a str);
 
 impl<'a> Iterator for Runs<'a> {
     type Item = Run<'a>;

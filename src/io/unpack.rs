@@ -41,7 +41,7 @@ pub(super) fn reader<'a>(
             Box::new(decoder)
         }
         Packing::Lz4 => Box::new(lz4_flex::frame::FrameDecoder::new(packed)),
-        Packing::Bzip2 => Box::new(super::bzip2::Decoder::new(packed)),
+        Packing::Bzip2 => Box::new(bzip2::read::MultiBzDecoder::new(packed)),
     })
 }
 

@@ -51,7 +51,20 @@ pub(super) fn discover(
         append_frames(&mut sources, path, options);
     }
     number(&mut sources);
+    stamp(&mut sources);
     Ok(sources)
+}
+
+/// Where no file says when its frames were taken, their names may.
+fn stamp(sources: &mut [Source]) {
+    if sources.iter().any(|source| source.time.is_some()) {
+        return;
+    }
+    let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
+    let times = times_of_names(&names);
+    for (source, time) in sources.iter_mut().zip(times) {
+        source.time = time;
+    }
 }
 
 /// Appends what is in the file at `path`: one frame, or those that [`io::list`] finds. What cannot be listed is one frame, which

@@ -78,10 +78,10 @@ pub(super) fn cloud(header: &Header, extra: &[ExtraField], rows: &[u8]) -> RawCl
         })
     });
     let mut cloud = RawCloud::from_positions(Positions::F64(positions.collect()));
-    cloud.colors = layout.colors.map(|start| {
+    if let Some(start) = layout.colors {
         let channels = [0, 2, 4].map(|channel| column("color", Scalar::U16, start + channel));
-        column::colors(channels.each_ref(), None, count)
-    });
+        column::set_colors(&mut cloud, channels.each_ref(), None, count);
+    }
     let scalars = &mut cloud.scalars;
     scalars.push(plain("intensity", Scalar::U16, 12));
     scalars.push(if layout.is_wide {
