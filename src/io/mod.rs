@@ -11,6 +11,7 @@ mod column;
 mod contents;
 mod error;
 mod format;
+mod mesh;
 mod numbers;
 mod options;
 mod pcd;
@@ -103,7 +104,17 @@ fn read_bytes_with(
             Err(Fault::header("not yet"))
         }
     };
-    decoded.map_err(|fault| fault.of(name, format))
+    let sampled = |mut cloud: RawCloud| {
+        if let Some(count) = options.sample_count
+            && !cloud.faces.is_empty()
+        {
+            mesh::sample(&mut cloud, count, options)?;
+        }
+        Ok(cloud)
+    };
+    decoded
+        .and_then(sampled)
+        .map_err(|fault| fault.of(name, format))
 }
 
 /// The frames in a file of `format`.
