@@ -1,4 +1,4 @@
-//! Points spread evenly over the faces of a mesh.
+//! Triangles of polygons and strips, and points spread evenly over the faces of a mesh.
 //!
 //! The faces are put in the order of a curve that fills space (Morton's), so that neighbours on the surface are mostly neighbours in
 //! the order, and their areas are added up along it. Sample `i` of `n` lies at `(i + 1/2) / n` of the whole area: every face, and
@@ -15,6 +15,25 @@ use super::options::ReadOptions;
 use crate::cloud::{Positions, RawCloud, ScalarField};
 use glam::DVec3;
 use std::num::NonZeroUsize;
+
+/// Adds the triangles of a polygon around its first corner; points and lines have none.
+pub(super) fn fan(polygon: &[u32], triangles: &mut Vec<[u32; 3]>) {
+    if let Some((&first, others)) = polygon.split_first() {
+        let sides = others.windows(2);
+        triangles.extend(sides.map(|side| [first, side[0], side[1]]));
+    }
+}
+
+/// Adds the triangles of a strip: every second one is turned, so that all show the same side. Those without an area only lead from
+/// one part of a strip to the next.
+pub(super) fn strip(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
+    let turned = |(index, corner): (usize, &[u32])| match index % 2 {
+        0 => [corner[0], corner[1], corner[2]],
+        _ => [corner[1], corner[0], corner[2]],
+    };
+    let all = corners.windows(3).enumerate().map(turned);
+    triangles.extend(all.filter(|[a, b, c]| a != b && b != c && c != a));
+}
 
 /// A place on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]

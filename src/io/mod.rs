@@ -11,12 +11,16 @@ mod column;
 mod contents;
 mod error;
 mod format;
+mod gltf;
 mod mesh;
 mod numbers;
+mod obj;
+mod off;
 mod options;
 mod pcd;
 mod ply;
 mod recording;
+mod stl;
 mod xyz;
 
 pub use archive::Member;
@@ -99,6 +103,10 @@ fn read_bytes_with(
         Format::Ply => ply::decode(bytes),
         Format::Pcd => pcd::decode(bytes),
         Format::Xyz => xyz::decode(bytes),
+        Format::Obj => obj::decode(bytes),
+        Format::Off => off::decode(bytes),
+        Format::Stl => stl::decode(bytes),
+        Format::Gltf => gltf::decode(name, bytes, part, options),
         _ => {
             let _ = (part, options);
             Err(Fault::header("not yet"))
@@ -118,14 +126,17 @@ fn read_bytes_with(
 }
 
 /// The frames in a file of `format`.
-fn list_format(
-    path: &Path,
-    format: Format,
-    options: &ReadOptions,
-) -> Result<Vec<Entry>, IoError> {
+fn list_format(path: &Path, format: Format, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     match format {
         Format::Zip | Format::Tar => archive::list(path, format, options),
         Format::Mcap | Format::Bag | Format::Db3 => recording::list(path, format),
+        Format::Gltf => {
+            let bytes = std::fs::read(path).map_err(|source| IoError::Io {
+                path: path.to_owned(),
+                source,
+            })?;
+            gltf::list(path, &bytes, options).map_err(|fault| fault.of(path, format))
+        }
         _ => Ok(vec![Entry::whole()]),
     }
 }

@@ -4,6 +4,7 @@
 //! at most twelve bytes for each byte of the file: three indices for a further item.
 
 use super::super::error::Fault;
+use super::super::mesh;
 use super::header::{Element, Kind};
 
 /// Names of the list with the vertices of a face.
@@ -91,8 +92,8 @@ impl Faces {
     /// The list is complete.
     pub(super) fn end_list(&mut self, kind: FaceList) {
         match kind.shape {
-            Shape::Polygon => fan(&self.list, &mut self.triangles),
-            Shape::Strip => strip(&self.list, &mut self.triangles),
+            Shape::Polygon => mesh::fan(&self.list, &mut self.triangles),
+            Shape::Strip => mesh::strip(&self.list, &mut self.triangles),
         }
         self.list.clear();
     }
@@ -101,23 +102,4 @@ impl Faces {
     pub(super) fn into_triangles(self) -> Vec<[u32; 3]> {
         self.triangles
     }
-}
-
-/// The triangles of a polygon around its first corner; points and lines have none.
-fn fan(polygon: &[u32], triangles: &mut Vec<[u32; 3]>) {
-    if let Some((&first, others)) = polygon.split_first() {
-        let sides = others.windows(2);
-        triangles.extend(sides.map(|side| [first, side[0], side[1]]));
-    }
-}
-
-/// The triangles of a strip: every second one is turned, so that all show the same side. Those without an area only lead from one
-/// part of a strip to the next.
-fn strip(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
-    let turned = |(index, corner): (usize, &[u32])| match index % 2 {
-        0 => [corner[0], corner[1], corner[2]],
-        _ => [corner[1], corner[0], corner[2]],
-    };
-    let all = corners.windows(3).enumerate().map(turned);
-    triangles.extend(all.filter(|[a, b, c]| a != b && b != c && c != a));
 }
