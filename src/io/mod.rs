@@ -13,6 +13,7 @@ mod error;
 mod format;
 mod gltf;
 mod mesh;
+mod npy;
 mod numbers;
 mod obj;
 mod off;
@@ -21,6 +22,7 @@ mod pcd;
 mod ply;
 mod recording;
 mod stl;
+mod write;
 mod xyz;
 
 pub use archive::Member;
@@ -29,6 +31,7 @@ pub use error::{IoError, Place};
 pub use format::{Format, supported_extensions};
 pub use options::ReadOptions;
 pub use recording::Message;
+pub use write::{WriteFormat, write};
 
 use crate::cloud::RawCloud;
 use error::Fault;
@@ -106,6 +109,8 @@ fn read_bytes_with(
         Format::Obj => obj::decode(bytes),
         Format::Off => off::decode(bytes),
         Format::Stl => stl::decode(bytes),
+        Format::Npy => npy::decode(bytes),
+        Format::Npz => npy::decode_archive(bytes, options),
         Format::Gltf => gltf::decode(name, bytes, part, options),
         _ => {
             let _ = (part, options);

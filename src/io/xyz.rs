@@ -163,11 +163,7 @@ impl Rows {
     fn take_names<'a>(&mut self, tokens: impl Iterator<Item = &'a [u8]>) {
         let names: Vec<String> = tokens
             .take(MAX_COLUMNS)
-            .map(|token| {
-                String::from_utf8_lossy(token)
-                    .trim_matches('"')
-                    .to_ascii_lowercase()
-            })
+            .map(|token| String::from_utf8_lossy(token).trim_matches('"').to_owned())
             .collect();
         if has_coordinates(&names) {
             self.names = Some(names);
@@ -178,10 +174,11 @@ impl Rows {
 fn has_coordinates(names: &[String]) -> bool {
     ["x", "y", "z"]
         .iter()
-        .all(|axis| names.iter().any(|name| name == axis))
+        .all(|axis| names.iter().any(|name| name.eq_ignore_ascii_case(axis)))
 }
 
-fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
+/// What the columns are by their number and the values behind the coordinates, of which the fourth to the seventh are looked at.
+pub(super) fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
     const COLOR: [&str; 3] = ["red", "green", "blue"];
     const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
     let bytes_at = |first: usize| {
