@@ -16,7 +16,6 @@ use crate::io::WriteFormat;
 use crate::sequence::{FrameError, Sequence};
 use rayon::prelude::*;
 use std::fs::{self, File};
-use std::io::BufWriter;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -206,14 +205,13 @@ fn is_finished(output: &Path, source: &Path) -> bool {
 /// Writes a file under a hidden name beside `path` and renames it when it is whole and on the disk.
 fn write_whole(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+    write: impl FnOnce(&mut File) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let partial = path.with_file_name(format!(".{name}.{}.partial", std::process::id()));
     let written = || -> std::io::Result<()> {
-        let mut out = BufWriter::with_capacity(1 << 20, File::create(&partial)?);
-        write(&mut out)?;
-        let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
+        let mut file = File::create(&partial)?;
+        write(&mut file)?;
         file.sync_data()?;
         fs::rename(&partial, path)
     };

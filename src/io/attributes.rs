@@ -49,6 +49,11 @@ const SCALARS: [&str; 22] = [
 
 /// True when [`cloud`] looks at a column of this name.
 pub(super) fn is_used(name: &str) -> bool {
+    is_reserved(name) || is_scalar(&name.to_ascii_lowercase())
+}
+
+/// True when a column of this name is no scalar.
+pub(super) fn is_reserved(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let name = name.as_str();
     ["x", "y", "z"].contains(&name)
@@ -57,7 +62,6 @@ pub(super) fn is_used(name: &str) -> bool {
         || PACKED_COLORS.contains(&name)
         || ALPHA.contains(&name)
         || RADII.contains(&name)
-        || is_scalar(name)
 }
 
 fn is_scalar(name: &str) -> bool {

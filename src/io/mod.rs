@@ -14,17 +14,24 @@ mod draco;
 mod e57;
 mod error;
 mod format;
+mod gltf;
 mod las;
+mod mesh;
 pub(crate) mod natural;
+mod npy;
 mod numbers;
+mod obj;
+mod off;
 mod options;
 mod pcd;
 mod ply;
 mod ptx;
 mod recording;
 mod rows;
+mod stl;
 pub(crate) mod timestamps;
 mod unpack;
+mod write;
 mod xyz;
 
 pub use archive::Member;
@@ -34,6 +41,7 @@ pub use format::{Format, supported_extensions};
 pub use natural::natural_order;
 pub use options::ReadOptions;
 pub use recording::Message;
+pub use write::{WriteFormat, write};
 
 use crate::cloud::RawCloud;
 use error::Fault;
@@ -113,12 +121,29 @@ fn read_bytes_with(
         Format::Draco => draco::decode(bytes, options),
         Format::Ptx => ptx::decode(bytes),
         Format::Bin => bin::decode(name, bytes),
-        _ => {
-            let _ = (part, options);
-            Err(Fault::header("not yet"))
+        Format::Obj => obj::decode(bytes),
+        Format::Off => off::decode(bytes),
+        Format::Stl => stl::decode(bytes),
+        Format::Npy => npy::decode(bytes),
+        Format::Npz => npy::decode_archive(bytes, options),
+        Format::Gltf => gltf::decode(name, bytes, part, options),
+        Format::Mcap | Format::Bag | Format::Db3 | Format::Zip | Format::Tar => {
+            Err(Fault::header(format!(
+                "a {format} file within another file is not read: unpack the outer one first"
+            )))
         }
     };
-    decoded.map_err(|fault| fault.of(name, format))
+    let sampled = |mut cloud: RawCloud| {
+        if let Some(count) = options.sample_count
+            && !cloud.faces.is_empty()
+        {
+            mesh::sample(&mut cloud, count, options)?;
+        }
+        Ok(cloud)
+    };
+    decoded
+        .and_then(sampled)
+        .map_err(|fault| fault.of(name, format))
 }
 
 /// The frames in a file of `format`.
@@ -127,6 +152,13 @@ fn list_format(path: &Path, format: Format, options: &ReadOptions) -> Result<Vec
         Format::Zip | Format::Tar => archive::list(path, format, options),
         Format::Mcap | Format::Bag | Format::Db3 => recording::list(path, format, options),
         Format::E57 => e57::list(path),
+        Format::Gltf => {
+            let bytes = std::fs::read(path).map_err(|source| IoError::Io {
+                path: path.to_owned(),
+                source,
+            })?;
+            gltf::list(path, &bytes, options).map_err(|fault| fault.of(path, format))
+        }
         _ => Ok(vec![Entry::whole()]),
     }
 }

@@ -175,9 +175,9 @@ impl Head {
     }
 }
 
-/// A name as [`attributes::cloud`] knows it: in lower case, without quotes and unit.
+/// A name as [`attributes::cloud`] knows it: without quotes and unit.
 fn plain_name(name: &str) -> String {
-    let name = name.trim_matches(['"', '\'', ' ']).to_ascii_lowercase();
+    let name = name.trim_matches(['"', '\'', ' ']);
     let name = name.split(['(', '[']).next().unwrap_or("");
     name.trim().to_owned()
 }
@@ -195,17 +195,18 @@ fn plain_coordinate(name: String) -> String {
         ("hochwert", "y"),
         ("height", "z"),
     ];
-    let known = COORDINATES.iter().find(|(other, _)| *other == name);
+    let known = COORDINATES.iter().find(|(other, _)| name.eq_ignore_ascii_case(other));
     known.map_or(name, |(_, plain)| (*plain).to_owned())
 }
 
 fn has_coordinates(names: &[String]) -> bool {
     ["x", "y", "z"]
         .iter()
-        .all(|axis| names.iter().any(|name| name == axis))
+        .all(|axis| names.iter().any(|name| name.eq_ignore_ascii_case(axis)))
 }
 
-fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
+/// What the columns are by their number and the values behind the coordinates, of which the fourth to the seventh are looked at.
+pub(super) fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
     const COLOR: [&str; 3] = ["red", "green", "blue"];
     const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
     let bytes_at = |first: usize| {

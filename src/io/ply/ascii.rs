@@ -5,41 +5,65 @@
 use super::super::column::Column;
 use super::super::error::{Fault, Place};
 use super::super::numbers::{Tokens, quoted};
+use super::faces::{FaceList, Faces};
 use super::header::{Element, Header, Kind, Property};
 use super::{KeptColumns, POINTS};
 
-/// The columns of `vertex` in the file `bytes`, where the elements of `before` come first.
-pub(super) fn columns(
+/// The columns of `vertex` and the triangles in the file `bytes`, of whose elements the first are `elements`.
+pub(super) fn read(
     bytes: &[u8],
     header: &Header,
-    before: &[Element],
+    elements: &[Element],
     vertex: &Element,
-) -> Result<Vec<Column<'static>>, Fault> {
+) -> Result<(Vec<Column<'static>>, Faces), Fault> {
     let payload = &bytes[header.byte_size..];
     let mut tokens = Tokens::new(payload, header.line_count + 1);
-    for element in before {
+    let mut columns = Vec::new();
+    let mut faces = Faces::new(vertex.count);
+    for element in elements {
         check_ascii_claim(element, payload)?;
+        if element.name == POINTS {
+            columns = vertices(&mut tokens, element)?;
+            if columns.is_empty() {
+                // Nothing is kept of these points, so there is no cloud to be made of them.
+                break;
+            }
+            continue;
+        }
         // Rows of nothing take no time, however many are claimed.
         let rows = if element.properties.is_empty() {
             0
         } else {
             element.count
         };
+        let list = FaceList::of(element);
         for row in 0..rows {
-            for property in &element.properties {
-                ascii_step(&mut tokens, property, &element.name, row)?;
+            for (index, property) in element.properties.iter().enumerate() {
+                match list.filter(|list| list.property == index) {
+                    Some(list) => {
+                        ascii_step(&mut tokens, property, &element.name, row, |item| {
+                            faces.push(list, element, row, item)
+                        })?;
+                        faces.end_list(list);
+                    }
+                    None => {
+                        ascii_step(&mut tokens, property, &element.name, row, |_| Ok(()))?;
+                    }
+                }
             }
         }
     }
-    check_ascii_claim(vertex, payload)?;
+    Ok((columns, faces))
+}
+
+fn vertices(tokens: &mut Tokens<'_>, vertex: &Element) -> Result<Vec<Column<'static>>, Fault> {
     let mut kept = KeptColumns::new(vertex);
     if kept.columns.is_empty() {
-        // Nothing is kept of these points, so there is no cloud to be made of them.
         return Ok(kept.columns);
     }
     for row in 0..vertex.count {
         for (index, property) in vertex.properties.iter().enumerate() {
-            if let Some(value) = ascii_step(&mut tokens, property, POINTS, row)? {
+            if let Some(value) = ascii_step(tokens, property, POINTS, row, |_| Ok(()))? {
                 kept.push(index, value);
             }
         }
@@ -57,11 +81,13 @@ fn check_ascii_claim(element: &Element, payload: &[u8]) -> Result<(), Fault> {
     )
 }
 
+/// Steps over a property of a row, of which each item is handed over if it is a list; the value, if it is none.
 fn ascii_step(
     tokens: &mut Tokens<'_>,
     property: &Property,
     list: &str,
     row: usize,
+    mut item: impl FnMut(f64) -> Result<(), Fault>,
 ) -> Result<Option<f64>, Fault> {
     match property.kind {
         Kind::Scalar(_) => ascii_number(tokens, property, list, row).map(Some),
@@ -75,7 +101,7 @@ fn ascii_step(
             }
             let mut left = length;
             while left > 0.0 {
-                ascii_number(tokens, property, list, row)?;
+                item(ascii_number(tokens, property, list, row)?)?;
                 left -= 1.0;
             }
             Ok(None)

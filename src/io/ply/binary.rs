@@ -5,26 +5,40 @@
 
 use super::super::column::{Column, Scalar, Values};
 use super::super::error::Fault;
+use super::faces::{FaceList, Faces};
 use super::header::{Element, Kind, Property};
 use super::{KeptColumns, POINTS};
 
-/// The columns of `vertex` in `payload`, where the elements of `before` come first.
-pub(super) fn columns<'a>(
+/// The columns of `vertex` and the triangles in `payload`, of whose elements the first are `elements`.
+pub(super) fn read<'a>(
     payload: &'a [u8],
     big_endian: bool,
-    before: &[Element],
+    elements: &[Element],
     vertex: &Element,
-) -> Result<Vec<Column<'a>>, Fault> {
+) -> Result<(Vec<Column<'a>>, Faces), Fault> {
     let mut cursor = Cursor {
         bytes: payload,
         at: 0,
         big_endian,
     };
-    for element in before {
-        cursor.skip(element)?;
+    let mut vertices = Vec::new();
+    let mut faces = Faces::new(vertex.count);
+    for element in elements {
+        if element.name == POINTS {
+            vertices = columns(&mut cursor, element)?;
+        } else if let Some(list) = FaceList::of(element) {
+            cursor.read_faces(element, list, &mut faces)?;
+        } else {
+            cursor.skip(element)?;
+        }
     }
+    Ok((vertices, faces))
+}
+
+/// The columns of `vertex`, which begins at the cursor.
+fn columns<'a>(cursor: &mut Cursor<'a>, vertex: &Element) -> Result<Vec<Column<'a>>, Fault> {
     let Some(row_bytes) = vertex.fixed_row_bytes() else {
-        return walked_columns(&mut cursor, vertex);
+        return walked_columns(cursor, vertex);
     };
     vertex.check_claim(row_bytes, cursor.rest().len())?;
     let mut start = 0;
@@ -44,6 +58,7 @@ pub(super) fn columns<'a>(
             start += scalar.byte_size();
         }
     }
+    cursor.at += vertex.count * row_bytes;
     Ok(columns)
 }
 
@@ -89,32 +104,70 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
+    /// Steps over all rows of an element with faces, and makes triangles of them.
+    fn read_faces(
+        &mut self,
+        element: &Element,
+        list: FaceList,
+        faces: &mut Faces,
+    ) -> Result<(), Fault> {
+        element.check_claim(element.least_row_bytes(), self.rest().len())?;
+        for row in 0..element.count {
+            for (index, property) in element.properties.iter().enumerate() {
+                match property.kind {
+                    Kind::List { length, item } if index == list.property => {
+                        let big_endian = self.big_endian;
+                        let items = self.list(length, item, &element.name, row)?;
+                        for bytes in items.chunks_exact(item.byte_size()) {
+                            faces.push(list, element, row, item.read(bytes, big_endian))?;
+                        }
+                        faces.end_list(list);
+                    }
+                    _ => {
+                        self.step(property, &element.name, row)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Steps over a property of a row; the value, if it is no list.
     fn step(&mut self, property: &Property, list: &str, row: usize) -> Result<Option<f64>, Fault> {
         match property.kind {
             Kind::Scalar(scalar) => self.number(scalar, list, row).map(Some),
-            Kind::List { length, item } => {
-                let length = self.number(length, list, row)?;
-                if length < 0.0 || length.fract() != 0.0 {
-                    return Err(Fault::entry(
-                        list,
-                        row,
-                        format!("a list cannot have {length} items"),
-                    ));
-                }
-                let bytes = (length as usize)
-                    .checked_mul(item.byte_size())
-                    .filter(|&bytes| bytes <= self.rest().len());
-                self.at += bytes.ok_or_else(|| {
-                    Fault::entry(
-                        list,
-                        row,
-                        format!("a list of {length} items goes beyond the end of the file"),
-                    )
-                })?;
-                Ok(None)
-            }
+            Kind::List { length, item } => self.list(length, item, list, row).map(|_| None),
         }
+    }
+
+    /// Steps over a list; the bytes of its items.
+    fn list(
+        &mut self,
+        length: Scalar,
+        item: Scalar,
+        list: &str,
+        row: usize,
+    ) -> Result<&'a [u8], Fault> {
+        let length = self.number(length, list, row)?;
+        if length < 0.0 || length.fract() != 0.0 {
+            return Err(Fault::entry(
+                list,
+                row,
+                format!("a list cannot have {length} items"),
+            ));
+        }
+        let items = (length as usize)
+            .checked_mul(item.byte_size())
+            .and_then(|bytes| self.rest().get(..bytes));
+        let items = items.ok_or_else(|| {
+            Fault::entry(
+                list,
+                row,
+                format!("a list of {length} items goes beyond the end of the file"),
+            )
+        })?;
+        self.at += items.len();
+        Ok(items)
     }
 
     fn number(&mut self, scalar: Scalar, list: &str, row: usize) -> Result<f64, Fault> {

@@ -1,16 +1,19 @@
 //! PLY: a header of elements with typed properties, then their rows as text or binary.
 //!
-//! The header's lines are read by `ply-rs-bw`; of the payload only the columns of the `vertex` element are kept, all else
-//! is stepped over without being stored.
+//! The header's lines are read by `ply-rs-bw`; of the payload the columns of the `vertex` element are kept and the triangles of the
+//! `face` and `tristrips` elements, all else is stepped over without being stored, and what comes behind these is not looked at.
 
 mod ascii;
 mod binary;
+mod faces;
 mod header;
+mod splats;
 
 use super::attributes;
 use super::column::{Column, Values};
 use super::error::Fault;
 use crate::cloud::RawCloud;
+use faces::FaceList;
 use header::{Element, Header, Kind};
 use ply_rs_bw::ply::Encoding;
 
@@ -19,25 +22,31 @@ const POINTS: &str = "vertex";
 
 pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let header = Header::parse(bytes)?;
-    let Some(position) = header
+    let Some(vertex) = header
         .elements
         .iter()
-        .position(|element| element.name == POINTS)
+        .find(|element| element.name == POINTS)
     else {
         return Err(Fault::header(
             "there is no element `vertex`: a point cloud keeps its points there",
         ));
     };
-    let (before, after) = header.elements.split_at(position);
-    let vertex = &after[0];
-    let columns = match header.encoding {
-        Encoding::Ascii => ascii::columns(bytes, &header, before, vertex)?,
+    let last = header
+        .elements
+        .iter()
+        .rposition(|element| element.name == POINTS || FaceList::of(element).is_some());
+    let elements = &header.elements[..last.map_or(0, |last| last + 1)];
+    let (columns, faces) = match header.encoding {
+        Encoding::Ascii => ascii::read(bytes, &header, elements, vertex)?,
         Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
             let big_endian = header.encoding == Encoding::BinaryBigEndian;
-            binary::columns(&bytes[header.byte_size..], big_endian, before, vertex)?
+            binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?
         }
     };
-    attributes::cloud(&columns, vertex.count)
+    let mut cloud = attributes::cloud(&columns, vertex.count)?;
+    splats::apply(&columns, &mut cloud);
+    cloud.faces = faces.into_triangles();
+    Ok(cloud)
 }
 
 /// Parsed columns of the properties that a cloud has a use for.
@@ -53,9 +62,10 @@ impl KeptColumns {
             columns: Vec::new(),
             column_of: Vec::new(),
         };
+        let is_used = |name: &str| attributes::is_used(name) || splats::is_used(name);
         for property in &vertex.properties {
             let scalar = match property.kind {
-                Kind::Scalar(scalar) if attributes::is_used(&property.name) => Some(scalar),
+                Kind::Scalar(scalar) if is_used(&property.name) => Some(scalar),
                 _ => None,
             };
             kept.column_of.push(scalar.map(|_| kept.columns.len()));

@@ -1,0 +1,73 @@
+//! A table of numpy: all columns are of one type, and nothing names them.
+//!
+//! So only those are written that their number tells (see the reader of text): a colour, a normal, both, or a scalar alone or before
+//! a colour. Alpha, radii and further scalars are left out.
+
+use super::columns::{CHUNK_BYTES, Colors, Column, Type, columns};
+use crate::cloud::RawCloud;
+use std::io::Write;
+
+pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<()> {
+    let columns = columns(cloud, Colors::Untyped, ["nx", "ny", "nz"], str::to_owned);
+    let columns = told_by_number(columns, cloud);
+    let is_double = columns.iter().any(|column| column.kind() == Type::F64);
+    let (kind, bytes) = if is_double { ("<f8", 8) } else { ("<f4", 4) };
+    out.write_all(&header(kind, cloud.positions.len(), columns.len()))?;
+    let mut chunk = Vec::new();
+    for row in 0..cloud.positions.len() {
+        for column in &columns {
+            let value = column.value(row);
+            if bytes == 8 {
+                chunk.extend(value.to_le_bytes());
+            } else {
+                chunk.extend((value as f32).to_le_bytes());
+            }
+        }
+        if chunk.len() >= CHUNK_BYTES {
+            out.write_all(&chunk)?;
+            chunk.clear();
+        }
+    }
+    out.write_all(&chunk)
+}
+
+fn told_by_number<'a>(columns: Vec<Column<'a>>, cloud: &RawCloud) -> Vec<Column<'a>> {
+    let (has_colors, has_normals) = (cloud.colors.is_some(), cloud.normals.is_some());
+    let scalar = match cloud.scalars.first() {
+        Some(_) if !has_normals => Some(columns.len() - cloud.scalars.len()),
+        _ => None,
+    };
+    let wanted = |name: &str| match name {
+        "x" | "y" | "z" => true,
+        "red" | "green" | "blue" => has_colors,
+        "nx" | "ny" | "nz" => has_normals,
+        _ => false,
+    };
+    let (mut kept, mut behind) = (Vec::new(), Vec::new());
+    for (index, column) in columns.into_iter().enumerate() {
+        if scalar == Some(index) {
+            kept.insert(3, column);
+        } else if index < 3 {
+            kept.push(column);
+        } else if wanted(&column.name) {
+            behind.push(column);
+        }
+    }
+    kept.extend(behind);
+    kept
+}
+
+/// Padded so that the numbers begin at a multiple of 64 bytes.
+fn header(kind: &str, rows: usize, columns: usize) -> Vec<u8> {
+    const START: usize = 10;
+    const ALIGNMENT: usize = 64;
+    let mut text =
+        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    let end = (START + text.len() + 1).next_multiple_of(ALIGNMENT);
+    text.extend(std::iter::repeat_n(' ', end - START - text.len() - 1));
+    text.push('\n');
+    let mut header = b"\x93NUMPY\x01\x00".to_vec();
+    header.extend((text.len() as u16).to_le_bytes());
+    header.extend(text.bytes());
+    header
+}

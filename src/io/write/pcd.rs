@@ -1,0 +1,71 @@
+//! PCD, binary: point after point.
+
+use super::columns::{CHUNK_BYTES, Colors, Type, columns, plain_name};
+use crate::cloud::RawCloud;
+use std::io::Write;
+
+pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<()> {
+    let name = |name: &str| match plain_name(name, |sign| sign.is_ascii_graphic()) {
+        // Alone it is the name of padding.
+        plain if plain == "_" => "scalar__".to_owned(),
+        plain => plain,
+    };
+    let columns = columns(
+        cloud,
+        Colors::None,
+        ["normal_x", "normal_y", "normal_z"],
+        name,
+    );
+    let count = cloud.positions.len();
+    let has_alpha = cloud
+        .colors
+        .iter()
+        .flatten()
+        .any(|color| color[3] != u8::MAX);
+    // PCL keeps colours in the bits of a float, those with alpha in an unsigned integer.
+    let color = cloud.colors.is_some().then_some(if has_alpha {
+        ("rgba", "U")
+    } else {
+        ("rgb", "F")
+    });
+
+    let (mut fields, mut sizes, mut types) = (String::new(), String::new(), String::new());
+    let mut counts = String::new();
+    let columns_then_color = columns
+        .iter()
+        .map(|column| {
+            (
+                column.name.as_str(),
+                if column.kind() == Type::F64 { 8 } else { 4 },
+                "F",
+            )
+        })
+        .chain(color.map(|(name, kind)| (name, 4, kind)));
+    for (name, size, kind) in columns_then_color {
+        fields += &format!(" {name}");
+        sizes += &format!(" {size}");
+        types += &format!(" {kind}");
+        counts += " 1";
+    }
+    let sensor = cloud.sensor.unwrap_or_default();
+    write!(
+        out,
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS{fields}\nSIZE{sizes}\nTYPE{types}\nCOUNT{counts}\n\
+         WIDTH {count}\nHEIGHT 1\nVIEWPOINT {} {} {} 1 0 0 0\nPOINTS {count}\nDATA binary\n",
+        sensor.x, sensor.y, sensor.z
+    )?;
+    let mut bytes = Vec::new();
+    for row in 0..count {
+        for column in &columns {
+            column.put_bytes(row, &mut bytes);
+        }
+        if let Some([red, green, blue, alpha]) = cloud.colors.as_ref().map(|colors| colors[row]) {
+            bytes.extend([blue, green, red, if has_alpha { alpha } else { 0 }]);
+        }
+        if bytes.len() >= CHUNK_BYTES {
+            out.write_all(&bytes)?;
+            bytes.clear();
+        }
+    }
+    out.write_all(&bytes)
+}

@@ -1,0 +1,43 @@
+//! Text with a point a line.
+
+use super::columns::{CHUNK_BYTES, Colors, Column, columns, plain_name};
+use crate::cloud::RawCloud;
+use std::io::Write;
+
+pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<()> {
+    let name = |name: &str| {
+        plain_name(name, |sign| {
+            !sign.is_whitespace() && !sign.is_control() && !",;\"#".contains(sign)
+        })
+    };
+    let mut columns = columns(cloud, Colors::Untyped, ["nx", "ny", "nz"], name);
+    for scalar in columns.iter_mut().rev().take(cloud.scalars.len()) {
+        scalar.widen();
+    }
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    writeln!(out, "# {}", names.join(" "))?;
+    rows(out, cloud.positions.len(), &columns)
+}
+
+/// A line for each of the `count` rows.
+pub(super) fn rows(
+    out: &mut impl Write,
+    count: usize,
+    columns: &[Column<'_>],
+) -> std::io::Result<()> {
+    let mut text = String::new();
+    for row in 0..count {
+        for (index, column) in columns.iter().enumerate() {
+            if index > 0 {
+                text.push(' ');
+            }
+            column.put_text(row, &mut text);
+        }
+        text.push('\n');
+        if text.len() >= CHUNK_BYTES {
+            out.write_all(text.as_bytes())?;
+            text.clear();
+        }
+    }
+    out.write_all(text.as_bytes())
+}
