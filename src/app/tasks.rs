@@ -276,7 +276,10 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
     match kind {
         DialogKind::OpenFiles => dialog
             .set_title("Open point clouds")
-            .add_filter("Point clouds", &io::supported_extensions().collect::<Vec<_>>())
+            .add_filter(
+                "Point clouds",
+                &io::supported_extensions().collect::<Vec<_>>(),
+            )
             .add_filter("All files", &["*"])
             .pick_files(),
         DialogKind::OpenFolder => one(dialog.set_title("Open a folder of frames").pick_folder()),

@@ -42,8 +42,7 @@ impl FrameFacts {
             zero_normal_count: zero_normals
                 .filter(|(index, normal)| {
                     let length = glam::Vec3::from_array(**normal).length();
-                    (length == 0.0 || !length.is_finite())
-                        && raw.positions.get(*index).is_finite()
+                    (length == 0.0 || !length.is_finite()) && raw.positions.get(*index).is_finite()
                 })
                 .count(),
             has_narrow_colors: raw.has_narrow_colors,

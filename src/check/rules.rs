@@ -257,9 +257,13 @@ fn bounds_jumps(facts: &Facts) -> Vec<Finding> {
     for pair in boxes.windows(2) {
         let (before, min_before, max_before) = pair[0];
         let (after, min_after, max_after) = pair[1];
-        let diagonals = [(max_before - min_before).length(), (max_after - min_after).length()];
+        let diagonals = [
+            (max_before - min_before).length(),
+            (max_after - min_after).length(),
+        ];
         let larger = diagonals[0].max(diagonals[1]);
-        let moved = (min_after * 0.5 + max_after * 0.5).distance(min_before * 0.5 + max_before * 0.5);
+        let moved =
+            (min_after * 0.5 + max_after * 0.5).distance(min_before * 0.5 + max_before * 0.5);
         let has_grown = larger > DIAGONAL_FACTOR * diagonals[0].min(diagonals[1]);
         if moved > JUMP_IN_DIAGONALS * larger || has_grown {
             findings.push(Finding {

@@ -74,7 +74,10 @@ fn each_fault_is_found_where_it_is() {
     );
     assert_eq!(
         broken(&|cloud| set(cloud, 99, [100.0, 0.0, 0.0])),
-        [(Kind::BoundsJump, vec![0, 1]), (Kind::BoundsJump, vec![1, 2])]
+        [
+            (Kind::BoundsJump, vec![0, 1]),
+            (Kind::BoundsJump, vec![1, 2])
+        ]
     );
     assert_eq!(
         broken(&|cloud| {
@@ -142,7 +145,9 @@ fn pauses_and_stamps_that_go_back_are_found() {
         });
         let sequence = Sequence::with_decoder(sources.collect(), |_| Ok(grid(0.0)));
         let findings = check(&sequence, &|_| {}).findings;
-        let findings = findings.into_iter().map(|finding| (finding.kind, finding.frames));
+        let findings = findings
+            .into_iter()
+            .map(|finding| (finding.kind, finding.frames));
         findings.collect::<Vec<_>>()
     };
     assert_eq!(at(&[0, 100, 205, 300]), []);

@@ -69,7 +69,10 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         );
     }
     let open = arguments.read.open_options();
-    let inputs = arguments.inputs.iter().map(|input| open_input(input, &open));
+    let inputs = arguments
+        .inputs
+        .iter()
+        .map(|input| open_input(input, &open));
     let inputs = inputs.collect::<anyhow::Result<Vec<Input>>>()?;
     let default = BenchOptions::new(arguments.suite);
     let options = BenchOptions {

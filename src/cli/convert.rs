@@ -181,10 +181,18 @@ mod tests {
     #[test]
     fn matrices_are_read_row_by_row() {
         let moved = matrix("1,0,0,10, 0,1,0,20, 0,0,1,30, 0,0,0,1").unwrap();
-        assert_eq!(moved.transform_point3(DVec3::ZERO), DVec3::new(10.0, 20.0, 30.0));
+        assert_eq!(
+            moved.transform_point3(DVec3::ZERO),
+            DVec3::new(10.0, 20.0, 30.0)
+        );
         let short = matrix("0 -1 0 0\n1 0 0 0\n0 0 1 0").unwrap();
         assert_eq!(short.transform_point3(DVec3::X), DVec3::Y);
-        for wrong in ["", "1 2 3", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1", "nowhere.txt"] {
+        for wrong in [
+            "",
+            "1 2 3",
+            "1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1",
+            "nowhere.txt",
+        ] {
             assert!(matrix(wrong).is_err(), "{wrong}");
         }
     }

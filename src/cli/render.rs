@@ -70,7 +70,10 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
             arguments.output.display()
         );
     }
-    let sequence = Arc::new(open_sequence(&arguments.inputs, &arguments.read.open_options())?);
+    let sequence = Arc::new(open_sequence(
+        &arguments.inputs,
+        &arguments.read.open_options(),
+    )?);
     if last >= sequence.len() {
         bail!(
             "there is no frame {last}: the sequence has {} frames, counted from 0",

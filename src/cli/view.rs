@@ -83,7 +83,9 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             open,
             follow: args.follow,
             paused: args.paused,
-            budget_bytes: args.memory.map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
+            budget_bytes: args
+                .memory
+                .map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
             recent,
             ..StateOptions::default()
         },

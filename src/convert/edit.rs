@@ -26,7 +26,9 @@ pub struct Edit {
 #[non_exhaustive]
 pub enum EditError {
     /// A transform without an inverse has no normals.
-    #[error("the transform squeezes the cloud flat: its upper left 3 x 3 numbers must have an inverse")]
+    #[error(
+        "the transform squeezes the cloud flat: its upper left 3 x 3 numbers must have an inverse"
+    )]
     FlatTransform,
     /// Cells that a cloud has too many of.
     #[error(
@@ -70,7 +72,10 @@ impl fmt::Display for Edit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut words = Vec::new();
         if let Some(transform) = &self.transform {
-            words.push(format!("transform {:?}", transform.transpose().to_cols_array()));
+            words.push(format!(
+                "transform {:?}",
+                transform.transpose().to_cols_array()
+            ));
         }
         if let Some(edge) = self.voxel_edge {
             words.push(format!("cells of {edge}"));
@@ -273,4 +278,3 @@ fn estimate_normals(cloud: &mut RawCloud) -> Result<(), EditError> {
     cloud.radii.get_or_insert(radii);
     Ok(())
 }
-

@@ -167,7 +167,11 @@ fn convert_frame(
         Output::File(path) => path.clone(),
         Output::Folder(folder) => {
             let stem = match source.time {
-                Some(time) => format!("frame_{index:06}_{}.{:09}", time.as_secs(), time.subsec_nanos()),
+                Some(time) => format!(
+                    "frame_{index:06}_{}.{:09}",
+                    time.as_secs(),
+                    time.subsec_nanos()
+                ),
                 None => format!("frame_{index:06}"),
             };
             folder.join(format!("{stem}.{}", conversion.format.extension()))

@@ -11,7 +11,11 @@ fn cube() -> RawCloud {
         .map(|index| [index % 10, index / 10 % 10, index / 100].map(|value| f64::from(value) + 0.5))
         .collect();
     RawCloud {
-        colors: Some((0..1000).map(|index| [(index % 256) as u8, 7, 9, 255]).collect()),
+        colors: Some(
+            (0..1000)
+                .map(|index| [(index % 256) as u8, 7, 9, 255])
+                .collect(),
+        ),
         normals: Some(vec![[0.0, 0.0, 1.0]; 1000]),
         radii: Some(vec![0.5; 1000]),
         scalars: vec![ScalarField::new(
@@ -91,7 +95,10 @@ fn thinning_out_is_even_and_keeps_the_order() {
         });
         counts[octant] += 1;
     }
-    assert!(counts.iter().all(|count| (14..=17).contains(count)), "{counts:?}");
+    assert!(
+        counts.iter().all(|count| (14..=17).contains(count)),
+        "{counts:?}"
+    );
 }
 
 #[test]

@@ -127,11 +127,9 @@ fn read_bytes_with(
         Format::Npy => npy::decode(bytes),
         Format::Npz => npy::decode_archive(bytes, options),
         Format::Gltf => gltf::decode(name, bytes, part, options),
-        Format::Mcap | Format::Bag | Format::Db3 | Format::Zip | Format::Tar => {
-            Err(Fault::header(format!(
-                "a {format} file within another file is not read: unpack the outer one first"
-            )))
-        }
+        Format::Mcap | Format::Bag | Format::Db3 | Format::Zip | Format::Tar => Err(Fault::header(
+            format!("a {format} file within another file is not read: unpack the outer one first"),
+        )),
     };
     let sampled = |mut cloud: RawCloud| {
         if let Some(count) = options.sample_count

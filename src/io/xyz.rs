@@ -195,7 +195,9 @@ fn plain_coordinate(name: String) -> String {
         ("hochwert", "y"),
         ("height", "z"),
     ];
-    let known = COORDINATES.iter().find(|(other, _)| name.eq_ignore_ascii_case(other));
+    let known = COORDINATES
+        .iter()
+        .find(|(other, _)| name.eq_ignore_ascii_case(other));
     known.map_or(name, |(_, plain)| (*plain).to_owned())
 }
 

@@ -263,10 +263,7 @@ fn uneven(loop_mode: LoopMode) -> Clock {
 #[test]
 fn frames_last_as_long_as_their_times_say() {
     let mut clock = uneven(LoopMode::Loop);
-    assert_eq!(
-        shown(&mut clock, 0, 11),
-        [0, 1, 1, 2, 3, 0, 1, 1, 2, 3, 0]
-    );
+    assert_eq!(shown(&mut clock, 0, 11), [0, 1, 1, 2, 3, 0, 1, 1, 2, 3, 0]);
     assert_eq!(clock.skipped(), 0);
     let mut clock = uneven(LoopMode::PingPong);
     assert_eq!(

@@ -205,10 +205,7 @@ fn frames_that_come_are_found_and_keep_the_places_of_others() {
     assert_eq!(sequence.look_again().unwrap(), 0);
     std::thread::sleep(Duration::from_millis(600));
     assert_eq!(sequence.look_again().unwrap(), 2);
-    assert_eq!(
-        names(&sequence),
-        ["f1.ply", "f3.ply", "f4.ply", "f10.ply"]
-    );
+    assert_eq!(names(&sequence), ["f1.ply", "f3.ply", "f4.ply", "f10.ply"]);
     assert_eq!(sequence.look_again().unwrap(), 0);
     let one = Sequence::discover(&[folder.path().join("f1.ply")]).unwrap();
     assert!(!one.may_grow());
@@ -231,7 +228,11 @@ fn times_in_names_say_how_long_frames_last() {
     };
     let stamped = open(None);
     assert!(!stamped.pace().is_even());
-    assert!((stamped.fps() - 1.0 / 0.263_712).abs() < 0.01, "{}", stamped.fps());
+    assert!(
+        (stamped.fps() - 1.0 / 0.263_712).abs() < 0.01,
+        "{}",
+        stamped.fps()
+    );
     let chosen = open(Some(10.0));
     assert!(chosen.pace().is_even());
     assert_eq!(chosen.fps(), 10.0);
