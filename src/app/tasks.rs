@@ -323,7 +323,7 @@ mod tests {
     fn outcomes_come_back_with_a_wake() {
         let (woken, wakes) = sync_channel(1);
         let mut tasks = Tasks::new(Arc::new(move || woken.send(()).unwrap()));
-        tasks.find(vec!["/nowhere/at/all.ply".into()]);
+        tasks.find(vec!["/nowhere/at/all.ply".into()], OpenOptions::default());
         wakes.recv().unwrap();
         let outcomes = tasks.take();
         assert!(

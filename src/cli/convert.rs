@@ -31,7 +31,7 @@ pub(super) struct ConvertArgs {
     #[arg(long, value_name = "SIZE", value_parser = edge)]
     voxel: Option<f64>,
 
-    /// Move the points: a file with 16 numbers (4 x 4, row by row, as CloudCompare writes it), or the numbers with commas between
+    /// Move the points: a file with 16 numbers (4 x 4, row by row, as `CloudCompare` writes it), or the numbers with commas between
     #[arg(long, value_name = "MATRIX", value_parser = matrix, allow_hyphen_values = true)]
     transform: Option<DMat4>,
 
@@ -62,7 +62,7 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     let frames = arguments.frames.as_ref().map(FrameRange::bounds);
     let frame_count = frames
         .clone()
-        .map_or(sequence.len(), |frames| frames.count());
+        .map_or(sequence.len(), Iterator::count);
     if !is_folder && frame_count != 1 {
         bail!(
             "{} is one file, but {frame_count} frames are to be converted: name a folder, or one frame with --frames",

@@ -21,7 +21,7 @@ const ALPHA: [&str; 3] = ["alpha", "diffuse_alpha", "a"];
 
 const RADII: [&str; 2] = ["radius", "splat_radius"];
 
-/// Names of scalars, the best to colour by first. CloudCompare writes `scalar_` before them.
+/// Names of scalars, the best to colour by first. `CloudCompare` writes `scalar_` before them.
 const SCALARS: [&str; 22] = [
     "intensity",
     "reflectance",

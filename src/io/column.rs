@@ -448,11 +448,10 @@ mod tests {
             ),
         ] {
             let columns = color.map(|channel| parsed(&[channel], scalar));
-            assert_eq!(
-                colors(columns.each_ref(), None, 1),
-                [expected],
-                "{color:?} {scalar:?}"
-            );
+            let (found, is_narrow) = colors(columns.each_ref(), None, 1);
+            assert_eq!(found, [expected], "{color:?} {scalar:?}");
+            let narrow = scalar == Scalar::U16 && color[2] == 255.0;
+            assert_eq!(is_narrow, narrow, "{color:?} {scalar:?}");
         }
     }
 
@@ -461,15 +460,15 @@ mod tests {
         let channels = [9.0, 8.0, 255.0].map(|channel| parsed(&[channel], Scalar::F32));
         let alpha = parsed(&[0.5], Scalar::F32);
         assert_eq!(
-            colors(channels.each_ref(), Some(&alpha), 1),
+            colors(channels.each_ref(), Some(&alpha), 1).0,
             [[9, 8, 255, 128]]
         );
         let rows = [1, 2, 3, 4, 0, 5, 6, 7, 8, 0];
         let columns = [0, 1, 2, 3].map(|start| packed(&rows, Scalar::U8, start, 5, false));
         let [red, green, blue, alpha] = columns.each_ref();
-        let together = colors([red, green, blue], Some(alpha), 2);
+        let (together, _) = colors([red, green, blue], Some(alpha), 2);
         assert_eq!(together, [[1, 2, 3, 4], [5, 6, 7, 8]]);
-        let reversed = colors([blue, green, red], None, 2);
+        let (reversed, _) = colors([blue, green, red], None, 2);
         assert_eq!(reversed, [[3, 2, 1, 255], [7, 6, 5, 255]]);
     }
 
