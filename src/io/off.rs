@@ -79,7 +79,7 @@ fn header(lines: &mut Lines<'_>) -> Result<(String, [usize; 2]), Fault> {
                 "binary OFF files are not read: save it as text, or as PLY".to_owned(),
             ));
         }
-        if keyword.trim_end_matches("OFF").contains(['4', 'n']) || keyword.starts_with("4") {
+        if keyword.trim_end_matches("OFF").contains(['4', 'n']) || keyword.starts_with('4') {
             return Err(fault(
                 lines.number,
                 format!("`{keyword}` has points of four coordinates, expected three"),

@@ -81,7 +81,7 @@ objects! {
         byte_offset: usize,
         byte_length: usize,
         byte_stride: Option<usize>,
-        extensions: HashMap<String, serde::de::IgnoredAny>,
+        extensions: HashMap<String, serde_json::Value>,
     }
     /// A picture.
     Image { uri: Option<String>, buffer_view: Option<usize> }
@@ -109,7 +109,7 @@ objects! {
         material: Option<usize>,
         mode: Option<u32>,
         targets: Vec<HashMap<String, usize>>,
-        extensions: HashMap<String, serde::de::IgnoredAny>,
+        extensions: HashMap<String, serde_json::Value>,
     }
     /// A thing in a place.
     Node {
@@ -137,14 +137,25 @@ pub(super) fn parse<'a>(
     bytes: &'a [u8],
     options: &ReadOptions,
 ) -> Result<(Document, Option<&'a [u8]>), Fault> {
-    /// An object of a few letters takes so many times its bytes in memory.
-    const LARGEST_GROWTH: u64 = 128;
+    /// At most so much memory is taken by an object, which may be two letters in the file, and by an entry of a list.
+    const OBJECT_BYTES: u64 = 1024;
+    const ENTRY_BYTES: u64 = 64;
+    const PACKED: [&str; 3] = [
+        "KHR_draco_mesh_compression",
+        "EXT_meshopt_compression",
+        "KHR_meshopt_compression",
+    ];
     let (json, binary) = if bytes.starts_with(MAGIC) {
         chunks(bytes)?
     } else {
         (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
     };
-    let needed = (json.len() as u64).saturating_mul(LARGEST_GROWTH);
+    let sum = |bytes: u64, sign: &u8| match sign {
+        b'{' => bytes + OBJECT_BYTES,
+        b',' => bytes + ENTRY_BYTES,
+        _ => bytes,
+    };
+    let needed = json.iter().fold(json.len() as u64, sum);
     if needed > options.max_memory_bytes {
         return Err(Fault::too_large(
             "the description of the scene",
@@ -158,11 +169,6 @@ pub(super) fn parse<'a>(
             format!("the JSON is not understood ({error})"),
         )
     })?;
-    const PACKED: [&str; 3] = [
-        "KHR_draco_mesh_compression",
-        "EXT_meshopt_compression",
-        "KHR_meshopt_compression",
-    ];
     if let Some(name) = document
         .extensions_required
         .iter()

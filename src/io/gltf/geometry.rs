@@ -86,6 +86,9 @@ fn bones(source: &Source<'_>, placed: &Placed, skin: usize) -> Result<Vec<DAffin
     skin.joints.iter().enumerate().map(bone).collect()
 }
 
+/// Four bones of each vertex, and their weights.
+type Joints = (Vec<[f32; 4]>, Vec<[f32; 4]>);
+
 /// Attributes of a primitive before its vertices are placed.
 struct Shape {
     positions: Vec<[f32; 3]>,
@@ -93,7 +96,7 @@ struct Shape {
     colors: Option<Vec<[f32; 4]>>,
     texture_places: Option<Vec<[f32; 2]>>,
     /// Four bones and their weights, as often as there are.
-    joints: Vec<(Vec<[f32; 4]>, Vec<[f32; 4]>)>,
+    joints: Vec<Joints>,
 }
 
 impl Geometry {

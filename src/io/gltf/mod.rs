@@ -134,10 +134,7 @@ fn places(
     count: NonZeroUsize,
 ) -> Result<Option<Places>, Fault> {
     let spread = |geometry: &Geometry| {
-        let positions = geometry
-            .positions
-            .iter()
-            .map(|position| position.to_array());
+        let positions = geometry.positions.iter().map(glam::DVec3::to_array);
         Places::spread(
             &Positions::F64(positions.collect()),
             &geometry.faces,

@@ -49,14 +49,14 @@ impl Number {
     }
 
     /// The `count` numbers from `start` on, `step` bytes apart. Precondition: `bytes` has them.
-    pub(super) fn column<'a>(
+    pub(super) fn column(
         self,
         name: String,
-        bytes: &'a [u8],
+        bytes: &[u8],
         start: usize,
         step: usize,
         count: usize,
-    ) -> Column<'a> {
+    ) -> Column<'_> {
         let Some(scalar) = self.scalar else {
             let half = |index: usize| {
                 let at = start + index * step;
@@ -313,7 +313,7 @@ fn element(name: &str) -> Option<(Option<Number>, usize)> {
     let kind = rest.chars().next().filter(char::is_ascii)?;
     let size: usize = rest[1..].parse().ok()?;
     let scalar = match (kind, size) {
-        ('b', 1) | ('u', 1) => Scalar::U8,
+        ('b' | 'u', 1) => Scalar::U8,
         ('i', 1) => Scalar::I8,
         ('i', 2) => Scalar::I16,
         ('u', 2) => Scalar::U16,

@@ -32,9 +32,9 @@ pub(super) fn apply(columns: &[Column<'_>], cloud: &mut RawCloud) {
         let column = columns.iter().find(|column| column.name == name)?;
         Some(column.to_f32(count))
     };
-    let is_there = |name: &&str| columns.iter().any(|column| column.name == **name);
+    let is_there = |name: &str| columns.iter().any(|column| column.name == name);
     let needed = COLORS.iter().chain(&SCALES[..2]).chain(&ROTATION);
-    if !needed.chain([&OPACITY]).all(|name| is_there(&name)) {
+    if !needed.chain([&OPACITY]).all(|name| is_there(name)) {
         return;
     }
     let [Some(red), Some(green), Some(blue)] = COLORS.map(find) else {
@@ -92,10 +92,8 @@ fn smallest(log_scales: [f32; 3]) -> usize {
     let [x, y, z] = log_scales;
     if z <= x && z <= y {
         2
-    } else if y <= x {
-        1
     } else {
-        0
+        usize::from(y <= x)
     }
 }
 

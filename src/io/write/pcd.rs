@@ -29,30 +29,28 @@ pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<(
         ("rgb", "F")
     });
 
-    let (mut fields, mut sizes, mut types) = (String::new(), String::new(), String::new());
-    let mut counts = String::new();
+    let mut lines = ["FIELDS", "SIZE", "TYPE", "COUNT"].map(str::to_owned);
     let columns_then_color = columns
         .iter()
         .map(|column| {
-            (
-                column.name.as_str(),
-                if column.kind() == Type::F64 { 8 } else { 4 },
-                "F",
-            )
+            let size = if column.kind() == Type::F64 { "8" } else { "4" };
+            [column.name.as_str(), size, "F", "1"]
         })
-        .chain(color.map(|(name, kind)| (name, 4, kind)));
-    for (name, size, kind) in columns_then_color {
-        fields += &format!(" {name}");
-        sizes += &format!(" {size}");
-        types += &format!(" {kind}");
-        counts += " 1";
+        .chain(color.map(|(name, kind)| [name, "4", kind, "1"]));
+    for words in columns_then_color {
+        for (line, word) in lines.iter_mut().zip(words) {
+            line.push(' ');
+            line.push_str(word);
+        }
     }
     let sensor = cloud.sensor.unwrap_or_default();
     write!(
         out,
-        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS{fields}\nSIZE{sizes}\nTYPE{types}\nCOUNT{counts}\n\
-         WIDTH {count}\nHEIGHT 1\nVIEWPOINT {} {} {} 1 0 0 0\nPOINTS {count}\nDATA binary\n",
-        sensor.x, sensor.y, sensor.z
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT {} {} {} 1 0 0 0\nPOINTS {count}\nDATA binary\n",
+        lines.join("\n"),
+        sensor.x,
+        sensor.y,
+        sensor.z
     )?;
     let mut bytes = Vec::new();
     for row in 0..count {

@@ -6,7 +6,7 @@ use std::io::Write;
 
 pub(super) fn write(out: &mut impl Write, cloud: &RawCloud, is_text: bool) -> std::io::Result<()> {
     let columns = columns(cloud, Colors::Typed, ["nx", "ny", "nz"], name);
-    out.write_all(header(cloud, &columns, is_text).as_bytes())?;
+    header(out, cloud, &columns, is_text)?;
     if is_text {
         text(out, cloud, &columns)
     } else {
@@ -26,32 +26,39 @@ fn name(name: &str) -> String {
     }
 }
 
-fn header(cloud: &RawCloud, columns: &[Column<'_>], is_text: bool) -> String {
+fn header(
+    out: &mut impl Write,
+    cloud: &RawCloud,
+    columns: &[Column<'_>],
+    is_text: bool,
+) -> std::io::Result<()> {
     let encoding = if is_text {
         "ascii"
     } else {
         "binary_little_endian"
     };
-    let mut header = format!(
-        "ply\nformat {encoding} 1.0\ncomment written by pointreel\nelement vertex {}\n",
-        cloud.positions.len()
-    );
+    writeln!(
+        out,
+        "ply\nformat {encoding} 1.0\ncomment written by pointreel"
+    )?;
+    writeln!(out, "element vertex {}", cloud.positions.len())?;
     for column in columns {
         let kind = match column.kind() {
             Type::U8 => "uchar",
             Type::F32 => "float",
             Type::F64 => "double",
         };
-        header += &format!("property {kind} {}\n", column.name);
+        writeln!(out, "property {kind} {}", column.name)?;
     }
     if !cloud.faces.is_empty() {
-        header += &format!(
-            "element face {}\nproperty list uchar {} vertex_indices\n",
-            cloud.faces.len(),
+        writeln!(out, "element face {}", cloud.faces.len())?;
+        writeln!(
+            out,
+            "property list uchar {} vertex_indices",
             index_type(cloud)
-        );
+        )?;
     }
-    header + "end_header\n"
+    writeln!(out, "end_header")
 }
 
 /// Most readers expect `int`; more points than that has need the sign.
