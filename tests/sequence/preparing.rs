@@ -2,7 +2,7 @@
 
 use super::*;
 use pointreel::analysis::fake_color;
-use pointreel::cloud::{decode_ellipse, oct_decode};
+use pointreel::cloud::{ScalarField, decode_ellipse, oct_decode};
 use pointreel::sequence::{PrepareCounters, UNIFORM_COLOR, complete, prepare};
 
 /// Octrees, surfaces, radii and records made so far.
