@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     }
     let sequence = Arc::new(open_sequence(
         &arguments.inputs,
-        &arguments.read.open_options(),
+        &arguments.read.picture_options(),
     )?);
     if last >= sequence.len() {
         bail!(

@@ -63,7 +63,7 @@ pub(super) struct ViewArgs {
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let open = OpenOptions {
         fps: args.fps,
-        ..args.read.open_options()
+        ..args.read.picture_options()
     };
     let sequence = open_sequence(&args.inputs, &open)?;
     let (recent, problem) = Recent::load();

@@ -109,6 +109,11 @@ impl Format {
         )
     }
 
+    /// Whether files of this format are surfaces of which the vertices alone show little.
+    pub fn is_for_meshes(self) -> bool {
+        matches!(self, Self::Obj | Self::Off | Self::Stl | Self::Gltf)
+    }
+
     fn of_magic(name: &Path, bytes: &[u8]) -> Option<Self> {
         const MAGICS: [(&[u8], Format); 15] = [
             (b"ply\n", Format::Ply),

@@ -132,7 +132,10 @@ fn read_bytes_with(
         )),
     };
     let sampled = |mut cloud: RawCloud| {
-        if let Some(count) = options.sample_count
+        let of_meshes = options
+            .mesh_sample_count
+            .filter(|_| format.is_for_meshes());
+        if let Some(count) = options.sample_count.or(of_meshes)
             && !cloud.faces.is_empty()
         {
             mesh::sample(&mut cloud, count, options)?;

@@ -11,6 +11,8 @@ pub struct ReadOptions {
     pub max_memory_bytes: u64,
     /// Points sampled evenly from the faces of a mesh in place of its vertices.
     pub sample_count: Option<NonZeroUsize>,
+    /// The same for files of formats that are for meshes, whose vertices alone show little.
+    pub mesh_sample_count: Option<NonZeroUsize>,
 }
 
 impl ReadOptions {
@@ -26,7 +28,16 @@ impl ReadOptions {
         }
     }
 
-    /// The same with so many points from each mesh; `None` for its vertices.
+    /// The same with so many points from each file of a mesh format; `None` for its vertices.
+    #[must_use]
+    pub fn with_mesh_sample_count(self, mesh_sample_count: Option<NonZeroUsize>) -> Self {
+        Self {
+            mesh_sample_count,
+            ..self
+        }
+    }
+
+    /// The same with so many points from whatever has faces; `None` for its vertices.
     #[must_use]
     pub fn with_sample_count(self, sample_count: Option<NonZeroUsize>) -> Self {
         Self {
@@ -43,6 +54,7 @@ impl Default for ReadOptions {
         Self {
             max_memory_bytes: machine_bytes.map_or(Self::FALLBACK_BYTES, |bytes| bytes / 2),
             sample_count: None,
+            mesh_sample_count: None,
         }
     }
 }
