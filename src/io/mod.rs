@@ -112,6 +112,7 @@ fn read_bytes_with(
     let format = Format::detect(name, bytes).ok_or_else(|| IoError::UnknownFormat {
         path: name.to_owned(),
     })?;
+    let options = &options.of_format(format);
     let decoded = match format {
         Format::Ply => ply::decode(bytes),
         Format::Pcd => pcd::decode(bytes),
@@ -132,10 +133,7 @@ fn read_bytes_with(
         )),
     };
     let sampled = |mut cloud: RawCloud| {
-        let of_meshes = options
-            .mesh_sample_count
-            .filter(|_| format.is_for_meshes());
-        if let Some(count) = options.sample_count.or(of_meshes)
+        if let Some(count) = options.sample_count
             && !cloud.faces.is_empty()
         {
             mesh::sample(&mut cloud, count, options)?;

@@ -1,5 +1,6 @@
 //! What reading may take, and what it makes of meshes.
 
+use super::Format;
 use std::num::NonZeroUsize;
 
 /// How files are read.
@@ -18,6 +19,12 @@ pub struct ReadOptions {
 impl ReadOptions {
     /// Limit where the memory of the machine is not known.
     const FALLBACK_BYTES: u64 = 4 << 30;
+
+    /// What holds for a file of `format`.
+    pub(super) fn of_format(self, format: Format) -> Self {
+        let of_meshes = self.mesh_sample_count.filter(|_| format.is_for_meshes());
+        self.with_sample_count(self.sample_count.or(of_meshes))
+    }
 
     /// The same with another limit.
     #[must_use]
