@@ -66,7 +66,9 @@ fn benches(criterion: &mut Criterion) {
                 .build()
                 .expect("threads to measure with");
             group.bench_function(format!("load, {threads} threads"), |bencher| {
-                pool.install(|| bencher.iter(|| io::read(black_box(&path)).expect("it was just written")));
+                pool.install(|| {
+                    bencher.iter(|| io::read(black_box(&path)).expect("it was just written"))
+                });
             });
         }
         group.bench_function("read file", |bencher| {

@@ -35,7 +35,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn sequence() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for frame in 1..=7 {
-        let points = format!("{frame} 0 0\n{frame} 1 0\n{frame} 0 1\n{frame} 1 1.5\n");
+        let points = format!("{frame} 0 0\n{frame} 9 0\n{frame} 0 9\n{frame} 1 1.5\n");
         fs::write(folder.path().join(format!("scan_{frame}.xyz")), points).unwrap();
     }
     folder

@@ -60,9 +60,7 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     let format_by_name = WriteFormat::of_extension(output);
     let is_folder = output.is_dir() || format_by_name.is_none();
     let frames = arguments.frames.as_ref().map(FrameRange::bounds);
-    let frame_count = frames
-        .clone()
-        .map_or(sequence.len(), Iterator::count);
+    let frame_count = frames.clone().map_or(sequence.len(), Iterator::count);
     if !is_folder && frame_count != 1 {
         bail!(
             "{} is one file, but {frame_count} frames are to be converted: name a folder, or one frame with --frames",
@@ -127,10 +125,8 @@ fn shard(text: &str) -> Result<Shard, String> {
     let parse = || {
         let (place, count) = text.split_once('/')?;
         let (place, count): (usize, usize) = (place.parse().ok()?, count.parse().ok()?);
-        (1..=count).contains(&place).then_some(Shard {
-            index: place - 1,
-            count,
-        })
+        let index = place.checked_sub(1)?;
+        (index < count).then_some(Shard { index, count })
     };
     parse().ok_or_else(|| "expected i/n with i from 1 to n, such as 2/8".to_owned())
 }

@@ -99,13 +99,7 @@ impl Format {
     pub fn holds_many(self) -> bool {
         matches!(
             self,
-            Self::E57
-                | Self::Gltf
-                | Self::Mcap
-                | Self::Bag
-                | Self::Db3
-                | Self::Zip
-                | Self::Tar
+            Self::E57 | Self::Gltf | Self::Mcap | Self::Bag | Self::Db3 | Self::Zip | Self::Tar
         )
     }
 

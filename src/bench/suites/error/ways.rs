@@ -91,8 +91,8 @@ fn of_renderer(base: &Settings) -> Vec<Settings> {
         stop: StopCriterion::Loss(delta),
         ..voxel
     }));
-    let two_pass = Settings {
-        splatting: Splatting::TwoPass,
+    let enlarged = Settings {
+        splatting: Splatting::TwoPassEnlarged,
         ..*base
     };
     if base.renderer == RendererChoice::Cpu {
@@ -109,7 +109,7 @@ fn of_renderer(base: &Settings) -> Vec<Settings> {
             ..*base
         });
     }
-    for whole in [*base, two_pass, detail, voxel, point] {
+    for whole in [*base, enlarged, detail, voxel, point] {
         ways.extend(RESOLUTIONS.map(|resolution| Settings {
             resolution,
             ..whole
