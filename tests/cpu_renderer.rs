@@ -96,6 +96,7 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
     for distance in [0.4, 1.02, 30.0] {
         let settings = Settings {
             cull_back_faces: false,
+            splatting: Splatting::TwoPassEnlarged,
             ..Settings::default()
         };
         assert_same_picture(&surfel_scene(settings, distance), 55.0, 1e-5);

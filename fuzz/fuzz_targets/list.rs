@@ -8,7 +8,7 @@ use pointreel_fuzz::io::{self, ReadOptions};
 /// Frames that are read of those that are listed.
 const READ: usize = 3;
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(init: pointreel_fuzz::let_caught_panics_pass(), |data: &[u8]| {
     let Some((&choice, bytes)) = data.split_first() else {
         return;
     };

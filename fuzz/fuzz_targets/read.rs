@@ -6,7 +6,7 @@ use libfuzzer_sys::fuzz_target;
 use pointreel_fuzz::io;
 use std::path::PathBuf;
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(init: pointreel_fuzz::let_caught_panics_pass(), |data: &[u8]| {
     let Some((&choice, bytes)) = data.split_first() else {
         return;
     };

@@ -8,7 +8,9 @@ use pointreel::cloud::{PointRecord, ShapeRecord, VoxelRecord, oct_encode};
 use pointreel::math::Aabb;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
-use pointreel::scene::{Background, Camera, Lighting, ScenePacket, Settings, UpAxis, Voxels};
+use pointreel::scene::{
+    Background, Camera, Lighting, ScenePacket, Settings, Splatting, UpAxis, Voxels,
+};
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 
 static CONTEXT: LazyLock<Arc<Context>> = LazyLock::new(|| open(&software()));
@@ -53,9 +55,10 @@ pub(crate) fn draw_with(renderer: &mut GpuRenderer, packet: &ScenePacket) -> Rgb
     renderer.read_image().unwrap()
 }
 
-/// Settings whose colours can be predicted: no light, black background.
+/// Settings whose colours can be predicted: no light, black background. Splats reach over what lies between them.
 pub(crate) fn plain() -> Settings {
     Settings {
+        splatting: Splatting::TwoPassEnlarged,
         lighting: Lighting::Unlit,
         background: Background::solid([0, 0, 0]),
         ..Settings::default()

@@ -22,48 +22,59 @@ pub fn benchmark_ui(ui: &mut Ui, state: &mut State) {
         .open(&mut open)
         .collapsible(false)
         .default_width(820.0)
-        .max_height(screen.height() - MARGIN)
-        .vscroll(true)
         .pivot(Align2::CENTER_CENTER)
         .default_pos(screen.center())
         .show(ui, |ui| {
-            let points = state.benchmark.points();
-            match &state.benchmark {
-            Benchmark::Idle => {
-                ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused meanwhile.");
-            }
-            Benchmark::Running(running) => {
-                let progress = running.progress();
-                ui.strong(format!("Suite {}", running.suite));
-                let part = progress.done as f32 / progress.total.max(1) as f32;
-                ui.add(ProgressBar::new(part).text(format!("{} of {}", progress.done, progress.total)));
-                ui.label(&progress.label);
-                if running.is_cancelled() {
-                    ui.weak("Stopping…");
-                } else if ui.button("Cancel").clicked() {
-                    running.cancel();
-                }
-            }
-            Benchmark::Cancelled => {
-                ui.label("The benchmark was cancelled.");
-            }
-            Benchmark::Failed(text) => {
-                ui.label(RichText::new(text).color(BAD));
-                if ui.button("Copy").clicked() {
-                    ui.ctx().copy_text(text.clone());
-                }
-            }
-            Benchmark::Done(table) => export = done(ui, table),
-            }
-            if !points.is_empty() {
-                ui.separator();
-                lab_ui(ui, state, &points);
-            }
+            // As high as what is in it, as long as the screen has room.
+            ScrollArea::vertical()
+                .id_salt("all")
+                .max_height(screen.height() - MARGIN)
+                .min_scrolled_height(screen.height() - MARGIN)
+                .auto_shrink([false, true])
+                .show(ui, |ui| export = contents(ui, state));
         });
     state.panels.benchmark = open;
     if let Some(dialog) = export {
         state.ask_for_export(dialog);
     }
+}
+
+/// What the window shows; returns what the person wants to export.
+fn contents(ui: &mut Ui, state: &mut State) -> Option<DialogKind> {
+    let mut export = None;
+    let points = state.benchmark.points();
+    match &state.benchmark {
+        Benchmark::Idle => {
+            ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused meanwhile.");
+        }
+        Benchmark::Running(running) => {
+            let progress = running.progress();
+            ui.strong(format!("Suite {}", running.suite));
+            let part = progress.done as f32 / progress.total.max(1) as f32;
+            ui.add(ProgressBar::new(part).text(format!("{} of {}", progress.done, progress.total)));
+            ui.label(&progress.label);
+            if running.is_cancelled() {
+                ui.weak("Stopping…");
+            } else if ui.button("Cancel").clicked() {
+                running.cancel();
+            }
+        }
+        Benchmark::Cancelled => {
+            ui.label("The benchmark was cancelled.");
+        }
+        Benchmark::Failed(text) => {
+            ui.label(RichText::new(text).color(BAD));
+            if ui.button("Copy").clicked() {
+                ui.ctx().copy_text(text.clone());
+            }
+        }
+        Benchmark::Done(table) => export = done(ui, table),
+    }
+    if !points.is_empty() {
+        ui.separator();
+        lab_ui(ui, state, &points);
+    }
+    export
 }
 
 fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {

@@ -1,0 +1,6 @@
+//! What readers hand over.
+
+#[path = "../../src/cloud/raw.rs"]
+mod raw;
+
+pub use raw::*;
