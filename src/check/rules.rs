@@ -131,19 +131,12 @@ fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
         .windows(2)
         .map(|pair| pair[1].saturating_sub(pair[0]))
         .collect();
-    // Every second frame may have been kept on purpose: the commonest step is the rule.
-    let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
-    for &step in &steps {
-        *counts.entry(step).or_default() += 1;
-    }
-    let most = counts.values().max().copied().unwrap_or(0);
-    let usual = counts.into_iter().find(|&(_, count)| count == most);
-    let Some((usual, _)) = usual.filter(|&(step, _)| step > 0) else {
-        return Vec::new();
-    };
-    // Time stamps count too, but nothing is missing between them.
-    let is_counter = steps.iter().all(|step| step % usual == 0);
-    if !is_counter {
+    // Every second frame may have been kept on purpose: the smallest step is the rule. Time stamps count too, but what lies
+    // between them is not missing.
+    let usual = steps.iter().copied().min().unwrap_or(0);
+    let is_counter = usual > 0 && steps.iter().all(|step| step % usual == 0);
+    let has_times = sources.iter().any(|source| source.time.is_some());
+    if !is_counter || has_times {
         return Vec::new();
     }
     let gaps = steps.iter().enumerate().filter(|&(_, &step)| step > usual);

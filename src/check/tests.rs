@@ -110,6 +110,13 @@ fn numbers_that_are_missing_are_gaps_and_strides_are_not() {
         names(&["10", "20", "40", "50"]),
         [(FindingKind::NumberGap, vec![1, 2])]
     );
+    assert_eq!(
+        names(&["5", "6", "8", "10"]),
+        [
+            (FindingKind::NumberGap, vec![1, 2]),
+            (FindingKind::NumberGap, vec![2, 3])
+        ]
+    );
     // Times of a sensor: what is between them is not missing.
     assert_eq!(names(&["142255", "142298", "142341", "142399"]), []);
 }

@@ -42,7 +42,10 @@ pub(super) fn run(arguments: &CheckArgs) -> anyhow::Result<ExitCode> {
     Ok(if report.findings.is_empty() {
         ExitCode::SUCCESS
     } else {
-        say(&format!("{} findings", report.findings.len()));
+        say(&match report.findings.len() {
+            1 => "1 finding".to_owned(),
+            count => format!("{count} findings"),
+        });
         ExitCode::from(FOUND)
     })
 }

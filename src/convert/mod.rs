@@ -167,8 +167,9 @@ fn convert_frame(
         Output::File(path) => path.clone(),
         Output::Folder(folder) => {
             let stem = match source.time {
+                // As long as seconds since 1970, so that it is read as a time and not as a number.
                 Some(time) => format!(
-                    "frame_{index:06}_{}.{:09}",
+                    "frame_{index:06}_{:010}.{:09}",
                     time.as_secs(),
                     time.subsec_nanos()
                 ),

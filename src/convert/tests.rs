@@ -239,3 +239,20 @@ fn times_are_in_the_names() {
         ["frame_000000_1305031102.175000000.ply"]
     );
 }
+
+#[test]
+fn times_that_were_written_into_names_are_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let sources = (0..3).map(|place| Source {
+        time: Some(Duration::from_millis([0, 40, 120][place])),
+        ..Source::file("fox.glb")
+    });
+    let animated = Sequence::with_decoder(sources.collect(), |_| Ok(cube()));
+    let nobody = AtomicBool::new(false);
+    convert(&animated, &conversion(folder.path()), &|_, _| {}, &nobody).unwrap();
+    let again = Sequence::discover(&[folder.path().to_owned()]).unwrap();
+    let times: Vec<Option<Duration>> = again.sources().iter().map(|source| source.time).collect();
+    let expected = [0, 40, 120].map(|millis| Some(Duration::from_millis(millis)));
+    assert_eq!(times, expected);
+    assert_eq!(again.pace(), animated.pace());
+}

@@ -307,18 +307,16 @@ impl State {
     pub fn sequence_name(&self) -> Option<String> {
         let sources = self.player.as_ref()?.sequence().sources();
         let source = sources.first()?;
-        let folder = source.path.parent().and_then(|folder| folder.file_name());
-        Some(match folder {
-            Some(folder)
-                if self
-                    .player
-                    .as_ref()
-                    .is_some_and(|player| player.sequence().len() > 1) =>
-            {
-                folder.to_string_lossy().into_owned()
-            }
-            _ => source.name.clone(),
-        })
+        let is_one_file = sources.iter().all(|other| other.path == source.path);
+        let of_all = if is_one_file {
+            source.path.file_name()
+        } else {
+            source.path.parent().and_then(|folder| folder.file_name())
+        };
+        Some(of_all.map_or_else(
+            || source.name.clone(),
+            |name| name.to_string_lossy().into_owned(),
+        ))
     }
 
     fn picture_stem(&self) -> String {
