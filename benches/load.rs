@@ -67,7 +67,7 @@ fn benches(criterion: &mut Criterion) {
                 .expect("threads to measure with");
             group.bench_function(format!("load, {threads} threads"), |bencher| {
                 pool.install(|| {
-                    bencher.iter(|| io::read(black_box(&path)).expect("it was just written"))
+                    bencher.iter(|| io::read(black_box(&path)).expect("it was just written"));
                 });
             });
         }
