@@ -65,6 +65,8 @@ enum Content {
 
 pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     let sequence = open_sequence(&arguments.inputs, &arguments.read.open_options())?;
+    // Decodes the first frame, which is kept for its line.
+    let origin = sequence.origin();
     // Rayon decodes as many frames at once as there are cores, and keeps none.
     let frames: Vec<FrameInfo> = (0..sequence.len())
         .into_par_iter()
@@ -88,7 +90,7 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     }
     let info = Info {
         frames,
-        origin: sequence.origin().to_array(),
+        origin: origin.to_array(),
         fps: sequence.fps(),
     };
     if arguments.json {
@@ -102,7 +104,7 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
 }
 
 fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
-    let content = match sequence.decode(index) {
+    let content = match sequence.take_decoded(index) {
         Ok(raw) => {
             let (finite_points, bounds) = raw.positions.finite_bounds();
             Content::Read {

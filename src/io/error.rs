@@ -89,6 +89,11 @@ impl fmt::Display for Place {
     }
 }
 
+/// A size for people, one decimal.
+pub(super) fn mebibytes(bytes: u64) -> String {
+    format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
+}
+
 /// What a decoder reports; [`super::read_bytes`] adds the file.
 #[derive(Debug)]
 pub(super) struct Fault {
@@ -117,9 +122,9 @@ impl Fault {
     /// `needed` bytes that are more than `options` allow.
     pub(super) fn too_large(what: &str, needed: u64, options: &ReadOptions) -> Self {
         Self::header(format!(
-            "{what} would take {} MiB of memory, more than the {} MiB that it may: raise --max-memory if the machine has them",
-            needed >> 20,
-            options.max_memory_bytes >> 20
+            "{what} would take {} or more of memory, and may take {}: raise --max-memory if the machine has it",
+            mebibytes(needed),
+            mebibytes(options.max_memory_bytes)
         ))
     }
 

@@ -231,6 +231,14 @@ impl Sequence {
         })
     }
 
+    /// [`Sequence::decode`], or what was decoded to decide the origin and nobody has asked for since.
+    pub(crate) fn take_decoded(&self, index: usize) -> Result<RawCloud, FrameError> {
+        match self.origin.take_kept(index) {
+            Some(kept) => kept.map(|(raw, _)| raw),
+            None => self.decode(index),
+        }
+    }
+
     /// Frame `index`: decoded, validated and moved to [`Sequence::origin`].
     pub fn frame(&self, index: usize) -> Result<Frame, FrameError> {
         self.load(index).map(|loaded| loaded.frame)

@@ -3,7 +3,7 @@
 //! A file names other files at will. Only those within its own folder are read: no absolute paths, no `..`, no links that lead out of
 //! it, nothing from a network.
 
-use super::super::error::Fault;
+use super::super::error::{Fault, mebibytes};
 use super::super::options::ReadOptions;
 use super::document::{Buffer, Document, at};
 use base64::Engine as _;
@@ -117,8 +117,8 @@ pub(super) fn resource(
         }
         if text.len() as u64 > most_bytes {
             return Err(format!(
-                "its data: URI is larger than --max-memory allows ({} MiB)",
-                options.max_memory_bytes >> 20
+                "its data: URI is larger than --max-memory allows ({})",
+                mebibytes(options.max_memory_bytes)
             ));
         }
         return engine
@@ -162,10 +162,10 @@ pub(super) fn resource(
     }
     if about.len() > most_bytes {
         return Err(format!(
-            "`{}` has {} MiB, more than --max-memory allows ({} MiB)",
+            "`{}` has {}, more than --max-memory allows ({})",
             name.escape_default(),
-            about.len() >> 20,
-            options.max_memory_bytes >> 20
+            mebibytes(about.len()),
+            mebibytes(options.max_memory_bytes)
         ));
     }
     std::fs::read(file).map_err(unreadable)

@@ -15,7 +15,7 @@ pub(in crate::io) mod write;
 pub(in crate::io) use header::take;
 
 use super::ReadOptions;
-use super::error::Fault;
+use super::error::{Fault, mebibytes};
 use crate::cloud::RawCloud;
 use header::Header;
 use laz::{Chunk, Compression};
@@ -63,10 +63,10 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fa
             check(point_bytes)?;
         } else if points < header.count {
             log::warn!(
-                "read {points} of {} points, the coarse levels of the file: all would take more than the {} MiB of memory \
-                 that they may, raise --max-memory if the machine has them",
+                "read {points} of {} points, the coarse levels of the file: all would take more than the {} of memory \
+                 that they may, raise --max-memory if the machine has it",
                 header.count,
-                options.max_memory_bytes >> 20
+                mebibytes(options.max_memory_bytes)
             );
         }
         match compression.unpack(bytes, &chunks) {
