@@ -8,11 +8,13 @@
 
 use glam::{DVec3, Vec3};
 use pointreel::cloud::{Frame, Positions, RawCloud};
+use pointreel::io::ReadOptions;
 use pointreel::octree::StopCriterion;
 use pointreel::sequence::{
     ColorSource, DecodeFailure, Direction, FrameError, FrameState, Loader, LoaderOptions, LoopMode,
     Needs, OpenOptions, PreparedFrame, Sequence, SequenceError, Slot, Source,
 };
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
