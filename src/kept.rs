@@ -1,8 +1,8 @@
 //! Files that are kept between runs, in the person's folders for settings and for what can be made anew: never half
 //! written.
 
-use std::fs;
-use std::io::ErrorKind;
+use std::fs::{self, File};
+use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
 /// A file beyond this size was not written by this program.
@@ -46,13 +46,24 @@ pub(crate) fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
 
 /// Writes a new file, which then takes the place of the old one: nobody ever sees half of it.
 pub(crate) fn write_whole(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let new = file.with_extension(format!("{}.new", std::process::id()));
-    let replaced = fs::write(&new, bytes).and_then(|()| fs::rename(&new, file));
-    if replaced.is_err() {
+    write_whole_with(file, |new| new.write_all(bytes))
+}
+
+/// [`write_whole`] of what `write` writes, under a hidden name until it is whole.
+pub(crate) fn write_whole_with(
+    file: &Path,
+    write: impl FnOnce(&mut File) -> std::io::Result<()>,
+) -> std::io::Result<()> {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let partial = file.with_file_name(format!(".{name}.{}.partial", std::process::id()));
+    let written = File::create(&partial)
+        .and_then(|mut new| write(&mut new))
+        .and_then(|()| fs::rename(&partial, file));
+    if written.is_err() {
         // What is left of it would stay for ever; that it may not be there is no further problem.
-        let _ = fs::remove_file(&new);
+        let _ = fs::remove_file(&partial);
     }
-    replaced
+    written
 }
 
 #[cfg(test)]

@@ -13,9 +13,10 @@ pub use edit::{Edit, EditError};
 pub use record::Record;
 
 use crate::io::WriteFormat;
+use crate::kept;
 use crate::sequence::{FrameError, Sequence};
 use rayon::prelude::*;
-use std::fs::{self, File};
+use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -189,8 +190,10 @@ fn convert_frame(
             path: source.path.clone(),
             reason,
         })?;
-    write_whole(&path, |out| {
-        crate::io::write(out, conversion.format, &cloud)
+    kept::write_whole_with(&path, |file| {
+        crate::io::write(&mut *file, conversion.format, &cloud)?;
+        // On the disk before it has its name: what stands in the folder is finished, whatever happens to the machine.
+        file.sync_data()
     })
     .map_err(|reason| ConvertError::Write { path, reason })?;
     Ok(true)
@@ -205,27 +208,6 @@ fn is_finished(output: &Path, source: &Path) -> bool {
         (Ok(_), Err(_)) => true,
         (Err(_), _) => false,
     }
-}
-
-/// Writes a file under a hidden name beside `path` and renames it when it is whole and on the disk.
-fn write_whole(
-    path: &Path,
-    write: impl FnOnce(&mut File) -> std::io::Result<()>,
-) -> std::io::Result<()> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let partial = path.with_file_name(format!(".{name}.{}.partial", std::process::id()));
-    let written = || -> std::io::Result<()> {
-        let mut file = File::create(&partial)?;
-        write(&mut file)?;
-        file.sync_data()?;
-        fs::rename(&partial, path)
-    };
-    let written = written();
-    if written.is_err() {
-        // What is left of it would stay for ever; that it may not be there is no further problem.
-        let _ = fs::remove_file(&partial);
-    }
-    written
 }
 
 #[cfg(test)]

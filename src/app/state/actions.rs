@@ -305,9 +305,11 @@ impl State {
 
     /// What is open, for the title and for names of files.
     pub fn sequence_name(&self) -> Option<String> {
-        let sources = self.player.as_ref()?.sequence().sources();
-        let source = sources.first()?;
-        let is_one_file = sources.iter().all(|other| other.path == source.path);
+        let sequence = self.player.as_ref()?.sequence();
+        let last = sequence.len().checked_sub(1)?;
+        let source = sequence.source(0);
+        // Frames of one file stand together, so the ends tell. Asked for in every pass: nothing here may grow with the sequence.
+        let is_one_file = sequence.source(last).path == source.path;
         let of_all = if is_one_file {
             source.path.file_name()
         } else {

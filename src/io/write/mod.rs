@@ -36,10 +36,10 @@ pub enum WriteFormat {
     Npy,
 }
 
-/// Formats with their names and extensions.
+/// Formats with their names and extensions; where two have one extension, it means the first.
 const FORMATS: [(WriteFormat, &str, &str); 7] = [
     (WriteFormat::PlyBinary, "ply", "ply"),
-    (WriteFormat::PlyAscii, "ply-ascii", ""),
+    (WriteFormat::PlyAscii, "ply-ascii", "ply"),
     (WriteFormat::Pcd, "pcd", "pcd"),
     (WriteFormat::Las, "las", "las"),
     (WriteFormat::Laz, "laz", "laz"),
@@ -54,19 +54,11 @@ impl WriteFormat {
         let found = FORMATS.iter().find(|(_, _, known)| *known == extension);
         found.map(|&(format, _, _)| format)
     }
-}
 
-impl WriteFormat {
     /// Extension of its files, without dot.
     pub fn extension(self) -> &'static str {
-        match self {
-            Self::PlyBinary | Self::PlyAscii => "ply",
-            Self::Pcd => "pcd",
-            Self::Las => "las",
-            Self::Laz => "laz",
-            Self::Xyz => "xyz",
-            Self::Npy => "npy",
-        }
+        let named = FORMATS.iter().find(|(format, _, _)| *format == self);
+        named.map_or("", |&(_, _, extension)| extension)
     }
 }
 
