@@ -14,6 +14,7 @@
 //! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
 //! | [`sequence`] | files in order, the clock, frames prepared ahead of the playhead within a byte budget |
 //! | [`scene`] | camera, settings, and the [`scene::ScenePacket`] that holds all that one picture needs |
+//! | [`playback`] | the playhead: which frame is due, which is shown, with how many points |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
 //! | [`mod@bench`] | the paper's tables, measured here |
@@ -36,6 +37,7 @@ pub mod math;
 pub mod measure;
 pub mod memory;
 pub mod octree;
+pub mod playback;
 pub mod render;
 pub mod scene;
 pub mod sequence;

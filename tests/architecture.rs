@@ -14,6 +14,7 @@ const ORDER: &[&[&str]] = &[
     &["octree"],
     &["sequence"],
     &["scene"],
+    &["playback"],
     &["render"],
     &["headless", "bench", "check", "convert"],
     &["app"],

@@ -1,7 +1,7 @@
 //! The window: a player for sequences, on winit and egui.
 //!
 //! **How it works.** [`State`] is plain data and knows neither a window nor a GPU: the open sequence with its playhead
-//! ([`Player`]), camera, settings, notices and what panels are open. Panels (`fn timeline_ui(ui, &mut State)`) read and
+//! ([`crate::playback::Player`]), camera, settings, notices and what panels are open. Panels (`fn timeline_ui(ui, &mut State)`) read and
 //! change it; keys become [`Command`]s through one table that the help window shows as well. `State::update` moves the
 //! playhead and says whether something can be seen to have changed. Only then does the window run the panels and, if the
 //! [`crate::scene::ScenePacket`] differs from the last one, draw a new 3-D picture into a texture that the central panel
@@ -18,11 +18,9 @@ mod fly;
 mod focus;
 mod graphics;
 mod grip;
-mod marks;
 mod notices;
 mod pacing;
 pub mod panels;
-mod player;
 mod preferences;
 mod recent;
 mod software;
@@ -36,10 +34,8 @@ pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable, Progress};
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
 pub use comparison::{Comparison, PictureDifference, Side};
 pub use fly::Fly;
-pub use marks::{Mark, Run};
 pub use notices::{Notice, Notices, Severity};
 pub use panels::QualityLimits;
-pub use player::Player;
 pub use preferences::{Preferences, PreferencesFile};
 pub use recent::Recent;
 pub use state::{Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewport, WindowRequest};

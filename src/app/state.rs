@@ -10,11 +10,11 @@ use super::fly::Fly;
 use super::grip::Grip;
 use super::notices::Notices;
 use super::panels::QualityLimits;
-use super::player::{Player, can_draw};
 use super::preferences::Preferences;
 use super::recent::Recent;
 use super::tasks::{Tasks, Wake};
 use crate::bench::{Quality, QualityKey};
+use crate::playback::{Player, can_draw};
 use crate::render::RenderStats;
 use crate::scene::{
     Camera, Primitive, RendererChoice, Scene, ScenePacket, SceneStats, Settings, UpAxis,
@@ -305,6 +305,7 @@ impl State {
     pub fn open(&mut self, sequence: Arc<Sequence>) {
         let mut loader_options = LoaderOptions {
             wake: self.wake(),
+            keeps_coarse_frames: true,
             ..LoaderOptions::default()
         };
         if let Some(budget_bytes) = self.options.budget_bytes {
@@ -425,6 +426,7 @@ impl State {
         if std::mem::take(&mut self.picture_is_new) {
             let draw_ms = self.graphics.picture_ms();
             self.scene.note_draw_ms(&settings, draw_ms);
+            player.note_picture_ms(draw_ms);
         }
         let packet = self.scene.packet(
             frame,

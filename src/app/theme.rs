@@ -14,6 +14,8 @@ pub(super) const BAD: Color32 = Color32::from_rgb(236, 92, 92);
 pub(super) const ODD: Color32 = Color32::from_rgb(240, 180, 80);
 /// What was done.
 pub(super) const GOOD: Color32 = Color32::from_rgb(98, 190, 130);
+/// Frames in memory with fewer points than in the file.
+pub(super) const COARSE: Color32 = Color32::from_rgb(62, 116, 112);
 /// Frames in memory.
 pub(super) const RESIDENT: Color32 = Color32::from_rgb(72, 104, 152);
 /// Frames on their way.

@@ -8,6 +8,7 @@
 //! | [`Suite::Voxels`] | Table IV | sequence × instancing strategy: drawing the visible set |
 //! | [`Suite::Accuracy`] | – | normals by noise and neighbours; leaves by δ; levels of detail by threshold τ: error beside time |
 //! | [`Suite::Render`] | 001, Table 1 | sequence × primitive × distance: processor beside adapter |
+//! | [`Suite::Play`] | – | sequence × primitive: rate held, points shown, frames late and skipped, memory |
 //! | [`Suite::Error`] | – | sequence × way to draw: error against the truth beside time |
 //!
 //! `scenario` places the viewpoints by what the suite draws (the octree's by surfels) and `cover` counts their pixels, `runner` holds the clocks, `suites` are the loops, `report` the answer. The
@@ -36,7 +37,7 @@ use crate::kept;
 use crate::measure::{SizeMismatch, SsimError, SurfaceMismatch};
 use crate::render::RenderError;
 use crate::render::gpu::Context;
-use crate::sequence::{Sequence, Shape};
+use crate::sequence::{Sequence, SequenceError, Shape};
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -56,6 +57,8 @@ pub enum Suite {
     Accuracy,
     /// Drawing on the processor and on the adapter, from three distances.
     Render,
+    /// Playing by the clock: what rate is held, with how many points, in how much memory.
+    Play,
     /// Errors of pictures beside their times, for every way to draw.
     Error,
 }
@@ -68,6 +71,7 @@ impl Suite {
         Self::Voxels,
         Self::Accuracy,
         Self::Render,
+        Self::Play,
         Self::Error,
     ];
 
@@ -79,6 +83,7 @@ impl Suite {
             Self::Voxels => "voxels",
             Self::Accuracy => "accuracy",
             Self::Render => "render",
+            Self::Play => "play",
             Self::Error => "error",
         }
     }
@@ -93,6 +98,9 @@ impl Suite {
                 "errors of normals, octree leaves and levels of detail, beside their times"
             }
             Self::Render => "drawing on the processor and on the adapter, from three distances",
+            Self::Play => {
+                "playing by the clock: rate held, points shown, late and skipped frames, memory"
+            }
             Self::Error => {
                 "errors of pictures against the truth beside their times, for every way to draw"
             }
@@ -108,7 +116,7 @@ impl fmt::Display for Suite {
 
 /// A word that names no suite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no suite: expected surfels, octree, voxels, accuracy, render or error")]
+#[error("`{0}` is no suite: expected surfels, octree, voxels, accuracy, render, play or error")]
 pub struct ParseSuiteError(String);
 
 impl FromStr for Suite {
@@ -129,8 +137,10 @@ pub struct BenchOptions {
     pub viewport_px: [u32; 2],
     /// Directions from which each frame is seen; at least 1. The protocol wants 8.
     pub viewpoints: usize,
-    /// Frames of each sequence, spread evenly; at least 1.
+    /// Frames of each sequence, spread evenly; at least 1. For [`Suite::Play`] how many are shown, turn after turn.
     pub frames: usize,
+    /// Memory for prepared frames of [`Suite::Play`], bytes; the loader's default if `None`.
+    pub budget_bytes: Option<usize>,
     /// Rounds over all viewpoints before the clocks count.
     pub warmup: usize,
     /// Rounds over all viewpoints that count; at least 1.
@@ -153,6 +163,7 @@ impl BenchOptions {
                 ([1920, 1280], Self::PROTOCOL_VIEWPOINTS, 3)
             }
             Suite::Render => ([1920, 1080], 2, 1),
+            Suite::Play => ([1280, 720], 1, 300),
             Suite::Error => ([1280, 720], 2, 1),
         };
         Self {
@@ -160,6 +171,7 @@ impl BenchOptions {
             viewport_px,
             viewpoints,
             frames,
+            budget_bytes: None,
             warmup: 1,
             repeat: 3,
             modes: Modes::default(),
@@ -225,6 +237,9 @@ pub enum BenchError {
     /// The renderer failed.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The threads that load frames do not start.
+    #[error(transparent)]
+    Sequence(#[from] SequenceError),
 }
 
 /// A sequence to measure.
@@ -270,6 +285,7 @@ pub fn run(
         Suite::Octree => suites::octree::measure(&mut run)?,
         Suite::Accuracy => suites::accuracy::measure(&mut run)?,
         Suite::Render => suites::render::measure(&mut run)?,
+        Suite::Play => suites::play::measure(&mut run)?,
         Suite::Error => suites::error::measure(&mut run)?,
     }
     Ok(run.into_report())
@@ -295,7 +311,7 @@ mod tests {
         let error = "disks".parse::<Suite>().unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render or error"
+            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play or error"
         );
     }
 }

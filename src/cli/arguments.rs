@@ -392,6 +392,14 @@ impl FromStr for FrameRange {
     }
 }
 
+/// Frames a second that a clock takes.
+pub(super) fn frame_rate(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|fps| (0.1..=1000.0).contains(fps))
+        .ok_or_else(|| "expected frames a second from 0.1 to 1000".to_owned())
+}
+
 /// `1500000000`, `1.5GB` (10⁹) or `2GiB` (2³⁰).
 pub(super) fn byte_count(text: &str) -> Result<u64, String> {
     const UNITS: [(&str, f64); 8] = [
@@ -415,6 +423,14 @@ pub(super) fn byte_count(text: &str) -> Result<u64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rates_are_bounded() {
+        assert_eq!(frame_rate("29.97"), Ok(29.97));
+        for wrong in ["0", "-3", "1001", "nan", "fast"] {
+            assert!(frame_rate(wrong).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn sizes_are_read_with_their_units() {

@@ -1,6 +1,6 @@
 //! `pointreel bench`: the suites of the benchmark menu, without a window.
 
-use super::arguments::{DEMO_INPUT, ReadArgs, open_sequence, size_px};
+use super::arguments::{DEMO_INPUT, ReadArgs, byte_count, frame_rate, open_sequence, size_px};
 use super::{answer, say};
 use crate::bench::{self, BenchOptions, Input, Modes, Progress, Suite};
 use crate::render::gpu::{Context, ContextOptions};
@@ -16,7 +16,7 @@ use std::sync::atomic::AtomicBool;
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
     /// surfels, octree or voxels (Tables II, III and IV of the paper), accuracy (errors of stages beside times), render (processor
-    /// beside adapter) or error (errors of pictures beside times, for every way to draw)
+    /// beside adapter), play (rate held, by the clock) or error (errors of pictures beside times, for every way to draw)
     #[arg(value_name = "SUITE")]
     suite: Suite,
 
@@ -41,9 +41,17 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "MODES")]
     modes: Option<Modes>,
 
-    /// Frames of each sequence, spread evenly [default: 3; 1 for render and error]
+    /// Frames of each sequence, spread evenly [default: 3; 1 for render and error]; for play, frames shown [default: 300]
     #[arg(long, value_name = "N", value_parser = count)]
     frames: Option<usize>,
+
+    /// Frames a second at which `play` plays, in place of those of the sequence
+    #[arg(long, value_name = "FPS", value_parser = frame_rate)]
+    fps: Option<f64>,
+
+    /// Memory in which `play` keeps prepared frames: bytes, or a number with MB, MiB, GB or GiB
+    #[arg(long, value_name = "SIZE", value_parser = byte_count)]
+    budget: Option<u64>,
 
     /// Picture size in pixels [default: 1920x1280; 1920x1080 for render, 1280x720 for error]
     #[arg(long, value_name = "WxH", value_parser = size_px)]
@@ -68,7 +76,16 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
             arguments.suite
         );
     }
-    let open = arguments.read.open_options();
+    if arguments.suite != Suite::Play && (arguments.fps.is_some() || arguments.budget.is_some()) {
+        bail!(
+            "--fps and --budget belong to `bench play`, not to `bench {}`",
+            arguments.suite
+        );
+    }
+    let open = OpenOptions {
+        fps: arguments.fps,
+        ..arguments.read.open_options()
+    };
     let inputs = arguments
         .inputs
         .iter()
@@ -80,6 +97,7 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         viewpoints: arguments.viewpoints.unwrap_or(default.viewpoints),
         frames: arguments.frames.unwrap_or(default.frames),
         repeat: arguments.repeat,
+        budget_bytes: arguments.budget.map(|bytes| bytes as usize),
         truth_folder: BenchOptions::truth_folder_of_person(),
         modes: arguments.modes.clone().unwrap_or_default(),
         ..default

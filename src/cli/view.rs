@@ -1,6 +1,8 @@
 //! `pointreel view`: the window.
 
-use super::arguments::{DEMO_INPUT, PictureArgs, ReadArgs, byte_count, open_sequence, size_px};
+use super::arguments::{
+    DEMO_INPUT, PictureArgs, ReadArgs, byte_count, frame_rate, open_sequence, size_px,
+};
 use crate::app::{Options, Preferences, PreferencesFile, Recent, StateOptions};
 use crate::scene::UpAxis;
 use crate::sequence::OpenOptions;
@@ -105,24 +107,4 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         lose_device_after: args.lose_device_after,
     };
     crate::app::run(options).context("the window ended")
-}
-
-fn frame_rate(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|fps| (0.1..=1000.0).contains(fps))
-        .ok_or_else(|| "expected frames a second from 0.1 to 1000".to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rates_are_bounded() {
-        assert_eq!(frame_rate("29.97"), Ok(29.97));
-        for wrong in ["0", "-3", "1001", "nan", "fast"] {
-            assert!(frame_rate(wrong).is_err(), "{wrong}");
-        }
-    }
 }

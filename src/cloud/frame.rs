@@ -3,7 +3,7 @@
 //! Points that are close in space are close in memory: whoever reads the points around a point, or the texels under it,
 //! finds them in the cache. [`Frame::file_index`] leads back to the file.
 
-use super::{Positions, RawCloud, ScalarField};
+use super::{Positions, RawCloud, ScalarField, even_places, radius_factor};
 use crate::math::{Aabb, Cube, order_of_codes};
 use glam::{DVec3, Vec3};
 
@@ -49,6 +49,8 @@ pub struct Frame {
     sensor: Option<Vec3>,
     bounds: Aabb,
     dropped_points: usize,
+    /// Points of the file that this one was not made from, as it is a sample.
+    left_out: usize,
 }
 
 impl Frame {
@@ -59,16 +61,7 @@ impl Frame {
     /// order.
     pub fn from_raw(raw: RawCloud, origin: DVec3) -> Result<Self, CloudError> {
         let point_count = raw.positions.len();
-        check_length("color", point_count, raw.colors.as_deref())?;
-        check_length("normal", point_count, raw.normals.as_deref())?;
-        check_length("radius", point_count, raw.radii.as_deref())?;
-        for field in &raw.scalars {
-            check_length("scalar", point_count, Some(&field.values))?;
-        }
-        if point_count > Self::MAX_POINTS {
-            return Err(CloudError::TooManyPoints { found: point_count });
-        }
-
+        check_lengths(&raw)?;
         let moved = move_to_origin(raw.positions, origin);
         let (bounds, file_index) = finite_in_morton_order(&moved);
         Ok(Self {
@@ -101,7 +94,65 @@ impl Frame {
                 .collect(),
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
             file_index,
+            left_out: 0,
         })
+    }
+
+    /// [`Frame::from_raw`] of at most `most_points` points, taken evenly from the order of the file. Radii grow, so that they cover
+    /// what all cover.
+    pub fn from_raw_sample(
+        mut raw: RawCloud,
+        origin: DVec3,
+        most_points: usize,
+    ) -> Result<Self, CloudError> {
+        let point_count = raw.positions.len();
+        if point_count <= most_points {
+            return Self::from_raw(raw, origin);
+        }
+        check_lengths(&raw)?;
+        let places = even_places(point_count, most_points);
+        raw.keep(&places);
+        let factor = radius_factor(point_count, places.len());
+        for radius in raw.radii.iter_mut().flatten() {
+            *radius *= factor;
+        }
+        let mut frame = Self::from_raw(raw, origin)?;
+        for index in &mut frame.file_index {
+            *index = places[*index as usize] as u32;
+        }
+        frame.left_out = point_count - places.len();
+        Ok(frame)
+    }
+
+    /// At most `most_points` of the points, taken evenly in their order, with `normals` and `radii` in place of those of the file
+    /// where they are given, one a point. Radii grow, so that they cover what all cover.
+    pub fn sample(
+        &self,
+        most_points: usize,
+        normals: Option<Vec<Vec3>>,
+        radii: Option<Vec<f32>>,
+    ) -> Result<Self, CloudError> {
+        let raw = RawCloud {
+            positions: Positions::F32(bytemuck::cast_slice(&self.positions).to_vec()),
+            colors: self.colors.clone(),
+            normals: normals
+                .or_else(|| self.normals.clone())
+                .map(bytemuck::cast_vec),
+            radii: radii.or_else(|| self.radii.clone()),
+            scalars: self.scalars.clone(),
+            has_narrow_colors: false,
+            faces: Vec::new(),
+            sensor: self.sensor.map(Vec3::as_dvec3),
+        };
+        let mut sample = Self::from_raw_sample(raw, DVec3::ZERO, most_points)?;
+        if !sample.is_sample() {
+            return Ok(self.clone());
+        }
+        for index in &mut sample.file_index {
+            *index = self.file_index[*index as usize];
+        }
+        sample.left_out += self.left_out + self.dropped_points;
+        Ok(sample)
     }
 
     /// Number of points; may be 0.
@@ -164,6 +215,16 @@ impl Frame {
         self.dropped_points
     }
 
+    /// Points of the file, whether they are here or not.
+    pub fn points_in_file(&self) -> usize {
+        self.len() + self.dropped_points + self.left_out
+    }
+
+    /// Whether points of the file were left out to save time.
+    pub fn is_sample(&self) -> bool {
+        self.left_out > 0
+    }
+
     /// Bytes of all arrays.
     pub fn byte_size(&self) -> usize {
         let per_point = size_of::<Vec3>()
@@ -174,6 +235,21 @@ impl Frame {
             + self.scalars.len() * size_of::<f32>();
         self.len() * per_point
     }
+}
+
+/// Every attribute has one entry a point, and there are not too many points.
+fn check_lengths(raw: &RawCloud) -> Result<(), CloudError> {
+    let point_count = raw.positions.len();
+    check_length("color", point_count, raw.colors.as_deref())?;
+    check_length("normal", point_count, raw.normals.as_deref())?;
+    check_length("radius", point_count, raw.radii.as_deref())?;
+    for field in &raw.scalars {
+        check_length("scalar", point_count, Some(&field.values))?;
+    }
+    if point_count > Frame::MAX_POINTS {
+        return Err(CloudError::TooManyPoints { found: point_count });
+    }
+    Ok(())
 }
 
 fn check_length<T>(
@@ -297,6 +373,40 @@ mod tests {
         {
             assert_eq!(position.to_array(), positions[index as usize]);
             assert_eq!(scalar, index as f32);
+        }
+    }
+
+    #[test]
+    fn a_sample_knows_where_its_points_were() {
+        let position = |i: usize| [(i * 7 % 100) as f32, (i % 10) as f32, (i / 10) as f32];
+        let mut raw = RawCloud::from_positions(Positions::F32((0..100).map(position).collect()));
+        raw.radii = Some(vec![0.5; 100]);
+        let sample = Frame::from_raw_sample(raw.clone(), DVec3::ZERO, 25).unwrap();
+        assert_eq!(
+            (sample.len(), sample.points_in_file(), sample.is_sample()),
+            (25, 100, true)
+        );
+        assert!(
+            sample.radii().unwrap().iter().all(|&radius| radius == 1.0),
+            "cover as much"
+        );
+        let whole = Frame::from_raw(raw.clone(), DVec3::ZERO).unwrap();
+        assert_eq!(
+            Frame::from_raw_sample(raw, DVec3::ZERO, 100).unwrap(),
+            whole
+        );
+        let normals = vec![Vec3::X; 100];
+        let again = whole.sample(25, Some(normals), None).unwrap();
+        assert_eq!(
+            (again.points_in_file(), again.normals().unwrap()[3]),
+            (100, Vec3::X)
+        );
+        let twice = again.sample(5, None, None).unwrap();
+        assert_eq!((twice.len(), twice.points_in_file()), (5, 100));
+        for frame in [sample, again, twice] {
+            for (&index, at) in frame.file_index().iter().zip(frame.positions()) {
+                assert_eq!(at.to_array(), position(index as usize));
+            }
         }
     }
 

@@ -5,6 +5,7 @@ mod frame;
 mod quantised_normal;
 mod raw;
 mod record;
+mod sample;
 
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};
 pub use frame::{CloudError, Frame};
@@ -14,3 +15,4 @@ pub use quantised_normal::{
 };
 pub use raw::{Positions, RawCloud, ScalarField};
 pub use record::{PointRecord, ShapeRecord, VoxelRecord, oct_decode, oct_encode};
+pub(crate) use sample::{even_places, radius_factor};

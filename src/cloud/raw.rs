@@ -126,6 +126,28 @@ impl RawCloud {
         }
     }
 
+    /// Leaves the points at `indices`, in their order, and no faces. Precondition: each is below the number of points and of the
+    /// entries of every attribute.
+    pub fn keep(&mut self, indices: &[usize]) {
+        fn gather<T: Copy>(values: &[T], indices: &[usize]) -> Vec<T> {
+            indices.iter().map(|&index| values[index]).collect()
+        }
+        self.positions = match &self.positions {
+            Positions::F32(positions) => Positions::F32(gather(positions, indices)),
+            Positions::F64(positions) => Positions::F64(gather(positions, indices)),
+        };
+        self.colors = self.colors.as_ref().map(|colors| gather(colors, indices));
+        self.normals = self
+            .normals
+            .as_ref()
+            .map(|normals| gather(normals, indices));
+        self.radii = self.radii.as_ref().map(|radii| gather(radii, indices));
+        for field in &mut self.scalars {
+            field.values = gather(&field.values, indices);
+        }
+        self.faces.clear();
+    }
+
     /// Names of the attributes that are there, positions first.
     pub fn attributes(&self) -> Vec<&str> {
         let arrays = [

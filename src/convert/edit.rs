@@ -233,28 +233,7 @@ fn thin_out(cloud: &mut RawCloud, count: usize) {
         .map(|place| finite[order[(2 * place + 1) * finite_count / (2 * count)] as usize])
         .collect();
     kept.sort_unstable();
-    keep(cloud, &kept);
-}
-
-/// Leaves the points at `indices`, in their order.
-fn keep(cloud: &mut RawCloud, indices: &[usize]) {
-    fn gather<T: Copy>(values: &[T], indices: &[usize]) -> Vec<T> {
-        indices.iter().map(|&index| values[index]).collect()
-    }
-    cloud.positions = match &cloud.positions {
-        Positions::F32(positions) => Positions::F32(gather(positions, indices)),
-        Positions::F64(positions) => Positions::F64(gather(positions, indices)),
-    };
-    cloud.colors = cloud.colors.as_ref().map(|colors| gather(colors, indices));
-    cloud.normals = cloud
-        .normals
-        .as_ref()
-        .map(|normals| gather(normals, indices));
-    cloud.radii = cloud.radii.as_ref().map(|radii| gather(radii, indices));
-    for field in &mut cloud.scalars {
-        field.values = gather(&field.values, indices);
-    }
-    cloud.faces.clear();
+    cloud.keep(&kept);
 }
 
 /// Adds the normals that the window would estimate, and radii where there are none; points that are none get zeros.

@@ -249,6 +249,11 @@ impl Clock {
         self.fps
     }
 
+    /// Wall time that most frames last at the present speed.
+    pub fn frame_interval(&self) -> Duration {
+        Duration::from_secs_f64(1.0 / self.rate())
+    }
+
     /// What happens at the ends.
     pub fn loop_mode(&self) -> LoopMode {
         self.travel.loop_mode

@@ -19,7 +19,9 @@
 
 mod clock;
 mod demo;
+mod detail;
 mod discover;
+mod effort;
 mod error;
 mod loader;
 mod needs;
@@ -34,7 +36,10 @@ mod watch;
 
 pub use crate::io::natural_order;
 pub use clock::{Clock, DEFAULT_FPS, MAX_SPEED, MIN_SPEED};
+pub use detail::Detail;
 pub use error::{FrameError, SequenceError};
+#[cfg(test)]
+pub(crate) use loader::simulation;
 pub use loader::{FrameState, Loader, LoaderOptions, LoaderStats, Slot};
 pub use needs::{ColorSource, Needs};
 pub use pace::Pace;
@@ -82,6 +87,8 @@ pub(crate) struct LoadedFrame {
     pub(crate) frame: Frame,
     /// Time of the decoder and of the validation.
     pub(crate) decode_ms: f32,
+    /// Time of the decoder alone.
+    pub(crate) decoder_ms: f32,
 }
 
 impl Sequence {
@@ -241,7 +248,7 @@ impl Sequence {
 
     /// Frame `index`: decoded, validated and moved to [`Sequence::origin`].
     pub fn frame(&self, index: usize) -> Result<Frame, FrameError> {
-        self.load(index).map(|loaded| loaded.frame)
+        self.load(index, Detail::Full).map(|loaded| loaded.frame)
     }
 
     /// How often a decoder was called so far.
@@ -249,22 +256,24 @@ impl Sequence {
         self.decode_count.load(Ordering::Relaxed)
     }
 
-    /// [`Sequence::frame`] with its time; takes the frame that decided the origin if it is still kept.
-    pub(crate) fn load(&self, index: usize) -> Result<LoadedFrame, FrameError> {
+    /// [`Sequence::frame`] in some detail, with its time; takes the frame that decided the origin if it is still kept.
+    pub(crate) fn load(&self, index: usize, detail: Detail) -> Result<LoadedFrame, FrameError> {
         let origin = self.origin();
-        let (raw, decode_ms) = match self.origin.take_kept(index) {
+        let (raw, decoder_ms) = match self.origin.take_kept(index) {
             Some(kept) => kept?,
             None => self.decode_timed(index)?,
         };
         let start = Instant::now();
-        let frame = Frame::from_raw(raw, origin).map_err(|reason| FrameError::Invalid {
+        let frame = Frame::from_raw_sample(raw, origin, detail.most_points());
+        let frame = frame.map_err(|reason| FrameError::Invalid {
             index,
             path: self.source(index).path.clone(),
             reason,
         })?;
         Ok(LoadedFrame {
             frame,
-            decode_ms: decode_ms + milliseconds_since(start),
+            decode_ms: decoder_ms + milliseconds_since(start),
+            decoder_ms,
         })
     }
 

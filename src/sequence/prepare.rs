@@ -19,7 +19,7 @@
 
 use super::records::{self, SurfaceWork};
 use super::{ColorSource, Needs, milliseconds_since};
-use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::cloud::{CloudError, Frame, PointRecord, ShapeRecord, oct_decode};
 use crate::octree::{CodedCloud, LodSurfels, Octree, StopCriterion};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -122,6 +122,11 @@ impl PreparedFrame {
         self.octree_stop
     }
 
+    /// Whether it has fewer points than the file.
+    pub fn is_sample(&self) -> bool {
+        self.frame.is_sample()
+    }
+
     /// Bytes of all parts.
     pub fn byte_size(&self) -> usize {
         self.frame.byte_size()
@@ -152,6 +157,33 @@ pub fn prepare(
         ..Timings::default()
     };
     build(index, frame, None, needs, timings, counters)
+}
+
+/// Prepares at most `most_points` of the points of `existing`, taken evenly. Normals and radii that are known are not estimated again.
+pub(super) fn prepare_sample(
+    existing: &PreparedFrame,
+    most_points: usize,
+    needs: &Needs,
+    counters: &PrepareCounters,
+) -> Result<PreparedFrame, CloudError> {
+    let start = Instant::now();
+    let (normals, radii) = existing
+        .shapes
+        .as_ref()
+        .map(|shapes| {
+            let shape = |shape: &ShapeRecord| (oct_decode(shape.normal), shape.radius);
+            shapes.iter().map(shape).unzip()
+        })
+        .unzip();
+    let frame = existing.frame.sample(most_points, normals, radii)?;
+    let decode_ms = milliseconds_since(start);
+    Ok(prepare(
+        existing.index,
+        Arc::new(frame),
+        decode_ms,
+        needs,
+        counters,
+    ))
 }
 
 /// Adds to `existing` what `needs` ask for beyond it; parts that are still right are the same `Arc`s.

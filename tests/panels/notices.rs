@@ -3,7 +3,8 @@
 use super::{click, options, sequence, window, window_on};
 use egui::pos2;
 use egui_kittest::kittest::Queryable as _;
-use pointreel::app::{Command, Mark, Severity};
+use pointreel::app::{Command, Severity};
+use pointreel::playback::Mark;
 use std::time::Duration;
 
 #[test]

@@ -132,6 +132,11 @@ fn benchmark_menu(ui: &mut Ui, state: &mut State) {
             "Time a picture by the software renderer and by the graphics card, from three distances",
         ),
         (
+            Suite::Play,
+            "Playing",
+            "Play 300 frames by the clock: frames a second held, share of points shown, late and skipped frames, memory",
+        ),
+        (
             Suite::Error,
             "Time × error",
             "Time and error of every way to draw, against the truth; a click on a point draws as it does",

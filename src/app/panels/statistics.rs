@@ -1,7 +1,8 @@
 //! What the program did and how long it took. Every figure has its unit.
 
 use super::{bytes, grouped};
-use crate::app::{Player, State};
+use crate::app::State;
+use crate::playback::Player;
 use crate::sequence::PreparedFrame;
 use egui::{DragValue, Grid, Label, RichText, ScrollArea, Ui};
 

@@ -1,10 +1,9 @@
 //! The timeline: a bar to scrub on, with what is in memory and what failed, and the transport under it.
 
+use crate::app::State;
 use crate::app::command::{Command, keys_of};
-use crate::app::marks::Mark;
-use crate::app::player::Player;
-use crate::app::theme::{ACCENT, BAD, Icon, PENDING, RESIDENT, paint_icon};
-use crate::app::{Run, State};
+use crate::app::theme::{ACCENT, BAD, COARSE, Icon, PENDING, RESIDENT, paint_icon};
+use crate::playback::{Mark, Player, Run};
 use crate::scene::Scene;
 use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, Slot};
 use egui::{
@@ -106,6 +105,7 @@ fn paint_bar(ui: &Ui, rect: Rect, runs: &[Run], count: usize, playhead: usize) {
         let (color, min_width) = match run.mark {
             Mark::Absent => continue,
             Mark::Pending => (PENDING, 0.0),
+            Mark::Coarse => (COARSE, 0.0),
             Mark::Resident => (RESIDENT, 0.0),
             Mark::Failed => (BAD, MIN_FAILED_WIDTH),
         };
@@ -153,6 +153,11 @@ fn tooltip(state: &State, player: &Player, frame: usize) -> String {
         Slot::Ready(prepared) => format!(
             "in memory, {} points",
             super::grouped(prepared.points.len() as u64)
+        ),
+        Slot::Coarse(prepared) => format!(
+            "in memory, {} of {} points",
+            super::grouped(prepared.points.len() as u64),
+            super::grouped(prepared.frame.points_in_file() as u64)
         ),
         Slot::Stale(_) => "in memory, being made ready for these settings".to_owned(),
         Slot::Pending => "not in memory".to_owned(),
@@ -226,6 +231,15 @@ fn place(ui: &mut Ui, state: &State) {
     if player.waiting_for().is_some() {
         ui.weak("loading…");
     }
+    if let Some(frame) = player.shown().filter(|frame| frame.is_sample()) {
+        let share = frame.frame.points_in_file() as f64 / frame.frame.len().max(1) as f64;
+        ui.label(RichText::new(format!("1/{share:.0} of points")).color(ui.visuals().warn_fg_color))
+            .on_hover_text(format!(
+                "{} of {} points are shown: there is no time for more at this frame rate. All are, when paused.",
+                super::grouped(frame.frame.len() as u64),
+                super::grouped(frame.frame.points_in_file() as u64),
+            ));
+    }
     if !sequence.is_empty() {
         let source = sequence.source(frame);
         ui.add(Label::new(&source.name).truncate())
@@ -252,7 +266,11 @@ fn pace(ui: &mut Ui, state: &mut State) {
             .color(color),
     )
     .on_hover_text(format!(
-        "Frames a second shown in the last second; {asked:.1} are asked for, {} were skipped",
+        "Frames a second shown in the last second; {asked:.1} are asked for.\n\
+         Since opening: {} shown, {} of them with fewer points, {} late, {} skipped",
+        player.frames_shown(),
+        player.coarse_frames_shown(),
+        player.late_frames(),
         player.clock().skipped()
     ));
 

@@ -204,6 +204,7 @@ impl Report {
             Suite::Octree => suites::octree::COLUMNS,
             Suite::Accuracy => suites::accuracy::COLUMNS,
             Suite::Render => suites::render::COLUMNS,
+            Suite::Play => suites::play::COLUMNS,
             Suite::Error => suites::error::COLUMNS,
         }
     }
@@ -260,6 +261,7 @@ impl Report {
             Suite::Surfels | Suite::Voxels => "CPU wall time of a picture, median ms",
             Suite::Octree => "Build time, median ms",
             Suite::Render => "Time of a picture on the processor, median ms",
+            Suite::Play => "Frames a second shown",
             Suite::Error => "FLIP of the object, 0 to 1",
             Suite::Accuracy => "FLIP of the object by LOD threshold in pixels and distance, 0 to 1",
         }
@@ -268,7 +270,7 @@ impl Report {
     /// One bar a row: its first cells, which tell it apart, and the number that the suite is about; see [`Report::bars_title`].
     pub fn bars(&self) -> Vec<(String, f64)> {
         let count = match self.options.suite {
-            Suite::Surfels | Suite::Octree | Suite::Voxels | Suite::Error => 2,
+            Suite::Surfels | Suite::Octree | Suite::Voxels | Suite::Play | Suite::Error => 2,
             Suite::Accuracy | Suite::Render => 3,
         };
         self.rows
@@ -322,6 +324,7 @@ impl Report {
             Suite::Octree => suites::octree::HEADLINE,
             Suite::Accuracy => suites::accuracy::HEADLINE,
             Suite::Render => suites::render::HEADLINE,
+            Suite::Play => suites::play::HEADLINE,
             Suite::Error => suites::error::HEADLINE,
         }
     }

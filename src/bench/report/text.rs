@@ -75,6 +75,13 @@ impl Report {
                  times as far (afar), from 0.3 times (near)",
                 "decoding, normals, octrees, traversal, uploads, reading back, showing",
             ],
+            Suite::Play => [
+                "the player of the window by the clock, frames decoded and prepared meanwhile: frames a second asked for and shown, \
+                 the share of their files' points that they had, those that had not all (coarse), were not there when due (late) \
+                 or passed unseen (skipped); CPU wall time from packet to finished picture; memory of the whole program at the \
+                 beginning, at most and at the end",
+                "panels, showing; the first frame",
+            ],
             Suite::Error => [
                 "CPU wall time from camera to finished picture, traversal and uploads of what it chose included; errors against \
                  the truth (a shape ray-traced, else all points as disks in f64; 8x8 samples a pixel): FLIP over the pixels that \

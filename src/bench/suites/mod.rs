@@ -4,6 +4,7 @@ pub(super) mod accuracy;
 pub(super) mod draw;
 pub(super) mod error;
 pub(super) mod octree;
+pub(super) mod play;
 pub(super) mod render;
 mod traversals;
 
@@ -51,7 +52,7 @@ fn surfel_settings() -> Settings {
 /// One sequence of a run.
 pub(super) struct Subject<'a> {
     pub(super) name: &'a str,
-    pub(super) sequence: &'a Sequence,
+    pub(super) sequence: &'a Arc<Sequence>,
     pub(super) shape: Option<Shape>,
     /// Indices of the frames to measure.
     pub(super) chosen: Vec<usize>,

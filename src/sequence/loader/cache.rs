@@ -1,5 +1,9 @@
 //! What is known of every frame, and the memory of it: prepared frames, errors, work in flight, against a byte budget.
 //!
+//! A frame may be here twice: with all its points, and as a *coarse* copy of fewer (see [`Detail`]), which stands in for it while
+//! there is no time for all. Coarse copies may take a quarter of the budget for good: they are dropped last, so that any frame of a
+//! long sequence can be shown at once.
+//!
 //! **How it works.** Bytes are counted in two sums: *resident* for prepared frames, *reserved* for frames that a worker is
 //! making (as large as the frame was before, or as the largest seen). Before work starts, frames that are needed later
 //! than its frame are evicted, the one needed last first, until both sums and the new reservation fit.
@@ -10,9 +14,12 @@
 
 use super::stats::FrameState;
 use crate::sequence::travel::{Direction, Travel};
-use crate::sequence::{FrameError, Needs, PreparedFrame};
+use crate::sequence::{Detail, FrameError, Needs, PreparedFrame};
 use std::collections::BTreeSet;
 use std::sync::Arc;
+
+/// These many frames ahead of the playhead are prepared even if others of the loop, or coarse copies, have to go for them.
+pub(super) const ALWAYS_AHEAD_FRAMES: usize = 4;
 
 /// Where the playhead is and where it goes: the order in which frames are needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,12 +46,17 @@ impl Focus {
 
 #[derive(Debug, Default)]
 struct Entry {
-    prepared: Option<Arc<PreparedFrame>>,
+    full: Option<Arc<PreparedFrame>>,
+    coarse: Option<Arc<PreparedFrame>>,
     error: Option<Arc<FrameError>>,
     /// Bytes reserved by the worker that is on it.
     reserved_bytes: Option<usize>,
     /// Size when it was last prepared, and for which of the needs that there were.
     known_bytes: Option<(u64, usize)>,
+}
+
+fn byte_size(frame: Option<&Arc<PreparedFrame>>) -> usize {
+    frame.map_or(0, |frame| frame.byte_size())
 }
 
 /// All frames' entries and their memory.
@@ -53,10 +65,16 @@ pub(super) struct Cache {
     entries: Vec<Entry>,
     resident: BTreeSet<usize>,
     resident_bytes: usize,
+    coarse: BTreeSet<usize>,
+    coarse_bytes: usize,
     reserved_bytes: usize,
     in_flight: usize,
-    /// Of the frames prepared for the present needs.
+    /// Of the frames prepared for the present needs with all their points.
     largest_bytes: Option<usize>,
+    /// The most that a point took in frames prepared for the present needs.
+    bytes_per_point: Option<f64>,
+    /// The most points that a file had.
+    largest_points: usize,
     /// Counts the needs that there were.
     needs_epoch: u64,
     failed: usize,
@@ -72,9 +90,13 @@ impl Cache {
                 .collect(),
             resident: BTreeSet::new(),
             resident_bytes: 0,
+            coarse: BTreeSet::new(),
+            coarse_bytes: 0,
             reserved_bytes: 0,
             in_flight: 0,
             largest_bytes: None,
+            bytes_per_point: None,
+            largest_points: 0,
             needs_epoch: 0,
             failed: 0,
             evicted: 0,
@@ -93,8 +115,14 @@ impl Cache {
         }
     }
 
-    pub(super) fn prepared(&self, index: usize) -> Option<&Arc<PreparedFrame>> {
-        self.entries.get(index)?.prepared.as_ref()
+    /// Frame `index` with all its points.
+    pub(super) fn full(&self, index: usize) -> Option<&Arc<PreparedFrame>> {
+        self.entries.get(index)?.full.as_ref()
+    }
+
+    /// Frame `index` with fewer points than its file has.
+    pub(super) fn coarse(&self, index: usize) -> Option<&Arc<PreparedFrame>> {
+        self.entries.get(index)?.coarse.as_ref()
     }
 
     pub(super) fn error(&self, index: usize) -> Option<&Arc<FrameError>> {
@@ -117,13 +145,26 @@ impl Cache {
         self.budget_bytes = budget_bytes;
     }
 
-    /// Prepared frames and reservations.
+    /// Prepared frames, coarse copies and reservations.
     pub(super) fn used_bytes(&self) -> usize {
-        self.resident_bytes + self.reserved_bytes
+        self.resident_bytes + self.coarse_bytes + self.reserved_bytes
     }
 
     pub(super) fn resident_bytes(&self) -> usize {
         self.resident_bytes
+    }
+
+    pub(super) fn coarse_bytes(&self) -> usize {
+        self.coarse_bytes
+    }
+
+    pub(super) fn coarse_frames(&self) -> usize {
+        self.coarse.len()
+    }
+
+    /// Bytes that coarse copies may take for good.
+    pub(super) fn coarse_budget_bytes(&self) -> usize {
+        self.budget_bytes / 4
     }
 
     pub(super) fn resident_frames(&self) -> usize {
@@ -138,50 +179,91 @@ impl Cache {
         self.evicted
     }
 
-    /// Bytes that frame `index` holds or reserves now.
+    /// Bytes that frame `index` holds or reserves now, coarse copies left out.
     pub(super) fn held_bytes(&self, index: usize) -> usize {
         let entry = &self.entries[index];
-        entry.prepared.as_ref().map_or(0, |frame| frame.byte_size())
-            + entry.reserved_bytes.unwrap_or(0)
+        byte_size(entry.full.as_ref()) + entry.reserved_bytes.unwrap_or(0)
     }
 
-    /// How large frame `index` is expected to be; `None` while no frame was prepared for the present needs.
+    /// How many bytes frame `index` is expected to take in `detail` beyond what it holds; `None` while no frame was prepared for
+    /// the present needs.
+    pub(super) fn bytes_to_add(&self, index: usize, detail: Detail) -> Option<usize> {
+        let entry = &self.entries[index];
+        let reserved = entry.reserved_bytes.unwrap_or(0);
+        let (expected, held) = match detail {
+            Detail::Full => (self.expected_bytes(index), byte_size(entry.full.as_ref())),
+            Detail::AtMost(points) => {
+                let bytes = |per_point: f64| (per_point * f64::from(points.get())).ceil() as usize;
+                (
+                    self.bytes_per_point.map(bytes),
+                    byte_size(entry.coarse.as_ref()),
+                )
+            }
+        };
+        expected.map(|bytes| bytes.saturating_sub(held + reserved))
+    }
+
+    /// How large frame `index` is expected to be with all its points.
     pub(super) fn expected_bytes(&self, index: usize) -> Option<usize> {
+        let per_point = |bytes: f64| (bytes * self.largest_points as f64) as usize;
         self.entries[index]
             .known_bytes
             .and_then(|(epoch, bytes)| (epoch == self.needs_epoch).then_some(bytes))
             .or(self.largest_bytes)
+            .or_else(|| self.bytes_per_point.map(per_point))
+    }
+
+    /// Bytes that a point takes, and the most points that a frame has, as far as known.
+    pub(super) fn measure(&self) -> Option<(f64, usize)> {
+        self.bytes_per_point
+            .map(|bytes| (bytes, self.largest_points))
     }
 
     /// The needs have changed: what is known of sizes is known no more.
     pub(super) fn forget_sizes(&mut self) {
         self.needs_epoch += 1;
         self.largest_bytes = None;
+        self.bytes_per_point = None;
     }
 
     /// Evicts frames that are needed later than `rank`, the one needed last first, until `bytes` more fit into the
-    /// budget. False if they still do not. The playhead's frame is never evicted.
+    /// budget. False if they still do not. The playhead's frame is never evicted. Coarse copies go if they take more than their
+    /// share, or for a frame that is needed soon.
     pub(super) fn make_room(&mut self, bytes: usize, focus: &Focus, rank: usize) -> bool {
-        loop {
-            if self.used_bytes().saturating_add(bytes) <= self.budget_bytes {
-                return true;
-            }
-            let victim = focus
-                .travel
-                .needed_last_first(&self.resident, focus.playhead, focus.direction)
-                .next()
-                .filter(|&index| focus.rank(index) > rank);
-            match victim {
-                Some(index) => self.evict(index),
-                None => return false,
+        while self.used_bytes().saturating_add(bytes) > self.budget_bytes {
+            let last = |frames: &BTreeSet<usize>| {
+                focus
+                    .travel
+                    .needed_last_first(frames, focus.playhead, focus.direction)
+                    .next()
+                    .filter(|&index| focus.rank(index) > rank)
+            };
+            let is_over = self.coarse_bytes > self.coarse_budget_bytes();
+            let coarse = || last(&self.coarse).filter(|_| is_over || rank <= ALWAYS_AHEAD_FRAMES);
+            match (last(&self.resident), coarse()) {
+                (Some(full), Some(coarse)) if is_over && focus.rank(coarse) > focus.rank(full) => {
+                    self.evict_coarse(coarse);
+                }
+                (Some(full), _) => self.evict(full),
+                (None, Some(coarse)) => self.evict_coarse(coarse),
+                (None, None) => return false,
             }
         }
+        true
     }
 
     fn evict(&mut self, index: usize) {
-        if let Some(frame) = self.entries[index].prepared.take() {
+        if let Some(frame) = self.entries[index].full.take() {
             self.resident.remove(&index);
             self.resident_bytes -= frame.byte_size();
+            self.evicted += 1;
+        }
+    }
+
+    fn evict_coarse(&mut self, index: usize) {
+        if let Some(frame) = self.entries[index].coarse.take() {
+            self.coarse.remove(&index);
+            self.coarse_bytes -= frame.byte_size();
             self.evicted += 1;
         }
     }
@@ -210,15 +292,30 @@ impl Cache {
         self.largest_bytes = Some(self.largest_bytes.map_or(bytes, |most| most.max(bytes)));
     }
 
-    /// Keeps a prepared frame in place of the one before.
+    /// Keeps a prepared frame in place of the one before of its kind.
     pub(super) fn insert(&mut self, prepared: Arc<PreparedFrame>) {
         let index = prepared.index;
         let bytes = prepared.byte_size();
-        self.learn_bytes(index, bytes);
-        let before = self.entries[index].prepared.replace(prepared);
-        self.resident_bytes -= before.map_or(0, |frame| frame.byte_size());
-        self.resident_bytes += bytes;
-        self.resident.insert(index);
+        self.largest_points = self.largest_points.max(prepared.frame.points_in_file());
+        if !prepared.frame.is_empty() {
+            let per_point = bytes as f64 / prepared.frame.len() as f64;
+            let most = self
+                .bytes_per_point
+                .map_or(per_point, |most| most.max(per_point));
+            self.bytes_per_point = Some(most);
+        }
+        if prepared.is_sample() {
+            let before = self.entries[index].coarse.replace(prepared);
+            self.coarse_bytes -= byte_size(before.as_ref());
+            self.coarse_bytes += bytes;
+            self.coarse.insert(index);
+        } else {
+            self.learn_bytes(index, bytes);
+            let before = self.entries[index].full.replace(prepared);
+            self.resident_bytes -= byte_size(before.as_ref());
+            self.resident_bytes += bytes;
+            self.resident.insert(index);
+        }
     }
 
     /// Remembers why frame `index` cannot be shown.
@@ -231,20 +328,24 @@ impl Cache {
 
     /// State of every frame, in order. O(n).
     pub(super) fn states(&self, needs: Option<&Needs>) -> Vec<FrameState> {
-        let state = |entry: &Entry| match entry {
-            Entry { error: Some(_), .. } => FrameState::Failed,
-            Entry {
-                prepared: Some(frame),
-                ..
-            } if needs.is_none_or(|needs| frame.satisfies(needs)) => FrameState::Ready,
-            Entry {
-                reserved_bytes: Some(_),
-                ..
-            } => FrameState::Loading,
-            Entry {
-                prepared: Some(_), ..
-            } => FrameState::Stale,
-            _ => FrameState::Absent,
+        let satisfies = |frame: &Option<Arc<PreparedFrame>>| {
+            let frame = frame.as_ref();
+            frame.is_some_and(|frame| needs.is_none_or(|needs| frame.satisfies(needs)))
+        };
+        let state = |entry: &Entry| {
+            if entry.error.is_some() {
+                FrameState::Failed
+            } else if satisfies(&entry.full) {
+                FrameState::Ready
+            } else if satisfies(&entry.coarse) {
+                FrameState::Coarse
+            } else if entry.reserved_bytes.is_some() {
+                FrameState::Loading
+            } else if entry.full.is_some() || entry.coarse.is_some() {
+                FrameState::Stale
+            } else {
+                FrameState::Absent
+            }
         };
         self.entries.iter().map(state).collect()
     }

@@ -7,6 +7,8 @@
 
 mod cache;
 mod queue;
+#[cfg(test)]
+pub(crate) mod simulation;
 mod stats;
 mod worker;
 
@@ -19,6 +21,7 @@ use queue::{Queue, Waiter};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
+use std::time::Duration;
 use worker::Shared;
 
 /// Most workers by default: beyond it the disk is what one waits for.
@@ -34,18 +37,22 @@ pub struct LoaderOptions {
     pub workers: usize,
     /// Bytes for prepared frames, those in flight included. The playhead's frame may exceed it.
     pub budget_bytes: usize,
+    /// Keep coarse copies of all frames of a sequence that is too long for the budget, in a quarter of it, so that each can be shown
+    /// at once. They are made when nothing else is to be done.
+    pub keeps_coarse_frames: bool,
     /// Called on a worker thread whenever a frame is finished or has failed. Must not block.
     pub wake: Arc<dyn Fn() + Send + Sync>,
 }
 
 impl Default for LoaderOptions {
-    /// A worker a core up to 8, 1 GiB, nobody to wake.
+    /// A worker a core up to 8, 1 GiB, no coarse copies, nobody to wake.
     fn default() -> Self {
         Self {
             workers: thread::available_parallelism()
                 .map_or(1, usize::from)
                 .min(MAX_DEFAULT_WORKERS),
             budget_bytes: DEFAULT_BUDGET_BYTES,
+            keeps_coarse_frames: false,
             wake: Arc::new(|| {}),
         }
     }
@@ -57,6 +64,7 @@ impl std::fmt::Debug for LoaderOptions {
             .debug_struct("LoaderOptions")
             .field("workers", &self.workers)
             .field("budget_bytes", &self.budget_bytes)
+            .field("keeps_coarse_frames", &self.keeps_coarse_frames)
             .finish_non_exhaustive()
     }
 }
@@ -66,6 +74,8 @@ impl std::fmt::Debug for LoaderOptions {
 pub enum Slot {
     /// Here, with everything needed.
     Ready(Arc<PreparedFrame>),
+    /// Here with everything needed, but of fewer points than its file has: a picture that may be shown in its place.
+    Coarse(Arc<PreparedFrame>),
     /// Here for older needs: a picture to show meanwhile.
     Stale(Arc<PreparedFrame>),
     /// Not here.
@@ -87,34 +97,8 @@ impl Loader {
     /// # Errors
     /// [`SequenceError::NoThread`] if the system does not give a single thread.
     pub fn new(sequence: Arc<Sequence>, options: LoaderOptions) -> Result<Self, SequenceError> {
-        let focus = Focus {
-            travel: Travel {
-                frame_count: sequence.len(),
-                loop_mode: LoopMode::default(),
-            },
-            playhead: 0,
-            direction: Direction::Forward,
-        };
         let workers = options.workers.max(1);
-        let pool = worker::pool(workers)?;
-        let shared = Arc::new(Shared {
-            pool,
-            queue: Mutex::new(Queue::new(
-                Arc::clone(&sequence),
-                focus,
-                options.budget_bytes,
-            )),
-            sequence,
-            work: Condvar::new(),
-            finished: Condvar::new(),
-            counters: super::PrepareCounters::default(),
-            wake: options.wake,
-        });
-        let mut loader = Self {
-            shared,
-            threads: Vec::with_capacity(workers),
-            next_ticket: AtomicU64::new(0),
-        };
+        let mut loader = Self::without_threads(sequence, options)?;
         for number in 0..workers {
             let pool = worker::pool(1)?;
             let shared = Arc::clone(&loader.shared);
@@ -133,6 +117,33 @@ impl Loader {
             }
         }
         Ok(loader)
+    }
+
+    fn without_threads(
+        sequence: Arc<Sequence>,
+        options: LoaderOptions,
+    ) -> Result<Self, SequenceError> {
+        let focus = Focus {
+            travel: Travel {
+                frame_count: sequence.len(),
+                loop_mode: LoopMode::default(),
+            },
+            playhead: 0,
+            direction: Direction::Forward,
+        };
+        Ok(Self {
+            shared: Arc::new(Shared {
+                pool: worker::pool(options.workers.max(1))?,
+                queue: Mutex::new(Queue::new(Arc::clone(&sequence), focus, &options)),
+                sequence,
+                work: Condvar::new(),
+                finished: Condvar::new(),
+                counters: super::PrepareCounters::default(),
+                wake: options.wake,
+            }),
+            threads: Vec::new(),
+            next_ticket: AtomicU64::new(0),
+        })
     }
 
     /// The sequence.
@@ -158,6 +169,7 @@ impl Loader {
         }
         if queue.needs.as_ref() != Some(needs) {
             queue.cache.forget_sizes();
+            queue.effort.forget();
             queue.revision += 1;
         }
         queue.focus = focus;
@@ -171,6 +183,26 @@ impl Loader {
     pub fn set_loop_mode(&self, loop_mode: LoopMode) {
         self.shared.queue().focus.travel.loop_mode = loop_mode;
         self.shared.work.notify_all();
+    }
+
+    /// Says how long a frame lasts while playing, or that nothing is played: then frames are made with all their points, else with
+    /// as many as there is time for.
+    pub fn set_interval(&self, interval: Option<Duration>) {
+        if self.shared.queue().effort.set_interval(interval) {
+            self.shared.work.notify_all();
+        }
+    }
+
+    /// Takes notice of how long a picture of a frame of so many points took while playing: where it was too long, frames of fewer
+    /// points are made.
+    pub fn note_drawn(&self, points: usize, picture_ms: f64) {
+        let mut queue = self.shared.queue();
+        let before = queue.effort.at_best();
+        queue.effort.note_drawn(points, picture_ms);
+        if queue.effort.at_best() != before {
+            drop(queue);
+            self.shared.work.notify_all();
+        }
     }
 
     /// Takes the frames by which the sequence has grown.
@@ -193,10 +225,12 @@ impl Loader {
         if let Some(error) = queue.cache.error(index) {
             return Slot::Failed(Arc::clone(error));
         }
-        match queue.cache.prepared(index) {
-            Some(frame) if frame.satisfies(needs) => Slot::Ready(Arc::clone(frame)),
-            Some(frame) => Slot::Stale(Arc::clone(frame)),
-            None => Slot::Pending,
+        let stale = || queue.cache.full(index).or(queue.cache.coarse(index));
+        match (queue.best(index, needs), stale()) {
+            (Some(frame), _) if frame.is_sample() => Slot::Coarse(Arc::clone(frame)),
+            (Some(frame), _) => Slot::Ready(Arc::clone(frame)),
+            (None, Some(frame)) => Slot::Stale(Arc::clone(frame)),
+            (None, None) => Slot::Pending,
         }
     }
 
@@ -208,7 +242,7 @@ impl Loader {
         if let Some(error) = queue.cache.error(index) {
             return Err((**error).clone());
         }
-        if let Some(frame) = queue.cache.prepared(index)
+        if let Some(frame) = queue.cache.full(index)
             && frame.satisfies(needs)
         {
             return Ok(Arc::clone(frame));
@@ -264,7 +298,12 @@ impl Loader {
             failed_frames: queue.cache.failed_frames(),
             resident_frames: queue.cache.resident_frames(),
             resident_bytes: queue.cache.resident_bytes(),
-            in_flight_bytes: queue.used_bytes() - queue.cache.resident_bytes(),
+            coarse_frames: queue.cache.coarse_frames(),
+            coarse_bytes: queue.cache.coarse_bytes(),
+            detail: queue.effort.in_time(),
+            in_flight_bytes: queue.used_bytes()
+                - queue.cache.resident_bytes()
+                - queue.cache.coarse_bytes(),
             peak_bytes: queue.peak_bytes,
             budget_bytes: queue.cache.budget_bytes(),
         }

@@ -5,17 +5,23 @@
 //! first that is neither there nor failed nor in flight. What the playhead has passed, or what was wanted for older
 //! needs, is thereby forgotten at once. Work in flight asks between its stages whether it is still wanted.
 //!
-//! A look costs at most [`LOOK_AHEAD_FRAMES`] steps, whatever the length of the sequence.
+//! **In what detail.** [`Effort`] says how many points there is time for while playing. Frames due soon are made of so many; once
+//! they are all there, later ones are made in full, so that a loop gains detail from turn to turn; and then, if the sequence is
+//! too long for the memory, coarse copies of all its frames, for scrubbing.
+//!
+//! A look costs a small multiple of [`LOOK_AHEAD_FRAMES`] steps, whatever the length of the sequence.
 
-use super::cache::{Cache, Focus};
-use crate::sequence::{FrameError, LoopMode, Needs, PreparedFrame, Sequence};
+use super::LoaderOptions;
+use super::cache::{ALWAYS_AHEAD_FRAMES, Cache, Focus};
+use crate::sequence::effort::Effort;
+use crate::sequence::{Detail, FrameError, LoopMode, Needs, PreparedFrame, Sequence};
 use std::sync::Arc;
 
 /// How far ahead frames are prepared, if the budget allows: ten seconds of film.
 pub(super) const LOOK_AHEAD_FRAMES: usize = 256;
 
-/// These many frames ahead of the playhead are prepared even if others of the loop have to go for them.
-const ALWAYS_AHEAD_FRAMES: usize = 4;
+/// Points of the coarse copies that are kept of all frames, at most and at least.
+const COARSE_POINTS: (f64, f64) = (32_768.0, 1024.0);
 
 /// Somebody who blocks until a frame is there.
 #[derive(Debug)]
@@ -31,8 +37,11 @@ pub(super) struct Waiter {
 pub(super) struct Job {
     pub(super) index: usize,
     pub(super) needs: Needs,
-    /// Prepared for other needs: to be completed, not decoded.
+    pub(super) detail: Detail,
+    /// Prepared for other needs or in more detail: to be completed or thinned out, not decoded.
     pub(super) existing: Option<Arc<PreparedFrame>>,
+    /// A coarse copy of a frame that may be far from the playhead.
+    pub(super) is_for_scrubbing: bool,
 }
 
 /// All that workers and the interface share, under one lock.
@@ -42,6 +51,10 @@ pub(super) struct Queue {
     pub(super) focus: Focus,
     /// Needs of the last request; `None` before the first: then only waiters are served.
     pub(super) needs: Option<Needs>,
+    pub(super) effort: Effort,
+    /// Whether coarse copies of all frames are wanted, and where to look for the next that lacks one.
+    keeps_coarse: bool,
+    next_coarse: usize,
     pub(super) waiters: Vec<Waiter>,
     pub(super) shutdown: bool,
     pub(super) cancelled: u64,
@@ -52,11 +65,14 @@ pub(super) struct Queue {
 }
 
 impl Queue {
-    pub(super) fn new(sequence: Arc<Sequence>, focus: Focus, budget_bytes: usize) -> Self {
+    pub(super) fn new(sequence: Arc<Sequence>, focus: Focus, options: &LoaderOptions) -> Self {
         Self {
-            cache: Cache::new(sequence.len(), budget_bytes),
+            cache: Cache::new(sequence.len(), options.budget_bytes),
             focus,
             needs: None,
+            effort: Effort::new(options.workers.max(1)),
+            keeps_coarse: options.keeps_coarse_frames,
+            next_coarse: 0,
             waiters: Vec::new(),
             shutdown: false,
             cancelled: 0,
@@ -73,7 +89,15 @@ impl Queue {
 
     /// The next frame to work on, reserved for the caller; `None` when there is nothing to do now.
     pub(super) fn next_job(&mut self) -> Option<Job> {
-        self.waiters_job().or_else(|| self.planned_job())
+        if let Some(job) = self.waiters_job() {
+            return Some(job);
+        }
+        let needs = self.needs?;
+        let (in_time, at_best) = (self.effort.in_time(), self.effort.at_best());
+        let ahead = self.effort.ahead_frames().min(LOOK_AHEAD_FRAMES);
+        self.planned_job(&needs, in_time, ahead)
+            .or_else(|| self.planned_job(&needs, at_best, LOOK_AHEAD_FRAMES))
+            .or_else(|| self.coarse_job(&needs))
     }
 
     fn waiters_job(&mut self) -> Option<Job> {
@@ -82,27 +106,24 @@ impl Queue {
             .iter()
             .find(|waiter| waiter.outcome.is_none() && !self.cache.is_in_flight(waiter.index))?;
         let (index, needs) = (waiter.index, waiter.needs);
-        let bytes = self.bytes_to_add(index).unwrap_or(0);
+        let bytes = self.cache.bytes_to_add(index, Detail::Full).unwrap_or(0);
         self.must_start(bytes)
-            .then(|| self.start(index, needs, bytes))
+            .then(|| self.start(index, needs, Detail::Full, bytes))
     }
 
-    fn planned_job(&mut self) -> Option<Job> {
-        let needs = self.needs?;
+    /// The first of the `ahead` frames that come next which is not there in `detail`.
+    fn planned_job(&mut self, needs: &Needs, detail: Detail, ahead: usize) -> Option<Job> {
         let mut nearer_bytes = 0;
-        for rank in 0..LOOK_AHEAD_FRAMES {
+        for rank in 0..ahead {
             let index = self.focus.upcoming(rank)?;
             let done = self.cache.error(index).is_some()
                 || self.cache.is_in_flight(index)
-                || self
-                    .cache
-                    .prepared(index)
-                    .is_some_and(|frame| frame.satisfies(&needs));
+                || self.serves(index, needs, detail);
             if done {
                 nearer_bytes += self.cache.held_bytes(index);
                 continue;
             }
-            let bytes = self.bytes_to_add(index);
+            let bytes = self.cache.bytes_to_add(index, detail);
             let fits = match bytes {
                 _ if rank == 0 => self.must_start(bytes.unwrap_or(0)),
                 Some(bytes) => {
@@ -115,9 +136,88 @@ impl Queue {
                 // Without a measure of what a frame takes, one at a time.
                 None => self.cache.in_flight() == 0,
             };
-            return fits.then(|| self.start(index, needs, bytes.unwrap_or(0)));
+            return fits.then(|| self.start(index, *needs, detail, bytes.unwrap_or(0)));
         }
         None
+    }
+
+    /// Whether frame `index` is there as wanted.
+    fn serves(&self, index: usize, needs: &Needs, detail: Detail) -> bool {
+        let full = self
+            .cache
+            .full(index)
+            .filter(|frame| frame.satisfies(needs));
+        // Where all points are too many to be drawn, fewer of them are made even of frames that are here.
+        let may_be_full = detail != self.effort.at_best()
+            || full.is_some_and(|frame| frame.frame.len() <= detail.most_points());
+        let coarse = self
+            .cache
+            .coarse(index)
+            .filter(|frame| frame.satisfies(needs));
+        full.is_some_and(|_| may_be_full)
+            || coarse.is_some_and(|frame| detail.is_met_by(&frame.frame))
+    }
+
+    /// The frame to show of those that are there and have what is needed.
+    pub(super) fn best(&self, index: usize, needs: &Needs) -> Option<&Arc<PreparedFrame>> {
+        let full = self
+            .cache
+            .full(index)
+            .filter(|frame| frame.satisfies(needs));
+        let coarse = self
+            .cache
+            .coarse(index)
+            .filter(|frame| frame.satisfies(needs));
+        match self.effort.at_best() {
+            Detail::Full => full.or(coarse),
+            detail => coarse
+                .filter(|frame| detail.is_met_by(&frame.frame))
+                .or(full)
+                .or(coarse),
+        }
+    }
+
+    /// A coarse copy that is still missing, as long as there is memory for it.
+    fn coarse_job(&mut self, needs: &Needs) -> Option<Job> {
+        let detail = self.detail_for_scrubbing()?;
+        let count = self.cache.frame_count();
+        for _ in 0..count.min(LOOK_AHEAD_FRAMES) {
+            let index = self.next_coarse % count;
+            let is_there = |frame: Option<&Arc<PreparedFrame>>| {
+                frame.is_some_and(|frame| frame.satisfies(needs))
+            };
+            let done = self.cache.error(index).is_some()
+                || self.cache.is_in_flight(index)
+                || is_there(self.cache.full(index))
+                || is_there(self.cache.coarse(index));
+            if done {
+                self.next_coarse = index + 1;
+                continue;
+            }
+            let bytes = self.cache.bytes_to_add(index, detail)?;
+            let fits = self.cache.coarse_bytes() + bytes <= self.cache.coarse_budget_bytes()
+                && self.make_room(bytes, ALWAYS_AHEAD_FRAMES);
+            return fits.then(|| Job {
+                is_for_scrubbing: true,
+                ..self.start(index, *needs, detail, bytes)
+            });
+        }
+        None
+    }
+
+    /// How detailed coarse copies of all frames can be; `None` where they are not wanted, all frames fit as they are, or copies would
+    /// have too few points to be of use.
+    fn detail_for_scrubbing(&self) -> Option<Detail> {
+        let (bytes_per_point, points) = self.cache.measure().filter(|_| self.keeps_coarse)?;
+        let count = self.cache.frame_count();
+        let all_bytes = bytes_per_point * points as f64 * count as f64;
+        if count <= LOOK_AHEAD_FRAMES && all_bytes <= self.cache.budget_bytes() as f64 {
+            return None;
+        }
+        let share = self.cache.coarse_budget_bytes() as f64 / count as f64;
+        let affordable = (share / bytes_per_point).min(COARSE_POINTS.0);
+        let is_of_use = affordable >= COARSE_POINTS.1 && 2.0 * affordable <= points as f64;
+        is_of_use.then(|| Detail::at_most(affordable as u32))
     }
 
     fn has_room(&self, bytes: usize) -> bool {
@@ -138,21 +238,22 @@ impl Queue {
         self.make_room(bytes, 0) || self.cache.in_flight() == 0
     }
 
-    /// How many bytes frame `index` is expected to take beyond what it holds.
-    fn bytes_to_add(&self, index: usize) -> Option<usize> {
-        let held = self.cache.held_bytes(index);
-        self.cache
-            .expected_bytes(index)
-            .map(|bytes| bytes.saturating_sub(held))
-    }
-
-    fn start(&mut self, index: usize, needs: Needs, bytes: usize) -> Job {
+    fn start(&mut self, index: usize, needs: Needs, detail: Detail, bytes: usize) -> Job {
         self.cache.reserve(index, bytes);
         self.changed();
+        let (full, coarse) = (self.cache.full(index), self.cache.coarse(index));
+        let existing = match detail {
+            Detail::Full => full,
+            Detail::AtMost(_) => coarse
+                .filter(|frame| detail.is_met_by(&frame.frame))
+                .or(full),
+        };
         Job {
             index,
             needs,
-            existing: self.cache.prepared(index).cloned(),
+            detail,
+            existing: existing.cloned(),
+            is_for_scrubbing: false,
         }
     }
 
@@ -170,13 +271,16 @@ impl Queue {
         fits
     }
 
-    /// Between decoding and preparing: what `index` is to be prepared for now that its frame takes about `bytes`, or
+    /// Between decoding and preparing: what the frame of `job` is to be prepared for now that it takes about `bytes`, or
     /// `None` if it is not wanted any more. A worker that hears `None` drops the frame and calls [`Queue::cancel`].
-    pub(super) fn still_wanted(&mut self, index: usize, bytes: usize) -> Option<Needs> {
+    pub(super) fn still_wanted(&mut self, job: &Job, bytes: usize) -> Option<Needs> {
         if self.shutdown {
             return None;
         }
-        let reserved = self.cache.expected_bytes(index).unwrap_or(0).max(bytes);
+        let index = job.index;
+        let is_full = job.detail == Detail::Full;
+        let expected = is_full.then(|| self.cache.expected_bytes(index)).flatten();
+        let reserved = expected.unwrap_or(0).max(bytes);
         let more = reserved.saturating_sub(self.cache.held_bytes(index));
         if let Some(waiter) = self
             .waiters
@@ -190,10 +294,17 @@ impl Queue {
             return Some(needs);
         }
         let needs = self.needs?;
-        let rank = self.focus.rank(index);
-        let wanted = rank < LOOK_AHEAD_FRAMES && self.focus.is_coming(index);
+        let rank = if job.is_for_scrubbing {
+            ALWAYS_AHEAD_FRAMES
+        } else {
+            self.focus.rank(index)
+        };
+        let is_coming = rank < LOOK_AHEAD_FRAMES && self.focus.is_coming(index);
+        let wanted = is_coming || job.is_for_scrubbing;
         if !wanted || (!self.make_room(more, rank) && rank > 0) {
-            self.cache.learn_bytes(index, bytes);
+            if is_full {
+                self.cache.learn_bytes(index, bytes);
+            }
             return None;
         }
         self.cache.reserve(index, reserved);
@@ -218,9 +329,9 @@ impl Queue {
         for waiter in &mut self.waiters {
             let answers = waiter.index == index
                 && waiter.outcome.is_none()
-                && outcome
-                    .as_ref()
-                    .map_or(true, |frame| frame.satisfies(&waiter.needs));
+                && outcome.as_ref().map_or(true, |frame| {
+                    !frame.is_sample() && frame.satisfies(&waiter.needs)
+                });
             if answers {
                 waiter.outcome = Some(outcome.clone());
             }

@@ -1,5 +1,7 @@
 //! What the loader tells about itself.
 
+use crate::sequence::Detail;
+
 /// Where a frame is, for the timeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FrameState {
@@ -7,6 +9,8 @@ pub enum FrameState {
     Absent,
     /// A worker is on it.
     Loading,
+    /// Ready to be drawn with fewer points than its file has.
+    Coarse,
     /// In memory, but not yet with all that is needed now.
     Stale,
     /// Ready to be drawn.
@@ -38,6 +42,12 @@ pub struct LoaderStats {
     pub resident_frames: usize,
     /// Bytes of the prepared frames in memory.
     pub resident_bytes: usize,
+    /// Prepared frames of fewer points than their files have.
+    pub coarse_frames: usize,
+    /// Their bytes.
+    pub coarse_bytes: usize,
+    /// How detailed frames are made that are due soon.
+    pub detail: Detail,
     /// Bytes of frames being made, as far as known.
     pub in_flight_bytes: usize,
     /// The most bytes that were in use at once, resident and in flight.

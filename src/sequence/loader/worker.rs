@@ -2,7 +2,9 @@
 
 use super::queue::{Job, Queue};
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::sequence::effort::Made;
 use crate::sequence::error::catch_panic;
+use crate::sequence::prepare::prepare_sample;
 use crate::sequence::{
     FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError, complete, lock,
     prepare,
@@ -67,7 +69,7 @@ pub(super) fn run(shared: &Shared) {
     while let Some(job) = next_job(shared) {
         let index = job.index;
         let source = shared.sequence.source(index);
-        match catch_panic(index, &source.path, || make(shared, job)) {
+        match catch_panic(index, &source.path, || make(shared, &job)) {
             Ok(None) => {
                 shared.queue().cancel(index);
                 shared.work.notify_all();
@@ -75,12 +77,41 @@ pub(super) fn run(shared: &Shared) {
             outcome => {
                 // `Ok(None)` was handled above, so transposing always finds a frame or an error.
                 if let Some(outcome) = outcome.map_err(Arc::new).transpose() {
-                    shared.queue().finish(index, outcome.map(Arc::new));
+                    finish(shared, index, outcome);
                 }
                 shared.work.notify_all();
                 shared.finished.notify_all();
                 (shared.wake)();
             }
+        }
+    }
+}
+
+/// Hands over what came of a job.
+pub(super) fn finish(shared: &Shared, index: usize, outcome: Result<Finished, Arc<FrameError>>) {
+    let mut queue = shared.queue();
+    if let Ok(finished) = &outcome {
+        queue.effort.note_made(&finished.made());
+    }
+    queue.finish(index, outcome.map(|finished| Arc::new(finished.frame)));
+}
+
+/// A frame that was made.
+pub(super) struct Finished {
+    pub(super) frame: PreparedFrame,
+    /// Time of the decoder alone, milliseconds; `None` if it was not called.
+    pub(super) decoder_ms: Option<f32>,
+}
+
+impl Finished {
+    fn made(&self) -> Made {
+        let frame = &self.frame.frame;
+        let rest_ms = self.frame.timings.total_ms() - self.decoder_ms.unwrap_or(0.0);
+        Made {
+            decode_ms: self.decoder_ms.map(f64::from),
+            rest_ms: f64::from(rest_ms),
+            points: frame.len(),
+            points_in_file: frame.points_in_file(),
         }
     }
 }
@@ -100,19 +131,44 @@ fn next_job(shared: &Shared) -> Option<Job> {
 }
 
 /// Decodes and prepares; `None` if nobody wants the frame any more.
-fn make(shared: &Shared, job: Job) -> Result<Option<PreparedFrame>, FrameError> {
-    if let Some(existing) = job.existing {
-        let completed = || complete(&existing, &job.needs, &shared.counters);
-        return Ok(Some(shared.run_stages(completed)));
+pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, FrameError> {
+    if let Some(existing) = &job.existing {
+        let frame = shared.run_stages(|| from_existing(shared, existing, job))?;
+        return Ok(Some(Finished {
+            frame,
+            decoder_ms: None,
+        }));
     }
-    let loaded = shared.sequence.load(job.index)?;
+    let loaded = shared.sequence.load(job.index, job.detail)?;
     let bytes = expected_bytes(&loaded.frame, &job.needs);
-    let Some(needs) = shared.queue().still_wanted(job.index, bytes) else {
+    let Some(needs) = shared.queue().still_wanted(job, bytes) else {
         return Ok(None);
     };
     let frame = Arc::new(loaded.frame);
     let prepared = || prepare(job.index, frame, loaded.decode_ms, &needs, &shared.counters);
-    Ok(Some(shared.run_stages(prepared)))
+    Ok(Some(Finished {
+        frame: shared.run_stages(prepared),
+        decoder_ms: Some(loaded.decoder_ms),
+    }))
+}
+
+/// What `job` asks for from a frame that was prepared for other needs or with more points.
+fn from_existing(
+    shared: &Shared,
+    existing: &PreparedFrame,
+    job: &Job,
+) -> Result<PreparedFrame, FrameError> {
+    let most_points = job.detail.most_points();
+    if existing.is_sample() || existing.frame.len() <= most_points {
+        return Ok(complete(existing, &job.needs, &shared.counters));
+    }
+    prepare_sample(existing, most_points, &job.needs, &shared.counters).map_err(|reason| {
+        FrameError::Invalid {
+            index: job.index,
+            path: shared.sequence.source(job.index).path.clone(),
+            reason,
+        }
+    })
 }
 
 /// What `frame` will take when it is prepared, as far as it can be said before: all but the octree.

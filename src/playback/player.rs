@@ -1,8 +1,11 @@
 //! An open sequence with its playhead: which frame is due, which is shown, what is waited for.
 //!
 //! **How it works.** The clock says which frame is due. If that frame is in memory, or cannot be read, the clock moves on;
-//! if not, the clock is stopped on that frame and goes on from it when the loader has it. So a slow disk slows playing
-//! down and is told as `fps held`, but every frame is seen; a slow screen skips frames, which the clock counts.
+//! if not, the clock is stopped on that frame and goes on from it when the loader has it.
+//!
+//! Where there is no time for all points of the frames, fewer are shown: the loader is told how long a frame lasts and how long its
+//! picture took, and says what it has. Paused, all points are shown. A disk that cannot even bring enough for that slows playing
+//! down, so that every frame is seen, and frames are *late*; a screen that is too slow even so *skips* frames. All of it is counted.
 
 use super::marks::{Run, runs};
 use crate::scene::{Primitive, Scene, Settings};
@@ -39,30 +42,37 @@ pub struct Player {
     runs_revision: Option<u64>,
     shown_at: VecDeque<Duration>,
     frames_shown: u64,
+    coarse_frames_shown: u64,
+    late_frames: u64,
     follows_newest: bool,
 }
 
 /// What [`Player::update`] changed.
 #[derive(Debug, Clone, Default)]
-pub(super) struct PlayerChange {
+pub struct PlayerChange {
     /// Another frame is shown, or the place of the playhead is another one.
-    pub(super) visible: bool,
+    pub visible: bool,
     /// A frame at the playhead cannot be shown, and this is the first time that it was met.
-    pub(super) new_failure: Option<Arc<FrameError>>,
+    pub new_failure: Option<Arc<FrameError>>,
 }
 
 impl Player {
     /// Opens `sequence` at its first frame, paused unless `play`.
-    pub(super) fn new(
+    pub fn new(
         sequence: Arc<Sequence>,
         options: LoaderOptions,
         play: bool,
     ) -> Result<Self, SequenceError> {
-        let loader = Loader::new(Arc::clone(&sequence), options)?;
+        let loader = Loader::new(sequence, options)?;
+        Ok(Self::with_loader(loader, play))
+    }
+
+    fn with_loader(loader: Loader, play: bool) -> Self {
+        let sequence = Arc::clone(loader.sequence());
         let mut clock = Clock::new(sequence.len());
         clock.set_fps(sequence.fps(), Duration::ZERO);
         clock.set_pace(sequence.pace(), Duration::ZERO);
-        Ok(Self {
+        Self {
             loader,
             clock,
             shown: None,
@@ -75,9 +85,11 @@ impl Player {
             runs_revision: None,
             shown_at: VecDeque::new(),
             frames_shown: 0,
+            coarse_frames_shown: 0,
+            late_frames: 0,
             follows_newest: false,
             sequence,
-        })
+        }
     }
 
     /// The sequence.
@@ -123,6 +135,23 @@ impl Player {
     /// Changes of the shown frame since the sequence was opened.
     pub fn frames_shown(&self) -> u64 {
         self.frames_shown
+    }
+
+    /// Those of them that were first shown with fewer points than their files have.
+    pub fn coarse_frames_shown(&self) -> u64 {
+        self.coarse_frames_shown
+    }
+
+    /// Frames that were not there when they were due while playing.
+    pub fn late_frames(&self) -> u64 {
+        self.late_frames
+    }
+
+    /// Takes notice of how long the picture of the shown frame took, milliseconds.
+    pub fn note_picture_ms(&self, picture_ms: f64) {
+        if let Some(shown) = self.shown.as_ref().filter(|_| self.is_playing()) {
+            self.loader.note_drawn(shown.frame.len(), picture_ms);
+        }
     }
 
     /// Frames a second that were really shown lately; `None` while paused or too early to say.
@@ -211,7 +240,7 @@ impl Player {
     }
 
     /// Moves the playhead to where it is at `now` and shows its frame if it is there.
-    pub(super) fn update(&mut self, now: Duration, settings: &Settings) -> PlayerChange {
+    pub fn update(&mut self, now: Duration, settings: &Settings) -> PlayerChange {
         let has_grown = self.grow(now);
         let needs = Scene::needs(settings);
         let playhead_before = self.clock.frame();
@@ -219,13 +248,15 @@ impl Player {
         let mut ahead = self.clock.clone();
         let target = ahead.advance(now);
         self.request(target, ahead.direction(), needs);
+        let interval = playing_before.then(|| ahead.frame_interval());
+        self.loader.set_interval(interval);
 
         let mut change = PlayerChange {
             visible: has_grown,
             new_failure: None,
         };
         let frame = match self.loader.get(target, &needs) {
-            Slot::Ready(frame) => Some(frame),
+            Slot::Ready(frame) | Slot::Coarse(frame) => Some(frame),
             // An older picture of the same pose serves meanwhile; one that cannot be drawn as asked would only flash.
             Slot::Stale(frame) if can_draw(&frame, settings.primitive) || self.shows(target) => {
                 Some(frame)
@@ -269,6 +300,8 @@ impl Player {
     fn wait(&mut self, ahead: Clock, now: Duration) {
         self.clock = ahead;
         self.waiting_for = Some(self.clock.frame());
+        // The first picture has no time at which it is due.
+        self.late_frames += u64::from(self.clock.is_playing() && self.shown.is_some());
         self.play_on_arrival |= self.clock.is_playing();
         self.clock.pause(now);
     }
@@ -299,6 +332,7 @@ impl Player {
         }
         if !self.shows(frame.index) {
             self.frames_shown += 1;
+            self.coarse_frames_shown += u64::from(frame.is_sample());
             self.shown_at.push_back(now);
             while self.shown_at.len() > MAX_RATE_SAMPLES
                 || self
@@ -322,7 +356,7 @@ impl Player {
     }
 
     /// Asks the loader for the states of frames if they may have changed.
-    pub(super) fn refresh_runs(&mut self) {
+    pub fn refresh_runs(&mut self) {
         let revision = self.loader.revision();
         if self.runs_revision != Some(revision) {
             self.runs = runs(self.loader.states());
@@ -331,19 +365,23 @@ impl Player {
     }
 
     /// True if `refresh_runs` would look again.
-    pub(super) fn runs_are_old(&self) -> bool {
+    pub fn runs_are_old(&self) -> bool {
         self.runs_revision != Some(self.loader.revision())
     }
 }
 
 /// True if `frame` has what `primitive` is made from.
-pub(super) fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
+pub fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
     match primitive {
         Primitive::Surfel => frame.shapes.is_some(),
         Primitive::Voxel => frame.octree.is_some(),
         Primitive::Point => true,
     }
 }
+
+#[cfg(test)]
+#[path = "schedule_tests.rs"]
+mod schedule_tests;
 
 #[cfg(test)]
 #[path = "player_tests.rs"]

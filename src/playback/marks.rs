@@ -12,6 +12,8 @@ pub enum Mark {
     Absent,
     /// On its way.
     Pending,
+    /// In memory, with fewer points than in the file.
+    Coarse,
     /// In memory.
     Resident,
     /// Cannot be shown.
@@ -23,6 +25,7 @@ impl From<FrameState> for Mark {
         match state {
             FrameState::Absent => Self::Absent,
             FrameState::Loading | FrameState::Stale => Self::Pending,
+            FrameState::Coarse => Self::Coarse,
             FrameState::Ready => Self::Resident,
             FrameState::Failed => Self::Failed,
         }
@@ -63,15 +66,16 @@ mod tests {
 
     #[test]
     fn equal_neighbours_become_one_run() {
-        use FrameState::{Absent, Failed, Loading, Ready, Stale};
+        use FrameState::{Absent, Coarse, Failed, Loading, Ready, Stale};
         let run = |start, end, mark| Run { start, end, mark };
         assert_eq!(
-            runs([Ready, Ready, Failed, Loading, Stale, Absent]),
+            runs([Ready, Ready, Failed, Loading, Stale, Absent, Coarse]),
             [
                 run(0, 2, Mark::Resident),
                 run(2, 3, Mark::Failed),
                 run(3, 5, Mark::Pending),
-                run(5, 6, Mark::Absent)
+                run(5, 6, Mark::Absent),
+                run(6, 7, Mark::Coarse)
             ]
         );
         assert_eq!(runs([]), []);

@@ -1,0 +1,275 @@
+//! Playing a sequence as the window does, by the clock, and counting what a person would see.
+//!
+//! How it works: a player with a loader of its own is asked at each deadline, and whenever the loader has something new, which frame to
+//! show; each picture is drawn at once, by the processor where the window would let it draw. Nothing is shown, so a picture costs what
+//! drawing it costs. The loop ends when as many frames were shown as were asked for.
+//!
+//! What it shows: whether the rate is held, what it costs in points where it is, and whether memory stays where it was.
+
+use super::{Run, Subject};
+use crate::bench::report::{Cell, Column, Row};
+use crate::bench::{BenchError, Quantiles};
+use crate::playback::Player;
+use crate::render::{AnyRenderer, Renderer};
+use crate::scene::{Camera, Primitive, Scene, Settings, UpAxis};
+use crate::sequence::{LoaderOptions, PreparedFrame};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::time::{Duration, Instant};
+use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
+
+/// Columns, in the order in which [`Played::row`] fills them.
+pub(in crate::bench) const COLUMNS: &[Column] = &[
+    Column::text("sequence", "sequence"),
+    Column::text("primitive", "primitive"),
+    Column::text("renderer", "renderer").hidden(),
+    Column::number("fps_asked", "fps asked", 1),
+    Column::number("fps_held", "held", 1),
+    Column::percent("points_share", "points shown", 1),
+    Column::number("frames_shown", "frames", 0),
+    Column::number("frames_coarse", "coarse", 0),
+    Column::number("frames_late", "late", 0),
+    Column::number("frames_skipped", "skipped", 0),
+    Column::number("frames_failed", "failed", 0).hidden(),
+    Column::number("picture_ms_median", "picture ms", 2),
+    Column::number("picture_ms_q3", "75 %", 2),
+    Column::number("loader_peak_mib", "frames MiB", 0),
+    Column::number("resident_begin_mib", "RSS MiB begin", 0),
+    Column::number("resident_peak_mib", "most", 0),
+    Column::number("resident_end_mib", "end", 0),
+];
+
+/// The column that a bar chart shows.
+pub(in crate::bench) const HEADLINE: &str = "fps_held";
+
+const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primitive::Voxel];
+
+/// Frames between two looks at memory and the person's patience.
+const LOOK_EVERY: u64 = 64;
+
+pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+    let wanted = run.options.frames;
+    for subject in run.subjects(0)? {
+        run.steps_total += PRIMITIVES.len();
+        let mut rows = Vec::new();
+        let mut points = Vec::new();
+        for primitive in PRIMITIVES {
+            run.begin_step(format!("{}: {primitive}, {wanted} frames", subject.name))?;
+            let settings = Settings {
+                primitive,
+                ..Settings::default()
+            };
+            let played = play(run, &subject, &settings)?;
+            points.push(played.mean_points);
+            rows.push(played.row(subject.name, primitive));
+        }
+        run.finish(&subject, &points[..1], &[], rows);
+    }
+    Ok(())
+}
+
+/// What came of playing.
+struct Played {
+    renderer: String,
+    fps_asked: f64,
+    fps_held: f64,
+    mean_points: f64,
+    points_share: f64,
+    shown: u64,
+    coarse: u64,
+    late: u64,
+    skipped: u64,
+    failed: usize,
+    picture_ms: Option<Quantiles>,
+    loader_peak_bytes: usize,
+    /// At the beginning, at most, at the end.
+    resident_bytes: [u64; 3],
+}
+
+/// Plays until as many frames were shown as are wanted, or none can be.
+fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Settings) -> Result<Played, BenchError> {
+    let (wake, woken) = sync_channel(1);
+    let mut options = LoaderOptions {
+        keeps_coarse_frames: true,
+        wake: Arc::new(move || {
+            // A full channel has a wake in it already.
+            let _ = wake.try_send(());
+        }),
+        ..LoaderOptions::default()
+    };
+    if let Some(budget_bytes) = run.options.budget_bytes {
+        options.budget_bytes = budget_bytes;
+    }
+    let mut player = Player::new(Arc::clone(subject.sequence), options, true)?;
+    let mut screen = Screen {
+        renderer: AnyRenderer::open(settings.renderer)?,
+        scene: Scene::that_remembers(),
+        camera: None,
+        settings,
+        viewport_px: run.options.viewport_px,
+        subject,
+        pictures_ms: Vec::new(),
+        points: 0,
+        points_in_files: 0,
+    };
+    let mut memory = Memory::new();
+    let wanted = run.options.frames as u64;
+    let begin = Instant::now();
+    let mut first_shown = None;
+    let mut last: Option<Arc<PreparedFrame>> = None;
+    let mut looked_at = 0;
+    while player.frames_shown() < wanted {
+        player.update(begin.elapsed(), settings);
+        let all_failed = player.loader().stats().failed_frames == subject.sequence.len();
+        if let Some(failure) = player.failure().filter(|_| all_failed) {
+            return Err(BenchError::NoFrame {
+                sequence: subject.name.to_owned(),
+                reason: failure.to_string(),
+            });
+        }
+        let new = player
+            .shown()
+            .filter(|shown| !last.as_ref().is_some_and(|last| Arc::ptr_eq(last, shown)));
+        if let Some(frame) = new.map(Arc::clone) {
+            let picture_ms = screen.draw(&frame)?;
+            player.note_picture_ms(picture_ms);
+            first_shown.get_or_insert_with(|| begin.elapsed());
+            last = Some(frame);
+        } else {
+            sleep(&woken, player.next_deadline(), begin);
+        }
+        if player.frames_shown() >= looked_at + LOOK_EVERY || last.is_none() {
+            looked_at = player.frames_shown();
+            run.check_cancelled()?;
+            memory.look();
+        }
+    }
+    memory.look();
+    let seconds = (begin.elapsed() - first_shown.unwrap_or_default()).as_secs_f64();
+    let stats = player.loader().stats();
+    let shown = player.frames_shown();
+    Ok(Played {
+        renderer: screen.renderer.summary(),
+        fps_asked: player.clock().fps(),
+        fps_held: shown.saturating_sub(1) as f64 / seconds.max(1e-9),
+        mean_points: screen.points as f64 / screen.pictures_ms.len().max(1) as f64,
+        points_share: screen.points as f64 / screen.points_in_files.max(1) as f64,
+        shown,
+        coarse: player.coarse_frames_shown(),
+        late: player.late_frames(),
+        skipped: player.clock().skipped(),
+        failed: stats.failed_frames,
+        picture_ms: Quantiles::of(&screen.pictures_ms),
+        loader_peak_bytes: stats.peak_bytes,
+        resident_bytes: memory.begin_peak_end,
+    })
+}
+
+/// Sleeps until the deadline or a wake, a tenth of a second at most.
+fn sleep(woken: &Receiver<()>, deadline: Option<Duration>, begin: Instant) {
+    const LONGEST: Duration = Duration::from_millis(100);
+    let wait = deadline.map_or(LONGEST, |deadline| deadline.saturating_sub(begin.elapsed()));
+    match woken.recv_timeout(wait.min(LONGEST)) {
+        Ok(()) | Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {}
+    }
+}
+
+/// What draws, and what it drew.
+struct Screen<'a> {
+    renderer: AnyRenderer,
+    scene: Scene,
+    camera: Option<Camera>,
+    settings: &'a Settings,
+    viewport_px: [u32; 2],
+    subject: &'a Subject<'a>,
+    pictures_ms: Vec<f64>,
+    points: u64,
+    points_in_files: u64,
+}
+
+impl Screen<'_> {
+    /// Milliseconds from the frame to its finished picture.
+    fn draw(&mut self, frame: &PreparedFrame) -> Result<f64, BenchError> {
+        let origin = self.subject.sequence.origin();
+        let camera = self.camera.get_or_insert_with(|| {
+            Camera::framing(&frame.frame.bounds(), origin, UpAxis::guess(&frame.frame))
+        });
+        let start = Instant::now();
+        let packet = self
+            .scene
+            .packet(frame, origin, camera, self.settings, self.viewport_px);
+        self.renderer.prepare(&packet)?;
+        self.renderer.render()?;
+        self.renderer.wait()?;
+        let picture_ms = start.elapsed().as_secs_f64() * 1e3;
+        self.pictures_ms.push(picture_ms);
+        self.points += frame.frame.len() as u64;
+        self.points_in_files +=
+            (frame.frame.points_in_file() - frame.frame.dropped_points()) as u64;
+        Ok(picture_ms)
+    }
+}
+
+/// Memory of the program that is in the machine's.
+struct Memory {
+    system: System,
+    process: Option<Pid>,
+    begin_peak_end: [u64; 3],
+}
+
+impl Memory {
+    fn new() -> Self {
+        let mut memory = Self {
+            system: System::new(),
+            process: sysinfo::get_current_pid().ok(),
+            begin_peak_end: [0; 3],
+        };
+        memory.look();
+        memory.begin_peak_end[0] = memory.begin_peak_end[2];
+        memory
+    }
+
+    fn look(&mut self) {
+        let Some(process) = self.process else { return };
+        let only_memory = ProcessRefreshKind::nothing().with_memory();
+        self.system.refresh_processes_specifics(
+            ProcessesToUpdate::Some(&[process]),
+            false,
+            only_memory,
+        );
+        let bytes = self
+            .system
+            .process(process)
+            .map_or(0, sysinfo::Process::memory);
+        let [_, peak, end] = &mut self.begin_peak_end;
+        *peak = bytes.max(*peak);
+        *end = bytes;
+    }
+}
+
+impl Played {
+    fn row(&self, sequence: &str, primitive: Primitive) -> Row {
+        let mib = |bytes: f64| Cell::Number(bytes / f64::from(1 << 20));
+        let [begin, peak, end] = self.resident_bytes.map(|bytes| mib(bytes as f64));
+        let picture = |of: fn(&Quantiles) -> f64| Cell::maybe(self.picture_ms.as_ref().map(of));
+        Row::new(vec![
+            Cell::Text(sequence.to_owned()),
+            Cell::Text(primitive.to_string()),
+            Cell::Text(self.renderer.clone()),
+            Cell::Number(self.fps_asked),
+            Cell::Number(self.fps_held),
+            Cell::Number(self.points_share),
+            Cell::Number(self.shown as f64),
+            Cell::Number(self.coarse as f64),
+            Cell::Number(self.late as f64),
+            Cell::Number(self.skipped as f64),
+            Cell::Number(self.failed as f64),
+            picture(|quantiles| quantiles.median),
+            picture(|quantiles| quantiles.q3),
+            mib(self.loader_peak_bytes as f64),
+            begin,
+            peak,
+            end,
+        ])
+    }
+}

@@ -1,0 +1,217 @@
+//! Which frame is shown when, with how many points: slow files, slow pictures and broken files by a clock that the test turns.
+
+use super::*;
+use crate::cloud::{Positions, RawCloud};
+use crate::sequence::Source;
+use crate::sequence::simulation::{Cost, Simulation};
+
+const POINTS: usize = 1 << 16;
+
+/// A window, its workers and its screen, none of which exist.
+struct Theatre {
+    player: Player,
+    workers: Simulation,
+    settings: Settings,
+    now: Duration,
+    /// Milliseconds of a picture of so many points.
+    picture_ms: fn(usize) -> f64,
+}
+
+/// At so many milliseconds this frame was shown with so many points.
+type Shown = (u64, usize, usize);
+
+const FAST: Cost = Cost {
+    decode_ms: 1.0,
+    ns_per_point: 10.0,
+};
+
+impl Theatre {
+    /// Twelve frames a turn at 25 a second, on two workers.
+    fn new(cost: impl Fn(usize) -> Cost + 'static, broken: &'static [u64]) -> Self {
+        let source = |number| Source {
+            number: Some(number),
+            ..Source::file(format!("{number}.ply"))
+        };
+        let sequence = Sequence::with_decoder((0..12).map(source).collect(), |source| {
+            if source.number.is_some_and(|number| broken.contains(&number)) {
+                return Err("torn".into());
+            }
+            let position = |i: usize| [(i % 256) as f32, (i / 256) as f32, 0.0];
+            let positions = (0..POINTS).map(position).collect();
+            Ok(RawCloud::from_positions(Positions::F32(positions)))
+        });
+        let options = LoaderOptions {
+            workers: 2,
+            ..LoaderOptions::default()
+        };
+        let sequence = Arc::new(sequence.with_fps(25.0));
+        let (loader, workers) = Simulation::new(&sequence, options, POINTS, cost);
+        Self {
+            player: Player::with_loader(loader, true),
+            workers,
+            settings: Settings {
+                primitive: Primitive::Point,
+                ..Settings::default()
+            },
+            now: Duration::ZERO,
+            picture_ms: |_| 1.0,
+        }
+    }
+
+    /// Plays until `end_ms` and says what was shown.
+    fn play(&mut self, end_ms: u64) -> Vec<Shown> {
+        let mut schedule = Vec::new();
+        let mut last = None;
+        let end = Duration::from_millis(end_ms);
+        while self.now < end {
+            self.workers.advance(&self.player.loader, self.now);
+            self.player.update(self.now, &self.settings);
+            let mut free_at = self.now;
+            let shown = self
+                .player
+                .shown()
+                .map(|frame| (frame.index, frame.frame.len()));
+            if let Some((index, points)) = shown
+                && shown != last
+            {
+                // Deadlines are rounded up to nanoseconds.
+                schedule.push((self.now.as_micros().div_ceil(1000) as u64, index, points));
+                let picture_ms = (self.picture_ms)(points);
+                self.player.note_picture_ms(picture_ms);
+                free_at += Duration::from_secs_f64(picture_ms / 1e3);
+                last = shown;
+            }
+            self.workers.advance(&self.player.loader, self.now);
+            let next = [self.player.next_deadline(), self.workers.next_event()];
+            let next = next.into_iter().flatten().min().unwrap_or(end);
+            self.now = next
+                .max(free_at)
+                .max(self.now + Duration::from_nanos(1))
+                .min(end);
+        }
+        schedule
+    }
+
+    /// Frames shown late, skipped, and with fewer points.
+    fn counted(&self) -> [u64; 3] {
+        let player = &self.player;
+        [
+            player.late_frames(),
+            player.clock().skipped(),
+            player.coarse_frames_shown(),
+        ]
+    }
+}
+
+#[test]
+fn what_is_fast_enough_is_shown_when_it_is_due_and_whole() {
+    let mut theatre = Theatre::new(|_| FAST, &[]);
+    let schedule = theatre.play(1000);
+    let begin = schedule[0].0;
+    assert_eq!(begin, 2, "decoding and 65,536 points of 10 ns");
+    let due = |number: usize| (begin + 40 * number as u64, number % 12, POINTS);
+    assert_eq!(schedule, (0..25).map(due).collect::<Vec<_>>());
+    assert_eq!(theatre.counted(), [0, 0, 0]);
+}
+
+#[test]
+fn frames_that_take_too_long_to_make_have_fewer_points_and_are_on_time() {
+    // Of 80 ms between two frames 68 are planned: 4 to decode and 64 for 32,000 points of 2 µs.
+    let slow = Cost {
+        decode_ms: 4.0,
+        ns_per_point: 2000.0,
+    };
+    let mut theatre = Theatre::new(move |_| slow, &[]);
+    let schedule = theatre.play(1000);
+    // The first frame is begun before anything is known, and nothing beside it.
+    let (whole_ms, few) = (136, POINTS / 4);
+    assert_eq!(schedule[0], (whole_ms, 0, POINTS));
+    let due = |number: u64| (whole_ms + 40 * number, number as usize, few);
+    assert_eq!(schedule[1..6], [1, 2, 3, 4, 5].map(due));
+    assert_eq!(theatre.counted()[..2], [0, 0], "neither late nor skipped");
+    assert!(
+        schedule.windows(2).all(|pair| pair[1].0 - pair[0].0 == 40),
+        "{schedule:?}"
+    );
+
+    // Paused, the frame gets all its points.
+    theatre.player.toggle(theatre.now);
+    let paused = theatre.play(1400);
+    let (_, frame, points) = *paused.last().unwrap();
+    assert_eq!((frame, points), (theatre.player.clock().frame(), POINTS));
+}
+
+#[test]
+fn a_loop_gains_points_from_turn_to_turn() {
+    let slow = Cost {
+        decode_ms: 4.0,
+        ns_per_point: 1500.0,
+    };
+    let mut theatre = Theatre::new(move |_| slow, &[]);
+    theatre.play(5000);
+    let schedule = theatre.play(5600);
+    assert!(schedule.len() >= 12, "a whole turn");
+    assert!(
+        schedule.iter().all(|&(_, _, points)| points == POINTS),
+        "{schedule:?}"
+    );
+    // The second frame was begun when the first was there, and took 53 ms.
+    assert_eq!(theatre.counted()[..2], [1, 0]);
+}
+
+#[test]
+fn a_slow_screen_gets_fewer_points_instead_of_skipping_frames_for_good() {
+    let mut theatre = Theatre::new(|_| FAST, &[]);
+    // 67 ms for all points, 34 for half of them.
+    theatre.picture_ms = |points| 1.0 + points as f64 / 1000.0;
+    theatre.play(3000);
+    let skipped = theatre.player.clock().skipped();
+    assert!(skipped > 0, "it took some pictures to find out");
+    let schedule = theatre.play(4000);
+    assert!(
+        schedule.windows(2).all(|pair| pair[1].0 - pair[0].0 == 40),
+        "{schedule:?}"
+    );
+    assert!(
+        schedule.iter().all(|&(_, _, points)| points == POINTS / 2),
+        "{schedule:?}"
+    );
+    assert_eq!(theatre.player.clock().skipped(), skipped);
+}
+
+#[test]
+fn a_disk_that_is_too_slow_for_anything_delays_frames_and_loses_none() {
+    let disk = Cost {
+        decode_ms: 200.0,
+        ns_per_point: 10.0,
+    };
+    let mut theatre = Theatre::new(move |_| disk, &[]);
+    let schedule = theatre.play(1000);
+    // The first alone, then two at a time, 200 ms each and a little for the points; of two the second is on time.
+    let due = [
+        (201, 0),
+        (401, 1),
+        (441, 2),
+        (601, 3),
+        (641, 4),
+        (801, 5),
+        (841, 6),
+    ];
+    let shown: Vec<(u64, usize)> = schedule.iter().map(|&(ms, frame, _)| (ms, frame)).collect();
+    assert_eq!(shown, due);
+    let [late, skipped, _] = theatre.counted();
+    assert_eq!((late, skipped), (4, 0));
+}
+
+#[test]
+fn broken_frames_are_passed_over_in_their_time() {
+    let mut theatre = Theatre::new(|_| FAST, &[3, 4, 11]);
+    let schedule = theatre.play(1000);
+    let begin = schedule[0].0;
+    let good = (0..25).filter(|number| ![3, 4, 11].contains(&(number % 12)));
+    let expected: Vec<Shown> = good
+        .map(|number| (begin + 40 * number as u64, number % 12, POINTS))
+        .collect();
+    assert_eq!(schedule, expected);
+    assert_eq!(theatre.counted(), [0, 0, 0]);
+}

@@ -1,0 +1,35 @@
+//! How many points of a frame are wanted where there is no time for all.
+
+use crate::cloud::Frame;
+use std::num::NonZeroU32;
+
+/// The points of a frame that is played.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Detail {
+    /// All.
+    #[default]
+    Full,
+    /// At most so many, taken evenly.
+    AtMost(NonZeroU32),
+}
+
+impl Detail {
+    /// At most `points`; at least one.
+    pub fn at_most(points: u32) -> Self {
+        Self::AtMost(NonZeroU32::new(points).unwrap_or(NonZeroU32::MIN))
+    }
+
+    /// The number of points.
+    pub fn most_points(self) -> usize {
+        match self {
+            Self::Full => usize::MAX,
+            Self::AtMost(points) => points.get() as usize,
+        }
+    }
+
+    /// Whether `frame` has as many points as are wanted. Half of them will do: numbers that are wanted waver, and a frame is not made
+    /// anew for so little.
+    pub(super) fn is_met_by(self, frame: &Frame) -> bool {
+        !frame.is_sample() || frame.len() + frame.dropped_points() >= self.most_points() / 2
+    }
+}
