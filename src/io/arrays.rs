@@ -6,6 +6,7 @@
 use super::column::{Column, Scalar, Values};
 use crate::cloud::RawCloud;
 use std::ops::Range;
+use std::slice::ChunksExact;
 
 /// Rows that are read of three columns before the next ones: all of them then lie in the fastest cache.
 const BLOCK_ROWS: usize = 512;
@@ -32,17 +33,11 @@ pub(super) fn vectors_f64(columns: [&Column<'_>; 3], count: usize) -> Vec<[f64; 
 
 /// Appends the first `count` rows of three columns.
 pub(super) fn append_f32(vectors: &mut Vec<[f32; 3]>, columns: [&Column<'_>; 3], count: usize) {
-    if let Some(rows) = SideBySide::<12>::new(&columns, Scalar::F32) {
+    if let Some(rows) = SideBySide::<12>::new(&columns, Scalar::F32, count) {
         return if rows.big_endian {
-            vectors.extend(
-                rows.read(count)
-                    .map(|raw| parts(raw).map(f32::from_be_bytes)),
-            );
+            vectors.extend(rows.read().map(|raw| parts(raw).map(f32::from_be_bytes)));
         } else {
-            vectors.extend(
-                rows.read(count)
-                    .map(|raw| parts(raw).map(f32::from_le_bytes)),
-            );
+            vectors.extend(rows.read().map(|raw| parts(raw).map(f32::from_le_bytes)));
         };
     }
     let start = vectors.len();
@@ -59,17 +54,11 @@ pub(super) fn append_f32(vectors: &mut Vec<[f32; 3]>, columns: [&Column<'_>; 3],
 
 /// [`append_f32`] with all digits.
 pub(super) fn append_f64(vectors: &mut Vec<[f64; 3]>, columns: [&Column<'_>; 3], count: usize) {
-    if let Some(rows) = SideBySide::<24>::new(&columns, Scalar::F64) {
+    if let Some(rows) = SideBySide::<24>::new(&columns, Scalar::F64, count) {
         return if rows.big_endian {
-            vectors.extend(
-                rows.read(count)
-                    .map(|raw| parts(raw).map(f64::from_be_bytes)),
-            );
+            vectors.extend(rows.read().map(|raw| parts(raw).map(f64::from_be_bytes)));
         } else {
-            vectors.extend(
-                rows.read(count)
-                    .map(|raw| parts(raw).map(f64::from_le_bytes)),
-            );
+            vectors.extend(rows.read().map(|raw| parts(raw).map(f64::from_le_bytes)));
         };
     }
     let start = vectors.len();
@@ -149,15 +138,15 @@ pub(super) fn append_colors(
 ) {
     let [red, green, blue] = channels;
     if let Some(alpha) = alpha
-        && let Some(rows) = SideBySide::<4>::new(&[red, green, blue, alpha], Scalar::U8)
+        && let Some(rows) = SideBySide::<4>::new(&[red, green, blue, alpha], Scalar::U8, count)
     {
-        colors.extend(rows.read(count));
+        colors.extend(rows.read());
         return;
     }
     let start = colors.len();
-    if let Some(rows) = SideBySide::<3>::new(&channels, Scalar::U8) {
+    if let Some(rows) = SideBySide::<3>::new(&channels, Scalar::U8, count) {
         let opaque = |&[red, green, blue]: &[u8; 3]| [red, green, blue, 255];
-        colors.extend(rows.read(count).map(opaque));
+        colors.extend(rows.read().map(opaque));
     } else {
         colors.resize(start + count, [255; 4]);
         for (channel, column) in channels.into_iter().enumerate() {
@@ -184,13 +173,15 @@ fn write_channel(colors: &mut [[u8; 4]], column: &Column<'_>, channel: usize, fu
 
 /// Columns of one type without a gap between them, `BYTES` together.
 struct SideBySide<'a, const BYTES: usize> {
-    bytes: &'a [u8],
-    step: usize,
+    rows: ChunksExact<'a, u8>,
+    /// Bytes before them in each row.
+    offset: usize,
     big_endian: bool,
 }
 
 impl<'a, const BYTES: usize> SideBySide<'a, BYTES> {
-    fn new(columns: &[&Column<'a>], expected: Scalar) -> Option<Self> {
+    /// The first `count` rows of `columns`, if they lie so.
+    fn new(columns: &[&Column<'a>], expected: Scalar, count: usize) -> Option<Self> {
         let place = |column: &Column<'a>| match column.values {
             Values::Packed {
                 bytes,
@@ -207,18 +198,21 @@ impl<'a, const BYTES: usize> SideBySide<'a, BYTES> {
                 other_start == start + index * width && other_step == step
             })
         });
-        let is_row = BYTES == columns.len() * width && step >= BYTES;
-        (is_gapless && is_row).then(|| Self {
-            bytes: bytes.get(start..).unwrap_or(&[]),
-            step,
+        let offset = start.checked_rem(step)?;
+        if !is_gapless || BYTES != columns.len() * width || offset + BYTES > step {
+            return None;
+        }
+        let rows = bytes.get(start - offset..)?.get(..count * step)?;
+        Some(Self {
+            rows: rows.chunks_exact(step),
+            offset,
             big_endian,
         })
     }
 
-    /// The bytes of the first `count` rows. Precondition: they are there.
-    fn read(&self, count: usize) -> impl Iterator<Item = &'a [u8; BYTES]> {
-        let rows = self.bytes.chunks(self.step).take(count);
-        rows.map(|row| &row.as_chunks::<BYTES>().0[0])
+    fn read(self) -> impl Iterator<Item = &'a [u8; BYTES]> {
+        let Self { rows, offset, .. } = self;
+        rows.map(move |row| &row[offset..].as_chunks::<BYTES>().0[0])
     }
 }
 

@@ -44,7 +44,6 @@ pub(super) struct FixedRows {
     pub(super) row_bytes: usize,
     pub(super) count: usize,
     pub(super) big_endian: bool,
-    /// All within `row_bytes`.
     pub(super) fields: Vec<Field>,
     /// See [`RawCloud::sensor`].
     pub(super) sensor: Option<DVec3>,
@@ -69,15 +68,19 @@ impl FixedRows {
     /// The cloud in the file at `path`; `None` where it takes the whole file to tell what it means or what is wrong.
     pub(super) fn read(&self, path: &Path) -> io::Result<Option<RawCloud>> {
         let columns = self.columns(&[]);
-        let roles = Roles::of(&columns)
-            .ok()
-            .filter(|roles| roles.are_local(&columns));
-        let (Some(roles), Some(bytes)) = (roles, self.count.checked_mul(self.row_bytes)) else {
+        let roles = Roles::of(&columns).ok();
+        let roles = roles.filter(|roles| roles.are_local(&columns));
+        let is_within = |field: &Field| field.offset + field.scalar.byte_size() <= self.row_bytes;
+        let (Some(roles), Some(bytes), true) = (
+            roles,
+            self.count.checked_mul(self.row_bytes),
+            self.fields.iter().all(is_within),
+        ) else {
             return Ok(None);
         };
         let mut file = File::open(path)?;
         let available = file.metadata()?.len().saturating_sub(self.start as u64);
-        if self.row_bytes == 0 || available < bytes as u64 {
+        if available < bytes as u64 {
             return Ok(None);
         }
         file.seek(SeekFrom::Start(self.start as u64))?;
@@ -119,5 +122,162 @@ impl FixedRows {
         }
         let workers = 0..rayon::current_num_threads().min(STAGES);
         workers.into_par_iter().try_for_each(|_| work())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{attributes, read, read_bytes};
+    use super::*;
+
+    const COUNT: usize = 1000;
+
+    /// Rows with every role that a row alone tells, in an order that nobody writes, with a gap and columns apart.
+    fn rows(big_endian: bool) -> FixedRows {
+        let names_and_types = [
+            ("red", Scalar::U8),
+            ("z", Scalar::F32),
+            ("unknown", Scalar::U16),
+            ("x", Scalar::I16),
+            ("y", Scalar::F32),
+            ("green", Scalar::U8),
+            ("blue", Scalar::U8),
+            ("alpha", Scalar::I8),
+            ("nx", Scalar::F32),
+            ("ny", Scalar::F32),
+            ("nz", Scalar::F32),
+            ("radius", Scalar::F64),
+            ("ring", Scalar::U8),
+            ("gps_time", Scalar::F64),
+        ];
+        let mut row_bytes = 0;
+        let fields = names_and_types.map(|(name, scalar)| {
+            let offset = row_bytes;
+            row_bytes += scalar.byte_size();
+            let name = name.to_owned();
+            Field {
+                name,
+                scalar,
+                offset,
+            }
+        });
+        FixedRows {
+            start: 0,
+            row_bytes,
+            count: COUNT,
+            big_endian,
+            fields: fields.into(),
+            sensor: None,
+        }
+    }
+
+    /// Bytes in which no two rows are alike, and which some numbers read as NaN.
+    fn bytes(rows: &FixedRows) -> Vec<u8> {
+        let scrambled = |index: usize| (index.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 56) as u8;
+        (0..rows.count * rows.row_bytes).map(scrambled).collect()
+    }
+
+    fn in_pieces(
+        rows: &FixedRows,
+        reader: impl Read + Send,
+        piece_bytes: usize,
+        threads: usize,
+    ) -> io::Result<RawCloud> {
+        let columns = rows.columns(&[]);
+        let growing = Growing::new(Roles::of(&columns).unwrap(), &columns, rows.count);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build()
+            .unwrap()
+            .install(|| rows.append_pieces(reader, &growing, piece_bytes))
+            .map(|()| growing.finish())
+    }
+
+    #[test]
+    fn pieces_of_any_size_by_any_number_of_threads_make_the_same_cloud() {
+        for big_endian in [false, true] {
+            let rows = rows(big_endian);
+            let bytes = bytes(&rows);
+            let whole = attributes::cloud(&rows.columns(&bytes), COUNT).unwrap();
+            assert_eq!(whole.positions.len(), COUNT);
+            assert_eq!(whole.scalars.len(), 2);
+            // NaN is not equal to itself, but is written alike.
+            let whole = format!("{whole:?}");
+            for threads in [1, 2, 3, 5] {
+                for piece_rows in [0, 1, 7, 333, 500, COUNT, 2 * COUNT] {
+                    let piece_bytes = piece_rows * rows.row_bytes + 3;
+                    let cloud = in_pieces(&rows, &bytes[..], piece_bytes, threads).unwrap();
+                    assert!(format!("{cloud:?}") == whole, "{threads} {piece_rows}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_that_ends_early_after_all_is_an_error() {
+        let rows = rows(false);
+        let bytes = bytes(&rows);
+        for threads in [1, 3] {
+            for available in [0, 1, bytes.len() / 2, bytes.len() - 1] {
+                let outcome = in_pieces(&rows, &bytes[..available], 999, threads);
+                assert_eq!(outcome.unwrap_err().kind(), io::ErrorKind::UnexpectedEof);
+            }
+        }
+    }
+
+    #[test]
+    fn what_rows_do_not_tell_is_left_to_the_reading_of_whole_files() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), bytes(&rows(false))).unwrap();
+        let changed = |change: fn(&mut FixedRows)| {
+            let mut rows = rows(false);
+            change(&mut rows);
+            rows.read(file.path()).unwrap().is_some()
+        };
+        assert!(changed(|_| ()));
+        assert!(changed(|rows| rows.count -= 1));
+        assert!(!changed(|rows| rows.count += 1), "more than there is");
+        assert!(!changed(|rows| rows.start = 1), "more than there is");
+        assert!(!changed(|rows| rows.count = usize::MAX), "more than can be");
+        let wider = |rows: &mut FixedRows| rows.fields[5].scalar = Scalar::U16;
+        assert!(!changed(wider), "colours wider than a byte");
+        assert!(!changed(|rows| rows.fields[3].name.clear()), "no x");
+        let beyond = |rows: &mut FixedRows| rows.fields[2].offset = rows.row_bytes - 1;
+        assert!(!changed(beyond), "a field that is not in its row");
+    }
+
+    #[test]
+    fn headers_of_any_length_are_read_as_from_memory() {
+        const MAGIC_BYTES: usize = super::super::Format::MAGIC_BYTES;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ply");
+        for ending in ["\n", "\r\n", "\r"] {
+            for header_bytes in (MAGIC_BYTES - 3..MAGIC_BYTES + 4).chain([400, 9000]) {
+                let lines = [
+                    "ply",
+                    "format binary_little_endian 1.0",
+                    "element camera 2",
+                    "property short id",
+                    "element vertex 2",
+                    "property float x",
+                    "property float y",
+                    "property float z",
+                    "element face 0",
+                    "property list uchar int vertex_indices",
+                    "comment ",
+                    "end_header",
+                ];
+                let length = lines.concat().len() + lines.len() * ending.len();
+                let padding = format!("comment {}", "-".repeat(header_bytes - length));
+                let header = lines.map(|line| if line == "comment " { &padding } else { line });
+                let mut bytes = (header.join(ending) + ending).into_bytes();
+                assert_eq!(bytes.len(), header_bytes);
+                bytes.extend([9; 4]);
+                bytes.extend((1..=6u8).flat_map(|number| f32::from(number).to_le_bytes()));
+                std::fs::write(&path, &bytes).unwrap();
+                let cloud = read(&path).unwrap();
+                assert_eq!(cloud, read_bytes(&path, &bytes).unwrap());
+                assert_eq!(cloud.positions.get(1), DVec3::new(4.0, 5.0, 6.0));
+            }
+        }
     }
 }
