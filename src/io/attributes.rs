@@ -1,8 +1,9 @@
 //! From named columns to a cloud: which name means what.
 
-use super::column::{Column, Scalar, Values, set_colors, vectors_f32, vectors_f64};
+use super::column::Column;
 use super::error::Fault;
-use crate::cloud::{Positions, RawCloud, ScalarField};
+use super::growing::Growing;
+use crate::cloud::RawCloud;
 
 /// Names of normals, in the order PLY, PCD.
 const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
@@ -68,92 +69,88 @@ fn is_scalar(name: &str) -> bool {
     SCALARS.contains(&name.strip_prefix("scalar_").unwrap_or(name))
 }
 
-/// The cloud of `count` points in `columns`; what their names do not say is left out.
-pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fault> {
-    let find = |name: &str| {
-        columns
-            .iter()
-            .find(|column| column.name.eq_ignore_ascii_case(name))
-    };
-    let find_any = |names: &[&str]| names.iter().find_map(|name| find(name));
-    let find_all = |names: &[&str; 3]| Some([find(names[0])?, find(names[1])?, find(names[2])?]);
-
-    let coordinates = find_all(&["x", "y", "z"]).ok_or_else(|| {
-        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
-        Fault::header(format!(
-            "the points have no coordinates: expected x, y and z, found {}",
-            if names.is_empty() {
-                "nothing".to_owned()
-            } else {
-                names.join(", ")
-            }
-        ))
-    })?;
-    // Narrower integers fit an f32 exactly. Text has the digits that were written, whatever its header calls them.
-    let is_wide = |column: &&Column<'_>| {
-        matches!(column.values, Values::Parsed(_))
-            || matches!(
-                column.scalar,
-                Scalar::F64 | Scalar::I32 | Scalar::U32 | Scalar::I64 | Scalar::U64
-            )
-    };
-    let positions = if coordinates.iter().any(is_wide) {
-        Positions::F64(vectors_f64(coordinates, count))
-    } else {
-        Positions::F32(vectors_f32(coordinates, count))
-    };
-
-    let mut cloud = RawCloud::from_positions(positions);
-    cloud.normals = NORMALS
-        .iter()
-        .find_map(find_all)
-        .map(|columns| vectors_f32(columns, count));
-    if let Some(channels) = COLORS.iter().find_map(find_all) {
-        set_colors(&mut cloud, channels, find_any(&ALPHA), count);
-    } else {
-        cloud.colors = find_any(&PACKED_COLORS).map(|column| packed_colors(column, count));
-    }
-    cloud.radii = find_any(&RADII).map(|column| column.to_f32(count));
-    let has_name = |column: &Column<'_>, name: &str| {
-        let found = column.name.to_ascii_lowercase();
-        found.strip_prefix("scalar_").unwrap_or(&found) == name
-    };
-    cloud.scalars = SCALARS
-        .iter()
-        .filter_map(|name| columns.iter().find(|column| has_name(column, name)))
-        .map(|column| scalar_field(column, count))
-        .collect();
-    Ok(cloud)
+/// Which column is what, by index; what their names do not say is left out.
+#[derive(Debug)]
+pub(super) struct Roles {
+    pub(super) positions: [usize; 3],
+    pub(super) normals: Option<[usize; 3]>,
+    pub(super) colors: Option<Colors>,
+    pub(super) radii: Option<usize>,
+    /// The best to colour by first.
+    pub(super) scalars: Vec<usize>,
 }
 
-fn scalar_field(column: &Column<'_>, count: usize) -> ScalarField {
-    let is_wide = matches!(
-        column.scalar,
-        Scalar::F64 | Scalar::I32 | Scalar::U32 | Scalar::I64 | Scalar::U64
-    );
-    if is_wide {
-        ScalarField::from_f64(&column.name, &column.to_f64(count))
-    } else {
-        ScalarField::new(&column.name, column.to_f32(count))
-    }
+/// Where the colours are.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Colors {
+    /// Red, green and blue in columns of their own.
+    Channels {
+        channels: [usize; 3],
+        alpha: Option<usize>,
+    },
+    /// All in one number.
+    Packed(usize),
 }
 
-/// PCL packs colours as 0xAARRGGBB, into an unsigned integer or into the bits of a float. `rgb` leaves alpha at 0.
-fn packed_colors(column: &Column<'_>, count: usize) -> Vec<[u8; 4]> {
-    let has_alpha = column.name.eq_ignore_ascii_case("rgba");
-    let mut colors: Vec<[u8; 4]> = column
-        .bits(count)
-        .into_iter()
-        .map(|bits| {
-            let [blue, green, red, alpha] = bits.to_le_bytes();
-            [red, green, blue, if has_alpha { alpha } else { 255 }]
+impl Roles {
+    /// Fails when there are no coordinates.
+    pub(super) fn of(columns: &[Column<'_>]) -> Result<Self, Fault> {
+        let find = |name: &str| {
+            columns
+                .iter()
+                .position(|column| column.name.eq_ignore_ascii_case(name))
+        };
+        let find_any = |names: &[&str]| names.iter().find_map(|name| find(name));
+        let find_all =
+            |names: &[&str; 3]| Some([find(names[0])?, find(names[1])?, find(names[2])?]);
+
+        let positions = find_all(&["x", "y", "z"]).ok_or_else(|| {
+            let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+            Fault::header(format!(
+                "the points have no coordinates: expected x, y and z, found {}",
+                if names.is_empty() {
+                    "nothing".to_owned()
+                } else {
+                    names.join(", ")
+                }
+            ))
+        })?;
+        let channels = COLORS.iter().find_map(find_all);
+        let colors = channels
+            .map(|channels| Colors::Channels {
+                channels,
+                alpha: find_any(&ALPHA),
+            })
+            .or_else(|| find_any(&PACKED_COLORS).map(Colors::Packed));
+        let has_name = |column: &Column<'_>, name: &str| {
+            let found = column.name.to_ascii_lowercase();
+            found.strip_prefix("scalar_").unwrap_or(&found) == name
+        };
+        let scalar = |name: &&str| columns.iter().position(|column| has_name(column, name));
+        Ok(Self {
+            positions,
+            normals: NORMALS.iter().find_map(find_all),
+            colors,
+            radii: find_any(&RADII),
+            scalars: SCALARS.iter().filter_map(scalar).collect(),
         })
-        .collect();
-    // Writers that know no transparency leave zeros.
-    if has_alpha && colors.iter().all(|color| color[3] == 0) {
-        for color in &mut colors {
-            color[3] = 255;
+    }
+
+    /// Whether a row alone tells what it means. Colours wider than a byte do not: the brightest of all tells what is full intensity.
+    pub(super) fn are_local(&self, columns: &[Column<'_>]) -> bool {
+        match self.colors {
+            Some(Colors::Channels { channels, alpha }) => channels
+                .into_iter()
+                .chain(alpha)
+                .all(|index| columns[index].scalar.byte_size() == 1),
+            Some(Colors::Packed(_)) | None => true,
         }
     }
-    colors
+}
+
+/// The cloud of `count` points in `columns`.
+pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fault> {
+    let growing = Growing::new(Roles::of(columns)?, columns, count);
+    growing.append(columns, count, ());
+    Ok(growing.finish())
 }

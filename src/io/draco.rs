@@ -4,7 +4,8 @@
 //! an error.
 
 use super::ReadOptions;
-use super::column::{self, Column, Scalar, Values};
+use super::arrays;
+use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use crate::cloud::{Positions, RawCloud};
 use draco_core::{
@@ -50,14 +51,14 @@ fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
     let coordinates = coordinates.each_ref();
     let is_wide = !matches!(positions.data_type(), DataType::Float32);
     let mut cloud = RawCloud::from_positions(if is_wide {
-        Positions::F64(column::vectors_f64(coordinates, count))
+        Positions::F64(arrays::vectors_f64(coordinates, count))
     } else {
-        Positions::F32(column::vectors_f32(coordinates, count))
+        Positions::F32(arrays::vectors_f32(coordinates, count))
     });
     if let Some(normals) = attribute(GeometryAttributeType::Normal)
         && normals.num_components() == 3
     {
-        cloud.normals = Some(column::vectors_f32(
+        cloud.normals = Some(arrays::vectors_f32(
             columns(normals, count)?.each_ref(),
             count,
         ));
@@ -69,7 +70,7 @@ fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
             .then(|| column(colors, 3, count))
             .transpose()?;
         let channels = columns(colors, count)?;
-        column::set_colors(&mut cloud, channels.each_ref(), alpha.as_ref(), count);
+        arrays::set_colors(&mut cloud, channels.each_ref(), alpha.as_ref(), count);
     }
     let faces = mesh.faces().iter().map(|face| face.map(|point| point.0));
     cloud.faces = faces.collect();

@@ -6,6 +6,7 @@
 //! before anything is allocated for it.
 
 mod archive;
+mod arrays;
 mod attributes;
 mod bin;
 mod column;
@@ -13,8 +14,10 @@ mod contents;
 mod draco;
 mod e57;
 mod error;
+mod fixed_rows;
 mod format;
 mod gltf;
+mod growing;
 mod las;
 mod mesh;
 pub(crate) mod natural;
@@ -86,6 +89,16 @@ pub fn read_part(path: &Path, part: &Part, options: &ReadOptions) -> Result<RawC
                 format,
             }),
         };
+    }
+    let rows = match Format::detect(path, &magic) {
+        Some(Format::Ply) => ply::fixed_rows(&magic),
+        Some(Format::Pcd) => pcd::fixed_rows(&magic),
+        _ => None,
+    };
+    if let Some(rows) = rows
+        && let Some(cloud) = rows.read(path).map_err(failed)?
+    {
+        return Ok(cloud);
     }
     // One allocation of the file's length, refused by an error where there is no memory for it.
     let bytes = std::fs::read(path).map_err(failed)?;

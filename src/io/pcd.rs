@@ -5,6 +5,7 @@
 use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
+use super::fixed_rows::{self, FixedRows};
 use super::numbers::{Tokens, line_endings, quoted};
 use crate::cloud::RawCloud;
 use glam::DVec3;
@@ -20,9 +21,7 @@ const MAX_LZF_RATIO: usize = 88;
 const MAX_LZF_BYTES: usize = i32::MAX as usize;
 
 pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
-    let (header, payload_start) = header_text(bytes)?;
-    let header = PcdMeta::from_reader(header.as_slice())
-        .map_err(|error| Fault::header(format!("the header is not understood ({error})")))?;
+    let (header, payload_start) = parse_header(bytes)?;
     let table = Table::new(&header)?;
     let payload = &bytes[payload_start..];
     match header.data {
@@ -32,13 +31,33 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
         }
         DataKind::Binary => {
             table.check_claim(table.row_bytes, payload.len())?;
-            table.cloud(&table.rows(payload), &header)
+            table.cloud(&table.rows(0).columns(payload), &header)
         }
         DataKind::BinaryCompressed => {
             let block = table.decompress(payload, payload_start)?;
             table.cloud(&table.blocks(&block), &header)
         }
     }
+}
+
+/// Where the points are in a file that begins with `head`, if they can be read without the whole of it.
+pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
+    let (header, start) = parse_header(head).ok()?;
+    // The last line of a header that is as long as `head` may be cut off.
+    let is_binary = header.data == DataKind::Binary && start < head.len();
+    let rows = Table::new(&header).ok().filter(|_| is_binary)?.rows(start);
+    Some(FixedRows {
+        sensor: sensor(&header),
+        ..rows
+    })
+}
+
+/// What the header says, and the number of bytes that it takes.
+fn parse_header(bytes: &[u8]) -> Result<(PcdMeta, usize), Fault> {
+    let (text, byte_size) = header_text(bytes)?;
+    let header = PcdMeta::from_reader(text.as_slice())
+        .map_err(|error| Fault::header(format!("the header is not understood ({error})")))?;
+    Ok((header, byte_size))
 }
 
 /// The lines up to `DATA` as the crate's reader wants them, and the number of bytes that they take in the file.
@@ -135,31 +154,41 @@ impl Table {
         })
     }
 
-    /// A column for each field but padding. Of fields with several numbers (descriptors) it is the first.
-    fn columns<'a>(&self, values: impl Fn(usize, &Field) -> Values<'a>) -> Vec<Column<'a>> {
-        let mut columns = Vec::new();
-        let mut offset = 0;
-        for field in &self.fields {
-            if field.name != "_" {
-                columns.push(Column {
-                    name: field.name.clone(),
-                    scalar: field.scalar,
-                    values: values(offset, field),
-                });
-            }
-            offset += field.count * field.scalar.byte_size();
-        }
-        columns
+    /// The fields but for padding, and the bytes before each in a row. Of fields with several numbers (descriptors) it is the first.
+    fn fields(&self) -> impl Iterator<Item = (&Field, usize)> {
+        let mut end = 0;
+        let placed = self.fields.iter().map(move |field| {
+            let offset = end;
+            end += field.count * field.scalar.byte_size();
+            (field, offset)
+        });
+        placed.filter(|(field, _)| field.name != "_")
     }
 
-    /// Point after point.
-    fn rows<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
-        self.columns(|start, _| Values::Packed {
-            bytes,
+    fn columns<'a>(&self, values: impl Fn(usize, &Field) -> Values<'a>) -> Vec<Column<'a>> {
+        let column = |(field, offset): (&Field, usize)| Column {
+            name: field.name.clone(),
+            scalar: field.scalar,
+            values: values(offset, field),
+        };
+        self.fields().map(column).collect()
+    }
+
+    /// Point after point, behind `start` bytes.
+    fn rows(&self, start: usize) -> FixedRows {
+        let field = |(field, offset): (&Field, usize)| fixed_rows::Field {
+            name: field.name.clone(),
+            scalar: field.scalar,
+            offset,
+        };
+        FixedRows {
             start,
-            step: self.row_bytes,
+            row_bytes: self.row_bytes,
+            count: self.rows,
             big_endian: false,
-        })
+            fields: self.fields().map(field).collect(),
+            sensor: None,
+        }
     }
 
     /// Field after field, as the compressed encoding stores them.
@@ -275,13 +304,16 @@ impl Table {
 
     fn cloud(&self, columns: &[Column<'_>], header: &PcdMeta) -> Result<RawCloud, Fault> {
         let mut cloud = attributes::cloud(columns, self.rows)?;
-        let viewpoint = &header.viewpoint;
-        let position = DVec3::new(viewpoint.tx, viewpoint.ty, viewpoint.tz);
-        // Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid
-        // of the camera that took them.
-        let is_organised = header.height > 1;
-        cloud.sensor =
-            (position.is_finite() && (position != DVec3::ZERO || is_organised)).then_some(position);
+        cloud.sensor = sensor(header);
         Ok(cloud)
     }
+}
+
+/// Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid of the camera
+/// that took them.
+fn sensor(header: &PcdMeta) -> Option<DVec3> {
+    let viewpoint = &header.viewpoint;
+    let position = DVec3::new(viewpoint.tx, viewpoint.ty, viewpoint.tz);
+    let is_organised = header.height > 1;
+    (position.is_finite() && (position != DVec3::ZERO || is_organised)).then_some(position)
 }

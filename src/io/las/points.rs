@@ -3,7 +3,8 @@
 use super::extra::ExtraField;
 use super::header::{Header, take};
 use crate::cloud::{Positions, RawCloud, ScalarField};
-use crate::io::column::{self, Column, Scalar, Values};
+use crate::io::arrays;
+use crate::io::column::{Column, Scalar, Values};
 use rayon::prelude::*;
 
 /// Where the fields lie that not every format has at the same place.
@@ -80,7 +81,7 @@ pub(super) fn cloud(header: &Header, extra: &[ExtraField], rows: &[u8]) -> RawCl
     let mut cloud = RawCloud::from_positions(Positions::F64(positions.collect()));
     if let Some(start) = layout.colors {
         let channels = [0, 2, 4].map(|channel| column("color", Scalar::U16, start + channel));
-        column::set_colors(&mut cloud, channels.each_ref(), None, count);
+        arrays::set_colors(&mut cloud, channels.each_ref(), None, count);
     }
     let scalars = &mut cloud.scalars;
     scalars.push(plain("intensity", Scalar::U16, 12));

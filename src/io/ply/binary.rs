@@ -3,10 +3,11 @@
 //! Rows without lists are of one length: their columns are left where they are, and nothing is copied. Others are
 //! walked one by one.
 
-use super::super::column::{Column, Scalar, Values};
+use super::super::column::{Column, Scalar};
 use super::super::error::Fault;
+use super::super::fixed_rows::{Field, FixedRows};
 use super::faces::{FaceList, Faces};
-use super::header::{Element, Kind, Property};
+use super::header::{Element, Header, Kind, Property};
 use super::{KeptColumns, POINTS};
 
 /// The columns of `vertex` and the triangles in `payload`, of whose elements the first are `elements`.
@@ -37,29 +38,54 @@ pub(super) fn read<'a>(
 
 /// The columns of `vertex`, which begins at the cursor.
 fn columns<'a>(cursor: &mut Cursor<'a>, vertex: &Element) -> Result<Vec<Column<'a>>, Fault> {
-    let Some(row_bytes) = vertex.fixed_row_bytes() else {
+    let Some(rows) = rows(vertex, 0, cursor.big_endian) else {
         return walked_columns(cursor, vertex);
     };
-    vertex.check_claim(row_bytes, cursor.rest().len())?;
-    let mut start = 0;
-    let mut columns = Vec::with_capacity(vertex.properties.len());
-    for property in &vertex.properties {
-        if let Kind::Scalar(scalar) = property.kind {
-            columns.push(Column {
-                name: property.name.clone(),
-                scalar,
-                values: Values::Packed {
-                    bytes: cursor.rest(),
-                    start,
-                    step: row_bytes,
-                    big_endian: cursor.big_endian,
-                },
-            });
-            start += scalar.byte_size();
-        }
-    }
-    cursor.at += vertex.count * row_bytes;
+    vertex.check_claim(rows.row_bytes, cursor.rest().len())?;
+    let columns = rows.columns(cursor.rest());
+    cursor.at += rows.count * rows.row_bytes;
     Ok(columns)
+}
+
+/// The rows of `vertex` if they are of one length, behind `start` bytes.
+fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<FixedRows> {
+    let mut row_bytes = 0;
+    let mut fields = Vec::with_capacity(vertex.properties.len());
+    for property in &vertex.properties {
+        let Kind::Scalar(scalar) = property.kind else {
+            return None;
+        };
+        fields.push(Field {
+            name: property.name.clone(),
+            scalar,
+            offset: row_bytes,
+        });
+        row_bytes += scalar.byte_size();
+    }
+    Some(FixedRows {
+        start,
+        row_bytes,
+        count: vertex.count,
+        big_endian,
+        fields,
+        sensor: None,
+    })
+}
+
+/// Where the points are in a file with this header, if their rows are of one length, all before them is, and no faces follow.
+pub(super) fn fixed_rows(header: &Header, big_endian: bool) -> Option<FixedRows> {
+    let has_faces = |element: &Element| element.count > 0 && FaceList::of(element).is_some();
+    if header.elements.iter().any(has_faces) {
+        return None;
+    }
+    let mut start = header.byte_size;
+    for element in &header.elements {
+        if element.name == POINTS {
+            return rows(element, start, big_endian);
+        }
+        start = start.checked_add(element.count.checked_mul(element.fixed_row_bytes()?)?)?;
+    }
+    None
 }
 
 /// Points that own lists have rows of different lengths: they are walked one by one.

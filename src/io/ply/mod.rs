@@ -12,6 +12,7 @@ mod splats;
 use super::attributes;
 use super::column::{Column, Values};
 use super::error::Fault;
+use super::fixed_rows::FixedRows;
 use crate::cloud::RawCloud;
 use faces::FaceList;
 use header::{Element, Header, Kind};
@@ -47,6 +48,21 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     splats::apply(&columns, &mut cloud);
     cloud.faces = faces.into_triangles();
     Ok(cloud)
+}
+
+/// Where the points are in a file that begins with `head`, if they can be read without the whole of it.
+pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
+    let header = Header::parse(head).ok()?;
+    let rows = match header.encoding {
+        Encoding::Ascii => None,
+        Encoding::BinaryLittleEndian => binary::fixed_rows(&header, false),
+        Encoding::BinaryBigEndian => binary::fixed_rows(&header, true),
+    };
+    // The last line of a header that is as long as `head` may be cut off in its ending. Splats are made of all their columns.
+    rows.filter(|rows| {
+        header.byte_size < head.len()
+            && !rows.fields.iter().any(|field| splats::is_used(&field.name))
+    })
 }
 
 /// Parsed columns of the properties that a cloud has a use for.

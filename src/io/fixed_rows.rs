@@ -1,0 +1,283 @@
+//! Rows of one length in a file, made into points piece by piece.
+//!
+//! A plain copy of a file into memory is bound by memory, and so is taking it apart: whoever reads the whole first moves every
+//! byte three times through memory that no cache holds. Here each thread reads a piece that its core's cache holds and takes it
+//! apart, and the arrays of the cloud are written once, from their beginning to their end. Threads follow one another from the
+//! file to the positions to the other attributes, each step being held by one of them, so that pieces stay in order and a step
+//! is taken while others take theirs. Neither the file nor a second copy of a column is in memory beside the cloud.
+//!
+//! A decoder whose header tells of such rows says so ([`super::ply`], [`super::pcd`]). Whatever is unusual is left to the reading of
+//! whole files, which also has the words for what is wrong: headers that claim more than there is, attributes of which a row
+//! alone does not tell what it means.
+
+use super::attributes::Roles;
+use super::column::{Column, Scalar, Values};
+use super::growing::{Growing, lock};
+use crate::cloud::RawCloud;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::{self, Read, Seek as _, SeekFrom};
+use std::path::Path;
+use std::sync::Mutex;
+
+/// What is read at once: about what a core's own cache holds. Less is slower, for threads meet more often.
+const PIECE_BYTES: usize = 1 << 20;
+
+/// More threads than steps only wait: reading, positions, other attributes.
+const STAGES: usize = 3;
+
+/// A number in each row.
+#[derive(Debug)]
+pub(super) struct Field {
+    pub(super) name: String,
+    pub(super) scalar: Scalar,
+    /// Bytes before it in the row.
+    pub(super) offset: usize,
+}
+
+/// Rows as a header describes them.
+#[derive(Debug)]
+pub(super) struct FixedRows {
+    /// Bytes of the file before the first row.
+    pub(super) start: usize,
+    pub(super) row_bytes: usize,
+    pub(super) count: usize,
+    pub(super) big_endian: bool,
+    pub(super) fields: Vec<Field>,
+    /// See [`RawCloud::sensor`].
+    pub(super) sensor: Option<DVec3>,
+}
+
+impl FixedRows {
+    /// The columns of rows that lie in `bytes` one after the other.
+    pub(super) fn columns<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
+        let column = |field: &Field| Column {
+            name: field.name.clone(),
+            scalar: field.scalar,
+            values: Values::Packed {
+                bytes,
+                start: field.offset,
+                step: self.row_bytes,
+                big_endian: self.big_endian,
+            },
+        };
+        self.fields.iter().map(column).collect()
+    }
+
+    /// The cloud in the file at `path`; `None` where it takes the whole file to tell what it means or what is wrong.
+    pub(super) fn read(&self, path: &Path) -> io::Result<Option<RawCloud>> {
+        let columns = self.columns(&[]);
+        let roles = Roles::of(&columns).ok();
+        let roles = roles.filter(|roles| roles.are_local(&columns));
+        let is_within = |field: &Field| field.offset + field.scalar.byte_size() <= self.row_bytes;
+        let (Some(roles), Some(bytes), true) = (
+            roles,
+            self.count.checked_mul(self.row_bytes),
+            self.fields.iter().all(is_within),
+        ) else {
+            return Ok(None);
+        };
+        let mut file = File::open(path)?;
+        let available = file.metadata()?.len().saturating_sub(self.start as u64);
+        if available < bytes as u64 {
+            return Ok(None);
+        }
+        file.seek(SeekFrom::Start(self.start as u64))?;
+        let growing = Growing::new(roles, &columns, self.count);
+        self.append_pieces(file, &growing, PIECE_BYTES)?;
+        let mut cloud = growing.finish();
+        cloud.sensor = self.sensor;
+        Ok(Some(cloud))
+    }
+
+    /// Appends the rows that `reader` has, about `piece_bytes` at once.
+    fn append_pieces(
+        &self,
+        reader: impl Read + Send,
+        growing: &Growing,
+        piece_bytes: usize,
+    ) -> io::Result<()> {
+        let piece_rows = (piece_bytes / self.row_bytes).max(1);
+        let source = Mutex::new((reader, self.count));
+        let work = || {
+            let mut piece = Vec::new();
+            loop {
+                let mut turn = lock(&source);
+                let (reader, rows_left) = &mut *turn;
+                let rows = piece_rows.min(*rows_left);
+                if rows == 0 {
+                    return Ok(());
+                }
+                piece.resize(rows * self.row_bytes, 0);
+                let outcome = reader.read_exact(&mut piece);
+                // Nothing is read behind what could not be.
+                *rows_left = outcome.as_ref().map_or(0, |()| *rows_left - rows);
+                outcome?;
+                growing.append(&self.columns(&piece), rows, turn);
+            }
+        };
+        if self.count <= piece_rows {
+            return work();
+        }
+        let workers = 0..rayon::current_num_threads().min(STAGES);
+        workers.into_par_iter().try_for_each(|_| work())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{attributes, read, read_bytes};
+    use super::*;
+
+    const COUNT: usize = 1000;
+
+    /// Rows with every role that a row alone tells, in an order that nobody writes, with a gap and columns apart.
+    fn rows(big_endian: bool) -> FixedRows {
+        let names_and_types = [
+            ("red", Scalar::U8),
+            ("z", Scalar::F32),
+            ("unknown", Scalar::U16),
+            ("x", Scalar::I16),
+            ("y", Scalar::F32),
+            ("green", Scalar::U8),
+            ("blue", Scalar::U8),
+            ("alpha", Scalar::I8),
+            ("nx", Scalar::F32),
+            ("ny", Scalar::F32),
+            ("nz", Scalar::F32),
+            ("radius", Scalar::F64),
+            ("ring", Scalar::U8),
+            ("gps_time", Scalar::F64),
+        ];
+        let mut row_bytes = 0;
+        let fields = names_and_types.map(|(name, scalar)| {
+            let offset = row_bytes;
+            row_bytes += scalar.byte_size();
+            let name = name.to_owned();
+            Field {
+                name,
+                scalar,
+                offset,
+            }
+        });
+        FixedRows {
+            start: 0,
+            row_bytes,
+            count: COUNT,
+            big_endian,
+            fields: fields.into(),
+            sensor: None,
+        }
+    }
+
+    /// Bytes in which no two rows are alike, and which some numbers read as NaN.
+    fn bytes(rows: &FixedRows) -> Vec<u8> {
+        let scrambled = |index: usize| (index.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 56) as u8;
+        (0..rows.count * rows.row_bytes).map(scrambled).collect()
+    }
+
+    fn in_pieces(
+        rows: &FixedRows,
+        reader: impl Read + Send,
+        piece_bytes: usize,
+        threads: usize,
+    ) -> io::Result<RawCloud> {
+        let columns = rows.columns(&[]);
+        let growing = Growing::new(Roles::of(&columns).unwrap(), &columns, rows.count);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build()
+            .unwrap()
+            .install(|| rows.append_pieces(reader, &growing, piece_bytes))
+            .map(|()| growing.finish())
+    }
+
+    #[test]
+    fn pieces_of_any_size_by_any_number_of_threads_make_the_same_cloud() {
+        for big_endian in [false, true] {
+            let rows = rows(big_endian);
+            let bytes = bytes(&rows);
+            let whole = attributes::cloud(&rows.columns(&bytes), COUNT).unwrap();
+            assert_eq!(whole.positions.len(), COUNT);
+            assert_eq!(whole.scalars.len(), 2);
+            // NaN is not equal to itself, but is written alike.
+            let whole = format!("{whole:?}");
+            for threads in [1, 2, 3, 5] {
+                for piece_rows in [0, 1, 7, 333, 500, COUNT, 2 * COUNT] {
+                    let piece_bytes = piece_rows * rows.row_bytes + 3;
+                    let cloud = in_pieces(&rows, &bytes[..], piece_bytes, threads).unwrap();
+                    assert!(format!("{cloud:?}") == whole, "{threads} {piece_rows}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_that_ends_early_after_all_is_an_error() {
+        let rows = rows(false);
+        let bytes = bytes(&rows);
+        for threads in [1, 3] {
+            for available in [0, 1, bytes.len() / 2, bytes.len() - 1] {
+                let outcome = in_pieces(&rows, &bytes[..available], 999, threads);
+                assert_eq!(outcome.unwrap_err().kind(), io::ErrorKind::UnexpectedEof);
+            }
+        }
+    }
+
+    #[test]
+    fn what_rows_do_not_tell_is_left_to_the_reading_of_whole_files() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), bytes(&rows(false))).unwrap();
+        let changed = |change: fn(&mut FixedRows)| {
+            let mut rows = rows(false);
+            change(&mut rows);
+            rows.read(file.path()).unwrap().is_some()
+        };
+        assert!(changed(|_| ()));
+        assert!(changed(|rows| rows.count -= 1));
+        assert!(!changed(|rows| rows.count += 1), "more than there is");
+        assert!(!changed(|rows| rows.start = 1), "more than there is");
+        assert!(!changed(|rows| rows.count = usize::MAX), "more than can be");
+        let wider = |rows: &mut FixedRows| rows.fields[5].scalar = Scalar::U16;
+        assert!(!changed(wider), "colours wider than a byte");
+        assert!(!changed(|rows| rows.fields[3].name.clear()), "no x");
+        let beyond = |rows: &mut FixedRows| rows.fields[2].offset = rows.row_bytes - 1;
+        assert!(!changed(beyond), "a field that is not in its row");
+    }
+
+    #[test]
+    fn headers_of_any_length_are_read_as_from_memory() {
+        const MAGIC_BYTES: usize = super::super::Format::MAGIC_BYTES;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ply");
+        for ending in ["\n", "\r\n", "\r"] {
+            for header_bytes in (MAGIC_BYTES - 3..MAGIC_BYTES + 4).chain([400, 9000]) {
+                let lines = [
+                    "ply",
+                    "format binary_little_endian 1.0",
+                    "element camera 2",
+                    "property short id",
+                    "element vertex 2",
+                    "property float x",
+                    "property float y",
+                    "property float z",
+                    "element face 0",
+                    "property list uchar int vertex_indices",
+                    "comment ",
+                    "end_header",
+                ];
+                let length = lines.concat().len() + lines.len() * ending.len();
+                let padding = format!("comment {}", "-".repeat(header_bytes - length));
+                let header = lines.map(|line| if line == "comment " { &padding } else { line });
+                let mut bytes = (header.join(ending) + ending).into_bytes();
+                assert_eq!(bytes.len(), header_bytes);
+                bytes.extend([9; 4]);
+                bytes.extend((1..=6u8).flat_map(|number| f32::from(number).to_le_bytes()));
+                std::fs::write(&path, &bytes).unwrap();
+                let cloud = read(&path).unwrap();
+                assert_eq!(cloud, read_bytes(&path, &bytes).unwrap());
+                assert_eq!(cloud.positions.get(1), DVec3::new(4.0, 5.0, 6.0));
+            }
+        }
+    }
+}

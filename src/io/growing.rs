@@ -1,0 +1,160 @@
+//! A cloud that grows as its rows are read.
+
+use super::arrays::{Scales, append_colors, append_f32, append_f64};
+use super::attributes::{Colors, Roles};
+use super::column::Column;
+use crate::cloud::{Positions, RawCloud, ScalarField};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The arrays of a cloud so far, with room for all.
+///
+/// Columns of the same names and types are appended piece by piece, or all at once. Threads with a piece each follow one another
+/// along the arrays: one appends positions while the one before appends the rest.
+#[derive(Debug)]
+pub(super) struct Growing {
+    roles: Roles,
+    positions: Mutex<Positions>,
+    attributes: Mutex<Attributes>,
+}
+
+/// All arrays but the positions.
+#[derive(Debug)]
+struct Attributes {
+    normals: Option<Vec<[f32; 3]>>,
+    colors: Option<Vec<[u8; 4]>>,
+    scales: Option<Scales>,
+    radii: Option<Vec<f32>>,
+    scalars: Vec<(String, Numbers)>,
+}
+
+/// Numbers of a scalar field, as wide as the file has them.
+#[derive(Debug)]
+enum Numbers {
+    Narrow(Vec<f32>),
+    Wide(Vec<f64>),
+}
+
+impl Growing {
+    /// No points yet, with room for `count` of `columns`, which are looked at where types do not tell what colours mean: of the
+    /// columns of a piece this must not be asked unless [`Roles::are_local`].
+    pub(super) fn new(roles: Roles, columns: &[Column<'_>], count: usize) -> Self {
+        let is_wide = |&index: &usize| columns[index].is_wide();
+        let positions = if roles.positions.iter().any(is_wide) {
+            Positions::F64(Vec::with_capacity(count))
+        } else {
+            Positions::F32(Vec::with_capacity(count))
+        };
+        let scales = match roles.colors {
+            Some(Colors::Channels { channels, alpha }) => Some(Scales::of(
+                channels.map(|index| &columns[index]),
+                alpha.map(|index| &columns[index]),
+                count,
+            )),
+            _ => None,
+        };
+        let scalar = |&index: &usize| {
+            let column = &columns[index];
+            let numbers = if column.scalar.is_wide() {
+                Numbers::Wide(Vec::with_capacity(count))
+            } else {
+                Numbers::Narrow(Vec::with_capacity(count))
+            };
+            (column.name.clone(), numbers)
+        };
+        let attributes = Attributes {
+            normals: roles.normals.map(|_| Vec::with_capacity(count)),
+            colors: roles.colors.map(|_| Vec::with_capacity(count)),
+            scales,
+            radii: roles.radii.map(|_| Vec::with_capacity(count)),
+            scalars: roles.scalars.iter().map(scalar).collect(),
+        };
+        Self {
+            roles,
+            positions: Mutex::new(positions),
+            attributes: Mutex::new(attributes),
+        }
+    }
+
+    /// Appends the first `count` rows of `columns`. Rows of several threads come in the order of their turns: `turn` is what
+    /// keeps others from beginning, and is dropped as soon as they cannot overtake.
+    pub(super) fn append<T>(&self, columns: &[Column<'_>], count: usize, turn: T) {
+        let mut positions = lock(&self.positions);
+        drop(turn);
+        let coordinates = self.roles.positions.map(|index| &columns[index]);
+        match &mut *positions {
+            Positions::F32(vectors) => append_f32(vectors, coordinates, count),
+            Positions::F64(vectors) => append_f64(vectors, coordinates, count),
+        }
+        let mut attributes = lock(&self.attributes);
+        drop(positions);
+        attributes.append(&self.roles, columns, count);
+    }
+
+    /// The cloud of all rows that were appended.
+    pub(super) fn finish(self) -> RawCloud {
+        let positions = self.positions.into_inner();
+        let mut cloud = RawCloud::from_positions(positions.unwrap_or_else(PoisonError::into_inner));
+        let attributes = self.attributes.into_inner();
+        let attributes = attributes.unwrap_or_else(PoisonError::into_inner);
+        cloud.normals = attributes.normals;
+        cloud.colors = attributes.colors;
+        cloud.has_narrow_colors = attributes.scales.is_some_and(|scales| scales.is_narrow);
+        cloud.radii = attributes.radii;
+        let field = |(name, numbers)| match numbers {
+            Numbers::Narrow(values) => ScalarField::new(name, values),
+            Numbers::Wide(values) => ScalarField::from_f64(name, &values),
+        };
+        cloud.scalars = attributes.scalars.into_iter().map(field).collect();
+        // Writers that know no transparency leave zeros.
+        if let (Some(Colors::Packed(_)), Some(colors)) = (self.roles.colors, &mut cloud.colors)
+            && colors.iter().all(|color| color[3] == 0)
+        {
+            for color in colors {
+                color[3] = 255;
+            }
+        }
+        cloud
+    }
+}
+
+impl Attributes {
+    fn append(&mut self, roles: &Roles, columns: &[Column<'_>], count: usize) {
+        let three = |indices: [usize; 3]| indices.map(|index| &columns[index]);
+        if let (Some(normals), Some(indices)) = (&mut self.normals, roles.normals) {
+            append_f32(normals, three(indices), count);
+        }
+        match (&mut self.colors, roles.colors, &self.scales) {
+            (Some(colors), Some(Colors::Channels { channels, alpha }), Some(scales)) => {
+                let alpha = alpha.map(|index| &columns[index]);
+                append_colors(colors, three(channels), alpha, scales, count);
+            }
+            (Some(colors), Some(Colors::Packed(index)), _) => {
+                append_packed_colors(colors, &columns[index], count);
+            }
+            _ => {}
+        }
+        if let (Some(radii), Some(index)) = (&mut self.radii, roles.radii) {
+            columns[index].append_f32(radii, count);
+        }
+        for ((_, numbers), &index) in self.scalars.iter_mut().zip(&roles.scalars) {
+            match numbers {
+                Numbers::Narrow(numbers) => columns[index].append_f32(numbers, count),
+                Numbers::Wide(numbers) => columns[index].append_f64(numbers, count),
+            }
+        }
+    }
+}
+
+/// The lock, also of what a thread left when it panicked: the panic ends the reading by itself.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// PCL packs colours as 0xAARRGGBB, into an unsigned integer or into the bits of a float. `rgb` leaves alpha at 0.
+fn append_packed_colors(colors: &mut Vec<[u8; 4]>, column: &Column<'_>, count: usize) {
+    let has_alpha = column.name.eq_ignore_ascii_case("rgba");
+    colors.extend(column.bits(count).into_iter().map(|bits| {
+        let [blue, green, red, alpha] = bits.to_le_bytes();
+        [red, green, blue, if has_alpha { alpha } else { 255 }]
+    }));
+}
