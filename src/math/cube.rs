@@ -86,6 +86,12 @@ impl Cube {
         self.quantized::<true>(points)
     }
 
+    /// Writes [`Cube::codes`], on this thread.
+    pub(crate) fn write_codes(&self, points: &[Vec3], codes: &mut [u64]) {
+        let quantizer = Quantizer::new(self);
+        dispatch!(Level::new(), _simd => quantizer.write_cells::<true>(points, codes));
+    }
+
     /// Codes, or else packed cells.
     fn quantized<const INTERLEAVED: bool>(&self, points: &[Vec3]) -> Vec<u64> {
         let quantizer = Quantizer::new(self);
@@ -140,6 +146,9 @@ struct Quantizer {
 /// The last bit of an f64 this large is worth 1: adding it rounds to an integer, which then stands in the low bits.
 const ROUNDING: f64 = (1u64 << 52) as f64;
 
+/// In the last cell, and nearer to its lower border than to its upper one, so that it is rounded to no cell more.
+const MOST_CELLS: f64 = FINEST_CELLS as f64 - 0.75;
+
 impl Quantizer {
     fn new(cube: &Cube) -> Self {
         let cell = f64::from(cube.edge) / f64::from(FINEST_CELLS);
@@ -187,10 +196,9 @@ impl Quantizer {
     /// The index of the cell at a distance of `offset` from the lower face, which must not be negative.
     #[inline(always)]
     fn index(&self, offset: f64) -> u64 {
-        let rounded = (offset * self.cells_per_unit).min(f64::from(FINEST_CELLS)) + ROUNDING;
-        let border = rounded - ROUNDING;
-        let is_below = border * self.cell > offset || border == f64::from(FINEST_CELLS);
-        (rounded.to_bits() & u64::from(2 * FINEST_CELLS - 1)) - u64::from(is_below)
+        let rounded = (offset * self.cells_per_unit).min(MOST_CELLS) + ROUNDING;
+        let is_below = (rounded - ROUNDING) * self.cell > offset;
+        (rounded.to_bits() - u64::from(is_below)) & u64::from(FINEST_CELLS - 1)
     }
 }
 

@@ -4,6 +4,7 @@ mod aabb;
 mod cube;
 pub(crate) mod few_codes;
 mod frustum;
+mod items;
 pub mod morton;
 pub(crate) mod morton_sort;
 mod symmetric_eigen;

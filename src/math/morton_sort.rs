@@ -1,20 +1,22 @@
 //! Sorting by Morton codes: points are put in the order in which an octree visits them.
 //!
-//! How it works: codes, each with what goes with it, are first parted into 512 buckets by their highest nine bits (the cells
-//! of octree level 3), chunk by chunk. Then each bucket is gathered from all chunks and sorted.
+//! How it works: codes, each with what goes with it, are first parted into 4,096 buckets by their highest twelve bits (the cells
+//! of octree level 4), chunk by chunk. Then each bucket is gathered from all chunks and sorted.
 //!
 //! ```text
-//! codes ── chunks of 32,768 ──► each chunk parted ── bucket after bucket, from all chunks ──► sorted
+//! codes ── chunks of 65,536 ──► each chunk parted ── bucket after bucket, from all chunks ──► sorted
 //!          a task each          into buckets         a task each
 //! ```
 //!
-//! A bucket is sorted by a radix sort, from the lowest digit up, of numbers that have the code's bits above an index; but only
-//! by as many of the bits in which its codes differ as tell most points of a surface apart, which makes two passes. What they
-//! leave is a few neighbours in the wrong order, for an insertion sort. Clouds that are no surfaces, or that an outlier
-//! squeezes into few cells, leave more, which is then sorted by comparison.
+//! A bucket is sorted as *items* ([`super::items`]): numbers that have the bits in which its codes differ above an index. Of up to
+//! 8,192 codes an item has all bits that a bucket leaves to differ, so that codes are read off the sorted items; of more, the
+//! lowest give place, and where items are alike in all others, the codes are asked for. Most of a surface is in order after
+//! two passes. Clouds that are no surfaces, or that an outlier squeezes into few cells, leave more, which is then sorted by
+//! comparison.
 //!
-//! When it wins: each point is moved once through memory, to its bucket, and all else happens in the second cache, while a radix
-//! sort of the whole moves it once for each digit and then fetches what goes with each code from anywhere. Tasks share nothing.
+//! When it wins: each point is moved once through memory, to its bucket, and all else happens in the first and second cache, while
+//! a radix sort of the whole moves it once for each digit and then fetches what goes with each code from anywhere. Codes are
+//! made chunk by chunk as they are parted, and never written to memory before. Tasks share nothing.
 //!
 //! Codes that are in order already are left alone, which one look over them tells.
 //!
@@ -22,8 +24,9 @@
 //!
 //! The sort is stable: equal codes stay in the order in which they were given. Nothing depends on timing or threads.
 
-use super::few_codes;
+use super::{few_codes, items};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The indices of 63-bit `codes` in the order of the codes; of equal codes by ascending index.
 ///
@@ -51,66 +54,62 @@ pub fn order_of_codes(codes: &[u64]) -> Vec<u32> {
 }
 
 fn order_in_buckets(codes: &[u64]) -> Vec<u32> {
-    let buckets = Buckets::new(codes, |index| index as u32);
+    let write_codes = |range, out: &mut [u64]| out.copy_from_slice(&codes[range]);
+    let buckets = Buckets::new(codes.len(), write_codes, |index| index as u32);
     let mut order = vec![0; codes.len()];
-    buckets.sort_each(buckets.places(&mut order), |_, indices, order| {
-        order.copy_from_slice(indices);
-    });
+    buckets.sort_each(&mut order, vec![(); BUCKETS], |_, ()| {});
     order
 }
 
 const CODE_BITS: u32 = 63;
-const BUCKET_BITS: u32 = 9;
+const BUCKET_BITS: u32 = 12;
 const BUCKETS: usize = 1 << BUCKET_BITS;
 
-/// Codes that are parted together: what they are read from and written to stays in the second cache.
-const CHUNK: usize = 1 << 15;
+/// Codes that are parted together: what they are read from and written to is near the size of a second cache, and a bucket's
+/// part of it, on a surface, is longer than a few cache lines.
+const CHUNK: usize = 1 << 16;
 
 /// Codes, and what goes with each, parted by the highest bits of the codes.
 pub(crate) struct Buckets<T> {
-    /// Chunk after chunk, within each by bucket, within that in the order given.
+    chunks: Vec<Parted<T>>,
+    /// Codes of each bucket in all chunks.
+    lens: Vec<usize>,
+}
+
+/// The codes of a chunk by bucket, within that in the order given.
+struct Parted<T> {
     codes: Vec<u64>,
     carried: Vec<T>,
-    /// Where each bucket ends in each chunk.
-    ends: Vec<[u32; BUCKETS]>,
-    /// Codes of each bucket in all chunks.
-    lens: [usize; BUCKETS],
+    /// Where each bucket ends.
+    ends: [u32; BUCKETS],
 }
 
 impl<T: Copy + Default + Send + Sync> Buckets<T> {
-    /// Parts 63-bit `codes`, each with what `carried` says goes with its index.
-    pub(crate) fn new(codes: &[u64], carried: impl Fn(usize) -> T + Sync) -> Self {
-        let mut parted_codes = vec![0; codes.len()];
-        let mut parted_carried = vec![T::default(); codes.len()];
-        let ends: Vec<[u32; BUCKETS]> = codes
-            .par_chunks(CHUNK)
-            .zip(parted_codes.par_chunks_mut(CHUNK))
-            .zip(parted_carried.par_chunks_mut(CHUNK))
-            .enumerate()
-            .map(|(chunk, ((codes, parted_codes), parted_carried))| {
-                let first = CHUNK * chunk;
-                let mut next = [0; 2 * BUCKETS];
-                let ends = scatter(codes, &mut next, bucket_of, |index, code, place| {
-                    parted_codes[place] = code;
-                    parted_carried[place] = carried(first + index);
-                });
-                ends.try_into().expect("an end for each bucket")
+    /// Parts `count` 63-bit codes, which `write_codes` writes for any range of them, each with what `carried` says goes with
+    /// its index.
+    pub(crate) fn new(
+        count: usize,
+        write_codes: impl Fn(Range<usize>, &mut [u64]) + Sync,
+        carried: impl Fn(usize) -> T + Sync,
+    ) -> Self {
+        let chunks: Vec<Parted<T>> = (0..count.div_ceil(CHUNK))
+            .into_par_iter()
+            .map_init(Vec::new, |codes, chunk| {
+                let range = CHUNK * chunk..count.min(CHUNK * (chunk + 1));
+                codes.resize(range.len(), 0);
+                write_codes(range.clone(), codes);
+                Parted::new(codes, |index| carried(range.start + index))
             })
             .collect();
-        let mut lens = [0; BUCKETS];
-        for ends in &ends {
+        let mut lens = vec![0; BUCKETS];
+        for chunk in &chunks {
             let mut start = 0;
-            for (len, &end) in lens.iter_mut().zip(ends) {
+            for (len, &end) in lens.iter_mut().zip(&chunk.ends) {
                 *len += (end - start) as usize;
                 start = end;
             }
         }
-        Self {
-            codes: parted_codes,
-            carried: parted_carried,
-            ends,
-            lens,
-        }
+        Self { chunks, lens }
     }
 
     /// The part of `out` that belongs to each bucket. Precondition: as many as there are codes.
@@ -119,22 +118,47 @@ impl<T: Copy + Default + Send + Sync> Buckets<T> {
         self.lens.iter().filter_map(place).collect()
     }
 
-    /// Hands the codes of each bucket to `write`, in order, with what goes with each, and the place of the bucket. Those without
-    /// codes are left out.
+    /// Writes to `carried` what goes with each code, in their order, and hands the codes of each bucket to `write`, in order,
+    /// with the place of the bucket. Those without codes are left out.
     pub(crate) fn sort_each<P: Send>(
         &self,
+        carried: &mut [T],
         places: Vec<P>,
-        write: impl Fn(&[u64], &[T], P) + Sync,
+        write: impl Fn(&[u64], P) + Sync,
     ) {
-        places
+        self.places(carried)
             .into_par_iter()
+            .zip(places)
             .enumerate()
             .filter(|&(bucket, _)| self.lens[bucket] > 0)
-            .for_each_init(Sorter::default, |sorter, (bucket, place)| {
-                sorter.gather(self, bucket);
-                let (codes, carried) = sorter.sort();
-                write(codes, carried, place);
+            .for_each_init(Sorter::default, |sorter, (bucket, (carried, place))| {
+                write(sorter.sort(self, bucket, carried), place);
             });
+    }
+}
+
+impl<T: Copy + Default> Parted<T> {
+    /// Parts codes, each with what `carried` says goes with its index.
+    fn new(codes: &[u64], carried: impl Fn(usize) -> T) -> Self {
+        let mut parted_codes = vec![0; codes.len()];
+        let mut parted_carried = vec![T::default(); codes.len()];
+        let mut ends = [0; BUCKETS];
+        items::scatter(codes, &mut ends, bucket_of, |index, code, place| {
+            parted_codes[place] = code;
+            parted_carried[place] = carried(index);
+        });
+        Self {
+            codes: parted_codes,
+            carried: parted_carried,
+            ends,
+        }
+    }
+
+    /// What is in a bucket.
+    fn piece(&self, bucket: usize) -> (&[u64], &[T]) {
+        let start = bucket.checked_sub(1).map_or(0, |before| self.ends[before]);
+        let piece = start as usize..self.ends[bucket] as usize;
+        (&self.codes[piece.clone()], &self.carried[piece])
     }
 }
 
@@ -145,226 +169,127 @@ fn bucket_of(code: u64) -> usize {
 /// Sorts one bucket after another in the same memory.
 #[derive(Default)]
 struct Sorter<T> {
-    codes: Vec<u64>,
-    carried: Vec<T>,
     items: Vec<u64>,
     scratch: Vec<u64>,
-    carried_in_order: Vec<T>,
     next: Vec<u32>,
+    /// In the order of the chunks, if items have no room for all their bits.
+    codes: Vec<u64>,
+    carried: Vec<T>,
 }
 
 impl<T: Copy + Default> Sorter<T> {
-    /// Takes a bucket from all chunks.
-    fn gather(&mut self, buckets: &Buckets<T>, bucket: usize) {
+    /// The codes of a bucket in order; what goes with each is written to `carried`.
+    fn sort(&mut self, buckets: &Buckets<T>, bucket: usize, carried: &mut [T]) -> &[u64] {
+        let pieces = || buckets.chunks.iter().map(|chunk| chunk.piece(bucket));
+        let (mut all, mut any) = (u64::MAX, 0);
+        for &code in pieces().flat_map(|(codes, _)| codes) {
+            all &= code;
+            any |= code;
+        }
+        let layout = ItemLayout::new(all ^ any, carried.len());
+        self.items.clear();
         self.codes.clear();
         self.carried.clear();
-        let chunks = buckets.codes.chunks(CHUNK);
-        let chunks = chunks.zip(buckets.carried.chunks(CHUNK));
-        for (ends, (codes, carried)) in buckets.ends.iter().zip(chunks) {
-            let start = bucket.checked_sub(1).map_or(0, |before| ends[before]);
-            let piece = start as usize..ends[bucket] as usize;
-            self.codes.extend_from_slice(&codes[piece.clone()]);
-            self.carried.extend_from_slice(&carried[piece]);
+        for (codes, carried) in pieces() {
+            let indexed = (self.items.len() as u64..).zip(codes);
+            self.items
+                .extend(indexed.map(|(index, &code)| layout.item(code, index)));
+            self.carried.extend_from_slice(carried);
+            if !layout.has_all {
+                self.codes.extend_from_slice(codes);
+            }
         }
+        self.scratch.resize(self.items.len(), 0);
+        self.sort_items(layout);
+        for (carried, &item) in carried.iter_mut().zip(&self.items) {
+            *carried = self.carried[layout.index_of(item)];
+        }
+        for item in &mut self.items {
+            *item = if layout.has_all {
+                layout.code(*item, all)
+            } else {
+                self.codes[layout.index_of(*item)]
+            };
+        }
+        &self.items
     }
 
-    /// The codes in order, and what goes with each.
-    fn sort(&mut self) -> (&[u64], &[T]) {
-        let count = self.codes.len();
-        if self.items.len() < count {
-            self.items.resize(count, 0);
-            self.scratch.resize(count, 0);
-            self.carried_in_order.resize(count, T::default());
+    fn sort_items(&mut self, layout: ItemLayout) {
+        /// Up to so many items are sorted by comparison before the counters of a radix sort are cleared.
+        const FEW: usize = 64;
+        /// The counters of so wide a digit are a quarter of a first cache.
+        const MOST_DIGIT_BITS: u32 = 11;
+        let count = self.items.len();
+        // Three bits divide a surface by four. One level more, so that few cells have two points.
+        let telling_bits = if count > FEW {
+            (count.ilog2() * 3 / 2 + 4).min(layout.differing_bits())
+        } else {
+            0
+        };
+        items::sort(
+            &mut self.items,
+            &mut self.scratch,
+            &mut self.next,
+            telling_bits,
+            MOST_DIGIT_BITS,
+        );
+        if !layout.has_all {
+            let runs = self.items.chunk_by_mut(|&a, &b| layout.are_alike(a, b));
+            for run in runs.filter(|run| run.len() > 1) {
+                run.sort_unstable_by_key(|&item| (self.codes[layout.index_of(item)], item));
+            }
         }
-        let (items, scratch) = (&mut self.items[..count], &mut self.scratch[..count]);
-        let layout = ItemLayout::of(&self.codes);
-        let (items, codes) = sort(&self.codes, layout, items, scratch, &mut self.next);
-        let carried = &mut self.carried_in_order[..count];
-        for ((code, carried), &mut item) in codes.iter_mut().zip(&mut *carried).zip(items) {
-            let index = layout.index_of(item);
-            *code = self.codes[index];
-            *carried = self.carried[index];
-        }
-        (codes, carried)
     }
 }
 
-/// How one number holds some bits of a code above the index of the code: the upper ones of the bits in which codes differ, as many
-/// as there is room for.
+/// How one number holds a code above its index.
 #[derive(Debug, Clone, Copy)]
 struct ItemLayout {
-    /// Bits of the index.
-    index: u32,
-    /// Bits of the code that are kept.
-    kept: u32,
-    /// The lowest bits of a code, which are not kept.
+    /// Upper bits of a code that do not differ, which an item does not have.
     left_out: u32,
+    /// The bits of the index, which the lowest bits of a code give place to.
+    index: u64,
+    /// Whether those are none in which codes differ.
+    has_all: bool,
 }
 
 impl ItemLayout {
-    fn of(codes: &[u64]) -> Self {
-        let index = usize::BITS - codes.len().leading_zeros();
-        let differing = codes.iter().fold(0, |bits, code| bits | code ^ codes[0]);
-        let differing_bits = u64::BITS - differing.leading_zeros();
-        let kept = differing_bits.min(u64::BITS - index);
+    /// For so many 63-bit codes that differ in some of these bits.
+    fn new(differing: u64, count: usize) -> Self {
+        let left_out = differing.leading_zeros().min(u64::BITS - 1);
+        let index_bits = count.next_power_of_two().ilog2();
         Self {
-            index,
-            kept,
-            left_out: differing_bits - kept,
+            left_out,
+            index: (1 << index_bits) - 1,
+            has_all: index_bits <= left_out,
         }
     }
 
+    fn differing_bits(self) -> u32 {
+        u64::BITS - self.left_out
+    }
+
     #[inline(always)]
-    fn item(self, code: u64, index: usize) -> u64 {
-        let kept = code >> self.left_out & ((1 << self.kept) - 1);
-        kept << self.index | index as u64
+    fn item(self, code: u64, index: u64) -> u64 {
+        code << self.left_out & !self.index | index
     }
 
     #[inline(always)]
     fn index_of(self, item: u64) -> usize {
-        (item & ((1 << self.index) - 1)) as usize
+        (item & self.index) as usize
     }
 
-    /// Digits, from the lowest up, of the upper ones of the bits kept, that tell most of `count` points of a surface apart.
-    fn digits(self, count: usize) -> impl Iterator<Item = Digit> {
-        /// Up to so many points are sorted by comparison before the counters of a radix sort are cleared.
-        const FEW: usize = 64;
-        const MOST_BITS: u32 = 11;
-        // Three bits divide a surface by four. One level more, so that few cells have two points.
-        let telling_bits = if count > FEW {
-            count.ilog2() * 3 / 2 + 4
-        } else {
-            0
-        };
-        let bits = telling_bits.min(self.kept);
-        let digits = bits.div_ceil(MOST_BITS);
-        let bits_each = bits.div_ceil(digits.max(1));
-        let end = self.index + self.kept;
-        (1..=digits).rev().map(move |from_top| Digit {
-            first_bit: end.saturating_sub(from_top * bits_each).max(self.index),
-            bits: bits_each,
-        })
-    }
-}
-
-/// Some bits of a number.
-#[derive(Debug, Clone, Copy)]
-struct Digit {
-    first_bit: u32,
-    bits: u32,
-}
-
-impl Digit {
+    /// The code of an item that has all of it but what is the same in `alike`.
     #[inline(always)]
-    fn of(self, item: u64) -> usize {
-        (item >> self.first_bit) as usize & ((1 << self.bits) - 1)
+    fn code(self, item: u64, alike: u64) -> u64 {
+        let differing = u64::MAX >> self.left_out;
+        (item & !self.index) >> self.left_out | alike & !differing
     }
-}
 
-/// The items of `codes` in their order, stably, in one of the two places; and the other one.
-fn sort<'a>(
-    codes: &[u64],
-    layout: ItemLayout,
-    mut items: &'a mut [u64],
-    mut scratch: &'a mut [u64],
-    next: &mut Vec<u32>,
-) -> (&'a mut [u64], &'a mut [u64]) {
-    for (index, (item, &code)) in items.iter_mut().zip(codes).enumerate() {
-        *item = layout.item(code, index);
-    }
-    for digit in layout.digits(codes.len()) {
-        scatter_items(items, scratch, digit, next);
-        (items, scratch) = (scratch, items);
-    }
-    sort_nearly_sorted(items);
-    if layout.left_out > 0 {
-        let kept = |item: u64| item >> layout.index;
-        for run in items.chunk_by_mut(|&a, &b| kept(a) == kept(b)) {
-            if run.len() > 1 {
-                run.sort_unstable_by_key(|&item| (codes[layout.index_of(item)], item));
-            }
-        }
-    }
-    (items, scratch)
-}
-
-/// One pass of a radix sort.
-// A function of its own, so that its loops have all registers.
-#[inline(never)]
-fn scatter_items(from: &[u64], to: &mut [u64], digit: Digit, next: &mut Vec<u32>) {
-    next.resize(2 << digit.bits, 0);
-    scatter(
-        from,
-        next,
-        |item| digit.of(item),
-        |_, item, place| to[place] = item,
-    );
-}
-
-/// Tells `put` the index of each number, the number and its place: first those of small digits, equal ones in the order given.
-/// Returns where each digit ends. `next` has room for two counters a digit.
-///
-/// The front and the back half are gone through side by side, with counters of their own: neighbours often have the same
-/// digit, and a counter that was just written is slow to read.
-#[inline(always)]
-fn scatter<'n>(
-    from: &[u64],
-    next: &'n mut [u32],
-    digit: impl Fn(u64) -> usize,
-    mut put: impl FnMut(usize, u64, usize),
-) -> &'n [u32] {
-    next.fill(0);
-    let (next_of_front, next_of_back) = next.split_at_mut(next.len() / 2);
-    let middle = from.len() / 2;
-    let (front, back) = from.split_at(middle);
-    let (back, odd) = back.split_at(middle);
-    for (&a, &b) in front.iter().zip(back) {
-        next_of_front[digit(a)] += 1;
-        next_of_back[digit(b)] += 1;
-    }
-    for &item in odd {
-        next_of_back[digit(item)] += 1;
-    }
-    let mut start = 0;
-    for (front, back) in next_of_front.iter_mut().zip(&mut *next_of_back) {
-        start += std::mem::replace(front, start);
-        start += std::mem::replace(back, start);
-    }
-    let mut put_next = |index: usize, item: u64, next: &mut [u32]| {
-        let next = &mut next[digit(item)];
-        let place = *next as usize;
-        // Written before `put` writes anything, so that it need not be read again.
-        *next += 1;
-        put(index, item, place);
-    };
-    for (index, (&a, &b)) in front.iter().zip(back).enumerate() {
-        put_next(index, a, next_of_front);
-        put_next(middle + index, b, next_of_back);
-    }
-    for &item in odd {
-        put_next(from.len() - 1, item, next_of_back);
-    }
-    // Once all are in place, starts have become ends.
-    next_of_back
-}
-
-/// Sorts numbers of which most are in place and the others near.
-pub(super) fn sort_nearly_sorted(items: &mut [u64]) {
-    /// An insertion sort has no business here if a number is further away.
-    const FAR: usize = 32;
-    for i in 1..items.len() {
-        let item = items[i];
-        let mut place = i;
-        while place > 0 && items[place - 1] > item {
-            if i - place == FAR {
-                items[place] = item;
-                items.sort_unstable();
-                return;
-            }
-            items[place] = items[place - 1];
-            place -= 1;
-        }
-        items[place] = item;
+    /// Whether two items have the same bits of their codes.
+    #[inline(always)]
+    fn are_alike(self, a: u64, b: u64) -> bool {
+        a ^ b <= self.index
     }
 }
 
@@ -420,8 +345,8 @@ mod tests {
     /// Many in one bucket, which differ in more bits than an item keeps, some in those that it does not keep alone.
     #[test]
     fn codes_that_an_item_has_no_room_for() {
-        let codes: Vec<u64> = (0..9000)
-            .map(|i| (mixed(i) % 64) << 48 | mixed(i + 7) & 7)
+        let codes: Vec<u64> = (0..20_000)
+            .map(|i| (mixed(i) % 8) << 48 | mixed(i + 7) & 7)
             .collect();
         assert_sorted_like_std(&codes);
     }
@@ -430,18 +355,18 @@ mod tests {
     #[test]
     fn codes_that_passes_leave_unsorted() {
         let mut codes: Vec<u64> = (0..1000).map(|i| mixed(i) & 0xf_ffff).collect();
-        codes[500] |= 1 << 53;
+        codes[500] |= 1 << 50;
         assert_sorted_like_std(&codes);
     }
 
     /// Several chunks: evenly, and where all but one are in one bucket, the first or the last.
     #[test]
     fn chunks_by_any_number_of_threads() {
-        let even: Vec<u64> = (0..70_000).map(|i| mixed(i) >> 1).collect();
+        let even: Vec<u64> = (0..140_000).map(|i| mixed(i) >> 1).collect();
         let mut low: Vec<u64> = even.iter().map(|code| code >> 12).collect();
-        low[69_999] = (1 << 63) - 1;
+        low[139_999] = (1 << 63) - 1;
         let mut high: Vec<u64> = even.iter().map(|code| code >> 12 | 0x7ff << 52).collect();
-        high[69_999] = 0;
+        high[139_999] = 0;
         for threads in [1, 2, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             pool.unwrap().install(|| {
@@ -458,6 +383,25 @@ mod tests {
         for count in [few_codes::MOST, few_codes::MOST + 1] {
             let codes: Vec<u64> = (0..count as u64).map(|i| mixed(i) >> 1).collect();
             assert_sorted_like_std(&codes);
+        }
+    }
+
+    #[test]
+    fn items_give_back_their_codes_if_they_have_all_bits() {
+        for (codes, has_all) in [
+            (vec![0x7fff_ffff_ffff_ffff, 1, 0], false),
+            (vec![5 << 60 | 3 << 50 | 1, 5 << 60 | 7], true),
+            (vec![9 << 40; 1 << 14], true),
+            (vec![42], true),
+        ] {
+            let differing = codes.iter().fold(0, |bits, code| bits | code ^ codes[0]);
+            let layout = ItemLayout::new(differing, codes.len());
+            assert_eq!(layout.has_all, has_all);
+            for (index, &code) in codes.iter().enumerate() {
+                let item = layout.item(code, index as u64);
+                assert_eq!(layout.index_of(item), index);
+                assert!(!has_all || layout.code(item, codes[0]) == code);
+            }
         }
     }
 

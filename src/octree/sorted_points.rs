@@ -51,7 +51,7 @@ impl SortedPoints {
         let (cells, colors) = if positions.len() <= few_codes::MOST {
             sorted_few(cube, positions, colors)
         } else {
-            sorted(cube.codes(positions), colors)
+            sorted(cube, positions, colors)
         };
         let partings = partings_in_order(&cells).expect("cells were sorted");
         Self {
@@ -116,17 +116,15 @@ fn sorted_few(
     (sorted_cells, sorted_colors)
 }
 
-/// The cells of codes in their order, in the same memory, and colours with them.
-fn sorted(codes: Vec<u64>, colors: &[[u8; 4]]) -> (Vec<PackedCell>, Vec<[u8; 4]>) {
-    let buckets = Buckets::new(&codes, |point| colors[point]);
-    let mut cells: Vec<PackedCell> = bytemuck::cast_vec(codes);
-    let mut colors = vec![[0; 4]; cells.len()];
-    let cell_places = buckets.places(&mut cells);
-    let color_places = buckets.places(&mut colors);
-    let places: Vec<_> = cell_places.into_iter().zip(color_places).collect();
-    buckets.sort_each(places, |codes, sorted_colors, (cells, colors)| {
+/// The same of any number of points.
+fn sorted(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> (Vec<PackedCell>, Vec<[u8; 4]>) {
+    let write_codes = |range, codes: &mut [u64]| cube.write_codes(&positions[range], codes);
+    let buckets = Buckets::new(positions.len(), write_codes, |point| colors[point]);
+    let mut cells = vec![PackedCell::new([0; 3]); positions.len()];
+    let mut colors = vec![[0; 4]; positions.len()];
+    let places = buckets.places(&mut cells);
+    buckets.sort_each(&mut colors, places, |codes, cells| {
         dispatch!(Level::new(), _simd => write_cells(codes, cells));
-        colors.copy_from_slice(sorted_colors);
     });
     (cells, colors)
 }
@@ -213,12 +211,12 @@ mod tests {
     #[test]
     fn few_points_are_sorted_as_many_are() {
         let mut random = Random(22);
-        let mut positions: Vec<Vec3> = (0..40_000).map(|_| random.cube()).collect();
+        let mut positions: Vec<Vec3> = (0..80_000).map(|_| random.cube()).collect();
         positions.extend_from_within(..2000);
         let colors: Vec<[u8; 4]> = (0..positions.len() as u32).map(u32::to_le_bytes).collect();
         let cube = Cube::around(&positions).unwrap();
         let few = sorted_few(&cube, &positions, &colors);
-        assert!(few == sorted(cube.codes(&positions), &colors));
-        assert_eq!(few.0.len(), 42_000);
+        assert!(few == sorted(&cube, &positions, &colors));
+        assert_eq!(few.0.len(), 82_000);
     }
 }
