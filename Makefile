@@ -63,6 +63,10 @@ fuzz: ## fuzz the readers, a minute a target (SECONDS=600 for longer, SEEDS=fold
 bench: ## run the criterion benches (benches/README.md)
 	$(CARGO) bench --locked --benches
 
+.PHONY: soak
+soak: ## play 10,000 frames that do not fit into the memory for them, and record the program's memory
+	$(CARGO) bench --locked --bench play -- soak
+
 .PHONY: fmt-check
 fmt-check:
 	$(CARGO) fmt --check

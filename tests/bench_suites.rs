@@ -784,3 +784,23 @@ fn no_way_among_the_modes_is_an_error() {
     let error = run(&demo(), &options, None, &|_| {}, &AtomicBool::new(false)).unwrap_err();
     assert!(error.to_string().contains("among the modes"), "{error}");
 }
+
+#[test]
+fn playing_is_counted_frame_by_frame() {
+    let options = BenchOptions {
+        frames: 30,
+        ..small(Suite::Play)
+    };
+    let inputs = [input("demo", Sequence::demo().with_fps(60.0))];
+    let never = AtomicBool::new(false);
+    let report = run(&inputs, &options, None, &|_| {}, &never).unwrap();
+    assert_eq!(report.rows.len(), 3, "points, surfels and voxels");
+    for row in &report.rows {
+        let number = |key: &str| report.value(row, key).and_then(Cell::number).unwrap();
+        assert_eq!((number("fps_asked"), number("frames_shown")), (60.0, 30.0));
+        assert!(number("fps_held") <= 61.0, "never ahead of the clock");
+        assert!(number("points_share") > 0.0 && number("points_share") <= 1.0);
+        assert!(number("resident_peak_mib") >= number("resident_end_mib"));
+        assert!(number("picture_ms_median") > 0.0);
+    }
+}

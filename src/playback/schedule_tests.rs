@@ -13,6 +13,10 @@ struct Theatre {
     workers: Simulation,
     settings: Settings,
     now: Duration,
+    /// When the picture is finished that is being drawn.
+    free_at: Duration,
+    /// Index and number of points of the frame in it.
+    last: Option<(usize, usize)>,
     /// Milliseconds of a picture of so many points.
     picture_ms: fn(usize) -> f64,
 }
@@ -54,6 +58,8 @@ impl Theatre {
                 ..Settings::default()
             },
             now: Duration::ZERO,
+            free_at: Duration::ZERO,
+            last: None,
             picture_ms: |_| 1.0,
         }
     }
@@ -61,33 +67,30 @@ impl Theatre {
     /// Plays until `end_ms` and says what was shown.
     fn play(&mut self, end_ms: u64) -> Vec<Shown> {
         let mut schedule = Vec::new();
-        let mut last = None;
         let end = Duration::from_millis(end_ms);
         while self.now < end {
             self.workers.advance(&self.player.loader, self.now);
             self.player.update(self.now, &self.settings);
-            let mut free_at = self.now;
             let shown = self
                 .player
                 .shown()
                 .map(|frame| (frame.index, frame.frame.len()));
             if let Some((index, points)) = shown
-                && shown != last
+                && shown != self.last
             {
                 // Deadlines are rounded up to nanoseconds.
                 schedule.push((self.now.as_micros().div_ceil(1000) as u64, index, points));
                 let picture_ms = (self.picture_ms)(points);
                 self.player.note_picture_ms(picture_ms);
-                free_at += Duration::from_secs_f64(picture_ms / 1e3);
-                last = shown;
+                self.free_at = self.now + Duration::from_secs_f64(picture_ms / 1e3);
+                self.last = shown;
             }
             self.workers.advance(&self.player.loader, self.now);
             let next = [self.player.next_deadline(), self.workers.next_event()];
             let next = next.into_iter().flatten().min().unwrap_or(end);
             self.now = next
-                .max(free_at)
-                .max(self.now + Duration::from_nanos(1))
-                .min(end);
+                .max(self.free_at)
+                .max(self.now + Duration::from_nanos(1));
         }
         schedule
     }

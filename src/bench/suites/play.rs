@@ -113,15 +113,22 @@ fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Settings) -> Result<Pla
         points_in_files: 0,
     };
     let mut memory = Memory::new();
-    let wanted = run.options.frames as u64;
+    // A single frame is shown once, however long it is played.
+    let wanted = match subject.sequence.len() {
+        1 => 1,
+        _ => run.options.frames as u64,
+    };
     let begin = Instant::now();
     let mut first_shown = None;
     let mut last: Option<Arc<PreparedFrame>> = None;
     let mut looked_at = 0;
     while player.frames_shown() < wanted {
         player.update(begin.elapsed(), settings);
-        let all_failed = player.loader().stats().failed_frames == subject.sequence.len();
-        if let Some(failure) = player.failure().filter(|_| all_failed) {
+        let failed = player.loader().stats().failed_frames;
+        if let Some(failure) = player.failure()
+            && failed + 1 >= subject.sequence.len()
+        {
+            // One frame alone does not play.
             return Err(BenchError::NoFrame {
                 sequence: subject.name.to_owned(),
                 reason: failure.to_string(),
@@ -145,7 +152,10 @@ fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Settings) -> Result<Pla
         }
     }
     memory.look();
-    let seconds = (begin.elapsed() - first_shown.unwrap_or_default()).as_secs_f64();
+    let played = begin
+        .elapsed()
+        .saturating_sub(first_shown.unwrap_or_default());
+    let seconds = played.as_secs_f64();
     let stats = player.loader().stats();
     let shown = player.frames_shown();
     Ok(Played {

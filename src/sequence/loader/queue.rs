@@ -170,7 +170,7 @@ impl Queue {
             .filter(|frame| frame.satisfies(needs));
         match self.effort.at_best() {
             Detail::Full => full.or(coarse),
-            detail => coarse
+            detail @ Detail::AtMost(_) => coarse
                 .filter(|frame| detail.is_met_by(&frame.frame))
                 .or(full)
                 .or(coarse),
