@@ -341,8 +341,22 @@ impl State {
 
     /// Finds the frames of `inputs` on a thread and opens them.
     pub fn open_paths(&mut self, inputs: Vec<PathBuf>) {
+        self.open_with_topic(inputs, None);
+    }
+
+    /// Opens the open recording again, with the point clouds of another topic.
+    pub fn open_topic(&mut self, topic: &str) {
+        if let Some(player) = &self.player {
+            let inputs = player.sequence().inputs().to_vec();
+            self.open_with_topic(inputs, Some(topic.into()));
+        }
+    }
+
+    /// A topic is a choice for one recording: what is opened next has others.
+    fn open_with_topic(&self, inputs: Vec<PathBuf>, topic: Option<Arc<str>>) {
         if !inputs.is_empty() {
-            self.tasks.find(inputs, self.options.open);
+            let open = self.options.open.clone();
+            self.tasks.find(inputs, OpenOptions { topic, ..open });
         }
     }
 

@@ -8,19 +8,19 @@
 mod bag;
 mod bytes;
 mod db3;
+mod found;
 mod mcap;
 mod pointcloud2;
 mod walk;
 
 use super::error::{Fault, Place};
 use super::unpack::{Packing, unpack};
-use super::{Entry, Format, IoError, Part, ReadOptions};
+use super::{Contents, Format, IoError, ReadOptions};
 use crate::cloud::RawCloud;
-use std::collections::{BTreeMap, HashMap};
+use found::Found;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
-use std::time::Duration;
 
 /// A message with a point cloud.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -63,75 +63,6 @@ enum Encoding {
     Cdr,
 }
 
-/// What is found in a recording.
-#[derive(Debug, Default)]
-struct Found {
-    /// Topics by the number that messages call them by; `None` for those without point clouds.
-    topics: HashMap<u32, Option<(String, Encoding)>>,
-    messages: Vec<(u32, Duration, Message)>,
-}
-
-impl Found {
-    /// Notes a message of a topic with point clouds; `start` is what it begins with.
-    fn add(&mut self, topic: u32, log_time: Duration, start: &[u8], place: MessagePlace) {
-        if let Some(Some((_, encoding))) = self.topics.get(&topic) {
-            let encoding = *encoding;
-            let time = pointcloud2::stamp(start, encoding).unwrap_or(log_time);
-            self.messages
-                .push((topic, time, Message { place, encoding }));
-        }
-    }
-
-    /// True when a chunk with messages of these topics may hold point clouds.
-    fn may_hold_clouds(&self, topics: &[u32]) -> bool {
-        topics.is_empty()
-            || topics
-                .iter()
-                .any(|topic| self.topics.get(topic).is_none_or(Option::is_some))
-    }
-
-    /// The messages of the topic that has the most, in the order of time.
-    fn entries(self, path: &Path) -> Vec<Entry> {
-        // The same topic may have several numbers, one for each of its publishers.
-        let mut by_name: BTreeMap<String, Vec<(Duration, Message)>> = BTreeMap::new();
-        for (topic, time, message) in self.messages {
-            if let Some(Some((name, _))) = self.topics.get(&topic) {
-                by_name
-                    .entry(name.clone())
-                    .or_default()
-                    .push((time, message));
-            }
-        }
-        let most = by_name.values().map(Vec::len).max().unwrap_or(0);
-        let Some(name) = by_name
-            .iter()
-            .find(|(_, messages)| messages.len() == most)
-            .map(|(name, _)| name.clone())
-        else {
-            return Vec::new();
-        };
-        let mut messages = by_name.remove(&name).unwrap_or_default();
-        if !by_name.is_empty() {
-            let others: Vec<&str> = by_name.keys().map(String::as_str).collect();
-            log::warn!(
-                "{}: {most} point clouds of topic {name} are read; other topics with point clouds are not: {}",
-                path.display(),
-                others.join(", ")
-            );
-        }
-        messages.sort_by_key(|(time, _)| *time);
-        messages
-            .into_iter()
-            .enumerate()
-            .map(|(index, (time, message))| Entry {
-                name: format!("{name} {index}"),
-                time: Some(time),
-                part: Part::Message(message),
-            })
-            .collect()
-    }
-}
-
 /// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1 and of ROS 2.
 fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
     const CLOUDS: [&str; 2] = ["sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2"];
@@ -143,12 +74,14 @@ fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
     }
 }
 
-/// The point clouds of the recording at `path`, in the order of their time.
+/// The topics of the recording at `path`, and the point clouds of `topic` (of the one that has the most, if `None`) in the order of
+/// their time.
 pub(super) fn list(
     path: &Path,
     format: Format,
+    topic: Option<&str>,
     options: &ReadOptions,
-) -> Result<Vec<Entry>, IoError> {
+) -> Result<Contents, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
@@ -162,7 +95,8 @@ pub(super) fn list(
             _ => bag::find(&mut walk, options),
         }
     };
-    Ok(found.map_err(|fault| fault.of(path, format))?.entries(path))
+    let found = found.map_err(|fault| fault.of(path, format))?;
+    Ok(found.contents(topic))
 }
 
 /// The point cloud of a message.
