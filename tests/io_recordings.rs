@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "io_recordings/foxglove.rs"]
+mod foxglove;
 #[path = "io_recordings/topics.rs"]
 mod topics;
 

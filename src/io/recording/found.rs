@@ -1,7 +1,7 @@
 //! What the walk over a recording finds: topics, and where their point clouds are.
 
 use super::super::{Contents, Entry, Part, Topic};
-use super::{Encoding, Message, MessagePlace, pointcloud2};
+use super::{Encoding, Message, MessagePlace};
 use std::collections::{BTreeMap, HashMap};
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ impl Found {
     ) {
         if let Some(Some((_, encoding))) = self.topics.get(&topic) {
             let encoding = *encoding;
-            let time = pointcloud2::stamp(start, encoding).unwrap_or(log_time);
+            let time = encoding.stamp(start).unwrap_or(log_time);
             self.messages
                 .push((topic, time, Message { place, encoding }));
         }

@@ -9,8 +9,10 @@ mod bag;
 mod bytes;
 mod db3;
 mod found;
+mod foxglove;
 mod mcap;
 mod pointcloud2;
+mod protobuf;
 mod walk;
 
 use super::error::{Fault, Place};
@@ -18,9 +20,11 @@ use super::unpack::{Packing, unpack};
 use super::{Contents, Format, IoError, ReadOptions};
 use crate::cloud::RawCloud;
 use found::Found;
+use pointcloud2::Serialisation;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
+use std::time::Duration;
 
 /// A message with a point cloud.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,22 +58,46 @@ struct Chunk {
     crc: u32,
 }
 
-/// How the fields of a message are written one after the other.
+/// What a message with a point cloud is, and how its fields are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Encoding {
-    /// ROS 1: little endian without gaps.
-    Ros1,
-    /// ROS 2: numbers at multiples of their size, in the byte order that the first bytes say.
-    Cdr,
+    /// `sensor_msgs/PointCloud2` as ROS writes it.
+    Ros(Serialisation),
+    /// `foxglove.PointCloud` in Protocol Buffers.
+    Protobuf,
+    /// `foxglove.PointCloud` in JSON.
+    Json,
 }
 
-/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1 and of ROS 2.
+impl Encoding {
+    /// When the cloud was taken, if `start`, the first bytes of the message, says so.
+    fn stamp(self, start: &[u8]) -> Option<Duration> {
+        match self {
+            Self::Ros(serialisation) => pointcloud2::stamp(start, serialisation),
+            Self::Protobuf => foxglove::protobuf_stamp(start),
+            Self::Json => foxglove::json_stamp(start),
+        }
+    }
+
+    /// The cloud of a message.
+    fn decode(self, message: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
+        match self {
+            Self::Ros(serialisation) => pointcloud2::decode(message, serialisation, options),
+            Self::Protobuf => foxglove::decode_protobuf(message, options),
+            Self::Json => foxglove::decode_json(message, options),
+        }
+    }
+}
+
+/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1, of ROS 2 and of Foxglove.
 fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
-    const CLOUDS: [&str; 2] = ["sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2"];
+    let is_ros = ["sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2"].contains(&kind);
+    let is_foxglove = kind == "foxglove.PointCloud";
     match encoding {
-        _ if !CLOUDS.contains(&kind) => None,
-        "ros1" => Some(Encoding::Ros1),
-        "cdr" => Some(Encoding::Cdr),
+        "ros1" if is_ros => Some(Encoding::Ros(Serialisation::Ros1)),
+        "cdr" if is_ros => Some(Encoding::Ros(Serialisation::Cdr)),
+        "protobuf" if is_foxglove => Some(Encoding::Protobuf),
+        "json" if is_foxglove => Some(Encoding::Json),
         _ => None,
     }
 }
@@ -116,7 +144,7 @@ pub(super) fn read(
         (&MessagePlace::File { offset, .. } | &MessagePlace::Chunk { offset, .. }, encoding) => (
             // A ROS 1 message may be in an MCAP file, too; the file's name says which.
             match (encoding, Format::of_extension(path)) {
-                (Encoding::Ros1, Some(Format::Bag)) => Format::Bag,
+                (Encoding::Ros(Serialisation::Ros1), Some(Format::Bag)) => Format::Bag,
                 _ => Format::Mcap,
             },
             Place::Byte(offset as usize),
@@ -152,7 +180,9 @@ pub(super) fn read(
             unpacked
         }
     };
-    pointcloud2::decode(&bytes, message.encoding, options)
+    message
+        .encoding
+        .decode(&bytes, options)
         .map_err(|fault| invalid(format!("the point cloud: {}", fault.problem)))
 }
 
