@@ -10,9 +10,9 @@
 //! person meant those files. A file named outright is always taken; its first bytes decide.
 
 use super::recording::topics_of;
+use super::stamps::stamp;
 use super::{OpenOptions, Recording, SequenceError, Source};
 use crate::io::natural::{Run, Runs, natural_order, split_name};
-use crate::io::timestamps::times_of_names;
 use crate::io::{self, Format};
 use std::collections::HashSet;
 use std::fs;
@@ -65,18 +65,6 @@ pub(super) fn discover(
     number(&mut discovered.sources);
     stamp(&mut discovered.sources);
     Ok(discovered)
-}
-
-/// Where no file says when its frames were taken, their names may.
-fn stamp(sources: &mut [Source]) {
-    if sources.iter().any(|source| source.time.is_some()) {
-        return;
-    }
-    let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
-    let times = times_of_names(&names);
-    for (source, time) in sources.iter_mut().zip(times) {
-        source.time = time;
-    }
 }
 
 impl Discovered {

@@ -30,6 +30,7 @@ mod recording;
 mod records;
 mod shapes;
 mod source;
+mod stamps;
 mod travel;
 mod watch;
 
