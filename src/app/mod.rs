@@ -11,6 +11,7 @@
 //! **Idle.** The event loop sleeps until an event, a loader's or task's wake, or the clock's next deadline. A paused,
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.
 
+mod attributes;
 mod benchmark;
 mod command;
 mod comparison;

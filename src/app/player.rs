@@ -4,6 +4,7 @@
 //! if not, the clock is stopped on that frame and goes on from it when the loader has it. So a slow disk slows playing
 //! down and is told as `fps held`, but every frame is seen; a slow screen skips frames, which the clock counts.
 
+use super::attributes::FirstAttributes;
 use super::marks::{Run, runs};
 use crate::scene::{Primitive, Scene, Settings};
 use crate::sequence::{
@@ -40,6 +41,7 @@ pub struct Player {
     shown_at: VecDeque<Duration>,
     frames_shown: u64,
     follows_newest: bool,
+    attributes: FirstAttributes,
 }
 
 /// What [`Player::update`] changed.
@@ -49,6 +51,8 @@ pub(super) struct PlayerChange {
     pub(super) visible: bool,
     /// A frame at the playhead cannot be shown, and this is the first time that it was met.
     pub(super) new_failure: Option<Arc<FrameError>>,
+    /// What to tell of a frame that has not the attributes of the first one.
+    pub(super) other_attributes: Option<String>,
 }
 
 impl Player {
@@ -76,6 +80,7 @@ impl Player {
             shown_at: VecDeque::new(),
             frames_shown: 0,
             follows_newest: false,
+            attributes: FirstAttributes::default(),
             sequence,
         })
     }
@@ -223,6 +228,7 @@ impl Player {
         let mut change = PlayerChange {
             visible: has_grown,
             new_failure: None,
+            other_attributes: None,
         };
         let frame = match self.loader.get(target, &needs) {
             Slot::Ready(frame) => Some(frame),
@@ -248,6 +254,7 @@ impl Player {
         };
         if let Some(frame) = frame {
             self.arrive(ahead, now);
+            change.other_attributes = self.attributes.note(frame.index, &frame.frame);
             let was_broken = self.failure.take().is_some();
             change.visible |= self.show(frame, now) || was_broken;
         } else if self.waiting_for != Some(target) {

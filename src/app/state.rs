@@ -395,6 +395,9 @@ impl State {
             self.notices
                 .error(format!("Frame {place} of {count} is left out. {failure}"));
         }
+        if let Some(text) = change.other_attributes {
+            self.notices.warn(text);
+        }
         if !self.framed && player.shown().is_some() {
             self.frame_cloud();
             self.framed = true;

@@ -2,6 +2,7 @@
 
 use super::arguments::{ReadArgs, open_sequence};
 use super::{answer, say};
+use crate::check::changed_attributes;
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -201,6 +202,13 @@ fn table(info: &Info) -> String {
                 writeln!(text, "{:>6} cannot be read: {error}", frame.index)
             }
         };
+    }
+    let attributes = info.frames.iter().filter_map(|frame| match &frame.content {
+        Content::Read { attributes, .. } => Some((frame.index, attributes.as_slice())),
+        Content::Failed { .. } => None,
+    });
+    for finding in changed_attributes(attributes) {
+        let _ = writeln!(text, "{}", finding.message);
     }
     for recording in &info.recordings {
         let topics = recording.topics.iter().map(|topic| {
