@@ -73,10 +73,7 @@ pub fn read_part(path: &Path, part: &Part, options: &ReadOptions) -> Result<RawC
     // Archives and recordings may be larger than the memory: their first frame is read alone.
     if *part == Part::Whole
         && let Some(format) = Format::detect(path, &magic)
-        && matches!(
-            format,
-            Format::Zip | Format::Tar | Format::Mcap | Format::Bag | Format::Db3
-        )
+        && format.is_container()
     {
         let entries = list_format(path, format, None, options)?.entries;
         return match entries.first() {
