@@ -97,9 +97,14 @@ fn every_format_is_unpacked() {
                 let mut row = point(format, 65535 - index as u16, &[7; 3][..usize::from(extra)]);
                 row[..4].copy_from_slice(&((index * index) as i32).to_le_bytes());
                 row[12] = index as u8;
-                // A wave packet is the last field of the format.
+                // A wave packet is the last field of the format: which description, where, how long, and four floats.
                 if [4, 5, 9, 10].contains(&format) {
-                    let packet: Vec<u8> = (0..29).map(|byte| (index * byte) as u8).collect();
+                    let mut packet = vec![1 + (index % 3) as u8];
+                    packet.extend((60 + 256 * index as u64).to_le_bytes());
+                    packet.extend(256u32.to_le_bytes());
+                    for float in [index as f32, 0.5, -0.25, 2.0] {
+                        packet.extend(float.to_le_bytes());
+                    }
                     row[usize::from(bytes) - 29..usize::from(bytes)].copy_from_slice(&packet);
                 }
                 rows.extend(row);
