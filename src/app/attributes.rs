@@ -2,12 +2,8 @@
 
 use crate::cloud::Frame;
 
-/// What pictures are made from, and whether a file has it.
-const ATTRIBUTES: [(&str, fn(&Frame) -> bool); 3] = [
-    ("colors", |frame| frame.colors().is_some()),
-    ("normals", |frame| frame.normals().is_some()),
-    ("radii", |frame| frame.radii().is_some()),
-];
+/// What pictures are made from where a file has it.
+const ATTRIBUTES: [&str; 3] = ["colors", "normals", "radii"];
 
 /// What the first shown frame of a sequence has.
 #[derive(Debug, Default)]
@@ -19,7 +15,11 @@ pub(super) struct FirstAttributes {
 impl FirstAttributes {
     /// Looks at frame `index`, which is shown; what to tell of it, if it is the first one that has something else.
     pub(super) fn note(&mut self, index: usize, frame: &Frame) -> Option<String> {
-        let has = ATTRIBUTES.map(|(_, has)| has(frame));
+        let has = [
+            frame.colors().is_some(),
+            frame.normals().is_some(),
+            frame.radii().is_some(),
+        ];
         let (first, had) = *self.first.get_or_insert((index, has));
         if self.was_told || has == had {
             return None;
@@ -28,7 +28,7 @@ impl FirstAttributes {
         let named = |has: [bool; 3]| {
             let names = ATTRIBUTES.iter().zip(has);
             let names: Vec<&str> = names
-                .filter_map(|((name, _), has)| has.then_some(*name))
+                .filter_map(|(name, has)| has.then_some(*name))
                 .collect();
             if names.is_empty() {
                 "none of colors, normals and radii".to_owned()

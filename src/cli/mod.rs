@@ -33,7 +33,7 @@ enum Verb {
     /// Renders frames to PNG files, without a window
     Render(Box<render::RenderArgs>),
     /// Measures drawing and octrees by the protocol of the paper, and errors beside times
-    Bench(bench::BenchArgs),
+    Bench(Box<bench::BenchArgs>),
     /// Says what is in a sequence
     Info(info::InfoArgs),
     /// Says what may be wrong with a sequence: exit code 0 if nothing, 3 if something was found

@@ -105,7 +105,7 @@ pub(super) fn json_stamp(start: &[u8]) -> Option<Duration> {
 /// Zero is no time; before 1970, a number with a sign, is none either.
 fn time_of(seconds: u64, nanos: u64) -> Option<Duration> {
     let is_time =
-        seconds <= i64::MAX as u64 && nanos < NANOS_PER_SECOND && (seconds, nanos) != (0, 0);
+        i64::try_from(seconds).is_ok() && nanos < NANOS_PER_SECOND && (seconds, nanos) != (0, 0);
     is_time.then(|| Duration::new(seconds, nanos as u32))
 }
 
