@@ -66,7 +66,16 @@ fn info_says_what_is_there() {
         serde_json::json!(["position", "color"])
     );
     let table = pointreel(&["info", text(folder.path())]);
-    assert!(String::from_utf8_lossy(&table.stdout).contains("3 frames"));
+    let table = String::from_utf8_lossy(&table.stdout).into_owned();
+    assert!(table.contains("3 frames"));
+    assert!(!table.contains("where the others have"), "{table}");
+
+    // A frame of bare positions among coloured ones.
+    fs::write(folder.path().join("f11.xyz"), "0 0 0\n1 1 1\n").unwrap();
+    let table = pointreel(&["info", text(folder.path())]);
+    let table = String::from_utf8_lossy(&table.stdout).into_owned();
+    let expected = "frame 3 has position where the others have position, color";
+    assert!(table.contains(expected), "{table}");
 }
 
 #[test]

@@ -2,6 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "io_recordings/foxglove.rs"]
+mod foxglove;
+#[path = "io_recordings/topics.rs"]
+mod topics;
+
 use pointreel::cloud::RawCloud;
 use pointreel::io::{self, Entry, IoError, Part, ReadOptions};
 use std::collections::BTreeMap;

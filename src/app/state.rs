@@ -342,8 +342,22 @@ impl State {
 
     /// Finds the frames of `inputs` on a thread and opens them.
     pub fn open_paths(&mut self, inputs: Vec<PathBuf>) {
+        self.open_with_topic(inputs, None);
+    }
+
+    /// Opens the open recording again, with the point clouds of another topic.
+    pub fn open_topic(&mut self, topic: &str) {
+        if let Some(player) = &self.player {
+            let inputs = player.sequence().inputs().to_vec();
+            self.open_with_topic(inputs, Some(topic.into()));
+        }
+    }
+
+    /// A topic is a choice for one recording: what is opened next has others.
+    fn open_with_topic(&self, inputs: Vec<PathBuf>, topic: Option<Arc<str>>) {
         if !inputs.is_empty() {
-            self.tasks.find(inputs, self.options.open);
+            let open = self.options.open.clone();
+            self.tasks.find(inputs, OpenOptions { topic, ..open });
         }
     }
 
@@ -381,6 +395,9 @@ impl State {
             let count = player.sequence().len();
             self.notices
                 .error(format!("Frame {place} of {count} is left out. {failure}"));
+        }
+        if let Some(text) = change.other_attributes {
+            self.notices.warn(text);
         }
         if !self.framed && player.shown().is_some() {
             self.frame_cloud();

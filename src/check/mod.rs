@@ -8,6 +8,7 @@ mod facts;
 mod rules;
 
 pub use facts::FrameFacts;
+pub(crate) use rules::changed_attributes;
 
 use crate::scene::UpAxis;
 use crate::sequence::{FrameError, Sequence};

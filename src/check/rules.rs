@@ -29,7 +29,10 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
     let mut findings = number_gaps(sequence);
     findings.extend(time_jumps(sequence));
     findings.extend(unreadable(facts));
-    findings.extend(changed_attributes(facts));
+    let attributes = facts.iter().enumerate();
+    findings.extend(changed_attributes(attributes.filter_map(
+        |(index, facts)| Some((index, facts.as_ref().ok()?.attributes.as_slice())),
+    )));
     findings.extend(bounds_jumps(facts));
     findings.extend(changed_up_axes(facts));
     findings.extend(counted(
@@ -205,13 +208,13 @@ fn unreadable(facts: &Facts) -> Vec<Finding> {
     failed.collect()
 }
 
-/// Frames whose attributes are not those of most frames.
-fn changed_attributes(facts: &Facts) -> Vec<Finding> {
+/// Frames whose attributes are not those of most frames; `attributes` are those of each frame that can be read.
+pub(crate) fn changed_attributes<'a>(
+    attributes: impl IntoIterator<Item = (usize, &'a [String])>,
+) -> Vec<Finding> {
     let mut kinds: BTreeMap<&[String], Vec<usize>> = BTreeMap::new();
-    for (index, facts) in facts.iter().enumerate() {
-        if let Ok(facts) = facts {
-            kinds.entry(&facts.attributes).or_default().push(index);
-        }
+    for (index, attributes) in attributes {
+        kinds.entry(attributes).or_default().push(index);
     }
     let most = kinds.values().map(Vec::len).max().unwrap_or(0);
     let Some(usual) = kinds

@@ -13,6 +13,7 @@ use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::Arc;
 
 /// The name of the built-in sequence where an INPUT is expected.
 pub(super) const DEMO_INPUT: &str = "demo:";
@@ -49,6 +50,11 @@ pub(super) struct ReadArgs {
     /// All scans of an E57 file are one frame, not a frame each
     #[arg(long)]
     merge_scans: bool,
+
+    /// The topic of a recording (MCAP, ROS bag) whose point clouds are the frames (usually the one that has the most; `info` lists
+    /// them)
+    #[arg(long, value_name = "NAME")]
+    topic: Option<String>,
 }
 
 /// Points on the surface of a mesh where pictures are made and nobody said how many.
@@ -73,6 +79,7 @@ impl ReadArgs {
                 .with_sample_count(self.sample),
             fps: None,
             merge_scans: self.merge_scans,
+            topic: self.topic.as_deref().map(Arc::from),
         }
     }
 }

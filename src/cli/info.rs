@@ -2,7 +2,8 @@
 
 use super::arguments::{ReadArgs, open_sequence};
 use super::{answer, say};
-use crate::sequence::Sequence;
+use crate::check::changed_attributes;
+use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
 use clap::Args;
 use rayon::prelude::*;
@@ -31,6 +32,24 @@ struct Info {
     origin: [f64; 3],
     /// At normal speed, for most of the time.
     fps: f64,
+    /// Of recordings alone.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    recordings: Vec<RecordingInfo>,
+}
+
+#[derive(Serialize)]
+struct RecordingInfo {
+    file: String,
+    /// Those with point clouds.
+    topics: Vec<TopicInfo>,
+}
+
+#[derive(Serialize)]
+struct TopicInfo {
+    name: String,
+    clouds: usize,
+    /// Whether its point clouds are the frames.
+    read: bool,
 }
 
 #[derive(Serialize)]
@@ -92,6 +111,7 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         frames,
         origin: origin.to_array(),
         fps: sequence.fps(),
+        recordings: sequence.recordings().iter().map(recording_info).collect(),
     };
     if arguments.json {
         answer(
@@ -101,6 +121,18 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         answer(table(&info).trim_end());
     }
     Ok(())
+}
+
+fn recording_info(recording: &Recording) -> RecordingInfo {
+    let topics = recording.topics.iter().map(|topic| TopicInfo {
+        name: topic.name.clone(),
+        clouds: topic.cloud_count,
+        read: topic.is_read,
+    });
+    RecordingInfo {
+        file: recording.path.display().to_string(),
+        topics: topics.collect(),
+    }
 }
 
 fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
@@ -170,6 +202,21 @@ fn table(info: &Info) -> String {
                 writeln!(text, "{:>6} cannot be read: {error}", frame.index)
             }
         };
+    }
+    let attributes = info.frames.iter().filter_map(|frame| match &frame.content {
+        Content::Read { attributes, .. } => Some((frame.index, attributes.as_slice())),
+        Content::Failed { .. } => None,
+    });
+    for finding in changed_attributes(attributes) {
+        let _ = writeln!(text, "{}", finding.message);
+    }
+    for recording in &info.recordings {
+        let topics = recording.topics.iter().map(|topic| {
+            let read = if topic.read { ", read" } else { "" };
+            format!("{} ({} clouds{read})", topic.name, topic.clouds)
+        });
+        let topics: Vec<String> = topics.collect();
+        let _ = writeln!(text, "{}: topics {}", recording.file, topics.join(", "));
     }
     let [x, y, z] = info.origin;
     let _ = writeln!(

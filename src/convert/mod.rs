@@ -125,7 +125,7 @@ pub fn convert(
             path: folder.clone(),
             reason,
         })?;
-        Record::of(conversion).keep_in(folder, conversion.overwrites)?;
+        Record::of(conversion, sequence).keep_in(folder, conversion.overwrites)?;
     }
     let last = sequence.len().saturating_sub(1);
     let range = conversion.frames.clone().unwrap_or(0..=last);

@@ -1,6 +1,7 @@
 //! What a folder of converted frames was made with, so that nobody mixes two conversions in it.
 
 use super::{Conversion, ConvertError};
+use crate::sequence::Sequence;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -12,11 +13,17 @@ const FILE_NAME: &str = ".pointreel-convert.json";
 pub struct Record {
     format: String,
     edit: String,
+    /// Topics of recordings that are read.
+    #[serde(default)]
+    topics: Vec<String>,
 }
 
 impl Record {
-    pub(super) fn of(conversion: &Conversion) -> Self {
+    pub(super) fn of(conversion: &Conversion, sequence: &Sequence) -> Self {
+        let mut topics = sequence.topics();
+        topics.retain(|topic| topic.is_read);
         Self {
+            topics: topics.into_iter().map(|topic| topic.name).collect(),
             format: conversion.format.to_string(),
             edit: conversion.edit.to_string(),
         }
@@ -45,10 +52,17 @@ impl Record {
     }
 
     fn difference(&self, known: &Self) -> String {
-        if self.format == known.format {
-            format!("{} there, {} now", known.edit, self.edit)
+        let (there, now) = if self.format != known.format {
+            (known.format.clone(), self.format.clone())
+        } else if self.edit != known.edit {
+            (known.edit.clone(), self.edit.clone())
         } else {
-            format!("{} there, {} now", known.format, self.format)
-        }
+            let topics = |topics: &[String]| match topics {
+                [] => "no topic".to_owned(),
+                topics => format!("topic {}", topics.join(", ")),
+            };
+            (topics(&known.topics), topics(&self.topics))
+        };
+        format!("{there} there, {now} now")
     }
 }

@@ -43,11 +43,50 @@ impl Entry {
     }
 }
 
-/// The frames in the file at `path`, in the order of time or of their names; a file of one frame is not looked at beyond its
-/// first bytes.
-pub fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
-    match Format::detect(path, &super::first_bytes(path)?) {
-        Some(format) => super::list_format(path, format, options),
-        None => Ok(vec![Entry::whole()]),
+/// A topic of a recording with point clouds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Topic {
+    /// Its name, such as `/lidar/points`.
+    pub name: String,
+    /// Number of its messages.
+    pub cloud_count: usize,
+    /// Whether its point clouds are the frames.
+    pub is_read: bool,
+}
+
+/// What is in a file.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Contents {
+    /// The frames, in the order of time or of their names.
+    pub entries: Vec<Entry>,
+    /// The topics with point clouds of a recording, in the order of their names; other files have none.
+    pub topics: Vec<Topic>,
+}
+
+impl Contents {
+    /// Frames of a file that has no topics.
+    pub(super) fn of_entries(entries: Vec<Entry>) -> Self {
+        Self {
+            entries,
+            topics: Vec::new(),
+        }
     }
+}
+
+/// What is in the file at `path`; a file of one frame is not looked at beyond its first bytes. Of a recording, the point clouds of
+/// `topic` are the frames: none where it has no such topic, those of the topic that has the most if `None`.
+pub fn contents(
+    path: &Path,
+    topic: Option<&str>,
+    options: &ReadOptions,
+) -> Result<Contents, IoError> {
+    match Format::detect(path, &super::first_bytes(path)?) {
+        Some(format) => super::list_format(path, format, topic, options),
+        None => Ok(Contents::of_entries(vec![Entry::whole()])),
+    }
+}
+
+/// The frames of [`contents`], of the topic that has the most.
+pub fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
+    Ok(contents(path, None, options)?.entries)
 }

@@ -97,9 +97,15 @@ impl Format {
 
     /// Whether a file of this format may hold more than one frame.
     pub fn holds_many(self) -> bool {
+        matches!(self, Self::E57 | Self::Gltf) || self.is_container()
+    }
+
+    /// Whether frames lie in a file of this format as whole files or messages: each is read alone, as the file may be larger than
+    /// the memory.
+    pub fn is_container(self) -> bool {
         matches!(
             self,
-            Self::E57 | Self::Gltf | Self::Mcap | Self::Bag | Self::Db3 | Self::Zip | Self::Tar
+            Self::Mcap | Self::Bag | Self::Db3 | Self::Zip | Self::Tar
         )
     }
 

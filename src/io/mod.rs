@@ -38,7 +38,7 @@ mod write;
 mod xyz;
 
 pub use archive::Member;
-pub use contents::{Entry, Part, list};
+pub use contents::{Contents, Entry, Part, Topic, contents, list};
 pub use error::{IoError, Place};
 pub use format::{Format, supported_extensions};
 pub use natural::natural_order;
@@ -76,12 +76,9 @@ pub fn read_part(path: &Path, part: &Part, options: &ReadOptions) -> Result<RawC
     // Archives and recordings may be larger than the memory: their first frame is read alone.
     if *part == Part::Whole
         && let Some(format) = Format::detect(path, &magic)
-        && matches!(
-            format,
-            Format::Zip | Format::Tar | Format::Mcap | Format::Bag | Format::Db3
-        )
+        && format.is_container()
     {
-        let entries = list_format(path, format, options)?;
+        let entries = list_format(path, format, None, options)?.entries;
         return match entries.first() {
             Some(first) if first.part != Part::Whole => read_part(path, &first.part, options),
             _ => Err(IoError::NoFrame {
@@ -158,21 +155,29 @@ fn read_bytes_with(
         .map_err(|fault| fault.of(name, format))
 }
 
-/// The frames in a file of `format`.
-fn list_format(path: &Path, format: Format, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
-    match format {
-        Format::Zip | Format::Tar => archive::list(path, format, options),
-        Format::Mcap | Format::Bag | Format::Db3 => recording::list(path, format, options),
-        Format::E57 => e57::list(path),
+/// What is in a file of `format`.
+fn list_format(
+    path: &Path,
+    format: Format,
+    topic: Option<&str>,
+    options: &ReadOptions,
+) -> Result<Contents, IoError> {
+    let entries = match format {
+        Format::Mcap | Format::Bag | Format::Db3 => {
+            return recording::list(path, format, topic, options);
+        }
+        Format::Zip | Format::Tar => archive::list(path, format, options)?,
+        Format::E57 => e57::list(path)?,
         Format::Gltf => {
             let bytes = std::fs::read(path).map_err(|source| IoError::Io {
                 path: path.to_owned(),
                 source,
             })?;
-            gltf::list(path, &bytes, options).map_err(|fault| fault.of(path, format))
+            gltf::list(path, &bytes, options).map_err(|fault| fault.of(path, format))?
         }
-        _ => Ok(vec![Entry::whole()]),
-    }
+        _ => vec![Entry::whole()],
+    };
+    Ok(Contents::of_entries(entries))
 }
 
 /// The first [`Format::MAGIC_BYTES`] of a file, or all if there are fewer.

@@ -1,4 +1,4 @@
-//! Times in file names.
+//! Times in file names, and in lists of times.
 //!
 //! Recorders name frames by when they were taken; others number them. A number is believed to be a time only if it cannot well
 //! be a counter:
@@ -43,6 +43,16 @@ pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
     }
     // The name of a single file says when it was made, not what frame it is.
     if times.len() < 2 { none() } else { times }
+}
+
+/// The times in `text`, one a line: seconds, `1.037359e-01`, or a date with a time of day, `2011-09-26 13:02:25.964389445`. `None`
+/// where a line is neither.
+pub(crate) fn times_of_lines(text: &str) -> Option<Vec<Duration>> {
+    let time = |line: &str| match line.trim().parse() {
+        Ok(seconds) => Duration::try_from_secs_f64(seconds).ok(),
+        Err(_) => date(&runs(line)),
+    };
+    text.trim_end().lines().map(time).collect()
 }
 
 fn time_of_name(name: &str) -> Option<(Kind, Duration)> {
@@ -264,6 +274,32 @@ mod tests {
             ),
         ] {
             assert_eq!(seconds_of(&names), Some(expected.to_vec()), "{names:?}");
+        }
+    }
+
+    #[test]
+    fn lists_have_a_time_a_line() {
+        let list = times_of_lines("0.000000e+00\n1.037359e-01\r\n 2.5\n\n");
+        let expected = [0, 103_735_900, 2_500_000_000].map(Duration::from_nanos);
+        assert_eq!(list, Some(expected.to_vec()));
+        let list = times_of_lines("2011-09-26 13:02:25.964389445\n2011-09-26 13:02:26");
+        let expected = [(1_317_042_145, 964_389_445), (1_317_042_146, 0)];
+        let expected = expected.map(|(seconds, nanos)| Duration::new(seconds, nanos));
+        assert_eq!(list, Some(expected.to_vec()));
+        for wrong in [
+            "1\n\n2",
+            "a",
+            "-1",
+            "nan",
+            "1e30",
+            "2011-13-26 13:02:25",
+            "",
+        ] {
+            assert_eq!(
+                times_of_lines(wrong).filter(|times| !times.is_empty()),
+                None,
+                "{wrong}"
+            );
         }
     }
 

@@ -2,6 +2,7 @@
 //!
 //! [`Player`] joins a clock and a loader and knows no window; time is handed in. The window and the benchmark of playing are its users.
 
+mod attributes;
 mod marks;
 mod player;
 

@@ -7,6 +7,7 @@
 //! picture took, and says what it has. Paused, all points are shown. A disk that cannot even bring enough for that slows playing
 //! down, so that every frame is seen, and frames are *late*; a screen that is too slow even so *skips* frames. All of it is counted.
 
+use super::attributes::FirstAttributes;
 use super::marks::{Run, runs};
 use crate::scene::{Primitive, Scene, Settings};
 use crate::sequence::{
@@ -45,6 +46,7 @@ pub struct Player {
     coarse_frames_shown: u64,
     late_frames: u64,
     follows_newest: bool,
+    attributes: FirstAttributes,
 }
 
 /// What [`Player::update`] changed.
@@ -54,6 +56,8 @@ pub struct PlayerChange {
     pub visible: bool,
     /// A frame at the playhead cannot be shown, and this is the first time that it was met.
     pub new_failure: Option<Arc<FrameError>>,
+    /// What to tell of a frame that has not the attributes of the first one.
+    pub other_attributes: Option<String>,
 }
 
 impl Player {
@@ -88,6 +92,7 @@ impl Player {
             coarse_frames_shown: 0,
             late_frames: 0,
             follows_newest: false,
+            attributes: FirstAttributes::default(),
             sequence,
         }
     }
@@ -254,6 +259,7 @@ impl Player {
         let mut change = PlayerChange {
             visible: has_grown,
             new_failure: None,
+            other_attributes: None,
         };
         let frame = match self.loader.get(target, &needs) {
             Slot::Ready(frame) | Slot::Coarse(frame) => Some(frame),
@@ -279,6 +285,7 @@ impl Player {
         };
         if let Some(frame) = frame {
             self.arrive(ahead, now);
+            change.other_attributes = self.attributes.note(frame.index, &frame.frame);
             let was_broken = self.failure.take().is_some();
             change.visible |= self.show(frame, now) || was_broken;
         } else if self.waiting_for != Some(target) {

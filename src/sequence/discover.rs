@@ -9,9 +9,10 @@
 //! sub-folders. A pattern is read the same way, unless nothing it matches has a known extension: then the
 //! person meant those files. A file named outright is always taken; its first bytes decide.
 
-use super::{OpenOptions, SequenceError, Source};
+use super::recording::topics_of;
+use super::stamps::stamp;
+use super::{OpenOptions, Recording, SequenceError, Source};
 use crate::io::natural::{Run, Runs, natural_order, split_name};
-use crate::io::timestamps::times_of_names;
 use crate::io::{self, Format};
 use std::collections::HashSet;
 use std::fs;
@@ -21,11 +22,19 @@ use std::time::Duration;
 /// How many sub-folders the message of an empty folder names.
 const NAMED_SUBFOLDERS: usize = 3;
 
+/// What `inputs` hold.
+#[derive(Debug, Default)]
+pub(super) struct Discovered {
+    /// All frames in order.
+    pub(super) sources: Vec<Source>,
+    pub(super) recordings: Vec<Recording>,
+}
+
 /// The ordered frames of `inputs`; see the module's text for the rules.
 pub(super) fn discover(
     inputs: &[PathBuf],
     options: &OpenOptions,
-) -> Result<Vec<Source>, SequenceError> {
+) -> Result<Discovered, SequenceError> {
     if inputs.is_empty() {
         return Err(SequenceError::NoInput);
     }
@@ -46,41 +55,66 @@ pub(super) fn discover(
 
     let mut taken = HashSet::with_capacity(paths.len());
     paths.retain(|path| taken.insert(path.clone()));
-    let mut sources = Vec::with_capacity(paths.len());
+    let mut discovered = Discovered::default();
     for path in paths {
-        append_frames(&mut sources, path, options);
+        discovered.append_frames(path, options);
     }
-    number(&mut sources);
-    stamp(&mut sources);
-    Ok(sources)
+    if let Some(topic) = &options.topic {
+        discovered.demand(topic)?;
+    }
+    number(&mut discovered.sources);
+    stamp(&mut discovered.sources);
+    Ok(discovered)
 }
 
-/// Where no file says when its frames were taken, their names may.
-fn stamp(sources: &mut [Source]) {
-    if sources.iter().any(|source| source.time.is_some()) {
-        return;
-    }
-    let names: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
-    let times = times_of_names(&names);
-    for (source, time) in sources.iter_mut().zip(times) {
-        source.time = time;
-    }
-}
-
-/// Appends what is in the file at `path`: one frame, or those that [`io::list`] finds. What cannot be listed is one frame, which
-/// says why when it is decoded.
-fn append_frames(sources: &mut Vec<Source>, path: PathBuf, options: &OpenOptions) {
-    let format = Format::of_extension(&path);
-    // A file of one frame by its name is not opened here: there may be a hundred thousand.
-    let may_hold_many = format.is_none_or(Format::holds_many);
-    let stays_whole = format == Some(Format::E57) && options.merge_scans;
-    let listed = (may_hold_many && !stays_whole).then(|| io::list(&path, &options.read));
-    match listed {
-        Some(Ok(entries)) => {
-            let frames = entries.into_iter();
-            sources.extend(frames.map(|entry| Source::entry(&path, entry)));
+impl Discovered {
+    /// Appends what is in the file at `path`: one frame, or those that [`io::contents`] finds. What cannot be listed is one frame,
+    /// which says why when it is decoded.
+    fn append_frames(&mut self, path: PathBuf, options: &OpenOptions) {
+        let format = Format::of_extension(&path);
+        // A file of one frame by its name is not opened here: there may be a hundred thousand.
+        let may_hold_many = format.is_none_or(Format::holds_many);
+        let stays_whole = format == Some(Format::E57) && options.merge_scans;
+        let listed = (may_hold_many && !stays_whole)
+            .then(|| io::contents(&path, options.topic.as_deref(), &options.read));
+        match listed {
+            // What holds no frame at all says so when it is decoded.
+            Some(Ok(contents)) if contents.entries.is_empty() && options.topic.is_none() => {
+                self.sources.push(Source::file(path));
+            }
+            Some(Ok(contents)) => {
+                let frames = contents.entries.into_iter();
+                self.sources
+                    .extend(frames.map(|entry| Source::entry(&path, entry)));
+                if !contents.topics.is_empty() {
+                    self.recordings.push(Recording {
+                        path,
+                        topics: contents.topics,
+                    });
+                }
+            }
+            None | Some(Err(_)) => self.sources.push(Source::file(path)),
         }
-        None | Some(Err(_)) => sources.push(Source::file(path)),
+    }
+
+    /// A recording of several files need not have the topic in each of them, but in one.
+    fn demand(&self, topic: &str) -> Result<(), SequenceError> {
+        let mut known: Vec<String> = Vec::new();
+        for found in topics_of(&self.recordings) {
+            match found.cloud_count {
+                0 => {}
+                _ if found.name == topic => return Ok(()),
+                count => known.push(format!("{} ({count})", found.name)),
+            }
+        }
+        Err(SequenceError::NoTopic {
+            topic: topic.to_owned(),
+            hint: if known.is_empty() {
+                "no input is a recording with point clouds".to_owned()
+            } else {
+                format!("name one of {}", known.join(", "))
+            },
+        })
     }
 }
 

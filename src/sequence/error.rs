@@ -47,6 +47,14 @@ pub enum SequenceError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A topic that no recording among the inputs has.
+    #[error("there are no point clouds of topic {topic}: {hint}")]
+    NoTopic {
+        /// The topic as given.
+        topic: String,
+        /// What there is.
+        hint: String,
+    },
     /// A folder or path that the system does not let us look into.
     #[error("{} cannot be listed ({reason}): check its permissions", path.display())]
     Unreadable {

@@ -28,9 +28,11 @@ mod needs;
 mod origin;
 mod pace;
 mod prepare;
+mod recording;
 mod records;
 mod shapes;
 mod source;
+mod stamps;
 mod travel;
 mod watch;
 
@@ -44,6 +46,7 @@ pub use loader::{FrameState, Loader, LoaderOptions, LoaderStats, Slot};
 pub use needs::{ColorSource, Needs};
 pub use pace::Pace;
 pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare};
+pub use recording::Recording;
 pub use records::UNIFORM_COLOR;
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
@@ -52,7 +55,7 @@ pub use travel::{Direction, LoopMode};
 pub use watch::watch;
 
 use crate::cloud::{Frame, RawCloud};
-use crate::io::ReadOptions;
+use crate::io::{ReadOptions, Topic};
 use glam::DVec3;
 use origin::OriginFinder;
 use std::path::PathBuf;
@@ -61,7 +64,7 @@ use std::sync::{Arc, RwLock};
 use std::time::{Duration, Instant};
 
 /// How inputs are opened.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct OpenOptions {
     /// How files are read.
     pub read: ReadOptions,
@@ -69,6 +72,8 @@ pub struct OpenOptions {
     pub fps: Option<f64>,
     /// The scans of an E57 file are one frame, not a frame each.
     pub merge_scans: bool,
+    /// The topic of recordings whose point clouds are the frames; of each the one that has the most if `None`.
+    pub topic: Option<Arc<str>>,
 }
 
 /// Ordered sources of frames, their common origin and their pace. Shared between threads behind an [`Arc`]; may grow at its end.
@@ -80,6 +85,7 @@ pub struct Sequence {
     fps: Option<f64>,
     /// What was opened, and how, if it is to be looked at again.
     opened: Option<(Vec<PathBuf>, OpenOptions)>,
+    recordings: Vec<Recording>,
 }
 
 /// A frame as [`Sequence::load`] gives it.
@@ -102,20 +108,38 @@ impl Sequence {
 
     /// [`Sequence::discover`] with a choice of how.
     pub fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, SequenceError> {
-        let sources = discover::discover(inputs, options)?;
+        let discovered = discover::discover(inputs, options)?;
         let read = options.read;
-        let sequence = Self::with_decoder(sources, move |source| source::decode(source, &read));
+        let decode = move |source: &Source| source::decode(source, &read);
+        if options.topic.is_none() {
+            recording::warn_of_unread(&discovered.recordings);
+        }
         Ok(Self {
             fps: options.fps,
-            opened: Some((inputs.to_vec(), *options)),
-            ..sequence
+            opened: Some((inputs.to_vec(), options.clone())),
+            recordings: discovered.recordings,
+            ..Self::with_decoder(discovered.sources, decode)
         })
+    }
+
+    /// What was opened: nothing for the demo and for a decoder of one's own.
+    pub fn inputs(&self) -> &[PathBuf] {
+        self.opened.as_ref().map_or(&[], |(inputs, _)| inputs)
+    }
+
+    /// The recordings among what was opened.
+    pub fn recordings(&self) -> &[Recording] {
+        &self.recordings
+    }
+
+    /// The topics with point clouds of all recordings together, in the order of their names.
+    pub fn topics(&self) -> Vec<Topic> {
+        recording::topics_of(&self.recordings)
     }
 
     /// Whether [`Sequence::look_again`] can find anything: a folder or a pattern is open, not only files.
     pub fn may_grow(&self) -> bool {
-        let inputs = self.opened.iter().flat_map(|(inputs, _)| inputs);
-        inputs.into_iter().any(|input| !input.is_file())
+        self.inputs().iter().any(|input| !input.is_file())
     }
 
     /// Looks at the inputs again and takes the frames that came behind the last one; says how many. What came between others is
@@ -124,7 +148,7 @@ impl Sequence {
         let Some((inputs, options)) = &self.opened else {
             return Ok(0);
         };
-        let found = discover::discover(inputs, options)?;
+        let found = discover::discover(inputs, options)?.sources;
         let mut sources = write(&self.sources);
         let is_last = |source: &Source| {
             let last = sources.last();
@@ -157,6 +181,7 @@ impl Sequence {
             origin: OriginFinder::default(),
             fps: None,
             opened: None,
+            recordings: Vec::new(),
         }
     }
 

@@ -53,6 +53,80 @@ fn menus_open_close_and_list_what_was_opened() {
     assert_eq!(harness.state_mut().take_requests(), [WindowRequest::Quit]);
 }
 
+/// A recording with one cloud of one point on each of two topics, and a second one on the first.
+fn recording(path: &std::path::Path) {
+    let mut file = std::fs::File::create(path).unwrap();
+    let mut writer = mcap::Writer::new(&mut file).unwrap();
+    let schema = writer
+        .add_schema("sensor_msgs/PointCloud2", "ros1msg", b"")
+        .unwrap();
+    for (topic, cloud_count) in [("/front", 2), ("/rear", 1)] {
+        let channel = writer
+            .add_channel(schema, topic, "ros1", &Default::default())
+            .unwrap();
+        for second in 1..=cloud_count {
+            let mut message = Vec::new();
+            let number = |message: &mut Vec<u8>, value: u32| message.extend(value.to_le_bytes());
+            // Sequence, time, no name, 1 x 1 points, three fields.
+            for value in [0, second, 0, 0, 1, 1, 3] {
+                number(&mut message, value);
+            }
+            for (name, offset) in [(b"x", 0), (b"y", 4), (b"z", 8)] {
+                number(&mut message, 1);
+                message.extend(name);
+                number(&mut message, offset);
+                message.push(7);
+                number(&mut message, 1);
+            }
+            message.push(0);
+            for value in [12, 12, 12, 0, 0, 0] {
+                number(&mut message, value);
+            }
+            message.push(1);
+            let header = mcap::records::MessageHeader {
+                channel_id: channel,
+                sequence: second,
+                log_time: 1,
+                publish_time: 1,
+            };
+            writer.write_to_known_channel(&header, &message).unwrap();
+        }
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn another_topic_of_a_recording_is_chosen_in_the_menu() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.mcap");
+    recording(&path);
+    let frame_count =
+        |harness: &Harness<'_, State>| harness.state().player.as_ref().unwrap().sequence().len();
+    let mut harness = window_on(sequence(&[]), options());
+    click(&mut harness, "File");
+    assert!(harness.query_by_label("Topic").is_none(), "files have none");
+    click(&mut harness, "File");
+
+    let wait_for = |harness: &mut Harness<'_, State>, count: usize| {
+        let begin = Instant::now();
+        while frame_count(harness) != count {
+            assert!(
+                begin.elapsed() < Duration::from_secs(20),
+                "{count} frames were expected"
+            );
+            harness.state_mut().update(Duration::ZERO);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    harness.state_mut().open_paths(vec![path]);
+    wait_for(&mut harness, 2);
+    click(&mut harness, "File");
+    click(&mut harness, "Topic");
+    choose_item(&mut harness, "/rear");
+    wait_for(&mut harness, 1);
+    assert!(harness.state().notices.list().is_empty());
+}
+
 /// Clicks an item of the open menu; its label has the key after the text.
 fn choose_item(harness: &mut Harness<'_, State>, text: &str) {
     harness

@@ -1,11 +1,48 @@
 //! Notices, and frames that cannot be read.
 
-use super::{click, options, sequence, window, window_on};
+use super::{FRAMES, click, options, sequence, window, window_on};
 use egui::pos2;
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use pointreel::app::{Command, Severity};
+use pointreel::app::{Command, Severity, State};
+use pointreel::cloud::{Positions, RawCloud};
 use pointreel::playback::Mark;
+use pointreel::sequence::{Sequence, Source};
+use std::sync::Arc;
 use std::time::Duration;
+
+#[test]
+fn frames_that_have_less_are_told_of_once() {
+    let sources = (0..FRAMES).map(|index| Source::file(format!("/scans/{index}.ply")));
+    let sequence = Sequence::with_decoder(sources.collect(), |source| {
+        let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]]));
+        let is_bare = ["5.ply", "7.ply"].contains(&source.name.as_str());
+        cloud.colors = (!is_bare).then(|| vec![[255; 4]; 2]);
+        Ok(cloud)
+    });
+    let mut harness = window_on(Arc::new(sequence), options());
+    let told = |harness: &Harness<'_, State>| {
+        let notices = harness.state().notices.list();
+        notices
+            .iter()
+            .map(|notice| notice.text.clone())
+            .collect::<Vec<_>>()
+    };
+    for frame in 0..5 {
+        assert_eq!(told(&harness), Vec::<String>::new(), "{frame}");
+        harness.state_mut().run(Command::Step(1));
+        harness.state_mut().update(Duration::ZERO);
+    }
+    let text = told(&harness);
+    assert_eq!(text.len(), 1);
+    let expected = "Frame 1 has colors, frame 6 has none of colors, normals and radii";
+    assert!(text[0].starts_with(expected), "{text:?}");
+    for _ in 0..FRAMES {
+        harness.state_mut().run(Command::Step(1));
+        harness.state_mut().update(Duration::ZERO);
+    }
+    assert_eq!(told(&harness), text);
+}
 
 #[test]
 fn a_broken_frame_is_marked_told_once_and_played_over() {

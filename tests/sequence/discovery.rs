@@ -237,3 +237,54 @@ fn times_in_names_say_how_long_frames_last() {
     assert!(chosen.pace().is_even());
     assert_eq!(chosen.fps(), 10.0);
 }
+
+#[test]
+fn kitti_lists_times_beside_its_scans() {
+    let folder = tempfile::tempdir().unwrap();
+    let scans = |part: &str, names: &[&str]| {
+        let scans = folder.path().join(part);
+        fs::create_dir_all(&scans).unwrap();
+        for name in names {
+            fs::write(scans.join(name), "").unwrap();
+        }
+        scans
+    };
+    let times = |input: &Path| -> Option<Vec<f64>> {
+        let sequence = Sequence::discover(&[input.to_path_buf()]).unwrap();
+        let sources = sequence.sources();
+        sources
+            .iter()
+            .map(|source| Some(source.time?.as_secs_f64()))
+            .collect()
+    };
+    let odometry = scans("00/velodyne", &["000000.bin", "000001.bin", "000002.bin"]);
+    assert_eq!(times(&odometry), None, "no list");
+    let list = folder.path().join("00/times.txt");
+    fs::write(&list, "0.000000e+00\n1.000000e-01\n3.000000e-01\n").unwrap();
+    assert_eq!(times(&odometry), Some(vec![0.0, 0.1, 0.3]));
+    // Some of the scans have the lines of their numbers.
+    assert_eq!(times(&odometry.join("*[12].bin")), Some(vec![0.1, 0.3]));
+    fs::write(&list, "0.0\n0.1\n").unwrap();
+    assert_eq!(times(&odometry), None, "a line is missing");
+    fs::write(&list, "0.0\n0.1\nlast\n").unwrap();
+    assert_eq!(times(&odometry), None, "a line is no time");
+
+    // The second scan is missing, as in some of the raw recordings.
+    let raw = scans(
+        "velodyne_points/data",
+        &["0000000000.bin", "0000000002.bin"],
+    );
+    let list = folder.path().join("velodyne_points/timestamps.txt");
+    let day = "2011-09-26 13:02:25";
+    fs::write(&list, format!("{day}.25\n{day}.35\n{day}.45\n")).unwrap();
+    let first = 1_317_042_145.25;
+    assert_eq!(times(&raw), Some(vec![first, first + 0.2]));
+
+    // Numbers that begin at 1: a line for each, in order.
+    let odd = scans("odd/velodyne", &["1.bin", "2.bin"]);
+    fs::write(folder.path().join("odd/times.txt"), "5\n6").unwrap();
+    assert_eq!(times(&odd), Some(vec![5.0, 6.0]));
+    // What is no scan of KITTI has no such list.
+    let other = scans("odd/clouds", &["0.ply", "1.ply"]);
+    assert_eq!(times(&other), None);
+}

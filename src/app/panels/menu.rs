@@ -39,6 +39,7 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     item(ui, state, "Open files…", Command::OpenFiles);
     item(ui, state, "Open folder…", Command::OpenFolder);
     ui.menu_button("Recent", |ui| recent_menu(ui, state));
+    topic_menu(ui, state);
     item(ui, state, "Demo", Command::OpenDemo);
     ui.separator();
     ui.add_enabled_ui(state.player.is_some(), |ui| {
@@ -47,6 +48,31 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     });
     ui.separator();
     item(ui, state, "Quit", Command::Quit);
+}
+
+/// Which of a recording's topics is the sequence, where there are several.
+fn topic_menu(ui: &mut Ui, state: &mut State) {
+    let topics = state
+        .player
+        .as_ref()
+        .map_or_else(Vec::new, |player| player.sequence().topics());
+    if topics.len() < 2 {
+        return;
+    }
+    let mut chosen = None;
+    ui.menu_button("Topic", |ui| {
+        for topic in &topics {
+            let button = Button::selectable(topic.is_read, topic.name.as_str())
+                .shortcut_text(format!("{} clouds", topic.cloud_count));
+            if ui.add_enabled(topic.cloud_count > 0, button).clicked() {
+                chosen = Some(topic.name.clone());
+                ui.close();
+            }
+        }
+    });
+    if let Some(topic) = chosen {
+        state.open_topic(&topic);
+    }
 }
 
 fn recent_menu(ui: &mut Ui, state: &mut State) {

@@ -221,12 +221,7 @@ fn is_frame(path: &Path, member: &Member) -> bool {
     let name = Path::new(&member.name);
     let format = Format::of_extension(name)
         .or_else(|| Format::detect(name, &first_bytes(path, member).unwrap_or_default()));
-    format.is_some_and(|format| {
-        !matches!(
-            format,
-            Format::Zip | Format::Tar | Format::Mcap | Format::Bag | Format::Db3
-        )
-    })
+    format.is_some_and(|format| !format.is_container())
 }
 
 /// What a member begins with; none of it where it cannot be read.

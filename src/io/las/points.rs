@@ -102,6 +102,12 @@ pub(super) fn cloud(header: &Header, extra: &[ExtraField], rows: &[u8]) -> RawCl
             .near_infrared
             .map(|start| plain("near_ir", Scalar::U16, start)),
     );
+    // Points have a place for these whether anybody filled it or not. Intensity stays: other readers give it in any case.
+    scalars.retain(|field| {
+        field.name == "intensity"
+            || field.offset != 0.0
+            || field.values.iter().any(|&value| value != 0.0)
+    });
     for field in extra {
         let mut values = column(&field.name, field.scalar, field.start).to_f64(count);
         field.apply(&mut values);

@@ -18,8 +18,8 @@ const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 const HEAD_BYTES: u64 = 9;
 /// Schemas and channels are text; more is none that is needed here.
 const MOST_TEXT_BYTES: u64 = 16 << 20;
-/// Of a chunk, what stands before its bytes; of a message, what stands before its own, and its time stamp.
-const START_BYTES: u64 = 64;
+/// Of a chunk, what stands before its bytes; of a message, what stands before its own, and its time stamp, even in words.
+const START_BYTES: u64 = 256;
 /// Channel, sequence, two times.
 const MESSAGE_HEAD_BYTES: u64 = 22;
 

@@ -8,15 +8,19 @@
 mod bag;
 mod bytes;
 mod db3;
+mod found;
+mod foxglove;
 mod mcap;
 mod pointcloud2;
+mod protobuf;
 mod walk;
 
 use super::error::{Fault, Place};
 use super::unpack::{Packing, unpack};
-use super::{Entry, Format, IoError, Part, ReadOptions};
+use super::{Contents, Format, IoError, ReadOptions};
 use crate::cloud::RawCloud;
-use std::collections::{BTreeMap, HashMap};
+use found::Found;
+use pointcloud2::Serialisation;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
@@ -54,101 +58,58 @@ struct Chunk {
     crc: u32,
 }
 
-/// How the fields of a message are written one after the other.
+/// What a message with a point cloud is, and how its fields are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Encoding {
-    /// ROS 1: little endian without gaps.
-    Ros1,
-    /// ROS 2: numbers at multiples of their size, in the byte order that the first bytes say.
-    Cdr,
+    /// `sensor_msgs/PointCloud2` as ROS writes it.
+    Ros(Serialisation),
+    /// `foxglove.PointCloud` in Protocol Buffers.
+    Protobuf,
+    /// `foxglove.PointCloud` in JSON.
+    Json,
 }
 
-/// What is found in a recording.
-#[derive(Debug, Default)]
-struct Found {
-    /// Topics by the number that messages call them by; `None` for those without point clouds.
-    topics: HashMap<u32, Option<(String, Encoding)>>,
-    messages: Vec<(u32, Duration, Message)>,
-}
-
-impl Found {
-    /// Notes a message of a topic with point clouds; `start` is what it begins with.
-    fn add(&mut self, topic: u32, log_time: Duration, start: &[u8], place: MessagePlace) {
-        if let Some(Some((_, encoding))) = self.topics.get(&topic) {
-            let encoding = *encoding;
-            let time = pointcloud2::stamp(start, encoding).unwrap_or(log_time);
-            self.messages
-                .push((topic, time, Message { place, encoding }));
+impl Encoding {
+    /// When the cloud was taken, if `start`, the first bytes of the message, says so.
+    fn stamp(self, start: &[u8]) -> Option<Duration> {
+        match self {
+            Self::Ros(serialisation) => pointcloud2::stamp(start, serialisation),
+            Self::Protobuf => foxglove::protobuf_stamp(start),
+            Self::Json => foxglove::json_stamp(start),
         }
     }
 
-    /// True when a chunk with messages of these topics may hold point clouds.
-    fn may_hold_clouds(&self, topics: &[u32]) -> bool {
-        topics.is_empty()
-            || topics
-                .iter()
-                .any(|topic| self.topics.get(topic).is_none_or(Option::is_some))
-    }
-
-    /// The messages of the topic that has the most, in the order of time.
-    fn entries(self, path: &Path) -> Vec<Entry> {
-        // The same topic may have several numbers, one for each of its publishers.
-        let mut by_name: BTreeMap<String, Vec<(Duration, Message)>> = BTreeMap::new();
-        for (topic, time, message) in self.messages {
-            if let Some(Some((name, _))) = self.topics.get(&topic) {
-                by_name
-                    .entry(name.clone())
-                    .or_default()
-                    .push((time, message));
-            }
+    /// The cloud of a message.
+    fn decode(self, message: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
+        match self {
+            Self::Ros(serialisation) => pointcloud2::decode(message, serialisation, options),
+            Self::Protobuf => foxglove::decode_protobuf(message, options),
+            Self::Json => foxglove::decode_json(message, options),
         }
-        let most = by_name.values().map(Vec::len).max().unwrap_or(0);
-        let Some(name) = by_name
-            .iter()
-            .find(|(_, messages)| messages.len() == most)
-            .map(|(name, _)| name.clone())
-        else {
-            return Vec::new();
-        };
-        let mut messages = by_name.remove(&name).unwrap_or_default();
-        if !by_name.is_empty() {
-            let others: Vec<&str> = by_name.keys().map(String::as_str).collect();
-            log::warn!(
-                "{}: {most} point clouds of topic {name} are read; other topics with point clouds are not: {}",
-                path.display(),
-                others.join(", ")
-            );
-        }
-        messages.sort_by_key(|(time, _)| *time);
-        messages
-            .into_iter()
-            .enumerate()
-            .map(|(index, (time, message))| Entry {
-                name: format!("{name} {index}"),
-                time: Some(time),
-                part: Part::Message(message),
-            })
-            .collect()
     }
 }
 
-/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1 and of ROS 2.
+/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1, of ROS 2 and of Foxglove.
 fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
-    const CLOUDS: [&str; 2] = ["sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2"];
+    let is_ros = ["sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2"].contains(&kind);
+    let is_foxglove = kind == "foxglove.PointCloud";
     match encoding {
-        _ if !CLOUDS.contains(&kind) => None,
-        "ros1" => Some(Encoding::Ros1),
-        "cdr" => Some(Encoding::Cdr),
+        "ros1" if is_ros => Some(Encoding::Ros(Serialisation::Ros1)),
+        "cdr" if is_ros => Some(Encoding::Ros(Serialisation::Cdr)),
+        "protobuf" if is_foxglove => Some(Encoding::Protobuf),
+        "json" if is_foxglove => Some(Encoding::Json),
         _ => None,
     }
 }
 
-/// The point clouds of the recording at `path`, in the order of their time.
+/// The topics of the recording at `path`, and the point clouds of `topic` (of the one that has the most, if `None`) in the order of
+/// their time.
 pub(super) fn list(
     path: &Path,
     format: Format,
+    topic: Option<&str>,
     options: &ReadOptions,
-) -> Result<Vec<Entry>, IoError> {
+) -> Result<Contents, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
@@ -162,7 +123,8 @@ pub(super) fn list(
             _ => bag::find(&mut walk, options),
         }
     };
-    Ok(found.map_err(|fault| fault.of(path, format))?.entries(path))
+    let found = found.map_err(|fault| fault.of(path, format))?;
+    Ok(found.contents(topic))
 }
 
 /// The point cloud of a message.
@@ -182,7 +144,7 @@ pub(super) fn read(
         (&MessagePlace::File { offset, .. } | &MessagePlace::Chunk { offset, .. }, encoding) => (
             // A ROS 1 message may be in an MCAP file, too; the file's name says which.
             match (encoding, Format::of_extension(path)) {
-                (Encoding::Ros1, Some(Format::Bag)) => Format::Bag,
+                (Encoding::Ros(Serialisation::Ros1), Some(Format::Bag)) => Format::Bag,
                 _ => Format::Mcap,
             },
             Place::Byte(offset as usize),
@@ -218,7 +180,9 @@ pub(super) fn read(
             unpacked
         }
     };
-    pointcloud2::decode(&bytes, message.encoding, options)
+    message
+        .encoding
+        .decode(&bytes, options)
         .map_err(|fault| invalid(format!("the point cloud: {}", fault.problem)))
 }
 

@@ -4,7 +4,6 @@ use super::super::ReadOptions;
 use super::super::attributes;
 use super::super::column::{Column, Scalar, Values};
 use super::super::error::Fault;
-use super::Encoding;
 use super::bytes::Bytes;
 use crate::cloud::RawCloud;
 use std::time::Duration;
@@ -13,11 +12,20 @@ use std::time::Duration;
 const CDR_HEAD_BYTES: usize = 4;
 const NANOS_PER_SECOND: u32 = 1_000_000_000;
 
+/// How the fields of a message are written one after the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Serialisation {
+    /// ROS 1: little endian without gaps.
+    Ros1,
+    /// ROS 2: numbers at multiples of their size, in the byte order that the first bytes say.
+    Cdr,
+}
+
 /// The fields of `message`, past what says how it is written.
-fn body(message: &[u8], encoding: Encoding) -> Option<Bytes<'_>> {
-    match encoding {
-        Encoding::Ros1 => Some(Bytes::new(message)),
-        Encoding::Cdr => {
+fn body(message: &[u8], serialisation: Serialisation) -> Option<Bytes<'_>> {
+    match serialisation {
+        Serialisation::Ros1 => Some(Bytes::new(message)),
+        Serialisation::Cdr => {
             let (head, rest) = message.split_at_checked(CDR_HEAD_BYTES)?;
             // Plain CDR of the first and of the second version; numbers of 8 bytes, in which they differ, there are none.
             match head[..2] {
@@ -30,14 +38,14 @@ fn body(message: &[u8], encoding: Encoding) -> Option<Bytes<'_>> {
 }
 
 /// When the cloud was taken, if `start`, the first bytes of the message, says so.
-pub(super) fn stamp(start: &[u8], encoding: Encoding) -> Option<Duration> {
-    let mut fields = body(start, encoding)?;
-    if encoding == Encoding::Ros1 {
+pub(super) fn stamp(start: &[u8], serialisation: Serialisation) -> Option<Duration> {
+    let mut fields = body(start, serialisation)?;
+    if serialisation == Serialisation::Ros1 {
         let _sequence = fields.u32()?;
     }
     let (seconds, nanos) = (fields.u32()?, fields.u32()?);
     // ROS 2 counts seconds in 32 bits with a sign: before 1970 is no time of a recording.
-    let is_negative = encoding == Encoding::Cdr && seconds > i32::MAX as u32;
+    let is_negative = serialisation == Serialisation::Cdr && seconds > i32::MAX as u32;
     if is_negative || nanos >= NANOS_PER_SECOND || (seconds, nanos) == (0, 0) {
         return None;
     }
@@ -61,9 +69,9 @@ struct Cloud<'a> {
     data: &'a [u8],
 }
 
-fn parse(message: &[u8], encoding: Encoding) -> Option<Cloud<'_>> {
-    let mut fields = body(message, encoding)?;
-    if encoding == Encoding::Ros1 {
+fn parse(message: &[u8], serialisation: Serialisation) -> Option<Cloud<'_>> {
+    let mut fields = body(message, serialisation)?;
+    if serialisation == Serialisation::Ros1 {
         let _sequence = fields.u32()?;
     }
     let _stamp = (fields.u32()?, fields.u32()?);
@@ -94,10 +102,10 @@ fn parse(message: &[u8], encoding: Encoding) -> Option<Cloud<'_>> {
 /// The cloud of a message.
 pub(super) fn decode(
     message: &[u8],
-    encoding: Encoding,
+    serialisation: Serialisation,
     options: &ReadOptions,
 ) -> Result<RawCloud, Fault> {
-    let cloud = parse(message, encoding).ok_or_else(|| {
+    let cloud = parse(message, serialisation).ok_or_else(|| {
         Fault::header("the message ends before its last field: it is truncated or damaged")
     })?;
     let (width, height) = (u64::from(cloud.width), u64::from(cloud.height));

@@ -1,6 +1,7 @@
 //! Where the fields of each point format are.
 
 use super::*;
+use laz::{LazVlrBuilder, ParLasZipCompressor};
 
 /// Bytes of a point, and where its time, colours and near infrared are.
 type Fields = (u16, Option<usize>, Option<usize>, Option<usize>);
@@ -81,6 +82,74 @@ fn every_format_has_its_fields_where_the_standard_says() {
             let expected = vec![[255, 0, 0, 255], [0, 0, 0, 255]];
             assert_eq!(cloud.colors, colors.map(|_| expected), "{format}");
         }
+    }
+}
+
+/// The same file compressed, wave packets (formats 4, 5, 9 and 10) included.
+#[test]
+fn every_format_is_unpacked() {
+    const COUNT: usize = 300;
+    for (format, (bytes, ..)) in FORMATS.into_iter().enumerate() {
+        let format = format as u8;
+        for extra in [0, 3] {
+            let mut rows = Vec::new();
+            for index in 0..COUNT {
+                let mut row = point(format, 65535 - index as u16, &[7; 3][..usize::from(extra)]);
+                row[..4].copy_from_slice(&((index * index) as i32).to_le_bytes());
+                row[12] = index as u8;
+                // A wave packet is the last field of the format: which description, where, how long, and four floats.
+                if [4, 5, 9, 10].contains(&format) {
+                    let mut packet = vec![1 + (index % 3) as u8];
+                    packet.extend((60 + 256 * index as u64).to_le_bytes());
+                    packet.extend(256u32.to_le_bytes());
+                    for float in [index as f32, 0.5, -0.25, 2.0] {
+                        packet.extend(float.to_le_bytes());
+                    }
+                    row[usize::from(bytes) - 29..usize::from(bytes)].copy_from_slice(&packet);
+                }
+                rows.extend(row);
+            }
+            let mut plain = header(format, bytes + extra, COUNT as u64, 0, 375);
+            plain.extend(&rows);
+
+            let compression = LazVlrBuilder::default()
+                .with_point_format(format, extra)
+                .unwrap();
+            let compression = compression.with_fixed_chunk_size(100).build();
+            let mut described = Vec::new();
+            compression.write_to(&mut described).unwrap();
+            let described = record(b"laszip encoded", 22204, &described);
+            let start = 375 + described.len();
+            let mut packed = header(format | 0x80, bytes + extra, COUNT as u64, 1, start);
+            packed.extend(described);
+            let mut packed = Cursor::new(packed);
+            packed.set_position(start as u64);
+            let mut packer = ParLasZipCompressor::new(&mut packed, compression).unwrap();
+            packer.compress_many(&rows).unwrap();
+            packer.done().unwrap();
+            assert_eq!(read(packed.get_ref()), read(&plain), "{format} {extra}");
+        }
+    }
+}
+
+#[test]
+fn what_nobody_filled_is_left_out() {
+    for (format, names) in [
+        (3, vec!["position", "color", "intensity"]),
+        (6, vec!["position", "intensity"]),
+    ] {
+        let bytes = FORMATS[usize::from(format)].0;
+        let mut file = header(format, bytes, 2, 0, 375);
+        file.extend(vec![0; 2 * usize::from(bytes)]);
+        assert_eq!(read(&file).attributes(), names, "{format}");
+        // One point that has a class.
+        let class = file.len() - usize::from(bytes) + if format >= 6 { 16 } else { 15 };
+        file[class] = 2;
+        assert_eq!(
+            numbers(&read(&file), "classification"),
+            [0.0, 2.0],
+            "{format}"
+        );
     }
 }
 

@@ -34,7 +34,8 @@ pub(super) fn octree() -> Vec<u8> {
         for index in first..first + points {
             let mut row = vec![0; usize::from(POINT_BYTES)];
             row[..4].copy_from_slice(&(index as i32).to_le_bytes());
-            row[16] = level as u8;
+            // Classes of zeros alone would be left out.
+            row[16] = level as u8 + 1;
             rows.extend(row);
         }
         first += points;
@@ -87,7 +88,8 @@ impl Entries for Vec<(i32, u64, u64, usize)> {
 }
 
 fn levels(cloud: &RawCloud) -> Vec<f64> {
-    numbers(cloud, "classification")
+    let classes = numbers(cloud, "classification").into_iter();
+    classes.map(|class| class - 1.0).collect()
 }
 
 fn expected(levels: usize) -> Vec<f64> {

@@ -1,0 +1,47 @@
+//! Frames that have not what the others have: said once, since the picture changes with it.
+
+use crate::cloud::Frame;
+
+/// What pictures are made from where a file has it.
+const ATTRIBUTES: [&str; 3] = ["colors", "normals", "radii"];
+
+/// What the first shown frame of a sequence has.
+#[derive(Debug, Default)]
+pub(super) struct FirstAttributes {
+    first: Option<(usize, [bool; 3])>,
+    was_told: bool,
+}
+
+impl FirstAttributes {
+    /// Looks at frame `index`, which is shown; what to tell of it, if it is the first one that has something else.
+    pub(super) fn note(&mut self, index: usize, frame: &Frame) -> Option<String> {
+        let has = [
+            frame.colors().is_some(),
+            frame.normals().is_some(),
+            frame.radii().is_some(),
+        ];
+        let (first, had) = *self.first.get_or_insert((index, has));
+        if self.was_told || has == had {
+            return None;
+        }
+        self.was_told = true;
+        let named = |has: [bool; 3]| {
+            let names = ATTRIBUTES.iter().zip(has);
+            let names: Vec<&str> = names
+                .filter_map(|(name, has)| has.then_some(*name))
+                .collect();
+            if names.is_empty() {
+                "none of colors, normals and radii".to_owned()
+            } else {
+                names.join(" and ")
+            }
+        };
+        Some(format!(
+            "Frame {} has {}, frame {} has {}: what a file lacks is estimated, so the picture changes from frame to frame.",
+            first + 1,
+            named(had),
+            index + 1,
+            named(has)
+        ))
+    }
+}
