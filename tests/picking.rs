@@ -217,7 +217,6 @@ fn surfels_of_closed_surfaces_are_picked_at_the_depth_that_is_drawn() {
             seen += usize::from(depth.is_finite());
             same += usize::from(match picked {
                 Some(slot) => (depth_of(&packet, &frame, slot) - depth).abs() <= 2.0 * largest,
-                // Around what is missed there may be a ball that is not.
                 None => depth.is_infinite(),
             });
         }

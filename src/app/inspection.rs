@@ -114,6 +114,8 @@ impl Inspection {
     /// Takes a click on a point of `frame`.
     pub(super) fn take(&mut self, pick: Pick, frame: &PreparedFrame) {
         let anchor = Anchor::new(&pick, frame);
+        // The picture that was clicked on may be of the frame before the one that is shown next.
+        self.followed = Some(frame.id);
         match self.tool {
             Tool::Camera => {}
             Tool::Point => {
@@ -250,7 +252,7 @@ mod tests {
         assert_eq!(inspection.measurements[0].value(DVec3::Y), Some(90.0));
         let line = inspection.measurements[0].line(DVec3::Y);
         assert!(
-            line.starts_with("angle\t90\tframe 0 point 1 at 1 0 0\t"),
+            line.starts_with("angle\t90\tframe 1 point 1 at 1 0 0\t"),
             "{line}"
         );
         inspection.take(pick(1), &shown);

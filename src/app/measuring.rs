@@ -111,7 +111,7 @@ impl Measurement {
         self.gauge.value(&places, up)
     }
 
-    /// One line with all digits: the value, and each point with its frame, its index in the file and where it is.
+    /// One line with all digits: the value, and each point with its frame (from 1), its index in the file (from 0) and where it is.
     pub fn line(&self, up: DVec3) -> String {
         let mut line = self.gauge.name().to_lowercase();
         match self.value(up) {
@@ -120,7 +120,7 @@ impl Measurement {
         }
         for point in &self.points {
             let DVec3 { x, y, z } = point.place;
-            let (frame, index) = (point.frame, point.index_in_file);
+            let (frame, index) = (point.frame + 1, point.index_in_file);
             _ = write!(line, "\tframe {frame} point {index} at {x} {y} {z}");
         }
         line

@@ -10,13 +10,15 @@
 //! once: a buffer of indices would be one more target for every pass, cannot hold what is blended, and has to be read back.
 
 mod ray;
+mod records;
 
 use super::{Primitive, ScenePacket};
 use crate::cloud::{PointRecord, oct_decode};
 use crate::sequence::PreparedFrame;
 use glam::{DVec3, Vec3};
-use ray::{Cubes, Disks, Ray, Squares};
+use ray::Ray;
 use rayon::prelude::*;
+use records::{Cubes, Disks, Squares};
 use std::cmp::Ordering;
 use std::sync::Arc;
 
@@ -96,7 +98,7 @@ fn half_step(position: Vec3) -> f64 {
 }
 
 /// The slot in `frame` of the point under the pixel that holds `place_px`, of the picture that was drawn of `frame` from `packet`;
-/// else of the one nearest to it on the picture, at most `radius_px` away; `None` where there is none. Of points at one place it is
+/// else of the one nearest to it on the picture, less than `radius_px` away; `None` where there is none. Of points at one place it is
 /// the last, whose colour is seen.
 ///
 /// Where cells of the octree are drawn, it is the point nearest to where the ray meets them: of a voxel one that is inside.
@@ -151,5 +153,7 @@ fn nearest(
     best.map(|(_, _, slot)| slot)
 }
 
+#[cfg(test)]
+mod oracle;
 #[cfg(test)]
 mod tests;
