@@ -134,7 +134,8 @@ fn points_are_less_than_half_a_pixel_from_where_parallel_rays_put_them() {
                 largest = largest.max(expected.distance(inside));
                 seen += 1;
             }
-            assert!(seen > 3_900, "{by}: {seen} points are seen");
+            // Points of several shells fall on one pixel.
+            assert!(seen > 3_700, "{by}: {seen} points are seen");
             assert!(largest < 0.5, "{by}: {largest} px");
         }
     }

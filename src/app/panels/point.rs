@@ -3,7 +3,7 @@
 use super::grouped;
 use crate::app::{Inspected, State, Tool};
 use crate::scene::{PickedNormal, Projection};
-use egui::{Button, Grid, Label, RichText, ScrollArea, Ui, Window, vec2};
+use egui::{Button, Grid, RichText, ScrollArea, Ui, Window, vec2};
 use glam::DVec3;
 
 /// The window while the tool is chosen or a point is shown.
@@ -157,7 +157,7 @@ impl Row {
 
     fn show(&self, ui: &mut Ui) {
         ui.label(&self.name).on_hover_text(&self.tooltip);
-        ui.add(Label::new(RichText::new(&self.shown).monospace()).truncate())
+        ui.label(RichText::new(&self.shown).monospace())
             .on_hover_text(&self.tooltip);
         let copy = ui
             .add(Button::new("Copy").small())
