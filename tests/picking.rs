@@ -19,6 +19,9 @@ use std::sync::Arc;
 
 const SIZE: [u32; 2] = [320, 240];
 
+/// Every so many pixels are looked at in rows and columns.
+const STRIDE: u32 = 3;
+
 /// So many points of a torus, each in a colour that no other has.
 fn torus(count: usize, settings: &Settings) -> PreparedFrame {
     let shape = Shape::Torus.sequence(count).frame(0).unwrap();
@@ -101,7 +104,7 @@ fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
     renderer.read_image().unwrap()
 }
 
-/// Compares every pixel that shows one record alone, or nothing, with what is picked there: the share that agrees, and how many
+/// Compares pixels all over the picture, each that shows one record alone, or nothing, with what is picked there: the share that agrees, and how many
 /// pixels showed a record.
 fn agreement(
     image: &RgbaImage,
@@ -110,7 +113,8 @@ fn agreement(
     is_same: impl Fn(usize, usize) -> bool,
 ) -> (f64, usize) {
     let (mut same, mut compared, mut shown) = (0usize, 0usize, 0usize);
-    for (x, y, pixel) in image.enumerate_pixels() {
+    let looked_at = |&(x, y, _): &(u32, u32, &image::Rgba<u8>)| x % STRIDE + y % STRIDE == 0;
+    for (x, y, pixel) in image.enumerate_pixels().filter(looked_at) {
         let [red, green, blue, _] = pixel.0;
         let found = picked([f64::from(x) + 0.5, f64::from(y) + 0.5]);
         let agrees = if [red, green, blue] == [0; 3] {
@@ -138,7 +142,7 @@ fn slots(frame: &PreparedFrame) -> HashMap<Color, usize> {
 
 #[test]
 fn points_are_picked_as_both_renderers_draw_them() {
-    for (point_size_px, least_shown) in [(1.0, 10_000), (4.5, 20_000)] {
+    for (point_size_px, least_shown) in [(1.0, 1_000), (4.5, 2_000)] {
         let settings = Settings {
             point_size_px,
             ..settings(Primitive::Point)
@@ -183,7 +187,7 @@ fn surfels_are_picked_where_one_alone_is_seen() {
         |found, slot| found == slot,
     );
     assert!(share > 0.99, "{share}");
-    assert!(shown > 3_000, "{shown} pixels");
+    assert!(shown > 300, "{shown} pixels");
 }
 
 /// The distance of a point along the view.
@@ -215,9 +219,13 @@ fn surfels_of_closed_surfaces_are_picked_at_the_depth_that_is_drawn() {
             .iter()
             .map(|shape| shape.radius);
         let largest = radii.fold(0f32, f32::max);
-        let (mut same, mut seen) = (0, 0);
+        let (mut same, mut seen, mut looked_at) = (0, 0, 0);
         for (index, &depth) in depths.depth.iter().enumerate() {
             let (x, y) = (index as u32 % SIZE[0], index as u32 / SIZE[0]);
+            if x % STRIDE + y % STRIDE > 0 {
+                continue;
+            }
+            looked_at += 1;
             let picked = pick(&packet, &frame, [f64::from(x), f64::from(y)], 0.0);
             seen += usize::from(depth.is_finite());
             same += usize::from(match picked {
@@ -225,8 +233,8 @@ fn surfels_of_closed_surfaces_are_picked_at_the_depth_that_is_drawn() {
                 None => depth.is_infinite(),
             });
         }
-        assert!(seen > 15_000, "{seen} pixels");
-        let share = same as f64 / depths.depth.len() as f64;
+        assert!(seen > 1_500, "{seen} pixels");
+        let share = f64::from(same) / f64::from(looked_at);
         assert!(share > 0.99, "{share}");
     }
 }
@@ -264,7 +272,7 @@ fn a_point_inside_the_voxel_that_is_seen_is_picked() {
             },
         );
         assert!(share > 0.999, "{share} at {lod_px} px");
-        assert!(shown > 8_000, "{shown} pixels");
+        assert!(shown > 800, "{shown} pixels");
     }
 }
 
@@ -285,5 +293,5 @@ fn parallel_rays_pick_what_they_draw() {
     );
     // From so far away f32 leaves some hundredths of a pixel.
     assert!(share > 0.97, "{share}");
-    assert!(shown > 10_000, "{shown} pixels");
+    assert!(shown > 1_000, "{shown} pixels");
 }
