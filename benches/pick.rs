@@ -22,7 +22,7 @@ const SIZE: [u32; 2] = [1920, 1080];
 
 fn prepared() -> PreparedFrame {
     let (positions, _) = shapes::bumpy_torus(POINTS);
-    let positions: Vec<[f32; 3]> = positions.iter().map(|place| place.to_array()).collect();
+    let positions: Vec<[f32; 3]> = positions.iter().map(Vec3::to_array).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(positions.clone()));
     // The radius that closes the surface is of no concern here, nor is the normal.
     raw.normals = Some(positions);

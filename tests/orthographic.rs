@@ -157,10 +157,14 @@ fn nearer_points_hide_farther_ones() {
     let mut places = Vec::new();
     for (index, &first) in firsts.iter().enumerate() {
         let pair = [first, first - 1e-3 * f64::from(bounds.radius()) * eye];
-        let order = if index % 2 == 0 { [0, 1] } else { [1, 0] };
+        let order = if index.is_multiple_of(2) {
+            [0, 1]
+        } else {
+            [1, 0]
+        };
         places.extend(order.map(|which| pair[which].as_vec3()));
     }
-    let is_front = |index: usize| (index / 2 % 2 == 0) == (index % 2 == 0);
+    let is_front = |index: usize| (index / 2 + index).is_multiple_of(2);
     let packet = packet_of(numbered(&places), &camera, ECEF);
     for (by, image) in [("CPU", draw_on_cpu(&packet)), ("GPU", draw(&packet))] {
         let mut fronts = 0;

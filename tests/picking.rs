@@ -25,18 +25,14 @@ const STRIDE: u32 = 3;
 /// So many points of a torus, each in a colour that no other has.
 fn torus(count: usize, settings: &Settings) -> PreparedFrame {
     let shape = Shape::Torus.sequence(count).frame(0).unwrap();
-    let positions: Vec<[f32; 3]> = shape
-        .positions()
-        .iter()
-        .map(|place| place.to_array())
-        .collect();
+    let positions: Vec<[f32; 3]> = shape.positions().iter().map(Vec3::to_array).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(positions));
     raw.normals = Some(
         shape
             .normals()
             .unwrap()
             .iter()
-            .map(|normal| normal.to_array())
+            .map(Vec3::to_array)
             .collect(),
     );
     raw.colors = Some(
@@ -234,7 +230,7 @@ fn surfels_of_closed_surfaces_are_picked_at_the_depth_that_is_drawn() {
             });
         }
         assert!(seen > 1_500, "{seen} pixels");
-        let share = f64::from(same) / f64::from(looked_at);
+        let share = same as f64 / f64::from(looked_at);
         assert!(share > 0.99, "{share}");
     }
 }

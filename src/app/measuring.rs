@@ -89,9 +89,10 @@ pub(super) fn significant(value: f64) -> String {
     }
     let decimals = (DIGITS - 1 - magnitude as i32).max(0) as usize;
     let text = format!("{value:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
     }
 }
 

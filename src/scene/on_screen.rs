@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 impl Camera {
     /// The place on a picture of `viewport_px` in pixels, from its upper left corner; `None` behind the near plane.
     pub fn to_px(&self, place_in_world: DVec3, viewport_px: [u32; 2]) -> Option<DVec2> {
-        let place = self.to_view_space(place_in_world);
+        let place = self.in_view_space(place_in_world);
         (-place.z >= self.lens().near()).then(|| self.view_to_px(place, viewport_px))
     }
 
@@ -17,7 +17,7 @@ impl Camera {
         viewport_px: [u32; 2],
     ) -> Option<[DVec2; 2]> {
         let near = self.lens().near();
-        let [a, b] = ends_in_world.map(|end| self.to_view_space(end));
+        let [a, b] = ends_in_world.map(|end| self.in_view_space(end));
         let [in_front_a, in_front_b] = [a, b].map(|end| -end.z >= near);
         let on_near_plane = || a.lerp(b, (-near - a.z) / (b.z - a.z));
         let [a, b] = match (in_front_a, in_front_b) {
@@ -31,7 +31,7 @@ impl Camera {
 
     /// From world space to view space (right, up, backward). Around the target first: near it nothing is lost however far away the
     /// eye is.
-    fn to_view_space(&self, place_in_world: DVec3) -> DVec3 {
+    fn in_view_space(&self, place_in_world: DVec3) -> DVec3 {
         let around_target =
             self.view_from_world_rotation() * (place_in_world - self.target_in_world);
         around_target - DVec3::Z * self.lens().distance

@@ -123,17 +123,13 @@ fn values(ui: &mut Ui, state: &State, point: &Inspected) {
                 row.show(ui);
             }
         });
-    let all = || {
-        rows.iter()
-            .map(|row| format!("{}\t{}\n", row.name, row.copied))
-            .collect()
-    };
     if ui
         .button("Copy all")
         .on_hover_text("All values as lines of text")
         .clicked()
     {
-        ui.copy_text(all());
+        let lines: Vec<String> = rows.iter().map(Row::line).collect();
+        ui.copy_text(lines.concat());
     }
 }
 
@@ -153,6 +149,10 @@ impl Row {
             copied: value,
             tooltip: tooltip.to_owned(),
         }
+    }
+
+    fn line(&self) -> String {
+        format!("{}\t{}\n", self.name, self.copied)
     }
 
     fn show(&self, ui: &mut Ui) {
