@@ -1,7 +1,7 @@
 //! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
 
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
-use crate::scene::{Camera, Scene, SceneStats, Settings, UpAxis};
+use crate::scene::{Camera, Projection, Scene, SceneStats, Settings, UpAxis};
 use crate::sequence::{Direction, FrameError, Loader, PreparedFrame, Sequence};
 use image::RgbaImage;
 use serde::Serialize;
@@ -22,6 +22,8 @@ pub enum HeadlessError {
 /// The camera as a person asks for it: what is not given frames the cloud.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CameraChoice {
+    /// The whole camera, but for what else is given.
+    pub view: Option<Camera>,
     /// Up axis; guessed from the cloud when not given.
     pub up: Option<UpAxis>,
     /// Turn about the up axis, degrees.
@@ -32,6 +34,8 @@ pub struct CameraChoice {
     pub distance: Option<f64>,
     /// Vertical field of view, degrees.
     pub fov_deg: Option<f64>,
+    /// How depth becomes size; perspective when not given.
+    pub projection: Option<Projection>,
 }
 
 impl CameraChoice {
@@ -40,11 +44,14 @@ impl CameraChoice {
         let origin = sequence.origin();
         let bounds = frame.frame.bounds();
         let up = self.up.unwrap_or_else(|| UpAxis::guess(&frame.frame));
-        let mut camera = Camera::framing(&bounds, origin, up);
+        let framing = Camera::framing(&bounds, origin, up);
+        let mut camera = self.view.unwrap_or(framing);
+        camera.up = self.up.unwrap_or(camera.up);
         camera.azimuth_deg = self.azimuth_deg.unwrap_or(camera.azimuth_deg);
         camera.elevation_deg = self.elevation_deg.unwrap_or(camera.elevation_deg);
-        if let Some(fov_deg) = self.fov_deg {
-            camera.fov_deg = fov_deg;
+        camera.fov_deg = self.fov_deg.unwrap_or(camera.fov_deg);
+        camera.projection = self.projection.unwrap_or(camera.projection);
+        if self.view.is_none() {
             camera.frame_bounds(&bounds, origin);
         }
         camera.distance = self.distance.unwrap_or(camera.distance);

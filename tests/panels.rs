@@ -6,6 +6,8 @@
 
 #[path = "panels/benchmark.rs"]
 mod benchmark;
+#[path = "panels/camera.rs"]
+mod camera;
 #[path = "panels/comparison.rs"]
 mod comparison;
 #[path = "panels/keys.rs"]
@@ -16,6 +18,8 @@ mod menu;
 mod mouse;
 #[path = "panels/notices.rs"]
 mod notices;
+#[path = "panels/points.rs"]
+mod points;
 #[path = "panels/settings.rs"]
 mod settings;
 #[path = "panels/statistics.rs"]

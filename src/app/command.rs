@@ -1,5 +1,6 @@
 //! What keys and menus ask for, and the one table of keys: the dispatcher and the help window both read [`BINDINGS`].
 
+use super::inspection::Tool;
 use crate::scene::ViewPreset;
 use egui::{Context, Event, Key, Modifiers};
 
@@ -28,6 +29,18 @@ pub enum Command {
     ResetView,
     /// Look along an axis.
     Look(ViewPreset),
+    /// Parallel rays and back.
+    ToggleOrthographic,
+    /// The camera turns by itself, or stops.
+    ToggleTurntable,
+    /// What the pointer is over comes into the middle.
+    Focus,
+    /// Put the view on the clipboard as text.
+    CopyView,
+    /// Take the view from the text on the clipboard.
+    PasteView,
+    /// Choose what a click on the picture does, or put that away.
+    ToggleTool(Tool),
     /// Smaller splats or points.
     Smaller,
     /// Larger splats or points.
@@ -150,6 +163,7 @@ const fn repeating(binding: Binding) -> Binding {
 
 const PLAY: &str = "Playing";
 const VIEW: &str = "View";
+const POINTS: &str = "Points";
 const FILE: &str = "File and window";
 
 /// Every key, grouped.
@@ -287,6 +301,41 @@ pub const BINDINGS: &[Binding] = &[
         Command::Look(ViewPreset::Bottom),
         &[Chord::plain(Key::Num6)],
     ),
+    binding(
+        VIEW,
+        "O",
+        "Orthographic, perspective",
+        Command::ToggleOrthographic,
+        &[Chord::plain(Key::O)],
+    ),
+    binding(
+        VIEW,
+        "T",
+        "Turntable",
+        Command::ToggleTurntable,
+        &[Chord::plain(Key::T)],
+    ),
+    binding(
+        VIEW,
+        "F",
+        "Focus on what the pointer is over",
+        Command::Focus,
+        &[Chord::plain(Key::F)],
+    ),
+    binding(
+        VIEW,
+        "Ctrl+C",
+        "Copy the view as text",
+        Command::CopyView,
+        &[Chord::ctrl(Key::C)],
+    ),
+    binding(
+        VIEW,
+        "Ctrl+V",
+        "Paste a view",
+        Command::PasteView,
+        &[Chord::ctrl(Key::V)],
+    ),
     repeating(binding(
         VIEW,
         "+",
@@ -330,6 +379,20 @@ pub const BINDINGS: &[Binding] = &[
         &[Chord::plain(Key::F11)],
     ),
     binding(
+        POINTS,
+        "I",
+        "Show the values of points",
+        Command::ToggleTool(Tool::Point),
+        &[Chord::plain(Key::I)],
+    ),
+    binding(
+        POINTS,
+        "M",
+        "Measure",
+        Command::ToggleTool(Tool::Measure),
+        &[Chord::plain(Key::M)],
+    ),
+    binding(
         FILE,
         "Ctrl+O",
         "Open files",
@@ -353,7 +416,7 @@ pub const BINDINGS: &[Binding] = &[
     binding(
         FILE,
         "Esc",
-        "Close this list or leave full screen",
+        "Close this list, clear points, leave full screen",
         Command::Escape,
         &[Chord::plain(Key::Escape)],
     ),
@@ -372,7 +435,7 @@ pub const GESTURES: &[(&str, &str)] = &[
     ("Middle or right drag, Shift + left drag", "Pan"),
     ("Ctrl + left drag", "Look around"),
     ("Wheel, pinch", "Zoom"),
-    ("Double click", "Frame the cloud"),
+    ("Double click", "Focus on a point, or frame the cloud"),
     ("W A S D", "Fly forward, left, back, right"),
     ("E Q", "Fly up, down"),
     ("Shift, Ctrl while flying", "Faster, slower"),
@@ -517,7 +580,7 @@ mod tests {
             found(Key::O, Some(Key::O), Modifiers::CTRL),
             Some(Command::OpenFiles)
         );
-        assert_eq!(found(Key::O, Some(Key::O), Modifiers::NONE), None);
+        assert_eq!(found(Key::K, Some(Key::K), Modifiers::NONE), None);
         assert_eq!(found(Key::Space, None, Modifiers::ALT), None);
     }
 
@@ -525,6 +588,7 @@ mod tests {
     fn text_fields_keep_what_they_need() {
         assert!(Focus::TextField.keeps(Key::L, Modifiers::NONE));
         assert!(Focus::TextField.keeps(Key::F, Modifiers::NONE));
+        assert!(!Focus::None.keeps(Key::F, Modifiers::NONE));
         assert!(!Focus::TextField.keeps(Key::F1, Modifiers::NONE));
         assert!(!Focus::TextField.keeps(Key::O, Modifiers::CTRL));
         assert!(Focus::Widget.keeps(Key::Space, Modifiers::NONE));

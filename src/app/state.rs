@@ -1,6 +1,7 @@
 //! Everything the window shows and what a person can change, without a window: tests drive it with a clock of their own.
 
 mod actions;
+mod inspecting;
 
 pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 
@@ -8,6 +9,8 @@ use super::benchmark::Benchmark;
 use super::comparison::Comparison;
 use super::fly::Fly;
 use super::grip::Grip;
+use super::inspection::Inspection;
+use super::motion::{Glide, Turntable};
 use super::notices::Notices;
 use super::panels::QualityLimits;
 use super::preferences::Preferences;
@@ -19,7 +22,8 @@ use crate::render::RenderStats;
 use crate::scene::{
     Camera, Primitive, RendererChoice, Scene, ScenePacket, SceneStats, Settings, UpAxis,
 };
-use crate::sequence::{Clock, LoaderOptions, OpenOptions, Sequence, watch};
+use crate::sequence::{Clock, LoaderOptions, OpenOptions, PreparedFrame, Sequence, watch};
+use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -31,6 +35,8 @@ pub struct StateOptions {
     pub preferences: Preferences,
     /// Which axis is up; guessed for each sequence if `None`.
     pub up: Option<UpAxis>,
+    /// Where the first sequence is seen from, in place of a view that shows all of it.
+    pub view: Option<Camera>,
     /// How inputs are opened.
     pub open: OpenOptions,
     /// Show the newest frame of a folder as it comes.
@@ -50,6 +56,7 @@ impl Default for StateOptions {
         Self {
             preferences: Preferences::default(),
             up: None,
+            view: None,
             open: OpenOptions::default(),
             follow: false,
             paused: false,
@@ -114,6 +121,8 @@ pub struct Viewport {
     pub rect: egui::Rect,
     /// Its size in physical pixels.
     pub size_px: [u32; 2],
+    /// Where the pointer is, if it is on the picture.
+    pub pointer: Option<egui::Pos2>,
     /// The texture that holds it; `None` without a GPU.
     pub texture: Option<egui::TextureId>,
     /// The texture that holds the picture of the other side of a comparison.
@@ -127,6 +136,7 @@ impl Default for Viewport {
         Self {
             rect: egui::Rect::ZERO,
             size_px: [0; 2],
+            pointer: None,
             texture: None,
             other_texture: None,
             max_edge_px: None,
@@ -163,6 +173,10 @@ pub enum WindowRequest {
     Screenshot(Option<PathBuf>),
     /// Read the pictures of both sides of a comparison back.
     Compare,
+    /// Put this text on the clipboard.
+    Copy(String),
+    /// Read the clipboard, for [`State::paste_view`].
+    PasteView,
     /// Full screen and back.
     FullScreen,
     /// End the program.
@@ -198,6 +212,10 @@ pub struct State {
     pub graphics: GraphicsInfo,
     /// Keys that fly.
     pub fly: Fly,
+    /// The camera on a turntable.
+    pub turntable: Turntable,
+    /// What was clicked on.
+    pub inspection: Inspection,
     /// Work done.
     pub counters: Counters,
     /// True while the window fills the screen.
@@ -209,11 +227,14 @@ pub struct State {
     pub(super) tasks: Tasks,
     options: StateOptions,
     now: Duration,
+    glide: Option<Glide>,
     /// True once the camera was set for the open sequence.
     framed: bool,
     requests: Vec<WindowRequest>,
     scene: Scene,
     packet: Option<ScenePacket>,
+    /// The frame that the packet was made of, and the origin of its positions.
+    drawn_frame: Option<(Arc<PreparedFrame>, DVec3)>,
     drawn_primitive: Primitive,
     /// The last redraw had a new picture, whose time has not been looked at.
     picture_is_new: bool,
@@ -236,7 +257,7 @@ impl State {
         let nothing = crate::math::Aabb::EMPTY;
         Self {
             player: None,
-            camera: Camera::framing(&nothing, glam::DVec3::ZERO, options.up.unwrap_or_default()),
+            camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
             settings: options.preferences.settings,
             notices: Notices::default(),
             panels: options.preferences.panels,
@@ -248,16 +269,20 @@ impl State {
             viewport: Viewport::default(),
             graphics: GraphicsInfo::default(),
             fly: Fly::default(),
+            turntable: Turntable::default(),
+            inspection: Inspection::default(),
             counters: Counters::default(),
             full_screen: false,
             grip: None,
             scrubbing: Scrubbing::default(),
             tasks: Tasks::new(Arc::clone(&options.wake)),
             now: Duration::ZERO,
+            glide: None,
             framed: false,
             requests: Vec::new(),
             scene: Scene::that_remembers(),
             packet: None,
+            drawn_frame: None,
             drawn_primitive: Primitive::Point,
             picture_is_new: false,
             without_gpu: None,
@@ -335,6 +360,9 @@ impl State {
             super::tasks::close(before);
         }
         self.framed = false;
+        self.glide = None;
+        self.drawn_frame = None;
+        self.inspection.forget_points();
         self.scrubbing = Scrubbing::default();
         self.quality = None;
         self.quality_key = None;
@@ -379,6 +407,7 @@ impl State {
         }
         visible |= self.notices.expire(now);
         visible |= self.look_for_quality();
+        visible |= self.move_camera_on();
         if let Some(comparison) = &mut self.comparison
             && comparison.is_due(now)
         {
@@ -399,9 +428,12 @@ impl State {
         if let Some(text) = change.other_attributes {
             self.notices.warn(text);
         }
-        if !self.framed && player.shown().is_some() {
-            self.frame_cloud();
-            self.framed = true;
+        if let Some(frame) = player.shown() {
+            self.inspection.follow(frame, player.sequence().origin());
+            if !self.framed {
+                self.frame_cloud();
+                self.framed = true;
+            }
         }
         visible
     }
@@ -456,6 +488,7 @@ impl State {
             return None;
         }
         self.drawn_primitive = settings.primitive;
+        self.drawn_frame = Some((Arc::clone(frame), origin));
         self.packet = Some(packet.clone());
         self.picture_is_new = true;
         self.counters.pictures += 1;
@@ -492,7 +525,8 @@ impl State {
     pub fn next_deadline(&self) -> Option<Duration> {
         let player = self.player.as_ref().and_then(Player::next_deadline);
         let comparison = self.comparison.as_ref().and_then(Comparison::next_deadline);
-        [player, self.notices.next_deadline(), comparison]
+        let camera = self.camera_moves().then_some(self.now);
+        [player, self.notices.next_deadline(), comparison, camera]
             .into_iter()
             .flatten()
             .min()

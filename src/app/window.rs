@@ -345,13 +345,18 @@ impl App {
     }
 
     /// Does what only the window can do; returns what pictures are to be read back for.
-    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &Screen) -> Wanted {
+    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Wanted {
         let mut wanted = Wanted::default();
         for request in self.state.take_requests() {
             match request {
                 WindowRequest::Quit => event_loop.exit(),
                 WindowRequest::Screenshot(path) => wanted.files.push(path),
                 WindowRequest::Compare => wanted.comparison = true,
+                WindowRequest::Copy(text) => screen.input.set_clipboard_text(text),
+                WindowRequest::PasteView => match screen.input.clipboard_text() {
+                    Some(text) => self.state.paste_view(&text),
+                    None => self.state.notices.warn("There is no text to paste"),
+                },
                 WindowRequest::FullScreen => {
                     // The window system may have ended it meanwhile: the window itself knows.
                     let full = screen.window.fullscreen().is_none();

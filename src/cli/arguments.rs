@@ -4,8 +4,8 @@ use crate::headless::CameraChoice;
 use crate::io::ReadOptions;
 use crate::octree::StopCriterion;
 use crate::scene::{
-    Background, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive, RendererChoice,
-    Settings, Splatting, Strategy, UpAxis,
+    Background, Camera, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive, Projection,
+    RendererChoice, Settings, Splatting, Strategy, UpAxis,
 };
 use crate::sequence::{ColorSource, OpenOptions, Sequence, SequenceError};
 use clap::Args;
@@ -246,6 +246,10 @@ impl LodArgs {
 /// Where the camera stands; what is not given frames the cloud.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct CameraArgs {
+    /// A view as the window copies it (Ctrl+C): `pointreel view 1: target …`; the options below change parts of it
+    #[arg(long, value_name = "TEXT")]
+    view: Option<Camera>,
+
     /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     up: Option<UpAxis>,
@@ -265,11 +269,17 @@ pub(super) struct CameraArgs {
     /// Vertical field of view in degrees, 1 to 170
     #[arg(long, value_name = "DEG", value_parser = field_of_view)]
     fov: Option<f64>,
+
+    /// Draw by parallel rays: what is farther away is as large
+    #[arg(long)]
+    orthographic: bool,
 }
 
 impl CameraArgs {
     pub(super) fn choice(&self) -> CameraChoice {
         CameraChoice {
+            view: self.view,
+            projection: self.orthographic.then_some(Projection::Orthographic),
             up: self.up,
             azimuth_deg: self.azimuth,
             elevation_deg: self.elevation,

@@ -4,7 +4,7 @@ use super::arguments::{
     DEMO_INPUT, PictureArgs, ReadArgs, byte_count, frame_rate, open_sequence, size_px,
 };
 use crate::app::{Options, Preferences, PreferencesFile, Recent, StateOptions};
-use crate::scene::UpAxis;
+use crate::scene::{Camera, UpAxis};
 use crate::sequence::OpenOptions;
 use anyhow::Context as _;
 use clap::Args;
@@ -27,6 +27,10 @@ pub(super) struct ViewArgs {
     /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     up: Option<UpAxis>,
+
+    /// Begin with a view as the window copies it (Ctrl+C): `pointreel view 1: target …`
+    #[arg(long, value_name = "TEXT")]
+    view: Option<Camera>,
 
     /// Frames a second, all equally long (usually as their time stamps say, else 24)
     #[arg(long, value_name = "FPS", value_parser = frame_rate)]
@@ -82,6 +86,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
                 ..preferences
             },
             up: args.up,
+            view: args.view,
             open,
             follow: args.follow,
             paused: args.paused,

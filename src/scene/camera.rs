@@ -3,7 +3,7 @@
 //! Shaders must not see large coordinates: a frame's positions are f32 relative to the sequence origin, and the eye is
 //! handed over as a sum of two f32, so that `(position - eye_high) - eye_low` loses nothing a pixel could show.
 
-use super::settings::ParseChoiceError;
+use super::settings::{ParseChoiceError, Projection};
 use crate::cloud::Frame;
 use crate::math::{Aabb, Frustum};
 use crate::octree::SelectView;
@@ -70,6 +70,11 @@ impl UpAxis {
         }
     }
 
+    /// The unit vector that points up, in world space.
+    pub fn direction(self) -> DVec3 {
+        self.basis().col(1)
+    }
+
     /// Columns right, up, back of the view with azimuth and elevation 0, in world space.
     fn basis(self) -> DMat3 {
         let (right, up) = match self {
@@ -128,7 +133,12 @@ impl ViewPreset {
     ];
 }
 
-/// A perspective camera on an orbit. World space is right-handed.
+/// A camera on an orbit. World space is right-handed.
+///
+/// An orthographic camera shows what a perspective one with the same target, distance and field of view shows of the plane through
+/// the target, and everything else as large. It is drawn as seen through a telephoto lens of a tenth of a degree from as far away
+/// as that takes, so that renderers, traversals and truths know of one projection only: within the sphere that fills the picture
+/// points are less than half a pixel from where parallel rays would put them (`tests/orthographic.rs`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// What it looks at, in world space.
@@ -143,10 +153,16 @@ pub struct Camera {
     pub fov_deg: f64,
     /// Which axis is up.
     pub up: UpAxis,
+    /// Whether what is farther away is smaller.
+    pub projection: Projection,
 }
 
 /// Field of view of a new camera, degrees.
 const DEFAULT_FOV_DEG: f64 = 45.0;
+
+/// Cotangent of half the field of view through which an orthographic camera is drawn: of 0.05 degrees. A narrower one leaves fewer
+/// bits of f32 for what is in the picture.
+const TELEPHOTO_FOCAL: f64 = 1_145.915_299_281_798;
 
 /// How much of the picture's height the bounding sphere fills after [`Camera::frame_bounds`].
 const FRAMED_FRACTION: f64 = 0.95;
@@ -164,6 +180,7 @@ impl Camera {
             elevation_deg: 15.0,
             fov_deg: DEFAULT_FOV_DEG,
             up,
+            projection: Projection::Perspective,
         };
         camera.frame_bounds(bounds, origin);
         camera
@@ -174,7 +191,12 @@ impl Camera {
         self.target_in_world = origin + bounds.center().as_dvec3();
         let radius = f64::from(bounds.radius());
         let radius = if radius > 0.0 { radius } else { 0.5 };
-        self.distance = radius / (FRAMED_FRACTION * (0.5 * self.fov_deg).to_radians().sin());
+        let half_fov = (0.5 * self.fov_deg).to_radians();
+        let radius_at_1 = match self.projection {
+            Projection::Perspective => half_fov.sin(),
+            Projection::Orthographic => half_fov.tan(),
+        };
+        self.distance = radius / (FRAMED_FRACTION * radius_at_1);
     }
 
     /// Looks along an axis; target and distance stay.
@@ -195,9 +217,9 @@ impl Camera {
         (self.up.basis() * turn).transpose()
     }
 
-    /// Where the eye is, in world space.
+    /// Where the eye is that pictures are drawn from, in world space.
     pub fn eye_in_world(&self) -> DVec3 {
-        self.target_in_world + self.distance * self.view_from_world_rotation().row(2)
+        self.target_in_world + self.lens().distance * self.view_from_world_rotation().row(2)
     }
 
     /// Turns about the target. Elevation stops at the poles.
@@ -226,14 +248,30 @@ impl Camera {
 
     /// Turns about the eye, as when looking around: the target swings.
     pub fn look_around(&mut self, azimuth_deg: f64, elevation_deg: f64) {
-        let eye = self.eye_in_world();
+        let before = self.view_from_world_rotation().row(2);
         self.orbit(azimuth_deg, elevation_deg);
-        self.target_in_world += eye - self.eye_in_world();
+        let after = self.view_from_world_rotation().row(2);
+        self.target_in_world += (before - after) * self.distance;
     }
 
-    /// Cotangent of half the vertical field of view.
+    /// Cotangent of half the vertical field of view that pictures are drawn with.
     pub(crate) fn focal(&self) -> f64 {
-        1.0 / (0.5 * self.fov_deg.clamp(1e-3, 179.0)).to_radians().tan()
+        self.lens().focal
+    }
+
+    /// How pictures are drawn.
+    pub(super) fn lens(&self) -> Lens {
+        let focal = 1.0 / (0.5 * self.fov_deg.clamp(1e-3, 179.0)).to_radians().tan();
+        match self.projection {
+            Projection::Perspective => Lens {
+                focal,
+                distance: self.distance,
+            },
+            Projection::Orthographic => Lens {
+                focal: TELEPHOTO_FOCAL,
+                distance: self.distance * TELEPHOTO_FOCAL / focal,
+            },
+        }
     }
 
     /// What shaders and the octree see, for frames relative to `origin`.
@@ -241,16 +279,33 @@ impl Camera {
         let rotation = self.view_from_world_rotation();
         let eye = self.eye_in_world() - origin;
         let eye_high = eye.as_vec3();
-        let focal_y = self.focal();
+        let lens = self.lens();
+        let focal_y = lens.focal;
         let [width, height] = viewport_px.map(|edge| f64::from(edge.max(1)));
         ViewTransform {
             view_from_frame_rotation: rotation.as_mat3(),
             eye_high,
             eye_low: (eye - eye_high.as_dvec3()).as_vec3(),
             focal: [(focal_y * height / width) as f32, focal_y as f32],
-            near: (self.distance * NEAR_FRACTION) as f32,
+            near: lens.near() as f32,
             pixels_per_unit_at_1: (focal_y * height * 0.5) as f32,
         }
+    }
+}
+
+/// A lens, and how far from the target it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lens {
+    /// Cotangent of half the vertical field of view.
+    pub(super) focal: f64,
+    /// From the target to the eye, scene units.
+    pub(super) distance: f64,
+}
+
+impl Lens {
+    /// From the eye to the near plane.
+    pub(super) fn near(&self) -> f64 {
+        self.distance * NEAR_FRACTION
     }
 }
 

@@ -3,13 +3,18 @@
 
 mod camera;
 mod lod;
+mod on_screen;
 mod packet;
+mod pick;
 mod settings;
+mod view_text;
 
 pub use camera::{Camera, UpAxis, ViewPreset, ViewTransform};
 pub use lod::Lod;
 pub use packet::{CodedCells, Scene, ScenePacket, SceneStats, Voxels};
+pub use pick::{Pick, PickedNormal, pick};
 pub use settings::{
     Background, Footprint, Lighting, NormalBits, OffsetBits, ParseChoiceError, Primitive,
-    RendererChoice, Settings, Splatting, Strategy,
+    Projection, RendererChoice, Settings, Splatting, Strategy,
 };
+pub use view_text::ParseViewError;

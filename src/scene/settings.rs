@@ -201,6 +201,16 @@ impl Splatting {
 }
 
 choices! {
+    /// Whether what is farther away is smaller.
+    Projection, "projection" {
+        /// Through a point: the eye.
+        Perspective = "perspective",
+        /// By parallel rays: lengths across the view can be compared.
+        Orthographic = "orthographic",
+    }
+}
+
+choices! {
     /// How instances reach the vertex stage (paper 000 §IV).
     Strategy, "instancing strategy" {
         /// Records pulled from a storage buffer.

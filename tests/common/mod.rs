@@ -9,7 +9,7 @@ use pointreel::math::Aabb;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Background, Camera, Lighting, ScenePacket, Settings, Splatting, UpAxis, Voxels,
+    Background, Camera, Lighting, Projection, ScenePacket, Settings, Splatting, UpAxis, Voxels,
 };
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 
@@ -74,6 +74,7 @@ pub(crate) fn camera_at(distance: f64) -> Camera {
         elevation_deg: 0.0,
         fov_deg: 90.0,
         up: UpAxis::Y,
+        projection: Projection::Perspective,
     }
 }
 

@@ -24,6 +24,7 @@ pub fn help_ui(ui: &mut Ui, state: &mut State) {
             ScrollArea::vertical().max_height(height).show(ui, |ui| {
                 ui.columns_const(|[left, right]| {
                     bindings(left, "Playing");
+                    bindings(left, "Points");
                     bindings(left, "File and window");
                     bindings(right, "View");
                     heading(right, "Mouse and flying");

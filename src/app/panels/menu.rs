@@ -2,9 +2,9 @@
 
 use crate::app::command::{Command, keys_of};
 use crate::app::recent::entry_name;
-use crate::app::{Benchmark, State};
+use crate::app::{Benchmark, State, Tool};
 use crate::bench::Suite;
-use crate::scene::ViewPreset;
+use crate::scene::{Projection, ViewPreset};
 use egui::{Button, MenuBar, Ui};
 
 /// File, View, Benchmark, Help.
@@ -12,6 +12,7 @@ pub fn menu_ui(ui: &mut Ui, state: &mut State) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file_menu(ui, state));
         ui.menu_button("View", |ui| view_menu(ui, state));
+        ui.menu_button("Tools", |ui| tools_menu(ui, state));
         ui.menu_button("Benchmark", |ui| benchmark_menu(ui, state));
         ui.menu_button("Help", |ui| {
             item(ui, state, "Keys and mouse", Command::ToggleHelp);
@@ -105,8 +106,13 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
         item(ui, state, name, Command::Look(preset));
     }
     item(ui, state, "Reset view", Command::ResetView);
+    item(ui, state, "Copy view", Command::CopyView);
+    item(ui, state, "Paste view", Command::PasteView);
     ui.separator();
+    let is_orthographic = state.camera.projection == Projection::Orthographic;
     for (text, open, command) in [
+        ("Orthographic", is_orthographic, Command::ToggleOrthographic),
+        ("Turntable", state.turntable.is_on, Command::ToggleTurntable),
         ("Settings", state.panels.settings, Command::ToggleSettings),
         (
             "Statistics",
@@ -122,6 +128,30 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     ] {
         let button = Button::selectable(open, text).shortcut_text(keys_of(command));
         if ui.add(button).clicked() {
+            state.run(command);
+            ui.close();
+        }
+    }
+}
+
+fn tools_menu(ui: &mut Ui, state: &mut State) {
+    ui.set_min_width(190.0);
+    for (text, tool, tooltip) in [
+        (
+            "Point values",
+            Tool::Point,
+            "A click on a point shows all that its file says of it",
+        ),
+        (
+            "Measure",
+            Tool::Measure,
+            "Clicks on points measure distances, angles and heights",
+        ),
+    ] {
+        let command = Command::ToggleTool(tool);
+        let button =
+            Button::selectable(state.inspection.tool == tool, text).shortcut_text(keys_of(command));
+        if ui.add(button).on_hover_text(tooltip).clicked() {
             state.run(command);
             ui.close();
         }

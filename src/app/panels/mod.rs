@@ -5,8 +5,11 @@ mod comparison;
 mod footprints;
 mod help;
 mod lab;
+mod marks;
+mod measuring;
 mod menu;
 mod notices;
+mod point;
 mod quality;
 mod settings;
 mod statistics;
@@ -16,8 +19,10 @@ mod voxels;
 
 pub use benchmark::benchmark_ui;
 pub use help::help_ui;
+pub use measuring::measuring_ui;
 pub use menu::menu_ui;
 pub use notices::notices_ui;
+pub use point::point_ui;
 pub use quality::QualityLimits;
 pub use settings::settings_ui;
 pub use statistics::statistics_ui;
@@ -62,6 +67,8 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
             .show(ui, |ui| statistics_ui(ui, state));
     }
     CentralPanel::no_frame().show(ui, |ui| viewport_ui(ui, state));
+    point_ui(ui, state);
+    measuring_ui(ui, state);
     notices_ui(ui, state);
     help_ui(ui, state);
     benchmark_ui(ui, state);

@@ -3,10 +3,11 @@
 use super::footprints::footprints_ui;
 use super::quality::quality_ui;
 use super::voxels::octree_ui;
-use crate::app::State;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+use crate::app::{State, Turntable};
 use crate::scene::{
-    Background, Lighting, Primitive, RendererChoice, Settings, Splatting, Strategy, UpAxis,
+    Background, Lighting, Primitive, Projection, RendererChoice, Settings, Splatting, Strategy,
+    UpAxis,
 };
 use crate::sequence::ColorSource;
 use egui::{Button, Checkbox, ComboBox, Grid, RichText, ScrollArea, Slider, Ui, Widget};
@@ -418,13 +419,49 @@ fn camera(ui: &mut Ui, state: &mut State) {
         &mut state.camera.up,
         &axes,
     );
-    let fov = Slider::new(&mut state.camera.fov_deg, 5.0..=120.0)
-        .max_decimals(0)
-        .suffix(" °");
+    choice(
+        ui,
+        "Projection",
+        "Whether what is farther away is smaller (O)",
+        &mut state.camera.projection,
+        &[
+            (
+                "Perspective",
+                Projection::Perspective,
+                "As an eye sees: what is farther away is smaller",
+            ),
+            (
+                "Orthographic",
+                Projection::Orthographic,
+                "By parallel rays: everything is as large as at the middle of the orbit",
+            ),
+        ],
+    );
+    if state.camera.projection == Projection::Perspective {
+        let fov = Slider::new(&mut state.camera.fov_deg, 5.0..=120.0)
+            .max_decimals(0)
+            .suffix(" °");
+        row(
+            ui,
+            "Field of view",
+            "Vertical opening angle of the camera, degrees",
+            fov,
+        );
+    }
+    let turntable = &mut state.turntable;
     row(
         ui,
-        "Field of view",
-        "Vertical opening angle of the camera, degrees",
-        fov,
+        "Turntable",
+        "The camera turns about the up axis until the picture is dragged (T)",
+        Checkbox::new(&mut turntable.is_on, "Turning"),
+    );
+    let pace = Slider::new(&mut turntable.deg_per_sec, Turntable::PACES)
+        .max_decimals(0)
+        .suffix(" °/s");
+    row(
+        ui,
+        "Pace",
+        "How fast the turntable turns, degrees a second; negative the other way",
+        pace,
     );
 }

@@ -1,10 +1,11 @@
 //! The 3-D picture and the mouse on it. The panels are other widgets, so that nothing done to them moves the camera.
 
+use super::marks::marks_ui;
 use crate::app::command::Command;
 use crate::app::grip::{Grip, Pull};
 use crate::app::state::Viewport;
 use crate::app::theme::{ACCENT, ODD};
-use crate::app::{Comparison, Side, State};
+use crate::app::{Comparison, Side, State, Tool};
 use egui::{
     Align2, Color32, ColorImage, CursorIcon, FontId, Id, PointerButton, Pos2, Rect, Response, Role,
     Sense, Stroke, TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
@@ -35,7 +36,9 @@ pub fn viewport_ui(ui: &mut Ui, state: &mut State) {
     let max_edge_px = state.viewport.max_edge_px.unwrap_or(u32::MAX);
     state.viewport.size_px = [rect.width(), rect.height()]
         .map(|edge| ((edge * scale).round().max(0.0) as u32).min(max_edge_px));
+    state.viewport.pointer = response.hover_pos();
     move_camera(ui, &response, state);
+    click(&response, state);
     match &mut state.comparison {
         Some(comparison) => sides(ui, rect, &state.viewport, comparison),
         None => picture(ui, rect, state.viewport.texture, rect),
@@ -143,8 +146,8 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
             camera.zoom(factor);
         }
     }
-    if response.double_clicked() {
-        state.frame_cloud();
+    if !pulls.is_empty() {
+        state.turntable.is_on = false;
     }
     if response.clicked() || !pulls.is_empty() {
         // A text field that was left by a click elsewhere must give the keys back.
@@ -153,6 +156,23 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
                 memory.surrender_focus(focused);
             }
         });
+    }
+}
+
+/// Clicks pick points for the chosen tool; double clicks focus, but where each click counts for a measurement.
+fn click(response: &Response, state: &mut State) {
+    if state.inspection.tool != Tool::Camera {
+        response.clone().on_hover_cursor(CursorIcon::Crosshair);
+    }
+    let Some(place) = response.interact_pointer_pos() else {
+        return;
+    };
+    if response.double_clicked() && state.inspection.tool != Tool::Measure {
+        if !state.focus_at(place) {
+            state.frame_cloud();
+        }
+    } else if response.clicked() {
+        state.click_at(place);
     }
 }
 
@@ -226,6 +246,7 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
             } else if player.shown().is_none() {
                 banner(&painter, rect, "Loading the first frame…", Color32::WHITE);
             }
+            marks_ui(&painter, state);
             axes(&painter, rect, state);
         }
     }

@@ -90,12 +90,17 @@ impl State {
         let origin = player.sequence().origin();
         if self.framed {
             self.camera.frame_bounds(&bounds, origin);
+        } else if let Some(view) = self.options.view.take() {
+            self.camera = view;
         } else {
             let up = self
                 .options
                 .up
                 .unwrap_or_else(|| UpAxis::guess(&frame.frame));
+            let projection = self.camera.projection;
             self.camera = Camera::framing(&bounds, origin, up);
+            self.camera.projection = projection;
+            self.camera.frame_bounds(&bounds, origin);
         }
     }
 
@@ -124,6 +129,12 @@ impl State {
             }
             Command::ResetView => self.reset_view(),
             Command::Look(preset) => self.camera.look_from(preset),
+            Command::ToggleOrthographic => self.toggle_projection(),
+            Command::ToggleTurntable => self.turntable.is_on ^= true,
+            Command::Focus => self.focus_at_pointer(),
+            Command::CopyView => self.copy_view(),
+            Command::PasteView => self.requests.push(WindowRequest::PasteView),
+            Command::ToggleTool(tool) => self.inspection.toggle(tool),
             Command::Smaller => self.scale_size(1.0 / SIZE_STEP),
             Command::Larger => self.scale_size(SIZE_STEP),
             Command::OpenFiles => self.tasks.ask(DialogKind::OpenFiles, None),
@@ -167,6 +178,8 @@ impl State {
             self.panels.help = false;
         } else if self.panels.benchmark && !running {
             self.panels.benchmark = false;
+        } else if self.inspection.escape() {
+            // One thing at a time.
         } else if self.full_screen {
             self.requests.push(WindowRequest::FullScreen);
         }
@@ -291,6 +304,7 @@ impl State {
         let (events, modifiers, now_secs) =
             ctx.input(|input| (input.raw.events.clone(), input.modifiers, input.time));
         self.fly.note(&events, typing);
+        self.handle_clipboard(ctx);
         for command in command::dispatch(ctx) {
             // While flying, Ctrl is the slow pace and Q the way down.
             if command != Command::Quit || !self.fly.is_flying() {

@@ -3,7 +3,7 @@
 use super::view::PixelView;
 use crate::cloud::PointRecord;
 use crate::math::Aabb;
-use crate::scene::{Camera, ScenePacket, Settings, UpAxis};
+use crate::scene::{Camera, Projection, ScenePacket, Settings, UpAxis};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -16,6 +16,7 @@ pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
         elevation_deg: 0.0,
         fov_deg: 60.0,
         up: UpAxis::Y,
+        projection: Projection::Perspective,
     };
     ScenePacket {
         viewport_px: size_px,

@@ -3,7 +3,7 @@
 use super::*;
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
 use crate::measure::{DepthTolerance, SurfaceError, flip};
-use crate::scene::UpAxis;
+use crate::scene::{Projection, UpAxis};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Shape, prepare};
 use glam::Vec3;
 use std::sync::Arc;
@@ -19,6 +19,7 @@ fn front(distance: f64) -> Camera {
         elevation_deg: 0.0,
         fov_deg: 90.0,
         up: UpAxis::Y,
+        projection: Projection::Perspective,
     }
 }
 

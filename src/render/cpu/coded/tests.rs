@@ -8,7 +8,7 @@ use super::transform::{Transform, homogeneous, in_view};
 use super::*;
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode, quantised_directions};
 use crate::octree::{Octree, StopCriterion};
-use crate::scene::{Camera, CodedCells, Settings, UpAxis};
+use crate::scene::{Camera, CodedCells, Projection, Settings, UpAxis};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -62,7 +62,7 @@ prop_compose! {
         distance in 0.1f64..20.0,
         fov_deg in 20f64..100.0,
     ) -> Camera {
-        Camera { target_in_world: DVec3::ZERO, distance, azimuth_deg, elevation_deg, fov_deg, up: UpAxis::Y }
+        Camera { target_in_world: DVec3::ZERO, distance, azimuth_deg, elevation_deg, fov_deg, up: UpAxis::Y, projection: Projection::Perspective }
     }
 }
 

@@ -1,0 +1,273 @@
+//! Points that a person has clicked on: which they are, and where they are in the frame that is shown.
+
+use super::measuring::{Gauge, Measurement};
+use crate::scene::Pick;
+use crate::sequence::PreparedFrame;
+use glam::DVec3;
+
+/// What a click on the picture does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Tool {
+    /// Nothing: the mouse moves the camera alone.
+    #[default]
+    Camera,
+    /// Shows the values of the point.
+    Point,
+    /// Takes the point for a measurement.
+    Measure,
+}
+
+/// A point that was clicked on. In frames of as many points it is the one with the same index in the file; in others, the place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Anchor {
+    /// Index in the file.
+    pub index_in_file: u32,
+    /// Index of the frame that it was last found in.
+    pub frame: usize,
+    /// Where it is, in the coordinates of the file.
+    pub place: DVec3,
+    points_in_file: usize,
+}
+
+/// Points that the file of a frame has, those without finite coordinates counted.
+fn points_in_file(frame: &PreparedFrame) -> usize {
+    frame.frame.len() + frame.frame.dropped_points()
+}
+
+impl Anchor {
+    fn new(pick: &Pick, frame: &PreparedFrame) -> Self {
+        Self {
+            index_in_file: pick.index_in_file,
+            frame: pick.frame,
+            place: pick.position,
+            points_in_file: points_in_file(frame),
+        }
+    }
+
+    /// Moves to where the point is in `frame`; its slot there, if there is one.
+    fn follow(&mut self, frame: &PreparedFrame, origin: DVec3) -> Option<usize> {
+        if points_in_file(frame) != self.points_in_file {
+            return None;
+        }
+        let index = frame.frame.file_index();
+        let slot = index
+            .iter()
+            .position(|&index| index == self.index_in_file)?;
+        self.place = origin + frame.frame.positions()[slot].as_dvec3();
+        self.frame = frame.index;
+        Some(slot)
+    }
+}
+
+/// A point whose values are shown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inspected {
+    /// Which one.
+    pub anchor: Anchor,
+    /// Its values in the last frame that has it.
+    pub values: Pick,
+}
+
+/// What was clicked on.
+#[derive(Debug, Clone, Default)]
+pub struct Inspection {
+    /// What the next click does.
+    pub tool: Tool,
+    /// The point whose values are shown.
+    pub point: Option<Inspected>,
+    /// What is measured next.
+    pub gauge: Gauge,
+    /// Points of a measurement that has not enough of them yet.
+    pub begun: Vec<Anchor>,
+    /// Finished measurements, oldest first.
+    pub measurements: Vec<Measurement>,
+    /// The content that points were last looked up in, as [`PreparedFrame::id`].
+    followed: Option<u64>,
+}
+
+impl Inspection {
+    /// Chooses a tool, or puts the chosen one away.
+    pub fn toggle(&mut self, tool: Tool) {
+        self.begun.clear();
+        self.tool = if self.tool == tool {
+            Tool::Camera
+        } else {
+            tool
+        };
+    }
+
+    /// Chooses what is measured.
+    pub fn measure(&mut self, gauge: Gauge) {
+        self.begun.clear();
+        self.gauge = gauge;
+    }
+
+    /// Forgets what was clicked on; what the next click does stays.
+    pub(super) fn forget_points(&mut self) {
+        *self = Self {
+            tool: self.tool,
+            gauge: self.gauge,
+            ..Self::default()
+        };
+    }
+
+    /// Takes a click on a point of `frame`.
+    pub(super) fn take(&mut self, pick: Pick, frame: &PreparedFrame) {
+        let anchor = Anchor::new(&pick, frame);
+        // The picture that was clicked on may be of the frame before the one that is shown next.
+        self.followed = Some(frame.id);
+        match self.tool {
+            Tool::Camera => {}
+            Tool::Point => {
+                self.point = Some(Inspected {
+                    anchor,
+                    values: pick,
+                });
+            }
+            Tool::Measure => {
+                self.begun.push(anchor);
+                if self.begun.len() >= self.gauge.point_count() {
+                    self.measurements.push(Measurement {
+                        gauge: self.gauge,
+                        points: std::mem::take(&mut self.begun),
+                    });
+                }
+            }
+        }
+    }
+
+    /// Looks for the points in a frame, if it is another one. Costs a look at the indices of the frame for each.
+    pub(super) fn follow(&mut self, frame: &PreparedFrame, origin: DVec3) {
+        if self.followed.replace(frame.id) == Some(frame.id) {
+            return;
+        }
+        if let Some(point) = &mut self.point {
+            let slot = point.anchor.follow(frame, origin);
+            if let Some(values) = slot.and_then(|slot| Pick::of(frame, origin, slot)) {
+                point.values = values;
+            }
+        }
+        let measured = self.measurements.iter_mut();
+        let measured = measured.flat_map(|measurement| &mut measurement.points);
+        for anchor in self.begun.iter_mut().chain(measured) {
+            anchor.follow(frame, origin);
+        }
+    }
+
+    /// Clears one thing after the other: what was begun, the point, the tool. False if nothing was left.
+    pub(super) fn escape(&mut self) -> bool {
+        if !self.begun.is_empty() {
+            self.begun.clear();
+        } else if self.point.take().is_none() {
+            return std::mem::take(&mut self.tool) != Tool::Camera;
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloud::{Frame, Positions, RawCloud};
+    use crate::sequence::{Needs, PrepareCounters, prepare};
+    use std::sync::Arc;
+
+    fn frame(index: usize, places: &[[f32; 3]], origin: DVec3) -> PreparedFrame {
+        let positions = places.iter().map(|&place| {
+            let [x, y, z] = place.map(f64::from);
+            (origin + DVec3::new(x, y, z)).to_array()
+        });
+        let raw = RawCloud::from_positions(Positions::F64(positions.collect()));
+        let frame = Arc::new(Frame::from_raw(raw, origin).unwrap());
+        prepare(
+            index,
+            frame,
+            0.0,
+            &Needs::default(),
+            &PrepareCounters::default(),
+        )
+    }
+
+    #[test]
+    fn a_point_is_the_same_one_in_frames_of_as_many_points() {
+        let origin = DVec3::new(1e6, 0.0, 0.0);
+        let first = frame(0, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], origin);
+        let slot = first
+            .frame
+            .file_index()
+            .iter()
+            .position(|&index| index == 1);
+        let pick = Pick::of(&first, origin, slot.unwrap()).unwrap();
+        let mut inspection = Inspection {
+            tool: Tool::Point,
+            ..Inspection::default()
+        };
+        inspection.take(pick, &first);
+        // In another order of places, with a hole in the file.
+        let moved = frame(
+            1,
+            &[[f32::NAN; 3], [-5.0, 2.0, 0.0], [9.0, 0.0, 0.0]],
+            origin,
+        );
+        inspection.follow(&moved, origin);
+        let point = inspection.point.clone().unwrap();
+        assert_eq!(point.values.position, origin + DVec3::new(-5.0, 2.0, 0.0));
+        assert_eq!((point.anchor.frame, point.values.index_in_file), (1, 1));
+        // Fewer points: nobody knows which it is.
+        inspection.follow(&frame(2, &[[3.0; 3]], origin), origin);
+        assert_eq!(inspection.point.clone().unwrap(), point);
+        // The point itself is a hole.
+        let hole = frame(3, &[[0.0; 3], [f32::INFINITY; 3], [9.0, 0.0, 0.0]], origin);
+        inspection.follow(&hole, origin);
+        assert_eq!(inspection.point.unwrap().anchor.place, point.anchor.place);
+    }
+
+    #[test]
+    fn points_make_measurements_and_escape_clears_in_order() {
+        let shown = frame(
+            0,
+            &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]],
+            DVec3::ZERO,
+        );
+        let pick = |index: u32| {
+            let slot = shown
+                .frame
+                .file_index()
+                .iter()
+                .position(|&known| known == index);
+            Pick::of(&shown, DVec3::ZERO, slot.unwrap()).unwrap()
+        };
+        let mut inspection = Inspection::default();
+        inspection.take(pick(0), &shown);
+        assert!(
+            inspection.point.is_none(),
+            "without a tool a click picks nothing"
+        );
+        inspection.toggle(Tool::Measure);
+        inspection.measure(Gauge::Angle);
+        for index in [1, 0, 2] {
+            inspection.take(pick(index), &shown);
+        }
+        assert_eq!(inspection.begun, []);
+        assert_eq!(inspection.measurements[0].value(DVec3::Y), Some(90.0));
+        let line = inspection.measurements[0].line(DVec3::Y);
+        assert!(
+            line.starts_with("angle\t90\tframe 1 point 1 at 1 0 0\t"),
+            "{line}"
+        );
+        inspection.take(pick(1), &shown);
+        assert!(inspection.escape());
+        assert_eq!(
+            (inspection.begun.len(), inspection.tool),
+            (0, Tool::Measure)
+        );
+        assert!(inspection.escape());
+        assert_eq!(inspection.tool, Tool::Camera);
+        assert!(!inspection.escape());
+        assert_eq!(
+            inspection.measurements.len(),
+            1,
+            "those are deleted by hand"
+        );
+    }
+}

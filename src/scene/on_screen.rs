@@ -1,0 +1,110 @@
+//! Where places in world space are on the picture, in f64: for marks that are painted over it.
+
+use super::Camera;
+use glam::{DVec2, DVec3};
+
+impl Camera {
+    /// The place on a picture of `viewport_px` in pixels, from its upper left corner; `None` behind the near plane.
+    pub fn to_px(&self, place_in_world: DVec3, viewport_px: [u32; 2]) -> Option<DVec2> {
+        let place = self.in_view_space(place_in_world);
+        (-place.z >= self.lens().near()).then(|| self.view_to_px(place, viewport_px))
+    }
+
+    /// Both ends of the part of a line that is in front of the near plane, as [`Camera::to_px`]; `None` where there is none.
+    pub fn line_to_px(
+        &self,
+        ends_in_world: [DVec3; 2],
+        viewport_px: [u32; 2],
+    ) -> Option<[DVec2; 2]> {
+        let near = self.lens().near();
+        let [a, b] = ends_in_world.map(|end| self.in_view_space(end));
+        let [in_front_a, in_front_b] = [a, b].map(|end| -end.z >= near);
+        let on_near_plane = || a.lerp(b, (-near - a.z) / (b.z - a.z));
+        let [a, b] = match (in_front_a, in_front_b) {
+            (true, true) => [a, b],
+            (true, false) => [a, on_near_plane()],
+            (false, true) => [on_near_plane(), b],
+            (false, false) => return None,
+        };
+        Some([a, b].map(|end| self.view_to_px(end, viewport_px)))
+    }
+
+    /// From world space to view space (right, up, backward). Around the target first: near it nothing is lost however far away the
+    /// eye is.
+    fn in_view_space(&self, place_in_world: DVec3) -> DVec3 {
+        let around_target =
+            self.view_from_world_rotation() * (place_in_world - self.target_in_world);
+        around_target - DVec3::Z * self.lens().distance
+    }
+
+    fn view_to_px(&self, place: DVec3, viewport_px: [u32; 2]) -> DVec2 {
+        let [width, height] = viewport_px.map(f64::from);
+        let px_per_slope = 0.5 * height * self.lens().focal;
+        let slopes = DVec2::new(place.x, -place.y) / -place.z;
+        0.5 * DVec2::new(width, height) + slopes * px_per_slope
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Aabb;
+    use crate::scene::{Projection, UpAxis};
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    const SIZE: [u32; 2] = [640, 480];
+
+    fn camera(projection: Projection, origin: DVec3) -> Camera {
+        let bounds = Aabb {
+            min: Vec3::NEG_ONE,
+            max: Vec3::ONE,
+        };
+        Camera {
+            azimuth_deg: 33.0,
+            elevation_deg: -20.0,
+            projection,
+            ..Camera::framing(&bounds, origin, UpAxis::Z)
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn places_are_where_the_shaders_matrix_puts_them(
+            place in prop::array::uniform3(-1.5f64..1.5),
+            is_orthographic: bool,
+        ) {
+            let projection = if is_orthographic { Projection::Orthographic } else { Projection::Perspective };
+            let origin = DVec3::new(4e6, -3e6, 5e6);
+            let camera = camera(projection, origin);
+            let transform = camera.transform(origin, SIZE);
+            let place = DVec3::from_array(place);
+            let clip = transform.clip_from_view() * transform.to_view(place.as_vec3()).extend(1.0);
+            let expected = DVec2::new(
+                f64::from(SIZE[0]) * (0.5 + 0.5 * f64::from(clip.x / clip.w)),
+                f64::from(SIZE[1]) * (0.5 - 0.5 * f64::from(clip.y / clip.w)),
+            );
+            let found = camera.to_px(origin + place, SIZE).unwrap();
+            // What f32 leaves of a telephoto lens.
+            prop_assert!((found - expected).length() < 0.1, "{} {}", found, expected);
+        }
+    }
+
+    #[test]
+    fn what_is_behind_the_eye_has_no_place_and_lines_end_at_the_near_plane() {
+        let camera = camera(Projection::Perspective, DVec3::ZERO);
+        let eye = camera.eye_in_world();
+        let behind = eye + (eye - camera.target_in_world);
+        assert_eq!(camera.to_px(behind, SIZE), None);
+        assert_eq!(camera.line_to_px([behind, 2.0 * behind], SIZE), None);
+        let middle = DVec2::new(320.0, 240.0);
+        for ends in [[behind, DVec3::ZERO], [DVec3::ZERO, behind]] {
+            let px = camera.line_to_px(ends, SIZE).unwrap();
+            assert!(px.iter().all(|px| (*px - middle).length() < 1e-6), "{px:?}");
+        }
+        // Beside the eye a line leaves the picture.
+        let aside = camera.view_from_world_rotation().row(0) * 0.5;
+        let [first, last] = camera.line_to_px([aside, behind + aside], SIZE).unwrap();
+        assert!(first.x < 400.0 && last.x > 1e4, "{first} {last}");
+    }
+}

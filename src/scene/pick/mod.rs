@@ -1,0 +1,159 @@
+//! Which point of the cloud is under a pixel, exactly as it is drawn.
+//!
+//! **How it works.** The ray through the middle of the pixel is held against the records of the packet that the picture was drawn
+//! from, in f64, by the rules of the renderers: a point where its square covers the pixel, a surfel where the ray meets its disk,
+//! a voxel where it meets its cube. Records stand in Morton order, so the boxes around 64 of them are small, and all but a few are
+//! passed by (`ray.rs`). Of blended surfels the one that adds most to the pixel is picked. Where nothing covers the pixel, what is
+//! nearest to it within a radius is: thin things can be clicked on.
+//!
+//! **Why on the processor.** It costs one read of the positions (`benches/pick.rs`), does not depend on who draws, and answers at
+//! once: a buffer of indices would be one more target for every pass, cannot hold what is blended, and has to be read back.
+
+mod ray;
+mod records;
+
+use super::{Primitive, ScenePacket};
+use crate::cloud::{PointRecord, oct_decode};
+use crate::sequence::PreparedFrame;
+use glam::{DVec3, Vec3};
+use ray::Ray;
+use rayon::prelude::*;
+use records::{Cubes, Disks, Squares};
+use std::cmp::Ordering;
+use std::sync::Arc;
+
+/// Points that are worth handing to another thread.
+const POINTS_PER_TASK: usize = 1 << 14;
+
+/// All that is known of a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pick {
+    /// Index of its frame in the sequence.
+    pub frame: usize,
+    /// Its place in the order of the frame.
+    pub slot: usize,
+    /// Its place in the file, points without finite coordinates counted.
+    pub index_in_file: u32,
+    /// In the coordinates of the file.
+    pub position: DVec3,
+    /// How far a coordinate of the file may be from `position`, which is f32 from the origin of the sequence: half a step of the
+    /// largest of its three, scene units.
+    pub precision: f64,
+    /// Unit normal, if there is one.
+    pub normal: Option<PickedNormal>,
+    /// 8-bit red, green, blue and alpha of the file, if it has colours.
+    pub color: Option<[u8; 4]>,
+    /// The colour in which it is drawn.
+    pub drawn_color: [u8; 3],
+    /// The names and values of all scalar fields.
+    pub scalars: Vec<(String, f64)>,
+}
+
+/// A normal and where it is from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PickedNormal {
+    /// From the file.
+    File(Vec3),
+    /// Estimated from neighbours.
+    Estimated(Vec3),
+}
+
+impl Pick {
+    /// What is known of the point at `slot` of `frame`, whose positions are relative to `origin`; `None` if it has fewer points.
+    pub fn of(frame: &PreparedFrame, origin: DVec3, slot: usize) -> Option<Self> {
+        let cloud = &frame.frame;
+        let position = *cloud.positions().get(slot)?;
+        let of_file = cloud.normals().map(|normals| normals[slot]);
+        let estimated = frame.shapes.as_ref().and_then(|shapes| shapes.get(slot));
+        let normal = match of_file.filter(|normal| *normal != Vec3::ZERO) {
+            Some(normal) => Some(PickedNormal::File(normal)),
+            None => estimated.map(|shape| PickedNormal::Estimated(oct_decode(shape.normal))),
+        };
+        let [red, green, blue, _] = frame.points.get(slot)?.color;
+        Some(Self {
+            frame: frame.index,
+            slot,
+            index_in_file: cloud.file_index()[slot],
+            position: origin + position.as_dvec3(),
+            precision: half_step(position),
+            normal,
+            color: cloud.colors().map(|colors| colors[slot]),
+            drawn_color: [red, green, blue],
+            scalars: cloud
+                .scalar_fields()
+                .iter()
+                .map(|field| {
+                    let value = f64::from(field.values[slot]) + field.offset;
+                    (field.name.clone(), value)
+                })
+                .collect(),
+        })
+    }
+}
+
+/// Half the distance between the largest coordinate and the next f32.
+fn half_step(position: Vec3) -> f64 {
+    let largest = position.abs().max_element();
+    0.5 * (f64::from(largest.next_up()) - f64::from(largest))
+}
+
+/// The slot in `frame` of the point under the pixel that holds `place_px`, of the picture that was drawn of `frame` from `packet`;
+/// else of the one nearest to it on the picture, less than `radius_px` away; `None` where there is none. Of points at one place it is
+/// the last, whose colour is seen.
+///
+/// Where cells of the octree are drawn, it is the point nearest to where the ray meets them: of a voxel one that is inside.
+pub fn pick(
+    packet: &ScenePacket,
+    frame: &PreparedFrame,
+    place_px: [f64; 2],
+    radius_px: f64,
+) -> Option<usize> {
+    let ray = Ray::new(packet, place_px);
+    match packet.settings.primitive {
+        Primitive::Point => {
+            let squares = Squares::new(&packet.points, packet.settings.point_size_px);
+            ray.choose(&squares, radius_px).map(|chosen| chosen.record)
+        }
+        Primitive::Surfel => {
+            let shapes = packet.shapes.as_ref()?;
+            let disks = Disks::new(&packet.points, shapes, &packet.settings);
+            let chosen = ray.choose(&disks, radius_px)?;
+            if Arc::ptr_eq(&packet.points, &frame.points) {
+                return Some(chosen.record);
+            }
+            // A surfel stands for points of a cell.
+            nearest(&frame.points, chosen.place, |_| true)
+        }
+        Primitive::Voxel => {
+            let voxels = packet.voxels.as_ref()?;
+            let cubes = Cubes::new(voxels);
+            let chosen = ray.choose(&cubes, radius_px)?;
+            let cell = cubes.cell(chosen.record);
+            nearest(&frame.points, chosen.place, |place| cell.contains(place))
+        }
+    }
+}
+
+/// The point nearest to a place of those that are within, or of all if none is; of equals the last.
+fn nearest(
+    points: &[PointRecord],
+    place: DVec3,
+    is_within: impl Fn(DVec3) -> bool + Sync,
+) -> Option<usize> {
+    let rank = |slot: usize| {
+        let there = Vec3::from_array(points[slot].position).as_dvec3();
+        (!is_within(there), there.distance_squared(place), slot)
+    };
+    let order = |a: &(bool, f64, usize), b: &(bool, f64, usize)| -> Ordering {
+        let apart = a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+        apart.then(b.2.cmp(&a.2))
+    };
+    let all = (0..points.len()).into_par_iter();
+    let best = all.with_min_len(POINTS_PER_TASK).map(rank).min_by(order);
+    best.map(|(_, _, slot)| slot)
+}
+
+#[cfg(test)]
+mod oracle;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,121 @@
+//! What is under a pixel, found by a look at every record with formulas of its own.
+
+use super::tests::SIZE;
+use crate::cloud::oct_decode;
+use crate::scene::ScenePacket;
+use glam::{DMat3, DVec2, DVec3, Vec3};
+
+/// From a place of the frame to clip space as the shaders' matrix does it, but in f64; and back to where rays go.
+pub(super) struct Oracle<'a> {
+    pub(super) packet: &'a ScenePacket,
+    /// The middle of the pixel.
+    pub(super) px: DVec2,
+}
+
+impl Oracle<'_> {
+    fn offset(&self, position: [f32; 3]) -> DVec3 {
+        let view = &self.packet.view;
+        Vec3::from_array(position).as_dvec3() - view.eye_high.as_dvec3() - view.eye_low.as_dvec3()
+    }
+
+    fn rotation(&self) -> DMat3 {
+        self.packet.view.view_from_frame_rotation.as_dmat3()
+    }
+
+    /// From the eye through the pixel: the corner of the near plane's rectangle that its place says.
+    fn direction(&self) -> DVec3 {
+        let [width, height] = SIZE.map(f64::from);
+        let clip = DVec2::new(
+            2.0 * self.px.x / width - 1.0,
+            1.0 - 2.0 * self.px.y / height,
+        );
+        let [focal_x, focal_y] = self.packet.view.focal.map(f64::from);
+        self.rotation().inverse() * DVec3::new(clip.x / focal_x, clip.y / focal_y, -1.0)
+    }
+
+    fn near(&self) -> f64 {
+        f64::from(self.packet.view.near)
+    }
+
+    /// `t` and half edges where the ray meets the plane of a middle and two half edges.
+    fn plane(&self, offset: DVec3, u: DVec3, v: DVec3) -> Option<[f64; 3]> {
+        let matrix = DMat3::from_cols(u, v, -self.direction());
+        if matrix.determinant() == 0.0 {
+            return None;
+        }
+        let DVec3 { x, y, z } = matrix.inverse() * -offset;
+        (z >= self.near()).then_some([z, x, y])
+    }
+
+    pub(super) fn point(&self) -> Option<usize> {
+        let half_px = 0.5 * f64::from(self.packet.settings.point_size_px);
+        let mut best: Option<(f64, usize)> = None;
+        for (slot, point) in self.packet.points.iter().enumerate() {
+            let place = self.rotation() * self.offset(point.position);
+            let clip = self.packet.view.clip_from_view().as_dmat4() * place.extend(1.0);
+            let ndc = clip.truncate() / clip.w;
+            let [width, height] = SIZE.map(f64::from);
+            let px = DVec2::new(width * (0.5 + 0.5 * ndc.x), height * (0.5 - 0.5 * ndc.y));
+            let covers = (px - self.px).abs().max_element() <= half_px;
+            if clip.w > 0.0
+                && ndc.z <= 1.0
+                && covers
+                && best.is_none_or(|(depth, _)| clip.w <= depth)
+            {
+                best = Some((clip.w, slot));
+            }
+        }
+        best.map(|(_, slot)| slot)
+    }
+
+    pub(super) fn surfel(&self) -> Option<usize> {
+        let settings = &self.packet.settings;
+        let shapes = self.packet.shapes.as_ref().unwrap();
+        let mut met = Vec::new();
+        for (slot, (point, shape)) in self.packet.points.iter().zip(&**shapes).enumerate() {
+            let offset = self.offset(point.position);
+            let normal = oct_decode(shape.normal).as_dvec3();
+            if settings.cull_back_faces && normal.dot(offset) > 0.0 {
+                continue;
+            }
+            let radius = f64::from(shape.radius) * f64::from(settings.splat_scale);
+            let (u, v) = normal.any_orthonormal_pair();
+            if let Some([depth, a, b]) = self.plane(offset, u * radius, v * radius)
+                && a * a + b * b <= 1.0
+            {
+                met.push((depth, radius, a.hypot(b), slot));
+            }
+        }
+        let backmost = met
+            .iter()
+            .map(|&(depth, radius, ..)| depth + radius)
+            .reduce(f64::min)?;
+        met.retain(|&(depth, ..)| depth <= backmost);
+        met.sort_by(|a, b| a.2.total_cmp(&b.2));
+        met.first().map(|&(.., slot)| slot)
+    }
+
+    /// The record of the nearest face towards the eye.
+    pub(super) fn voxel(&self) -> Option<usize> {
+        let voxels = self.packet.voxels.as_ref().unwrap();
+        let mut best: Option<(f64, usize)> = None;
+        for (record, voxel) in voxels.records.iter().enumerate() {
+            let half = 0.5 * f64::from(voxels.cube_edge) / f64::from(1u32 << voxel.level);
+            let offset = self.offset(voxel.center);
+            for axis in 0..3 {
+                if offset[axis].abs() <= half {
+                    continue;
+                }
+                let along = |axis: usize| DVec3::AXES[axis % 3] * half;
+                let face = offset - along(axis) * offset[axis].signum();
+                if let Some([depth, a, b]) = self.plane(face, along(axis + 1), along(axis + 2))
+                    && a.abs().max(b.abs()) <= 1.0
+                    && best.is_none_or(|(nearest, _)| depth <= nearest)
+                {
+                    best = Some((depth, record));
+                }
+            }
+        }
+        best.map(|(_, record)| record)
+    }
+}

@@ -1,0 +1,196 @@
+//! A ray through a pixel, and what of a packet it meets.
+
+use crate::scene::ScenePacket;
+use glam::{DMat3, DVec2, DVec3, Vec3};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Most records of a block.
+const BLOCK: usize = 64;
+
+/// Blocks that are worth handing to another thread.
+const BLOCKS_PER_TASK: usize = 256;
+
+/// The ray from the eye through the middle of a pixel, `t · (slope, −1)` in view space.
+pub(super) struct Ray {
+    view_from_frame: DMat3,
+    frame_from_view: DMat3,
+    /// In the space of the frame.
+    eye: DVec3,
+    slope: DVec2,
+    px_per_slope: f64,
+    near: f64,
+}
+
+/// A record that the ray meets, or comes near to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen {
+    pub(super) record: usize,
+    /// Where it is met, or its middle if it is not, in the space of the frame.
+    pub(super) place: DVec3,
+    /// Of that place from the eye along the view, scene units.
+    depth: f64,
+    /// What is at most so much farther away is blended with it.
+    slack: f64,
+    /// From its outline to the pixel; `None` where it covers it.
+    miss_px: Option<f64>,
+    /// How far from its middle the ray is, in a measure of its own.
+    aside: f64,
+}
+
+/// Records of one kind.
+pub(super) trait Drawn: Sync {
+    fn len(&self) -> usize;
+    fn position(&self, record: usize) -> Vec3;
+    /// How far from its position a record reaches: scene units.
+    fn reach(&self, record: usize) -> f64;
+    /// The same in pixels, beyond that.
+    fn reach_px(&self) -> f64;
+    /// Whether it can be seen from where the eye is, at an offset from it.
+    fn faces_eye(&self, record: usize, offset: DVec3) -> bool;
+    /// Where the ray meets a record at an offset from the eye.
+    fn meet(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Met>;
+}
+
+/// Where a ray meets a record.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Met {
+    /// As the ray's `t`.
+    pub(super) depth: f64,
+    /// As [`Seen::slack`].
+    pub(super) slack: f64,
+    /// As [`Seen::aside`].
+    pub(super) aside: f64,
+}
+
+impl Ray {
+    pub(super) fn new(packet: &ScenePacket, place_px: [f64; 2]) -> Self {
+        let view = &packet.view;
+        let [width, height] = packet.viewport_px.map(f64::from);
+        let px_per_slope = 0.5 * height * f64::from(view.focal[1]);
+        let middle_px = |place_px: f64| place_px.floor() + 0.5;
+        let view_from_frame = view.view_from_frame_rotation.as_dmat3();
+        Self {
+            view_from_frame,
+            frame_from_view: view_from_frame.inverse(),
+            eye: view.eye_high.as_dvec3() + view.eye_low.as_dvec3(),
+            slope: DVec2::new(
+                middle_px(place_px[0]) - 0.5 * width,
+                0.5 * height - middle_px(place_px[1]),
+            ) / px_per_slope,
+            px_per_slope,
+            near: f64::from(view.near),
+        }
+    }
+
+    /// In the axes of the frame, as long as it takes for a depth of 1.
+    pub(super) fn direction(&self) -> DVec3 {
+        self.frame_from_view * self.slope.extend(-1.0)
+    }
+
+    /// The record whose colour the pixel mostly has; where it has none, the nearest one on the picture.
+    pub(super) fn choose(&self, records: &impl Drawn, radius_px: f64) -> Option<Seen> {
+        let seen: Vec<Seen> = (0..records.len().div_ceil(BLOCK))
+            .into_par_iter()
+            .with_min_len(BLOCKS_PER_TASK)
+            .flat_map_iter(|block| self.look_at_block(records, block, radius_px))
+            .collect();
+        let met = seen.iter().filter(|seen| seen.miss_px.is_none());
+        let backmost = met
+            .clone()
+            .map(|seen| seen.depth + seen.slack)
+            .reduce(f64::min);
+        // Of equals the last: what stands later is drawn over what is as near.
+        match backmost {
+            Some(backmost) => met
+                .rev()
+                .filter(|seen| seen.depth <= backmost)
+                .min_by(|a, b| {
+                    let apart = a.aside.total_cmp(&b.aside);
+                    apart.then(a.depth.total_cmp(&b.depth))
+                })
+                .copied(),
+            None => seen.into_iter().rev().min_by(|a, b| {
+                let [miss_a, miss_b] = [a, b].map(|seen| seen.miss_px.unwrap_or(0.0));
+                let apart = miss_a.total_cmp(&miss_b);
+                let apart = apart.then(a.aside.total_cmp(&b.aside));
+                apart.then(a.depth.total_cmp(&b.depth))
+            }),
+        }
+    }
+
+    fn look_at_block(&self, records: &impl Drawn, block: usize, radius_px: f64) -> Vec<Seen> {
+        let range = BLOCK * block..records.len().min(BLOCK * (block + 1));
+        if !self.may_meet(records, range.clone(), radius_px) {
+            return Vec::new();
+        }
+        range
+            .filter_map(|record| self.look_at(records, record, radius_px))
+            .collect()
+    }
+
+    /// False if nothing of a block comes nearer to the pixel than a radius.
+    fn may_meet(&self, records: &impl Drawn, range: Range<usize>, radius_px: f64) -> bool {
+        let (mut low, mut high, mut reach) = (Vec3::INFINITY, Vec3::NEG_INFINITY, 0f64);
+        for record in range {
+            let position = records.position(record);
+            low = low.min(position);
+            high = high.max(position);
+            reach = reach.max(records.reach(record));
+        }
+        let (low, high) = (low.as_dvec3(), high.as_dvec3());
+        let middle = self.view_from_frame * (0.5 * (low + high) - self.eye);
+        let half = self.view_from_frame.abs() * (0.5 * (high - low));
+        let farthest = half.z - middle.z;
+        // For rounding.
+        let slack = 1e-9 * (middle.length() + half.length() + reach);
+        let widening = (radius_px + records.reach_px()) / self.px_per_slope * farthest;
+        let is_near = |axis: usize| {
+            let slope = self.slope[axis];
+            let aside = (middle[axis] + slope * middle.z).abs();
+            let room = half[axis] + slope.abs() * half.z;
+            aside <= room + widening + reach * slope.hypot(1.0) + slack
+        };
+        farthest + reach >= self.near && is_near(0) && is_near(1)
+    }
+
+    fn look_at(&self, records: &impl Drawn, record: usize, radius_px: f64) -> Option<Seen> {
+        let offset = records.position(record).as_dvec3() - self.eye;
+        if !records.faces_eye(record, offset) {
+            return None;
+        }
+        let met = records.meet(self, record, offset);
+        if let Some(met) = met.filter(|met| met.depth >= self.near) {
+            return Some(Seen {
+                record,
+                place: self.eye + met.depth * self.direction(),
+                depth: met.depth,
+                slack: met.slack,
+                miss_px: None,
+                aside: met.aside,
+            });
+        }
+        let (depth, aside_px) = self.project(offset)?;
+        let aside_px = aside_px.length();
+        let reach_px = records.reach_px() + records.reach(record) / depth * self.px_per_slope;
+        let miss_px = (aside_px - reach_px).max(0.0);
+        (miss_px < radius_px).then(|| Seen {
+            record,
+            place: self.eye + offset,
+            depth,
+            slack: 0.0,
+            miss_px: Some(miss_px),
+            aside: aside_px,
+        })
+    }
+
+    /// The depth of an offset from the eye, and how far it is from the pixel; `None` behind the near plane.
+    pub(super) fn project(&self, offset: DVec3) -> Option<(f64, DVec2)> {
+        let place = self.view_from_frame * offset;
+        let depth = -place.z;
+        (depth >= self.near).then(|| {
+            let aside = place.truncate() / depth - self.slope;
+            (depth, aside * self.px_per_slope)
+        })
+    }
+}

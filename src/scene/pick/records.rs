@@ -1,0 +1,199 @@
+//! The records of packets as a ray meets them: by the rules of the renderers.
+
+use super::ray::{Drawn, Met, Ray};
+use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
+use crate::scene::{Settings, Voxels};
+use glam::{DVec3, Vec3};
+
+/// Points as squares of pixels.
+pub(super) struct Squares<'a> {
+    points: &'a [PointRecord],
+    half_px: f64,
+}
+
+impl<'a> Squares<'a> {
+    pub(super) fn new(points: &'a [PointRecord], size_px: f32) -> Self {
+        Self {
+            points,
+            half_px: 0.5 * f64::from(size_px.max(1.0)),
+        }
+    }
+}
+
+impl Drawn for Squares<'_> {
+    fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    fn position(&self, record: usize) -> Vec3 {
+        Vec3::from_array(self.points[record].position)
+    }
+
+    fn reach(&self, _: usize) -> f64 {
+        0.0
+    }
+
+    fn reach_px(&self) -> f64 {
+        self.half_px
+    }
+
+    fn faces_eye(&self, _: usize, _: DVec3) -> bool {
+        true
+    }
+
+    fn meet(&self, ray: &Ray, _: usize, offset: DVec3) -> Option<Met> {
+        let (depth, aside_px) = ray.project(offset)?;
+        let covers = aside_px.abs().max_element() <= self.half_px;
+        covers.then_some(Met {
+            depth,
+            slack: 0.0,
+            aside: 0.0,
+        })
+    }
+}
+
+/// Surfels as the disks whose depths decide what is seen.
+pub(super) struct Disks<'a> {
+    points: &'a [PointRecord],
+    shapes: &'a [ShapeRecord],
+    scale: f64,
+    cull_back_faces: bool,
+}
+
+impl<'a> Disks<'a> {
+    pub(super) fn new(
+        points: &'a [PointRecord],
+        shapes: &'a [ShapeRecord],
+        settings: &Settings,
+    ) -> Self {
+        let [visibility, _] = settings.splatting.scales(settings.enlargement);
+        Self {
+            points,
+            shapes,
+            scale: f64::from(settings.splat_scale) * f64::from(visibility),
+            cull_back_faces: settings.cull_back_faces,
+        }
+    }
+
+    fn normal(&self, record: usize) -> DVec3 {
+        oct_decode(self.shapes[record].normal).as_dvec3()
+    }
+}
+
+impl Drawn for Disks<'_> {
+    fn len(&self) -> usize {
+        self.points.len().min(self.shapes.len())
+    }
+
+    fn position(&self, record: usize) -> Vec3 {
+        Vec3::from_array(self.points[record].position)
+    }
+
+    fn reach(&self, record: usize) -> f64 {
+        self.scale * f64::from(self.shapes[record].radius)
+    }
+
+    fn reach_px(&self) -> f64 {
+        0.0
+    }
+
+    fn faces_eye(&self, record: usize, offset: DVec3) -> bool {
+        !self.cull_back_faces || self.normal(record).dot(offset) <= 0.0
+    }
+
+    fn meet(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Met> {
+        let (normal, direction) = (self.normal(record), ray.direction());
+        let depth = normal.dot(offset) / normal.dot(direction);
+        let radius = self.reach(record);
+        let aside = (depth * direction - offset).length() / radius;
+        // Neither holds for a disk that is seen edge-on, or has no size.
+        (depth > 0.0 && aside <= 1.0).then_some(Met {
+            depth,
+            slack: radius,
+            aside,
+        })
+    }
+}
+
+/// Cells as cubes.
+pub(super) struct Cubes<'a> {
+    voxels: &'a Voxels,
+}
+
+/// The space of a cell.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cell {
+    center: DVec3,
+    half_edge: f64,
+}
+
+impl Cell {
+    /// Whether a point may be one of the cell's: with its faces, which f32 rounds.
+    pub(super) fn contains(&self, place: DVec3) -> bool {
+        (place - self.center).abs().max_element() <= self.half_edge * (1.0 + 1e-4)
+    }
+}
+
+impl<'a> Cubes<'a> {
+    pub(super) fn new(voxels: &'a Voxels) -> Self {
+        Self { voxels }
+    }
+
+    pub(super) fn cell(&self, record: usize) -> Cell {
+        Cell {
+            center: self.position(record).as_dvec3(),
+            half_edge: self.half_edge(record),
+        }
+    }
+
+    fn half_edge(&self, record: usize) -> f64 {
+        let level = i32::from(self.voxels.records[record].level);
+        0.5 * f64::from(self.voxels.cube_edge) * 0.5f64.powi(level)
+    }
+}
+
+impl Drawn for Cubes<'_> {
+    fn len(&self) -> usize {
+        self.voxels.records.len()
+    }
+
+    fn position(&self, record: usize) -> Vec3 {
+        Vec3::from_array(self.voxels.records[record].center)
+    }
+
+    fn reach(&self, record: usize) -> f64 {
+        3f64.sqrt() * self.half_edge(record)
+    }
+
+    fn reach_px(&self) -> f64 {
+        0.0
+    }
+
+    fn faces_eye(&self, _: usize, _: DVec3) -> bool {
+        true
+    }
+
+    fn meet(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Met> {
+        let half_edge = self.half_edge(record);
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        let direction = ray.direction();
+        for axis in 0..3 {
+            let (offset, direction) = (offset[axis], direction[axis]);
+            if direction == 0.0 {
+                if offset.abs() > half_edge {
+                    return None;
+                }
+                continue;
+            }
+            let [a, b] = [-half_edge, half_edge].map(|half| (offset + half) / direction);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        // From within a cube none of its faces is drawn.
+        (enter <= leave && enter > 0.0).then_some(Met {
+            depth: enter,
+            slack: 0.0,
+            aside: 0.0,
+        })
+    }
+}

@@ -1,0 +1,304 @@
+//! Picks against all records, one by one, with formulas of their own; and cases with known answers.
+
+use super::oracle::Oracle;
+use super::*;
+use crate::cloud::{Frame, Positions, RawCloud, ScalarField};
+use crate::scene::{Camera, Projection, Scene, Settings, UpAxis};
+use crate::sequence::{Needs, PrepareCounters, prepare};
+use glam::DVec2;
+use proptest::prelude::*;
+
+pub(super) const SIZE: [u32; 2] = [160, 120];
+
+/// Far from zero, as the coordinates of a survey are.
+const ECEF: DVec3 = DVec3::new(4_510_720.0, -3_911_168.0, 2_207_744.0);
+
+fn needs() -> Needs {
+    Needs {
+        shapes: true,
+        octree: Some(Settings::default().stop),
+        ..Needs::default()
+    }
+}
+
+fn prepared(raw: RawCloud, origin: DVec3) -> PreparedFrame {
+    let frame = Frame::from_raw(raw, origin).unwrap();
+    prepare(
+        7,
+        Arc::new(frame),
+        0.0,
+        &needs(),
+        &PrepareCounters::default(),
+    )
+}
+
+/// Points with normals and radii, at `origin`.
+fn cloud(places: &[[f32; 3]], radius: f32, origin: DVec3) -> PreparedFrame {
+    let positions = places
+        .iter()
+        .map(|&place| (origin + Vec3::from_array(place).as_dvec3()).to_array());
+    let mut raw = RawCloud::from_positions(Positions::F64(positions.collect()));
+    // Anywhere, and different.
+    let normals = places.iter().enumerate().map(|(index, &[x, y, z])| {
+        let turned = Vec3::new(y - 0.3, z + 0.2, x + 0.1 * (index % 7) as f32);
+        turned.normalize_or(Vec3::Z).to_array()
+    });
+    raw.normals = Some(normals.collect());
+    raw.radii = Some(
+        (0..places.len())
+            .map(|index| radius * (1.0 + (index % 3) as f32))
+            .collect(),
+    );
+    prepared(raw, origin)
+}
+
+fn camera(distance: f64, azimuth_deg: f64, origin: DVec3) -> Camera {
+    Camera {
+        target_in_world: origin,
+        distance,
+        azimuth_deg,
+        elevation_deg: 20.0,
+        fov_deg: 60.0,
+        up: UpAxis::Y,
+        projection: Projection::Perspective,
+    }
+}
+
+fn packet_of(
+    frame: &PreparedFrame,
+    origin: DVec3,
+    camera: &Camera,
+    settings: &Settings,
+) -> ScenePacket {
+    Scene::default().packet(frame, origin, camera, settings, SIZE)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+    #[test]
+    fn what_is_picked_is_what_a_look_at_every_record_finds(
+        places in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 0..700),
+        distance in 0.2f64..4.0,
+        azimuth_deg in -180f64..180.0,
+        px in (0..SIZE[0], 0..SIZE[1]),
+        size_px in 1f32..9.0,
+        is_far: bool,
+        cull_back_faces: bool,
+    ) {
+        let origin = if is_far { ECEF } else { DVec3::ZERO };
+        let frame = cloud(&places, 0.06, origin);
+        let camera = camera(distance, azimuth_deg, origin);
+        let place_px = [f64::from(px.0) + 0.3, f64::from(px.1) + 0.9];
+        for &primitive in Primitive::ALL {
+            let settings = Settings { primitive, cull_back_faces, point_size_px: size_px, ..Settings::default() };
+            let packet = packet_of(&frame, origin, &camera, &settings);
+            let oracle = Oracle { packet: &packet, px: DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5) };
+            let found = pick(&packet, &frame, place_px, 0.0);
+            match primitive {
+                Primitive::Point => prop_assert_eq!(found, oracle.point()),
+                Primitive::Surfel => prop_assert_eq!(found, oracle.surfel()),
+                Primitive::Voxel => {
+                    let Some(record) = oracle.voxel() else {
+                        prop_assert_eq!(found, None);
+                        continue;
+                    };
+                    let voxels = packet.voxels.as_ref().unwrap();
+                    let cell = Cubes::new(voxels).cell(record);
+                    let slot = found.unwrap();
+                    prop_assert!(cell.contains(Vec3::from_array(frame.points[slot].position).as_dvec3()));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn beside_what_is_drawn_the_nearest_on_the_picture_is_picked(
+        places in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 1..60),
+        px in (0..SIZE[0], 0..SIZE[1]),
+        radius_px in 0f64..40.0,
+    ) {
+        let frame = cloud(&places, 0.0, DVec3::ZERO);
+        let camera = camera(3.0, 10.0, DVec3::ZERO);
+        let settings = Settings { primitive: Primitive::Point, ..Settings::default() };
+        let packet = packet_of(&frame, DVec3::ZERO, &camera, &settings);
+        let middle = DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5);
+        let found = pick(&packet, &frame, middle.to_array(), radius_px);
+        let apart = |slot: usize| {
+            let place = Vec3::from_array(frame.points[slot].position).as_dvec3();
+            (camera.to_px(place, SIZE).unwrap() - middle).length()
+        };
+        let nearest = (0..frame.points.len()).map(apart).reduce(f64::min).unwrap();
+        match found {
+            // Within half a pixel, the size of the square, all are as near.
+            Some(slot) => prop_assert!(apart(slot) <= nearest.max(0.5f64.sqrt()) + 0.5, "{} {}", apart(slot), nearest),
+            None => prop_assert!(nearest > radius_px + 0.499),
+        }
+        if nearest < radius_px {
+            prop_assert!(found.is_some());
+        }
+    }
+}
+
+#[test]
+fn nothing_is_picked_where_nothing_is() {
+    let origin = DVec3::ZERO;
+    let camera = camera(3.0, 0.0, origin);
+    for &primitive in Primitive::ALL {
+        let settings = Settings {
+            primitive,
+            cull_back_faces: false,
+            ..Settings::default()
+        };
+        let empty = cloud(&[], 0.1, origin);
+        let packet = packet_of(&empty, origin, &camera, &settings);
+        assert_eq!(pick(&packet, &empty, [80.0, 60.0], 1e9), None);
+        // Twice as far behind the eye as the target is before it.
+        let eye = camera.eye_in_world();
+        let behind = cloud(&[(eye * 3.0).as_vec3().to_array()], 0.1, origin);
+        let packet = packet_of(&behind, origin, &camera, &settings);
+        assert_eq!(
+            pick(&packet, &behind, [80.0, 60.0], 20.0),
+            None,
+            "{primitive}"
+        );
+        // Nearer than the near plane.
+        let close = cloud(&[(eye * (1.0 - 0.001)).as_vec3().to_array()], 1e-4, origin);
+        let packet = packet_of(&close, origin, &camera, &settings);
+        assert_eq!(
+            pick(&packet, &close, [80.0, 60.0], 20.0),
+            None,
+            "{primitive}"
+        );
+        // A frame that was not prepared for the primitive draws nothing of it.
+        let mut bare = cloud(&[[0.0; 3]], 0.1, origin);
+        bare.shapes = None;
+        bare.octree = None;
+        let packet = packet_of(&bare, origin, &camera, &settings);
+        let expected = (primitive == Primitive::Point).then_some(0);
+        assert_eq!(pick(&packet, &bare, [80.0, 60.0], 5.0), expected);
+        // Places that no picture has.
+        for place_px in [[f64::NAN; 2], [f64::INFINITY; 2], [-1e300, 1e300]] {
+            assert_eq!(pick(&packet, &bare, place_px, 5.0), None);
+        }
+    }
+}
+
+#[test]
+fn the_front_one_wins_and_of_equals_the_last() {
+    let origin = DVec3::ZERO;
+    let camera = Camera {
+        elevation_deg: 0.0,
+        ..camera(3.0, 0.0, origin)
+    };
+    let settings = Settings {
+        primitive: Primitive::Point,
+        ..Settings::default()
+    };
+    let line = [[0.0, 0.0, -1.0], [0.0, 0.0, 0.5], [0.0, 0.0, 0.0]];
+    let frame = cloud(&line, 0.1, origin);
+    let packet = packet_of(&frame, origin, &camera, &settings);
+    let slot = pick(&packet, &frame, [79.9, 59.9], 0.0).unwrap();
+    assert_eq!(Pick::of(&frame, origin, slot).unwrap().index_in_file, 1);
+
+    let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.1; 3]; 200]));
+    raw.normals = Some(vec![[0.0, 0.0, 1.0]; 200]);
+    raw.radii = Some(vec![0.1; 200]);
+    let same = prepared(raw, origin);
+    for &primitive in Primitive::ALL {
+        let settings = Settings {
+            primitive,
+            cull_back_faces: false,
+            ..settings
+        };
+        let packet = packet_of(&same, origin, &camera, &settings);
+        let px = camera.to_px(DVec3::splat(0.1), SIZE).unwrap();
+        let slot = pick(&packet, &same, px.to_array(), 0.0).unwrap();
+        assert_eq!(slot, 199, "{primitive}");
+    }
+}
+
+#[test]
+fn back_faces_are_picked_only_where_they_are_drawn() {
+    let origin = DVec3::ZERO;
+    let camera = camera(3.0, 0.0, origin);
+    for (toward, cull_back_faces, expected) in [
+        (1.0, true, Some(0)),
+        (-1.0, true, None),
+        (-1.0, false, Some(0)),
+    ] {
+        let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]]));
+        raw.normals = Some(vec![[0.0, 0.0, toward]]);
+        raw.radii = Some(vec![0.5]);
+        let frame = prepared(raw, origin);
+        let settings = Settings {
+            cull_back_faces,
+            ..Settings::default()
+        };
+        let packet = packet_of(&frame, origin, &camera, &settings);
+        assert_eq!(pick(&packet, &frame, [80.0, 60.0], 3.0), expected);
+    }
+}
+
+#[test]
+fn a_lone_point_is_picked_from_beside_it() {
+    let origin = ECEF;
+    let frame = cloud(&[[0.0; 3]], 1e-6, origin);
+    let camera = camera(2.0, 77.0, origin);
+    for &primitive in Primitive::ALL {
+        let settings = Settings {
+            primitive,
+            cull_back_faces: false,
+            ..Settings::default()
+        };
+        let packet = packet_of(&frame, origin, &camera, &settings);
+        assert_eq!(
+            pick(&packet, &frame, [84.0, 57.0], 6.0),
+            Some(0),
+            "{primitive}"
+        );
+        // The cell of a lone point is as large as one pleases.
+        if primitive != Primitive::Voxel {
+            assert_eq!(
+                pick(&packet, &frame, [84.0, 57.0], 3.0),
+                None,
+                "{primitive}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_pick_has_all_that_the_file_says_of_the_point() {
+    let mut raw = RawCloud::from_positions(Positions::F64(vec![
+        [f64::NAN; 3],
+        (ECEF + DVec3::new(0.25, 0.5, -0.125)).to_array(),
+    ]));
+    raw.colors = Some(vec![[0; 4], [1, 2, 3, 250]]);
+    raw.normals = Some(vec![[1.0, 0.0, 0.0], [0.0, 0.0, -2.0]]);
+    raw.scalars = vec![
+        ScalarField::new("intensity", vec![9.0, 0.5]),
+        ScalarField::from_f64("gps_time", &[1.3e9, 1.3e9 + 0.001]),
+    ];
+    let frame = prepared(raw, ECEF);
+    let pick = Pick::of(&frame, ECEF, 0).unwrap();
+    assert_eq!((pick.frame, pick.slot, pick.index_in_file), (7, 0, 1));
+    assert_eq!(pick.position, ECEF + DVec3::new(0.25, 0.5, -0.125));
+    assert_eq!(
+        pick.precision,
+        2f64.powi(-25),
+        "half a step of f32 from 0.5"
+    );
+    assert_eq!(pick.color, Some([1, 2, 3, 250]));
+    assert_eq!(pick.normal, Some(PickedNormal::File(Vec3::NEG_Z)));
+    assert_eq!(pick.scalars[0], ("intensity".to_owned(), 0.5));
+    let (name, time) = &pick.scalars[1];
+    assert_eq!(name, "gps_time");
+    // As far apart as f64 tells such times.
+    assert!((time - (1.3e9 + 0.001)).abs() < 5e-7, "{time}");
+    assert_eq!(Pick::of(&frame, ECEF, 1), None);
+
+    let bare = RawCloud::from_positions(Positions::F32(vec![[1.0, 2.0, 3.0]; 9]));
+    let pick = Pick::of(&prepared(bare, DVec3::ZERO), DVec3::ZERO, 3).unwrap();
+    assert!(matches!(pick.normal, Some(PickedNormal::Estimated(_))));
+    assert_eq!((pick.color, pick.scalars.len()), (None, 0));
+}
