@@ -254,10 +254,7 @@ fn draw<T: Output>(
         drawable,
         lists,
         held,
-        gradient: Gradient {
-            background: packet.settings.background,
-            height_px: packet.viewport_px[1],
-        },
+        gradient: Gradient::of(packet),
         are_rays_measured: packet.settings.lighting == Lighting::PerFragment
             && matches!(held, Held::Sums | Held::BlendedColors | Held::SolidColors),
     };
