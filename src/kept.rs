@@ -91,6 +91,11 @@ impl Partial {
 
     /// Gives it its name, in place of a file that has it now.
     pub(crate) fn finish(self) -> std::io::Result<()> {
+        self.rename()
+    }
+
+    /// [`Partial::finish`] where it is a part of something else.
+    pub(crate) fn rename(&self) -> std::io::Result<()> {
         fs::rename(&self.hidden, &self.file)
     }
 }
