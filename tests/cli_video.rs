@@ -185,7 +185,7 @@ fn what_makes_no_sense_is_refused() {
     let cases: &[(&[&str], i32, &str)] = &[
         (&[], 2, "--output"),
         (&["-o", &png, "--video", &gif], 2, "cannot be used with"),
-        (&["-o", &png, "--turntable", "9"], 2, "--video"),
+        (&["-o", &png, "--turntable", "9"], 2, "cannot be used with"),
         (&["--video", &gif, "--turntable", "0"], 2, "1..=1000000"),
         (
             &["--video", &gif, "--turntable", "9", "--path", "p.json"],

@@ -104,21 +104,13 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         instancing: settings.strategy.to_string(),
         frames: Vec::new(),
     };
-    let (failed, asked) = match &arguments.output {
-        Some(output) => {
-            let failed = render_frames(
-                arguments,
-                (output, range),
-                &settings,
-                &mut headless,
-                &mut stats,
-            )?;
-            (failed, range.last - range.first + 1)
-        }
-        None => {
-            let failed = render_video(arguments, &settings, &mut headless, &mut stats.frames)?;
-            (failed, sequence.len())
-        }
+    let (failed, asked) = if let Some(output) = &arguments.output {
+        let output = (output.as_path(), range);
+        let failed = render_frames(arguments, output, &settings, &mut headless, &mut stats)?;
+        (failed, range.last - range.first + 1)
+    } else {
+        let failed = render_video(arguments, &settings, &mut headless, &mut stats.frames)?;
+        (failed, sequence.len())
     };
     if let Some(path) = &arguments.stats {
         let json = serde_json::to_string_pretty(&stats)

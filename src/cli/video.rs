@@ -23,11 +23,11 @@ pub(super) struct VideoArgs {
     video: Option<PathBuf>,
 
     /// Camera path: a JSON file of keyframes, saved in the window or written by hand
-    #[arg(long, value_name = "PATH.json", requires = "video", conflicts_with_all = ["turntable", "frame", "up", "azimuth", "elevation", "distance", "fov"])]
+    #[arg(long, value_name = "PATH.json", requires = "video", conflicts_with_all = ["output", "turntable", "frame", "up", "azimuth", "elevation", "distance", "fov"])]
     path: Option<PathBuf>,
 
     /// Turn the camera once about the up axis in so many pictures while the sequence plays, or holds the frame of --frame
-    #[arg(long, value_name = "PICTURES", requires = "video", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "PICTURES", requires = "video", conflicts_with = "output", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     turntable: Option<u32>,
 
     /// Turns of the turntable, negative ones the other way round (usually 1)
@@ -35,11 +35,11 @@ pub(super) struct VideoArgs {
     turns: Option<f64>,
 
     /// Pictures a second (usually 30; as the sequence plays where the camera stands still)
-    #[arg(long, value_name = "F", requires = "video", value_parser = rate)]
+    #[arg(long, value_name = "F", requires = "video", conflicts_with = "output", value_parser = rate)]
     fps: Option<f64>,
 
     /// How long the video lasts: a path is played faster or slower, of other videos it says the pictures a second
-    #[arg(long, value_name = "S", requires = "video", value_parser = seconds)]
+    #[arg(long, value_name = "S", requires = "video", conflicts_with = "output", value_parser = seconds)]
     seconds: Option<f64>,
 }
 

@@ -1,16 +1,24 @@
-//! GIF files: up to 256 colours a picture, of its own, found by a neural net (NeuQuant) where there are more.
+//! GIF files: up to 255 colours a picture, of its own, found by a neural net (`NeuQuant`) where there are more.
+//!
+//! Pixels that are as before are left out (transparent): they keep their colours, whatever the colours of the new picture are, so
+//! that what stands still does not flicker.
 
 use super::changes::changed_part;
 use super::{ExportError, FrameSink, VideoStream};
 use crate::kept::Partial;
+use color_quant::NeuQuant;
 use gif::{Encoder, Frame, Repeat};
 use image::RgbaImage;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-/// How many of the pixels the net learns from: each tenth. All of them take five times as long for a third of a dB.
+/// How many of the pixels the net learns from: each tenth.
 const SPEED: i32 = 10;
+
+/// Of 256, less the one that is no colour.
+const COLORS: usize = 255;
 
 /// A GIF that is being written.
 pub(super) struct GifFile {
@@ -52,12 +60,18 @@ impl FrameSink for GifFile {
         let part = changed_part(self.before.as_ref(), picture, 1);
         let [width, height] = part.size.map(|edge| edge as u16);
         let [left, top] = part.start.map(|edge| edge as u16);
-        let mut pixels = part.of(picture);
+        let before = self.before.as_ref().map(|before| part.of(before));
+        let (indices, palette, transparent) = quantised(&part.of(picture), before.as_deref());
         let frame = Frame {
             left,
             top,
+            width,
+            height,
             delay: self.stream.ticks(self.index, 100.0) as u16,
-            ..Frame::from_rgba_speed(width, height, &mut pixels, SPEED)
+            buffer: indices.into(),
+            palette: Some(palette),
+            transparent: Some(transparent),
+            ..Frame::default()
         };
         self.encoder
             .write_frame(&frame)
@@ -80,6 +94,68 @@ impl FrameSink for GifFile {
             partial.finish()
         };
         finish().map_err(|reason: io::Error| failed(&output, reason))
+    }
+}
+
+/// Pixels as places in a palette of red, green and blue; and the place that stands for pixels that are as `before`.
+fn quantised(pixels: &[u8], before: Option<&[u8]>) -> (Vec<u8>, Vec<u8>, u8) {
+    let (pixels, _) = pixels.as_chunks::<4>();
+    let before = before.map(|before| before.as_chunks::<4>().0);
+    let is_new = |place: usize| before.is_none_or(|before| before[place] != pixels[place]);
+    let new: Vec<[u8; 4]> = (0..pixels.len())
+        .filter(|&place| is_new(place))
+        .map(|place| pixels[place])
+        .collect();
+    let palette = Palette::of(&new);
+    let mut colors = palette.colors();
+    let transparent = (colors.len() / 3) as u8;
+    colors.extend([0; 3]);
+    let index = |place: usize| {
+        if is_new(place) {
+            palette.index_of(pixels[place])
+        } else {
+            transparent
+        }
+    };
+    ((0..pixels.len()).map(index).collect(), colors, transparent)
+}
+
+/// The colours of some pixels.
+enum Palette {
+    /// All of them, in order.
+    Exact(Vec<[u8; 4]>),
+    /// Such that each has one nearby.
+    Learnt(NeuQuant),
+}
+
+impl Palette {
+    fn of(pixels: &[[u8; 4]]) -> Self {
+        let mut colors = BTreeSet::new();
+        let are_few = pixels.iter().all(|&color| {
+            colors.insert(color);
+            colors.len() <= COLORS
+        });
+        if are_few {
+            Self::Exact(colors.into_iter().collect())
+        } else {
+            Self::Learnt(NeuQuant::new(SPEED, COLORS, pixels.as_flattened()))
+        }
+    }
+
+    /// Red, green and blue of each.
+    fn colors(&self) -> Vec<u8> {
+        match self {
+            Self::Exact(colors) => colors.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect(),
+            Self::Learnt(net) => net.color_map_rgb(),
+        }
+    }
+
+    fn index_of(&self, color: [u8; 4]) -> u8 {
+        let index = match self {
+            Self::Exact(colors) => colors.partition_point(|known| *known < color),
+            Self::Learnt(net) => net.index_of(&color),
+        };
+        index as u8
     }
 }
 

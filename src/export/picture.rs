@@ -13,7 +13,7 @@ use crate::kept::Partial;
 use crate::render::{AnyRenderer, RenderError, scaled_to};
 use crate::scene::{Background, Camera, ScenePacket, Settings};
 use crate::sequence::PreparedFrame;
-use image::{GenericImage as _, RgbaImage};
+use image::{RgbaImage, imageops};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
@@ -151,8 +151,7 @@ fn for_each_strip(
             let columns = part_width.min(width - left);
             let part = packet.part([left, top], [columns, rows]);
             let image = draw_part(headless, &part, size.is_transparent)?;
-            // It fits: the part is cut to what is left.
-            strip.copy_from(&image, left, 0).ok();
+            imageops::replace(&mut strip, &image, i64::from(left), 0);
         }
         take(strip)?;
     }

@@ -2,7 +2,7 @@
 
 use super::picture::{self, PictureSize, draw_picture};
 use super::{ExportError, FrameSink, VideoStream, open_sink};
-use crate::headless::{Headless, PictureStats};
+use crate::headless::{Headless, HeadlessError, PictureStats};
 use crate::scene::{CameraPath, Settings};
 use crate::sequence::{Direction, FrameError, PreparedFrame};
 use image::RgbaImage;
@@ -96,7 +96,8 @@ pub fn render_path(
             Ok(encoder) => encoder,
             Err(reason) => return (Err(no_thread(reason)), None),
         };
-        let drawn = draw_pictures(headless, video, sender, observe);
+        let drawn = draw_pictures(headless, video, &sender, observe);
+        drop(sender);
         let encoded = encoder
             .join()
             .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
@@ -137,29 +138,28 @@ fn encode(
 fn draw_pictures(
     headless: &mut Headless,
     video: &Video<'_>,
-    pictures: SyncSender<RgbaImage>,
+    pictures: &SyncSender<RgbaImage>,
     observe: &mut dyn FnMut(&PictureDone) -> ControlFlow<()>,
 ) -> Result<Vec<(usize, FrameError)>, ExportError> {
     let total = video.picture_count();
     let mut failed: Vec<(usize, FrameError)> = Vec::new();
     let mut shown: Option<Arc<PreparedFrame>> = None;
-    let frame_of = |picture: usize| {
-        let (camera, frame) = video
-            .path
-            .at(picture as f64 * video.speed / video.per_second);
-        (camera, frame)
+    let at = |picture: usize| {
+        let seconds = picture as f64 * video.speed / video.per_second;
+        video.path.at(seconds)
     };
     for done in 0..total {
-        let (camera, place) = frame_of(done);
-        let direction = match frame_of(done + 1).1 < place {
-            true => Direction::Backward,
-            false => Direction::Forward,
+        let (camera, place) = at(done);
+        let direction = if at(done + 1).1 < place {
+            Direction::Backward
+        } else {
+            Direction::Forward
         };
         let index = place % headless.sequence().len().max(1);
         match headless.frame_on_the_way(index, direction, video.settings) {
             Ok(frame) => shown = Some(frame),
             Err(error) if shown.is_none() => {
-                return Err(crate::headless::HeadlessError::from(error).into());
+                return Err(HeadlessError::from(error).into());
             }
             Err(error) if failed.iter().all(|(known, _)| *known != index) => {
                 failed.push((index, error));

@@ -2,7 +2,7 @@
 //!
 //! How it works: a RIFF file whose chunk `VP8X` says the size, `ANIM` that it repeats for ever, and each `ANMF` a picture: where the
 //! part lies that is not as before, how long it is shown, and its pixels (`VP8L`). See the WebP container specification
-//! (developers.google.com/speed/webp/docs/riff_container).
+//! (<https://developers.google.com/speed/webp/docs/riff_container>).
 
 use super::changes::{Part, changed_part};
 use super::{ExportError, FrameSink, VideoStream};

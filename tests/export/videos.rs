@@ -331,7 +331,7 @@ fn the_time_path_plays_backwards_holds_and_begins_anew() {
 fn a_broken_frame_is_reported_and_the_one_before_it_stays() {
     let settings = Settings::default();
     let demo = Sequence::demo();
-    let sources = demo.sources().iter().map(|source| (**source).clone());
+    let sources = demo.sources().into_iter().map(|source| (*source).clone());
     let broken = demo.source(4).path.clone();
     let sequence = Sequence::with_decoder(sources.collect(), move |source| {
         if source.path == broken {
