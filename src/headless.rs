@@ -1,7 +1,7 @@
 //! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
 
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
-use crate::scene::{Camera, Projection, Scene, SceneStats, Settings, UpAxis};
+use crate::scene::{Camera, Projection, Scene, ScenePacket, SceneStats, Settings, UpAxis};
 use crate::sequence::{Direction, FrameError, Loader, PreparedFrame, Sequence};
 use image::RgbaImage;
 use serde::Serialize;
@@ -133,9 +133,24 @@ impl Headless {
         index: usize,
         settings: &Settings,
     ) -> Result<Arc<PreparedFrame>, FrameError> {
+        self.frame_on_the_way(index, Direction::Forward, settings)
+    }
+
+    /// [`Headless::frame`], where those that follow in `direction` are prepared meanwhile.
+    pub fn frame_on_the_way(
+        &self,
+        index: usize,
+        direction: Direction,
+        settings: &Settings,
+    ) -> Result<Arc<PreparedFrame>, FrameError> {
         let needs = Scene::needs(settings);
-        self.loader.request(index, Direction::Forward, &needs);
+        self.loader.request(index, direction, &needs);
         self.loader.wait(index, &needs)
+    }
+
+    /// The frames.
+    pub fn sequence(&self) -> &Arc<Sequence> {
+        &self.sequence
     }
 
     /// Draws a frame.
@@ -146,13 +161,28 @@ impl Headless {
         settings: &Settings,
         size_px: [u32; 2],
     ) -> Result<RgbaImage, RenderError> {
-        let packet = self
-            .scene
-            .packet(frame, self.sequence.origin(), camera, settings, size_px);
-        self.renderer.prepare(&packet)?;
+        let packet = self.packet(frame, camera, settings, size_px);
+        Ok(scaled_to(self.draw_packet(&packet)?, size_px))
+    }
+
+    /// All that [`Headless::draw`] draws from.
+    pub fn packet(
+        &mut self,
+        frame: &PreparedFrame,
+        camera: &Camera,
+        settings: &Settings,
+        size_px: [u32; 2],
+    ) -> ScenePacket {
+        let origin = self.sequence.origin();
+        self.scene.packet(frame, origin, camera, settings, size_px)
+    }
+
+    /// Draws what a packet says, in its size.
+    pub fn draw_packet(&mut self, packet: &ScenePacket) -> Result<RgbaImage, RenderError> {
+        self.renderer.prepare(packet)?;
         self.renderer.render()?;
         self.renderer.wait_gpu_ms();
-        Ok(scaled_to(self.renderer.read_image()?, size_px))
+        self.renderer.read_image()
     }
 
     /// What the last [`Headless::draw`] of `frame` took.

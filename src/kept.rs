@@ -49,21 +49,62 @@ pub(crate) fn write_whole(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     write_whole_with(file, |new| new.write_all(bytes))
 }
 
-/// [`write_whole`] of what `write` writes, under a hidden name until it is whole.
+/// [`write_whole`] of what `write` writes.
 pub(crate) fn write_whole_with(
     file: &Path,
     write: impl FnOnce(&mut File) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let partial = file.with_file_name(format!(".{name}.{}.partial", std::process::id()));
-    let written = File::create(&partial)
-        .and_then(|mut new| write(&mut new))
-        .and_then(|()| fs::rename(&partial, file));
-    if written.is_err() {
-        // What is left of it would stay for ever; that it may not be there is no further problem.
-        let _ = fs::remove_file(&partial);
+    let (partial, mut new) = Partial::create(file)?;
+    write(&mut new)?;
+    drop(new);
+    partial.finish()
+}
+
+/// A file under a hidden name until it is whole. What is dropped before is removed.
+#[derive(Debug)]
+pub(crate) struct Partial {
+    hidden: PathBuf,
+    file: PathBuf,
+}
+
+impl Partial {
+    /// Names the hidden file that is to become `file`; somebody else creates it.
+    pub(crate) fn of(file: &Path) -> Self {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        Self {
+            hidden: file.with_file_name(format!(".{name}.{}.partial", std::process::id())),
+            file: file.to_owned(),
+        }
     }
-    written
+
+    /// Creates the hidden file that is to become `file`.
+    pub(crate) fn create(file: &Path) -> std::io::Result<(Self, File)> {
+        let partial = Self::of(file);
+        let new = File::create(partial.hidden())?;
+        Ok((partial, new))
+    }
+
+    /// Where it is until then.
+    pub(crate) fn hidden(&self) -> &Path {
+        &self.hidden
+    }
+
+    /// Gives it its name, in place of a file that has it now.
+    pub(crate) fn finish(self) -> std::io::Result<()> {
+        self.rename()
+    }
+
+    /// [`Partial::finish`] where it is a part of something else.
+    pub(crate) fn rename(&self) -> std::io::Result<()> {
+        fs::rename(&self.hidden, &self.file)
+    }
+}
+
+impl Drop for Partial {
+    fn drop(&mut self) {
+        // What is left of it would stay for ever; that it may not be there, since it has its name, is no problem.
+        let _ = fs::remove_file(&self.hidden);
+    }
 }
 
 #[cfg(test)]

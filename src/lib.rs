@@ -17,6 +17,7 @@
 //! | [`playback`] | the playhead: which frame is due, which is shown, with how many points |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
+//! | [`export`] | pictures of any size, videos of camera paths |
 //! | [`mod@bench`] | the paper's tables, measured here |
 //! | [`mod@check`] | what may be wrong with a sequence |
 //! | [`mod@convert`] | frames written anew |
@@ -30,6 +31,7 @@ pub mod check;
 pub mod cli;
 pub mod cloud;
 pub mod convert;
+pub mod export;
 pub mod headless;
 pub mod io;
 mod kept;

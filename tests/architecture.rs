@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Modules that may import those of earlier rows and, within `headless` and `bench`, nothing of each other.
+/// Modules that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
     &["math", "memory", "kept"],
     &["cloud"],
@@ -16,7 +16,8 @@ const ORDER: &[&[&str]] = &[
     &["scene"],
     &["playback"],
     &["render"],
-    &["headless", "bench", "check", "convert"],
+    &["headless"],
+    &["export", "bench", "check", "convert"],
     &["app"],
     &["cli"],
 ];

@@ -104,6 +104,8 @@ fn rust_and_wgsl_agree_on_every_layout() {
         depth_slack,
         lighting,
         cull_back_faces,
-        unused
+        unused,
+        center_ndc,
+        unused_end
     );
 }

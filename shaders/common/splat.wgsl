@@ -76,12 +76,18 @@ fn face_oct(face: u32, towards: f32) -> vec2f {
 // True unless a sphere around `position` is outside the view: conservative, for the compute pass.
 fn sphere_may_be_seen(position: vec3f, radius: f32) -> bool {
     let center = rotate_to_view(offset_from_eye(position));
-    // Distances to the side planes, times the length of their normals.
-    let lengths = sqrt(view.focal * view.focal + 1.0);
-    let side = abs(center.xy) * view.focal + center.z;
+    // Slopes of the side planes, times the focal length.
+    let right_top = 1.0 - view.center_ndc;
+    let left_bottom = 1.0 + view.center_ndc;
     // A little more than the radius, for the rounding of these few operations.
     let reach = radius * 1.001 + 1e-5 * length(center);
-    return all(side <= lengths * reach) && -center.z + reach >= 0.0;
+    // Distances to the side planes, times the length of their normals.
+    let along = center.xy * view.focal;
+    let beyond_right_top = right_top * center.z + along;
+    let beyond_left_bottom = left_bottom * center.z - along;
+    let is_near = beyond_right_top <= sqrt(view.focal * view.focal + right_top * right_top) * reach;
+    let is_near_too = beyond_left_bottom <= sqrt(view.focal * view.focal + left_bottom * left_bottom) * reach;
+    return all(is_near) && all(is_near_too) && -center.z + reach >= 0.0;
 }
 
 // A square of fixed size around a point.

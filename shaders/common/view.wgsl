@@ -30,6 +30,9 @@ struct View {
     // 1: what faces away is dropped.
     cull_back_faces: u32,
     unused: u32,
+    // Where the view axis meets the picture: 0, but for a part of a larger one.
+    center_ndc: vec2f,
+    unused_end: vec2f,
 }
 
 const LIGHTING_UNLIT: u32 = 0u;
@@ -51,5 +54,6 @@ fn rotate_to_view(offset: vec3f) -> vec3f {
 
 // Reverse-Z with the far plane at infinity: depth = near / distance.
 fn project(position_in_view: vec3f) -> vec4f {
-    return vec4f(position_in_view.xy * view.focal, view.near, -position_in_view.z);
+    let distance = -position_in_view.z;
+    return vec4f(position_in_view.xy * view.focal + view.center_ndc * distance, view.near, distance);
 }

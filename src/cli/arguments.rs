@@ -4,8 +4,8 @@ use crate::headless::CameraChoice;
 use crate::io::ReadOptions;
 use crate::octree::StopCriterion;
 use crate::scene::{
-    Background, Camera, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive, Projection,
-    RendererChoice, Settings, Splatting, Strategy, UpAxis,
+    Background, Camera, Footprint, Lighting, Lod, NormalBits, OffsetBits, ParseChoiceError,
+    Primitive, Projection, RendererChoice, Settings, Splatting, Strategy, UpAxis,
 };
 use crate::sequence::{ColorSource, OpenOptions, Sequence, SequenceError};
 use clap::Args;
@@ -129,9 +129,9 @@ pub(super) struct PictureArgs {
     #[arg(long, value_name = "SOURCE", value_parser = color_source)]
     colors: Option<ColorSource>,
 
-    /// dusk, black, gray, white, sky, #rrggbb or #rrggbb-#rrggbb (top to bottom)
+    /// dusk, black, gray, white, sky, #rrggbb or #rrggbb-#rrggbb (top to bottom); `render` knows transparent too
     #[arg(long, value_name = "COLOR")]
-    background: Option<Background>,
+    background: Option<Behind>,
 
     /// Draw surfels from behind too
     #[arg(long)]
@@ -159,7 +159,31 @@ pub(super) struct PictureArgs {
     offset_bits: Option<OffsetBits>,
 }
 
+/// What is behind the cloud.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Behind {
+    Colors(Background),
+    /// The picture is transparent there.
+    Nothing,
+}
+
+impl FromStr for Behind {
+    type Err = ParseChoiceError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "transparent" => Ok(Self::Nothing),
+            _ => text.parse().map(Self::Colors),
+        }
+    }
+}
+
 impl PictureArgs {
+    /// Whether nothing is to be behind the cloud.
+    pub(super) fn is_transparent(&self) -> bool {
+        self.background == Some(Behind::Nothing)
+    }
+
     /// `default`, but for what is given.
     pub(super) fn settings_over(&self, default: Settings) -> Settings {
         Settings {
@@ -171,7 +195,10 @@ impl PictureArgs {
             enlargement: self.enlargement.unwrap_or(default.enlargement),
             cull_back_faces: default.cull_back_faces && !self.two_sided,
             lighting: self.lighting.unwrap_or(default.lighting),
-            background: self.background.unwrap_or(default.background),
+            background: match self.background {
+                Some(Behind::Colors(background)) => background,
+                Some(Behind::Nothing) | None => default.background,
+            },
             colors: self.colors.unwrap_or(default.colors),
             point_size_px: self.point_size.unwrap_or(default.point_size_px),
             stop: self.stop.criterion().unwrap_or(default.stop),

@@ -9,6 +9,7 @@ mod convert;
 mod info;
 mod progress;
 mod render;
+mod video;
 mod view;
 
 use clap::{Parser, Subcommand};
@@ -30,7 +31,7 @@ struct Arguments {
 enum Verb {
     /// Plays a sequence in a window (the default); without INPUT the built-in demo
     View(Box<view::ViewArgs>),
-    /// Renders frames to PNG files, without a window
+    /// Renders frames to PNG files, or a video of them, without a window
     Render(Box<render::RenderArgs>),
     /// Measures drawing and octrees by the protocol of the paper, and errors beside times
     Bench(Box<bench::BenchArgs>),

@@ -1,19 +1,18 @@
-//! `pointreel render`: frames to PNG files, with the code that draws the window.
+//! `pointreel render`: frames to PNG files, or to a video, with the code that draws the window.
 
 use super::arguments::{CameraArgs, FrameRange, PictureArgs, ReadArgs, open_sequence, size_px};
 use super::say;
+use super::video::{VideoArgs, render_video};
+use crate::export::{FRAME_PLACEHOLDER, PictureSize, numbered, write_picture};
 use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, Settings};
-use crate::sequence::{Loader, LoaderOptions, Sequence};
+use crate::sequence::{Loader, LoaderOptions};
 use anyhow::{Context as _, bail};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Where the number of the frame goes in the name of the output.
-const FRAME_PLACEHOLDER: &str = "{frame}";
 
 /// Arguments of `pointreel render`.
 #[derive(Debug, Args)]
@@ -23,12 +22,21 @@ pub(super) struct RenderArgs {
     inputs: Vec<PathBuf>,
 
     /// PNG file to write; with a range of frames its name must contain {frame}
-    #[arg(short, long, value_name = "OUT.png")]
-    output: PathBuf,
+    #[arg(
+        short,
+        long,
+        value_name = "OUT.png",
+        required_unless_present = "video",
+        conflicts_with = "video"
+    )]
+    output: Option<PathBuf>,
 
-    /// A frame, or a range A..B with both ends included; counted from 0
-    #[arg(long, value_name = "N|A..B", default_value = "0")]
-    frame: FrameRange,
+    #[command(flatten)]
+    pub(super) video: VideoArgs,
+
+    /// A frame, or a range A..B with both ends included; counted from 0 [default: 0, of a video all]
+    #[arg(long, value_name = "N|A..B")]
+    pub(super) frame: Option<FrameRange>,
 
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size_px)]
@@ -41,11 +49,21 @@ pub(super) struct RenderArgs {
     picture: PictureArgs,
 
     #[command(flatten)]
-    camera: CameraArgs,
+    pub(super) camera: CameraArgs,
 
     /// JSON file to write counters and times to
     #[arg(long, value_name = "STATS.json")]
     stats: Option<PathBuf>,
+}
+
+impl RenderArgs {
+    /// How large pictures are, and what is behind the cloud.
+    pub(super) fn picture_size(&self) -> PictureSize {
+        PictureSize {
+            is_transparent: self.picture.is_transparent(),
+            ..PictureSize::opaque(self.size)
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -59,24 +77,18 @@ struct Stats {
 }
 
 pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
-    let FrameRange { first, last } = arguments.frame;
-    let names_frames = arguments
-        .output
-        .to_string_lossy()
-        .contains(FRAME_PLACEHOLDER);
-    if first != last && !names_frames {
-        bail!(
-            "frames {first}..{last} would all be written to {}: put {FRAME_PLACEHOLDER} into its name",
-            arguments.output.display()
-        );
+    let range = arguments.frame.unwrap_or(FrameRange { first: 0, last: 0 });
+    if let Some(output) = &arguments.output {
+        check_names(output, range)?;
     }
     let sequence = Arc::new(open_sequence(
         &arguments.inputs,
         &arguments.read.picture_options(),
     )?);
-    if last >= sequence.len() {
+    if range.last >= sequence.len() {
         bail!(
-            "there is no frame {last}: the sequence has {} frames, counted from 0",
+            "there is no frame {}: the sequence has {} frames, counted from 0",
+            range.last,
             sequence.len()
         );
     }
@@ -92,7 +104,14 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         instancing: settings.strategy.to_string(),
         frames: Vec::new(),
     };
-    let failed = render_frames(arguments, &sequence, &settings, &mut headless, &mut stats)?;
+    let (failed, asked) = if let Some(output) = &arguments.output {
+        let output = (output.as_path(), range);
+        let failed = render_frames(arguments, output, &settings, &mut headless, &mut stats)?;
+        (failed, range.last - range.first + 1)
+    } else {
+        let failed = render_video(arguments, &settings, &mut headless, &mut stats.frames)?;
+        (failed, sequence.len())
+    };
     if let Some(path) = &arguments.stats {
         let json = serde_json::to_string_pretty(&stats)
             .context("the statistics cannot be written as JSON")?;
@@ -101,24 +120,31 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     }
     match failed.as_slice() {
         [] => Ok(()),
-        [(_, error)] if first == last => bail!("{error}"),
-        failed => bail!(
-            "{} of {} frames could not be rendered",
-            failed.len(),
-            last - first + 1
-        ),
+        [(_, error)] if asked == 1 => bail!("{error}"),
+        failed => bail!("{} of {asked} frames could not be rendered", failed.len()),
     }
+}
+
+/// Several frames need several names.
+fn check_names(output: &Path, FrameRange { first, last }: FrameRange) -> anyhow::Result<()> {
+    if first != last && !output.to_string_lossy().contains(FRAME_PLACEHOLDER) {
+        bail!(
+            "frames {first}..{last} would all be written to {}: put {FRAME_PLACEHOLDER} into its name, or make a --video",
+            output.display()
+        );
+    }
+    Ok(())
 }
 
 /// Renders every frame that can be; returns those that cannot, with the reason.
 fn render_frames(
     arguments: &RenderArgs,
-    sequence: &Sequence,
+    (output, FrameRange { first, last }): (&Path, FrameRange),
     settings: &Settings,
     headless: &mut Headless,
     stats: &mut Stats,
 ) -> anyhow::Result<Vec<(usize, String)>> {
-    let FrameRange { first, last } = arguments.frame;
+    let sequence = Arc::clone(headless.sequence());
     let mut failed = Vec::new();
     // One camera for the whole range: poses stay comparable.
     let mut camera: Option<Camera> = None;
@@ -134,44 +160,11 @@ fn render_frames(
             }
         };
         let camera =
-            camera.get_or_insert_with(|| arguments.camera.choice().camera(&frame, sequence));
-        let image = headless.draw(&frame, camera, settings, arguments.size)?;
-        let path = output_path(&arguments.output, index, sequence.len());
-        image
-            .save_with_format(&path, image::ImageFormat::Png)
-            .with_context(|| format!("{} cannot be written", path.display()))?;
+            camera.get_or_insert_with(|| arguments.camera.choice().camera(&frame, &sequence));
+        let path = numbered(output, index, sequence.len());
+        let size = arguments.picture_size();
+        write_picture(headless, &frame, camera, settings, size, &path)?;
         stats.frames.push(headless.stats(&frame));
     }
     Ok(failed)
-}
-
-/// The output's name with `{frame}` replaced by the number, padded so that names sort.
-fn output_path(output: &Path, index: usize, frame_count: usize) -> PathBuf {
-    let digits = frame_count.saturating_sub(1).to_string().len().max(4);
-    PathBuf::from(
-        output
-            .to_string_lossy()
-            .replace(FRAME_PLACEHOLDER, &format!("{index:0digits$}")),
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_of_outputs_sort() {
-        assert_eq!(
-            output_path(Path::new("o/{frame}.png"), 7, 24),
-            Path::new("o/0007.png")
-        );
-        assert_eq!(
-            output_path(Path::new("{frame}.png"), 7, 100_000),
-            Path::new("00007.png")
-        );
-        assert_eq!(
-            output_path(Path::new("one.png"), 7, 24),
-            Path::new("one.png")
-        );
-    }
 }

@@ -6,7 +6,7 @@ use super::arguments::{
 use crate::app::{Options, Preferences, PreferencesFile, Recent, StateOptions};
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::OpenOptions;
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -67,6 +67,9 @@ pub(super) struct ViewArgs {
 
 /// Opens the window and returns when it is closed.
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
+    if args.picture.is_transparent() {
+        bail!("a window has no transparent background: choose colours, or `pointreel render`");
+    }
     let open = OpenOptions {
         fps: args.fps,
         ..args.read.picture_options()

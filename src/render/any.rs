@@ -58,6 +58,14 @@ impl AnyRenderer {
         }
     }
 
+    /// Longest edge of a picture that is drawn at once.
+    pub fn max_edge_px(&self) -> u32 {
+        match self {
+            Self::Gpu(renderer) => renderer.context().max_edge_px(),
+            Self::Cpu(_) => CpuRenderer::MAX_EDGE_PX,
+        }
+    }
+
     /// Waits for uploads and pictures that were asked for. Copies out of mapped memory are carried out with the next submission.
     pub fn wait(&self) -> Result<(), RenderError> {
         if let Self::Gpu(renderer) = self {

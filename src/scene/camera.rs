@@ -289,6 +289,8 @@ impl Camera {
             focal: [(focal_y * height / width) as f32, focal_y as f32],
             near: lens.near() as f32,
             pixels_per_unit_at_1: (focal_y * height * 0.5) as f32,
+            center_ndc: [0.0; 2],
+            rows_of_whole: [0.0, 1.0],
         }
     }
 }
@@ -324,6 +326,10 @@ pub struct ViewTransform {
     pub near: f32,
     /// A length `s` at distance `d` covers `s / d` times this many pixels.
     pub pixels_per_unit_at_1: f32,
+    /// Where the view axis meets the picture, in normalised device coordinates: `[0, 0]`, but for a part of a larger picture.
+    pub center_ndc: [f32; 2],
+    /// Where the upper and the lower edge are in the whole picture, as shares of its height from the top: `[0, 1]`, but for a part.
+    pub rows_of_whole: [f32; 2],
 }
 
 impl ViewTransform {
@@ -332,9 +338,28 @@ impl ViewTransform {
         Mat4::from_cols(
             Vec4::new(self.focal[0], 0.0, 0.0, 0.0),
             Vec4::new(0.0, self.focal[1], 0.0, 0.0),
-            Vec4::NEG_W,
+            Vec4::new(-self.center_ndc[0], -self.center_ndc[1], 0.0, -1.0),
             Vec4::new(0.0, 0.0, self.near, 0.0),
         )
+    }
+
+    /// This view of a picture of `whole_px`, but of the part of `part_px` whose upper left pixel is `start_px` alone: the same rays
+    /// through the same pixels. Precondition: it is the view of a whole picture.
+    #[must_use]
+    pub fn of_part(&self, whole_px: [u32; 2], start_px: [u32; 2], part_px: [u32; 2]) -> Self {
+        let [whole, start, part] = [whole_px, start_px, part_px].map(|px| px.map(f64::from));
+        let to_middle_px = [0, 1].map(|axis| 0.5 * (whole[axis] - part[axis]) - start[axis]);
+        Self {
+            focal: [0, 1]
+                .map(|axis| (f64::from(self.focal[axis]) * whole[axis] / part[axis]) as f32),
+            // Rows are counted downwards.
+            center_ndc: [
+                (2.0 * to_middle_px[0] / part[0]) as f32,
+                (-2.0 * to_middle_px[1] / part[1]) as f32,
+            ],
+            rows_of_whole: [start[1], start[1] + part[1]].map(|row| (row / whole[1]) as f32),
+            ..*self
+        }
     }
 
     /// What a traversal of an octree needs of the view: down to the leaves, unless they project below `lod_px`.
@@ -431,6 +456,31 @@ mod tests {
             (px.x - 48.0).abs() < 1e-3 && (px.y - 24.0).abs() < 1e-3,
             "{px}"
         );
+    }
+
+    #[test]
+    fn a_part_sees_what_the_whole_sees_there() {
+        let camera = Camera::framing(&unit_box(), DVec3::ZERO, UpAxis::Z);
+        let whole = camera.transform(DVec3::ZERO, [640, 480]);
+        let part = whole.of_part([640, 480], [400, 120], [240, 90]);
+        let px = |view: &ViewTransform, size: [f32; 2]| {
+            let clip = view.clip_from_view() * view.to_view(Vec3::new(0.3, -0.2, 0.4)).extend(1.0);
+            [
+                (clip.x / clip.w + 1.0) * 0.5 * size[0],
+                (1.0 - clip.y / clip.w) * 0.5 * size[1],
+            ]
+        };
+        let (in_whole, in_part) = (px(&whole, [640.0, 480.0]), px(&part, [240.0, 90.0]));
+        assert!(
+            (in_whole[0] - in_part[0] - 400.0).abs() < 1e-3,
+            "{in_part:?}"
+        );
+        assert!(
+            (in_whole[1] - in_part[1] - 120.0).abs() < 1e-3,
+            "{in_part:?}"
+        );
+        assert_eq!(part.rows_of_whole, [0.25, 0.4375]);
+        assert_eq!(whole.of_part([640, 480], [0, 0], [640, 480]), whole);
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod camera;
 mod lod;
 mod on_screen;
 mod packet;
+mod path;
 mod pick;
 mod settings;
 mod view_text;
@@ -12,6 +13,7 @@ mod view_text;
 pub use camera::{Camera, UpAxis, ViewPreset, ViewTransform};
 pub use lod::Lod;
 pub use packet::{CodedCells, Scene, ScenePacket, SceneStats, Voxels};
+pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use pick::{Pick, PickedNormal, pick};
 pub use settings::{
     Background, Footprint, Lighting, NormalBits, OffsetBits, ParseChoiceError, Primitive,

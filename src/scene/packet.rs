@@ -71,6 +71,17 @@ impl ScenePacket {
         [middle - radius, middle + radius]
     }
 
+    /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition: it lies
+    /// within the picture, which is no part itself.
+    #[must_use]
+    pub fn part(&self, start_px: [u32; 2], part_px: [u32; 2]) -> Self {
+        Self {
+            viewport_px: part_px,
+            view: self.view.of_part(self.viewport_px, start_px, part_px),
+            ..self.clone()
+        }
+    }
+
     /// Whether two packets have the same records, however they draw them. Arrays are compared by identity, which costs nothing.
     pub fn has_same_records(&self, other: &Self) -> bool {
         let same_voxels = match (&self.voxels, &other.voxels) {

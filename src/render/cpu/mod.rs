@@ -48,10 +48,10 @@ pub struct CpuRenderer {
     stats: RenderStats,
 }
 
-/// Longest edge of a picture: as that of textures of most GPUs.
-const MAX_EDGE_PX: u32 = 32_768;
-
 impl CpuRenderer {
+    /// Longest edge of a picture: as that of textures of most GPUs.
+    pub const MAX_EDGE_PX: u32 = 32_768;
+
     /// A renderer that has drawn nothing.
     pub fn new() -> Self {
         Self::default()
@@ -84,8 +84,8 @@ impl Renderer for CpuRenderer {
     fn prepare(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
         let start = Instant::now();
         let [width, height] = packet.viewport_px;
-        if width.max(height) > MAX_EDGE_PX {
-            let max = MAX_EDGE_PX;
+        if width.max(height) > Self::MAX_EDGE_PX {
+            let max = Self::MAX_EDGE_PX;
             return Err(RenderError::TooLarge { width, height, max });
         }
         let is_kept = self.blocks.as_ref().is_some_and(|(of, _)| {
@@ -254,10 +254,7 @@ fn draw<T: Output>(
         drawable,
         lists,
         held,
-        gradient: Gradient {
-            background: packet.settings.background,
-            height_px: packet.viewport_px[1],
-        },
+        gradient: Gradient::of(packet),
         are_rays_measured: packet.settings.lighting == Lighting::PerFragment
             && matches!(held, Held::Sums | Held::BlendedColors | Held::SolidColors),
     };

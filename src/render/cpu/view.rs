@@ -11,9 +11,9 @@ pub(super) struct PixelView {
     eye_low: Vec3,
     pub(super) near: f32,
     pub(super) size_px: [u32; 2],
-    /// Pixels from the middle of the picture for a slope of 1, rightwards and downwards.
+    /// Pixels from the view axis for a slope of 1, rightwards and downwards.
     pub(super) px_per_slope: [f32; 2],
-    /// The middle of the picture.
+    /// Where the view axis meets the picture: its middle, but for a part of a larger one.
     pub(super) middle_px: [f32; 2],
 }
 
@@ -21,6 +21,7 @@ impl PixelView {
     pub(super) fn new(packet: &ScenePacket) -> Self {
         let half_size = packet.viewport_px.map(|edge| 0.5 * edge as f32);
         let focal = packet.view.focal;
+        let [right, up] = packet.view.center_ndc;
         Self {
             rotation: packet.view.view_from_frame_rotation,
             eye_high: packet.view.eye_high,
@@ -28,7 +29,7 @@ impl PixelView {
             near: packet.view.near,
             size_px: packet.viewport_px,
             px_per_slope: [focal[0] * half_size[0], -focal[1] * half_size[1]],
-            middle_px: half_size,
+            middle_px: [half_size[0] * (1.0 + right), half_size[1] * (1.0 - up)],
         }
     }
 
@@ -104,10 +105,16 @@ impl PixelView {
     /// Whether all of a box, which may reach behind the eye, is beyond one of the sides of the picture.
     fn is_beside(&self, center: Vec3, half: Vec3, margin_px: f32) -> bool {
         (0..2).any(|axis| {
-            let slope = (self.middle_px[axis] + margin_px) / self.px_per_slope[axis].abs();
-            let to_side = center[axis].abs() + slope * center.z;
-            // A box that reaches across the middle is on both sides.
-            to_side > half[axis] + slope * half.z && center[axis].abs() > half[axis]
+            let edge_px = self.size_px[axis] as f32;
+            [(-margin_px, -1.0), (edge_px + margin_px, 1.0)]
+                .into_iter()
+                .any(|(side_px, outwards)| {
+                    let slope = (side_px - self.middle_px[axis]) / self.px_per_slope[axis];
+                    let outwards = outwards * self.px_per_slope[axis].signum();
+                    let beyond_side = outwards * (center[axis] + slope * center.z);
+                    // Of the corner that is farthest inwards.
+                    beyond_side > half[axis] + slope.abs() * half.z
+                })
         })
     }
 

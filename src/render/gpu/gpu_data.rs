@@ -29,6 +29,8 @@ pub struct ViewUniform {
     pub lighting: u32,
     pub cull_back_faces: u32,
     pub unused: u32,
+    pub center_ndc: [f32; 2],
+    pub unused_end: [f32; 2],
 }
 
 /// Twin of `SplatVertex` in `common/splat.wgsl`: one corner written by the compute strategy.
@@ -52,6 +54,11 @@ impl ViewUniform {
             ..
         } = packet.settings;
         let rotation = packet.view.view_from_frame_rotation;
+        // Of a part of a picture the gradient is a part too.
+        let [background_top, background_bottom] = packet.view.rows_of_whole.map(|share| {
+            let [top, bottom] = [background.top, background.bottom].map(normalized);
+            std::array::from_fn(|channel| top[channel] * (1.0 - share) + bottom[channel] * share)
+        });
         let one_pass = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
         Self {
             rotation_x: rotation.x_axis.extend(0.0).to_array(),
@@ -63,8 +70,8 @@ impl ViewUniform {
             near: packet.view.near,
             focal: packet.view.focal,
             viewport_px: packet.viewport_px.map(|edge| edge as f32),
-            background_top: normalized(background.top),
-            background_bottom: normalized(background.bottom),
+            background_top,
+            background_bottom,
             depth_range: packet.depth_range(),
             point_size_px: packet.settings.point_size_px,
             cube_half_edge: packet
@@ -80,6 +87,8 @@ impl ViewUniform {
             },
             cull_back_faces: u32::from(packet.settings.cull_back_faces),
             unused: 0,
+            center_ndc: packet.view.center_ndc,
+            unused_end: [0.0; 2],
         }
     }
 

@@ -131,10 +131,7 @@ pub(super) fn draw(packet: &ScenePacket, image: &mut RgbaImage) -> Option<u64> {
         blocks,
         lists,
         held,
-        gradient: Gradient {
-            background: packet.settings.background,
-            height_px: packet.viewport_px[1],
-        },
+        gradient: Gradient::of(packet),
         coded,
         view,
         tiles,

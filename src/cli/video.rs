@@ -1,0 +1,171 @@
+//! `pointreel render --video`: a camera path, a turntable, or a camera that stands still while the sequence plays.
+
+use super::progress::Bar;
+use super::render::RenderArgs;
+use super::{answer, say};
+use crate::export::{PictureDone, Video, export_video};
+use crate::headless::{Headless, PictureStats};
+use crate::scene::{CameraPath, Settings};
+use anyhow::bail;
+use clap::Args;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+/// Pictures a second of a path or a turntable where nobody said how many.
+const DEFAULT_RATE: f64 = 30.0;
+
+/// What a video shows.
+#[derive(Debug, Clone, Default, Args)]
+pub(super) struct VideoArgs {
+    /// Video to write: .mp4 (by ffmpeg), .gif or .webp; or PNG files in a folder, or named by {frame}. Without --path and --turntable
+    /// the camera stands still while the frames play
+    #[arg(long, value_name = "OUT.mp4|.gif|.webp|{frame}.png")]
+    video: Option<PathBuf>,
+
+    /// Camera path: a JSON file of keyframes, saved in the window or written by hand
+    #[arg(long, value_name = "PATH.json", requires = "video", conflicts_with_all = ["output", "turntable", "frame", "up", "azimuth", "elevation", "distance", "fov"])]
+    path: Option<PathBuf>,
+
+    /// Turn the camera once about the up axis in so many pictures while the sequence plays, or holds the frame of --frame
+    #[arg(long, value_name = "PICTURES", requires = "video", conflicts_with = "output", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    turntable: Option<u32>,
+
+    /// Turns of the turntable, negative ones the other way round (usually 1)
+    #[arg(long, value_name = "N", requires = "turntable", allow_negative_numbers = true, value_parser = turns)]
+    turns: Option<f64>,
+
+    /// Pictures a second (usually 30; as the sequence plays where the camera stands still)
+    #[arg(long, value_name = "F", requires = "video", conflicts_with = "output", value_parser = rate)]
+    fps: Option<f64>,
+
+    /// How long the video lasts: a path is played faster or slower, of other videos it says the pictures a second
+    #[arg(long, value_name = "S", requires = "video", conflicts_with = "output", value_parser = seconds)]
+    seconds: Option<f64>,
+}
+
+/// Renders the video; returns the frames that could not be read, with the reason.
+pub(super) fn render_video(
+    arguments: &RenderArgs,
+    settings: &Settings,
+    headless: &mut Headless,
+    stats: &mut Vec<PictureStats>,
+) -> anyhow::Result<Vec<(usize, String)>> {
+    let Some(output) = &arguments.video.video else {
+        bail!("name the output: -o for pictures, --video for a video");
+    };
+    let (path, per_second, speed) = match &arguments.video.path {
+        Some(file) => written_path(&arguments.video, &CameraPath::read(file)?)?,
+        None => path_around(arguments, settings, headless)?,
+    };
+    let video = Video {
+        path: &path,
+        settings,
+        size: arguments.picture_size(),
+        per_second,
+        speed,
+    };
+    let bar = Bar::new(video.picture_count());
+    // An interrupt ends the process; what stands there then has a hidden name.
+    let exported = export_video(headless, &video, output, &mut |picture: &PictureDone| {
+        bar.set(picture.done);
+        stats.push(picture.stats.clone());
+        ControlFlow::Continue(())
+    });
+    bar.clear();
+    let failed = exported?;
+    for (frame, error) in &failed {
+        say(&format!(
+            "warning: frame {frame} is not shown, the one before it stays: {error}"
+        ));
+    }
+    answer(&format!(
+        "{} pictures written to {}, {per_second:.5} a second",
+        video.picture_count(),
+        output.display()
+    ));
+    Ok(failed
+        .into_iter()
+        .map(|(frame, error)| (frame, error.to_string()))
+        .collect())
+}
+
+/// A path of a file, its pictures a second, and its speed.
+fn written_path(video: &VideoArgs, path: &CameraPath) -> anyhow::Result<(CameraPath, f64, f64)> {
+    let speed = match video.seconds {
+        Some(_) if path.duration_s() == 0.0 => {
+            bail!("a path of one keyframe lasts no time: leave out --seconds")
+        }
+        Some(seconds) => path.duration_s() / seconds,
+        None => 1.0,
+    };
+    Ok((path.clone(), video.fps.unwrap_or(DEFAULT_RATE), speed))
+}
+
+/// A turntable, or a camera that stands still, as the arguments say.
+fn path_around(
+    arguments: &RenderArgs,
+    settings: &Settings,
+    headless: &Headless,
+) -> anyhow::Result<(CameraPath, f64, f64)> {
+    let video = &arguments.video;
+    let sequence = headless.sequence();
+    if video.fps.is_some() && video.seconds.is_some() {
+        bail!("--fps and --seconds contradict each other here: the number of pictures is given");
+    }
+    let range = arguments.frame;
+    let first = range.map_or(0, |range| range.first);
+    let last = range.map_or(sequence.len() - 1, |range| range.last);
+    let pictures = match video.turntable {
+        Some(_) if range.is_some() && first != last => {
+            bail!(
+                "--turntable plays the whole sequence or holds one frame: --frame takes one number here"
+            )
+        }
+        Some(pictures) => f64::from(pictures),
+        None => (last - first + 1) as f64,
+    };
+    let usual = match video.turntable {
+        Some(_) => DEFAULT_RATE,
+        None => sequence.fps(),
+    };
+    let per_second = video
+        .seconds
+        .map_or(video.fps.unwrap_or(usual), |seconds| pictures / seconds);
+    let frames_per_picture = match video.turntable {
+        Some(_) if range.is_some() || sequence.len() == 1 => 0.0,
+        Some(_) => sequence.fps() / per_second,
+        None => 1.0,
+    };
+    let turns = match video.turntable {
+        Some(_) => video.turns.unwrap_or(1.0),
+        None => 0.0,
+    };
+    let frame = headless.frame(first, settings)?;
+    let camera = arguments.camera.choice().camera(&frame, sequence);
+    let path = CameraPath::turntable(
+        camera,
+        turns,
+        [pictures, per_second],
+        [first as f64, frames_per_picture],
+    )?;
+    Ok((path, per_second, 1.0))
+}
+
+fn number(text: &str, range: std::ops::RangeInclusive<f64>, expected: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|value| range.contains(value))
+        .ok_or_else(|| format!("expected {expected}"))
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    number(text, 0.1..=1000.0, "pictures a second from 0.1 to 1000")
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    number(text, 0.001..=1e6, "seconds from 0.001 to 1000000")
+}
+
+fn turns(text: &str) -> Result<f64, String> {
+    number(text, -1000.0..=1000.0, "turns from -1000 to 1000")
+}

@@ -1,0 +1,108 @@
+//! What stands in the way of a picture or a video.
+
+use super::VideoFormat;
+use crate::headless::HeadlessError;
+use std::path::PathBuf;
+
+/// Why there is no picture or video.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// A frame cannot be shown or drawn.
+    #[error(transparent)]
+    Draw(#[from] HeadlessError),
+    /// The output cannot be written.
+    #[error("{} cannot be written ({reason}): check the folder, its permissions and the space left", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        reason: std::io::Error,
+    },
+    /// The name says no format.
+    #[error(
+        "{} is no video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for a file a picture",
+        path.display()
+    )]
+    UnknownFormat {
+        /// The name.
+        path: PathBuf,
+    },
+    /// The format has no pictures of this size.
+    #[error("{format} has no pictures of {width}x{height} pixels: expected {expected}")]
+    Size {
+        /// The format.
+        format: VideoFormat,
+        /// Asked width.
+        width: u32,
+        /// Asked height.
+        height: u32,
+        /// What it has.
+        expected: String,
+    },
+    /// The format has no such rate.
+    #[error("{format} does not show {per_second} pictures a second: expected {expected}")]
+    Rate {
+        /// The format.
+        format: VideoFormat,
+        /// Asked rate.
+        per_second: f64,
+        /// What it does.
+        expected: &'static str,
+    },
+    /// The format has no transparency.
+    #[error("{format} has no soft transparency: choose .webp or PNG files, or a background colour")]
+    Transparent {
+        /// The format.
+        format: VideoFormat,
+    },
+    /// A picture beyond any use.
+    #[error(
+        "a picture of {width}x{height} pixels: edges are from 1 to {} pixels long",
+        super::MAX_EDGE_PX
+    )]
+    PictureSize {
+        /// Asked width.
+        width: u32,
+        /// Asked height.
+        height: u32,
+    },
+    /// A picture that is drawn in parts cannot be scaled up.
+    #[error(
+        "a picture of {width}x{height} pixels is drawn in parts, which cannot be scaled up: leave out --resolution, or draw a smaller one"
+    )]
+    ScaledParts {
+        /// Asked width.
+        width: u32,
+        /// Asked height.
+        height: u32,
+    },
+    /// Nothing encodes MP4.
+    #[error(
+        "MP4 is encoded by ffmpeg, which is not on the PATH: install it (`apt-get install ffmpeg`, `brew install ffmpeg`), or choose .webp, \
+         .gif or PNG files"
+    )]
+    NoFfmpeg,
+    /// The encoder failed.
+    #[error("ffmpeg could not encode {}: {reason}", path.display())]
+    Ffmpeg {
+        /// The video.
+        path: PathBuf,
+        /// What it said.
+        reason: String,
+    },
+    /// Longer than any video.
+    #[error("{count} pictures are too many: a video has at most {max}", max = super::video::MAX_PICTURES)]
+    TooLong {
+        /// How many.
+        count: usize,
+    },
+    /// Larger than the format can hold.
+    #[error(
+        "the video is larger than the 4 GiB of a WebP file: choose .mp4 or PNG files, or a smaller size"
+    )]
+    TooManyBytes,
+    /// Somebody cancelled it; nothing was written.
+    #[error("the export was cancelled")]
+    Cancelled,
+}

@@ -1,0 +1,23 @@
+//! Pictures of any size, and videos of camera paths, as files.
+//!
+//! **How it works.** A picture larger than a texture is drawn part by part and written row by row (`picture.rs`). A video is a
+//! [`CameraPath`](crate::scene::CameraPath) drawn picture by picture (`video.rs`), while the pictures before are encoded on another
+//! thread by a [`FrameSink`]: PNG files, GIF, WebP, or MP4 by `ffmpeg`. Everything is written under a hidden name until it is whole,
+//! so what is cancelled or fails leaves nothing that looks finished. Equal input makes equal bytes, but for MP4, whose bytes are
+//! those of the `ffmpeg` that is there.
+
+mod changes;
+mod error;
+mod gif;
+mod mp4;
+mod picture;
+mod png_files;
+mod sink;
+mod video;
+mod webp;
+
+pub use error::ExportError;
+pub use picture::{MAX_EDGE_PX, PictureSize, draw_picture, write_picture};
+pub use png_files::{FRAME_PLACEHOLDER, numbered};
+pub use sink::{FrameSink, VideoFormat, VideoStream, open_sink};
+pub use video::{PictureDone, Video, export_video, render_path};

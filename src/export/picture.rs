@@ -1,0 +1,239 @@
+//! Pictures of any size, opaque or with alpha.
+//!
+//! **How it works.** The records that a picture is drawn from are chosen once, for the whole of it. What is larger than a part of
+//! 4096² pixels (or the largest texture) is drawn part by part, each as the same eye sees it through another piece of the same
+//! screen, and written a strip of parts after the other: a strip takes a quarter of a GiB at most, however large the picture is.
+//!
+//! *Alpha* is found by drawing each part on black and on white. What covers a pixel by `alpha` and has the colour `c` leaves
+//! `alpha · c` on black and `alpha · c + 1 - alpha` on white, in every mode and by every renderer.
+
+use super::ExportError;
+use crate::headless::{Headless, HeadlessError};
+use crate::kept::Partial;
+use crate::render::{AnyRenderer, RenderError, scaled_to};
+use crate::scene::{Background, Camera, ScenePacket, Settings};
+use crate::sequence::PreparedFrame;
+use image::{RgbaImage, imageops};
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
+
+/// Longest edge of a picture.
+pub const MAX_EDGE_PX: u32 = 65_536;
+
+/// Longest edge of a part: its targets take a quarter of a GiB on the GPU.
+const MAX_PART_EDGE_PX: u32 = 4096;
+
+/// Bytes of a strip of parts.
+const MAX_STRIP_BYTES: u32 = 1 << 28;
+
+/// How large a picture is, and what is behind the cloud.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PictureSize {
+    /// Width and height.
+    pub size_px: [u32; 2],
+    /// Nothing is behind the cloud: straight alpha in place of [`Settings::background`].
+    pub is_transparent: bool,
+    /// Longest edge of a part that is drawn at once; `None` for what suits the renderer.
+    pub part_edge_px: Option<u32>,
+}
+
+impl PictureSize {
+    /// An opaque picture.
+    pub fn opaque(size_px: [u32; 2]) -> Self {
+        Self {
+            size_px,
+            is_transparent: false,
+            part_edge_px: None,
+        }
+    }
+
+    fn largest_part_px(&self, renderer: &AnyRenderer) -> [u32; 2] {
+        let edge = self.part_edge_px.unwrap_or(MAX_PART_EDGE_PX);
+        let edge = edge.clamp(1, renderer.max_edge_px());
+        let rows = MAX_STRIP_BYTES / (4 * self.size_px[0]);
+        [edge, edge.min(rows.max(1))]
+    }
+}
+
+/// Draws a picture whole.
+///
+/// # Errors
+/// Of sizes beyond [`MAX_EDGE_PX`], and what the renderer says.
+pub fn draw_picture(
+    headless: &mut Headless,
+    frame: &PreparedFrame,
+    camera: &Camera,
+    settings: &Settings,
+    size: PictureSize,
+) -> Result<RgbaImage, ExportError> {
+    let mut pixels = Vec::new();
+    for_each_strip(headless, frame, camera, settings, size, &mut |strip| {
+        pixels.extend_from_slice(&strip);
+        Ok(())
+    })?;
+    let [width, height] = size.size_px;
+    Ok(RgbaImage::from_raw(width, height, pixels).unwrap_or_default())
+}
+
+/// Draws a picture to a PNG file, which is replaced as a whole.
+///
+/// # Errors
+/// As [`draw_picture`], and if the file cannot be written.
+pub fn write_picture(
+    headless: &mut Headless,
+    frame: &PreparedFrame,
+    camera: &Camera,
+    settings: &Settings,
+    size: PictureSize,
+    output: &Path,
+) -> Result<(), ExportError> {
+    check_size(size.size_px)?;
+    let failed = |reason: io::Error| ExportError::Write {
+        path: output.to_owned(),
+        reason,
+    };
+    let (partial, file) = Partial::create(output).map_err(failed)?;
+    let mut png = start_png(file, size.size_px).map_err(failed)?;
+    for_each_strip(headless, frame, camera, settings, size, &mut |strip| {
+        png.write_all(&strip).map_err(failed)
+    })?;
+    png.finish()
+        .map_err(io::Error::from)
+        .and_then(|()| partial.finish())
+        .map_err(failed)
+}
+
+fn start_png(
+    file: File,
+    [width, height]: [u32; 2],
+) -> io::Result<png::StreamWriter<'static, BufWriter<File>>> {
+    let mut encoder = png::Encoder::new(BufWriter::new(file), width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    Ok(encoder.write_header()?.into_stream_writer()?)
+}
+
+pub(super) fn check_size([width, height]: [u32; 2]) -> Result<(), ExportError> {
+    let is_fine = |edge| (1..=MAX_EDGE_PX).contains(&edge);
+    let is_fine = is_fine(width) && is_fine(height);
+    is_fine
+        .then_some(())
+        .ok_or(ExportError::PictureSize { width, height })
+}
+
+/// Draws strips of a picture from its upper edge to its lower one.
+fn for_each_strip(
+    headless: &mut Headless,
+    frame: &PreparedFrame,
+    camera: &Camera,
+    settings: &Settings,
+    size: PictureSize,
+    take: &mut dyn FnMut(RgbaImage) -> Result<(), ExportError>,
+) -> Result<(), ExportError> {
+    let size_px @ [width, height] = size.size_px;
+    check_size(size_px)?;
+    let packet = headless.packet(frame, camera, settings, size_px);
+    let [part_width, part_height] = size.largest_part_px(headless.renderer());
+    let [drawn_width, drawn_height] = packet.viewport_px;
+    if drawn_width <= part_width && drawn_height <= part_height {
+        let image = draw_part(headless, &packet, size.is_transparent)?;
+        return take(scaled_to(image, size_px));
+    }
+    if packet.viewport_px != size_px {
+        return Err(ExportError::ScaledParts { width, height });
+    }
+    for top in (0..height).step_by(part_height as usize) {
+        let rows = part_height.min(height - top);
+        let mut strip = RgbaImage::new(width, rows);
+        for left in (0..width).step_by(part_width as usize) {
+            let columns = part_width.min(width - left);
+            let part = packet.part([left, top], [columns, rows]);
+            let image = draw_part(headless, &part, size.is_transparent)?;
+            imageops::replace(&mut strip, &image, i64::from(left), 0);
+        }
+        take(strip)?;
+    }
+    Ok(())
+}
+
+fn draw_part(
+    headless: &mut Headless,
+    packet: &ScenePacket,
+    is_transparent: bool,
+) -> Result<RgbaImage, ExportError> {
+    let mut draw = |packet: &ScenePacket| {
+        let drawn = headless.draw_packet(packet);
+        drawn.map_err(|reason: RenderError| HeadlessError::from(reason))
+    };
+    if !is_transparent {
+        return Ok(draw(packet)?);
+    }
+    let mut on = |gray: u8| {
+        let mut packet = packet.clone();
+        packet.settings.background = Background::solid([gray; 3]);
+        draw(&packet)
+    };
+    let (mut on_black, on_white) = (on(0)?, on(255)?);
+    for (pixel, white) in on_black.pixels_mut().zip(on_white.pixels()) {
+        pixel.0 = with_alpha(pixel.0, white.0);
+    }
+    Ok(on_black)
+}
+
+/// The colour and alpha of what looks like this on black and on white.
+fn with_alpha(black: [u8; 4], white: [u8; 4]) -> [u8; 4] {
+    let shines_through: u32 = (0..3)
+        .map(|channel| u32::from(white[channel].saturating_sub(black[channel])))
+        .sum();
+    // To the nearest third.
+    let alpha = 255 - (shines_through + 1) / 3;
+    if alpha == 0 {
+        return [0; 4];
+    }
+    let color = |channel: usize| ((u32::from(black[channel]) * 255 + alpha / 2) / alpha).min(255);
+    [color(0), color(1), color(2), alpha].map(|channel| channel as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alpha_is_what_does_not_shine_through() {
+        assert_eq!(with_alpha([0, 0, 0, 255], [255, 255, 255, 255]), [0; 4]);
+        assert_eq!(
+            with_alpha([9, 80, 200, 255], [9, 80, 200, 255]),
+            [9, 80, 200, 255]
+        );
+        // Half of a colour: 0.5 · c, and as much plus 0.5 · white.
+        assert_eq!(
+            with_alpha([50, 100, 0, 255], [178, 228, 128, 255]),
+            [100, 201, 0, 127]
+        );
+    }
+
+    #[test]
+    fn laid_over_any_colour_it_is_what_was_drawn() {
+        for alpha in 0..=255u32 {
+            for color in [0, 1, 77, 200, 255u32] {
+                let over =
+                    |behind: u32| ((color * alpha + behind * (255 - alpha)) as f32 / 255.0).round();
+                let pixel = |behind: u32| {
+                    [
+                        over(behind) as u8,
+                        over(behind) as u8,
+                        over(behind) as u8,
+                        255,
+                    ]
+                };
+                let [seen, .., found] = with_alpha(pixel(0), pixel(255));
+                let again = (u32::from(seen) * u32::from(found) + 119 * (255 - u32::from(found)))
+                    as f32
+                    / 255.0;
+                assert!((again - over(119)).abs() <= 1.51, "{color} at {alpha}");
+            }
+        }
+    }
+}

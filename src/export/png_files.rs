@@ -1,0 +1,103 @@
+//! A PNG file a picture, numbered.
+
+use super::{ExportError, FrameSink, VideoStream};
+use crate::kept::Partial;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder as _, RgbaImage};
+use std::fs;
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+/// Where the number goes in the name of a file a picture.
+pub const FRAME_PLACEHOLDER: &str = "{frame}";
+
+/// A name with [`FRAME_PLACEHOLDER`] replaced by a number, padded so that the names of so many files sort.
+pub fn numbered(name: &Path, index: usize, count: usize) -> PathBuf {
+    let digits = count.saturating_sub(1).to_string().len().max(4);
+    PathBuf::from(
+        name.to_string_lossy()
+            .replace(FRAME_PLACEHOLDER, &format!("{index:0digits$}")),
+    )
+}
+
+/// Files that get their names when all of them are there.
+pub(super) struct PngFiles {
+    name: PathBuf,
+    partials: Vec<Partial>,
+    stream: VideoStream,
+    /// The folder, if it was made for them; it goes with them.
+    new_folder: Option<PathBuf>,
+}
+
+impl PngFiles {
+    /// `output` is a folder, or a name with a place for the number.
+    pub(super) fn create(output: &Path, stream: &VideoStream) -> Result<Self, ExportError> {
+        let is_name = !output.is_dir() && output.to_string_lossy().contains(FRAME_PLACEHOLDER);
+        let name = if is_name {
+            output.to_owned()
+        } else {
+            output.join("{frame}.png")
+        };
+        let folder = numbered(&name, 0, stream.count);
+        let folder = folder
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty() && !folder.exists())
+            .map(Path::to_owned);
+        if let Some(folder) = &folder {
+            fs::create_dir_all(folder).map_err(|reason| failed(folder, reason))?;
+        }
+        Ok(Self {
+            name,
+            partials: Vec::new(),
+            stream: *stream,
+            new_folder: folder,
+        })
+    }
+}
+
+impl FrameSink for PngFiles {
+    fn push(&mut self, picture: &RgbaImage) -> Result<(), ExportError> {
+        let file = numbered(&self.name, self.partials.len(), self.stream.count);
+        let write = || {
+            let (partial, new) = Partial::create(&file)?;
+            let mut new = BufWriter::new(new);
+            let (width, height) = picture.dimensions();
+            PngEncoder::new_with_quality(&mut new, CompressionType::Fast, FilterType::Adaptive)
+                .write_image(picture, width, height, ExtendedColorType::Rgba8)
+                .map_err(io::Error::other)?;
+            new.flush()?;
+            new.get_ref().sync_data()?;
+            Ok(partial)
+        };
+        let partial = write().map_err(|reason| failed(&file, reason))?;
+        self.partials.push(partial);
+        Ok(())
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<(), ExportError> {
+        for partial in self.partials.drain(..) {
+            partial
+                .finish()
+                .map_err(|reason| failed(&self.name, reason))?;
+        }
+        self.new_folder = None;
+        Ok(())
+    }
+}
+
+impl Drop for PngFiles {
+    fn drop(&mut self) {
+        self.partials.clear();
+        if let Some(folder) = &self.new_folder {
+            // Unless somebody else has put something there.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+fn failed(path: &Path, reason: io::Error) -> ExportError {
+    ExportError::Write {
+        path: path.to_owned(),
+        reason,
+    }
+}

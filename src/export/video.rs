@@ -1,0 +1,185 @@
+//! A camera path drawn picture by picture, and encoded beside.
+
+use super::picture::{self, PictureSize, draw_picture};
+use super::{ExportError, FrameSink, VideoStream, open_sink};
+use crate::headless::{Headless, HeadlessError, PictureStats};
+use crate::scene::{CameraPath, Settings};
+use crate::sequence::{Direction, FrameError, PreparedFrame};
+use image::RgbaImage;
+use std::io;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+
+/// Most pictures of a video: nine hours at 30 a second.
+pub(super) const MAX_PICTURES: usize = 1_000_000;
+
+/// Pictures that wait to be encoded.
+const WAITING_PICTURES: usize = 2;
+
+/// What a video shows, and how.
+#[derive(Debug, Clone)]
+pub struct Video<'a> {
+    /// Where the camera is and which frame is shown. Beyond the last frame the sequence begins anew.
+    pub path: &'a CameraPath,
+    /// How pictures are drawn.
+    pub settings: &'a Settings,
+    /// How large they are.
+    pub size: PictureSize,
+    /// How many there are a second.
+    pub per_second: f64,
+    /// How many seconds of the path are shown in one: 1 for all as it is written.
+    pub speed: f64,
+}
+
+impl Video<'_> {
+    /// How many pictures there are, both ends of the path included.
+    pub fn picture_count(&self) -> usize {
+        self.path.picture_count(self.per_second / self.speed)
+    }
+
+    /// The pictures, for [`open_sink`].
+    pub fn stream(&self) -> VideoStream {
+        VideoStream {
+            size_px: self.size.size_px,
+            per_second: self.per_second,
+            count: self.picture_count(),
+            is_transparent: self.size.is_transparent,
+        }
+    }
+}
+
+/// A picture is drawn.
+#[derive(Debug, Clone)]
+pub struct PictureDone {
+    /// How many are.
+    pub done: usize,
+    /// Of how many.
+    pub total: usize,
+    /// What the last one took.
+    pub stats: PictureStats,
+}
+
+/// Draws a video to the file or files that `output` names; `observe` is told of each picture and may cancel. Frames that cannot be
+/// read are returned; in their place stands the frame before them.
+///
+/// # Errors
+/// What the format has not, what stands in the way of reading the first frame, drawing or writing, and [`ExportError::Cancelled`].
+/// Nothing is left of the video then.
+pub fn export_video(
+    headless: &mut Headless,
+    video: &Video<'_>,
+    output: &Path,
+    observe: &mut dyn FnMut(&PictureDone) -> ControlFlow<()>,
+) -> Result<Vec<(usize, FrameError)>, ExportError> {
+    check(video)?;
+    let sink = open_sink(output, &video.stream())?;
+    render_path(headless, video, sink, observe)
+}
+
+/// [`export_video`] to a sink that is open.
+pub fn render_path(
+    headless: &mut Headless,
+    video: &Video<'_>,
+    sink: Box<dyn FrameSink>,
+    observe: &mut dyn FnMut(&PictureDone) -> ControlFlow<()>,
+) -> Result<Vec<(usize, FrameError)>, ExportError> {
+    check(video)?;
+    let (sender, receiver) = sync_channel(WAITING_PICTURES);
+    let (drawn, encoded) = thread::scope(|scope| {
+        let encoder = thread::Builder::new()
+            .name("video encoder".to_owned())
+            .spawn_scoped(scope, move || encode(receiver, sink));
+        let encoder = match encoder {
+            Ok(encoder) => encoder,
+            Err(reason) => return (Err(no_thread(reason)), None),
+        };
+        let drawn = draw_pictures(headless, video, &sender, observe);
+        drop(sender);
+        let encoded = encoder
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        (drawn, Some(encoded))
+    });
+    // Who draws stops where nobody takes the pictures: the encoder knows why.
+    let sink = encoded.transpose()?;
+    let failed = drawn?;
+    sink.map_or(Ok(()), FrameSink::finish)?;
+    Ok(failed)
+}
+
+fn check(video: &Video<'_>) -> Result<(), ExportError> {
+    picture::check_size(video.size.size_px)?;
+    match video.picture_count() {
+        count if count > MAX_PICTURES => Err(ExportError::TooLong { count }),
+        _ => Ok(()),
+    }
+}
+
+fn no_thread(reason: io::Error) -> ExportError {
+    ExportError::Write {
+        path: "the video".into(),
+        reason,
+    }
+}
+
+fn encode(
+    pictures: Receiver<RgbaImage>,
+    mut sink: Box<dyn FrameSink>,
+) -> Result<Box<dyn FrameSink>, ExportError> {
+    for picture in pictures {
+        sink.push(&picture)?;
+    }
+    Ok(sink)
+}
+
+fn draw_pictures(
+    headless: &mut Headless,
+    video: &Video<'_>,
+    pictures: &SyncSender<RgbaImage>,
+    observe: &mut dyn FnMut(&PictureDone) -> ControlFlow<()>,
+) -> Result<Vec<(usize, FrameError)>, ExportError> {
+    let total = video.picture_count();
+    let mut failed: Vec<(usize, FrameError)> = Vec::new();
+    let mut shown: Option<Arc<PreparedFrame>> = None;
+    let at = |picture: usize| {
+        let seconds = picture as f64 * video.speed / video.per_second;
+        video.path.at(seconds)
+    };
+    for done in 0..total {
+        let (camera, place) = at(done);
+        let direction = if at(done + 1).1 < place {
+            Direction::Backward
+        } else {
+            Direction::Forward
+        };
+        let index = place % headless.sequence().len().max(1);
+        match headless.frame_on_the_way(index, direction, video.settings) {
+            Ok(frame) => shown = Some(frame),
+            Err(error) if shown.is_none() => {
+                return Err(HeadlessError::from(error).into());
+            }
+            Err(error) if failed.iter().all(|(known, _)| *known != index) => {
+                failed.push((index, error));
+            }
+            Err(_) => {}
+        }
+        let Some(frame) = &shown else { continue };
+        let picture = draw_picture(headless, frame, &camera, video.settings, video.size)?;
+        let stats = headless.stats(frame);
+        if pictures.send(picture).is_err() {
+            break;
+        }
+        let picture_done = PictureDone {
+            done: done + 1,
+            total,
+            stats,
+        };
+        if observe(&picture_done).is_break() {
+            return Err(ExportError::Cancelled);
+        }
+    }
+    Ok(failed)
+}

@@ -1,0 +1,45 @@
+//! Pictures drawn in parts and with alpha, and videos that other decoders read back.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod common;
+#[path = "export/pictures.rs"]
+mod pictures;
+#[path = "export/videos.rs"]
+mod videos;
+
+use pointreel::headless::{CameraChoice, Headless};
+use pointreel::render::AnyRenderer;
+use pointreel::scene::{Background, Camera, Settings};
+use pointreel::sequence::{Loader, LoaderOptions, PreparedFrame, Sequence};
+use std::sync::Arc;
+
+/// The demo, drawn by `renderer`.
+fn headless(renderer: AnyRenderer) -> Headless {
+    headless_of(Sequence::demo(), renderer)
+}
+
+fn headless_of(sequence: Sequence, renderer: AnyRenderer) -> Headless {
+    let sequence = Arc::new(sequence);
+    let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default()).unwrap();
+    Headless::new(sequence, loader, renderer)
+}
+
+/// A gradient behind, so that parts that take it for theirs are seen.
+fn settings() -> Settings {
+    Settings {
+        background: Background {
+            top: [250, 10, 90],
+            bottom: [0, 200, 30],
+        },
+        ..Settings::default()
+    }
+}
+
+/// Frame 6 of the demo from near by: it reaches over the edges of the picture.
+fn near_by(headless: &Headless, settings: &Settings) -> (Arc<PreparedFrame>, Camera) {
+    let frame = headless.frame(6, settings).unwrap();
+    let mut camera = CameraChoice::default().camera(&frame, headless.sequence());
+    camera.distance *= 0.6;
+    (frame, camera)
+}

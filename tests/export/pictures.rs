@@ -1,0 +1,189 @@
+//! Parts of a picture beside the whole of it, and alpha.
+
+use super::{headless, near_by, settings};
+use crate::common;
+use image::RgbaImage;
+use pointreel::export::{ExportError, MAX_EDGE_PX, PictureSize, draw_picture, write_picture};
+use pointreel::measure::{mean_squared_error, psnr_db};
+use pointreel::render::AnyRenderer;
+use pointreel::scene::{Background, Footprint, Primitive, Settings, Splatting, Strategy};
+
+const SIZE_PX: [u32; 2] = [300, 220];
+
+/// How near a picture drawn in parts is to one drawn whole: in dB, and as the number of pixels that anybody could see to be others.
+fn parts_beside_whole(renderer: AnyRenderer, settings: &Settings) -> (f64, usize) {
+    let mut headless = headless(renderer);
+    let (frame, camera) = near_by(&headless, settings);
+    let mut draw = |part_edge_px: Option<u32>| {
+        let size = PictureSize {
+            part_edge_px,
+            ..PictureSize::opaque(SIZE_PX)
+        };
+        draw_picture(&mut headless, &frame, &camera, settings, size).unwrap()
+    };
+    // Neither divides the edges, nor the tiles of the software renderer.
+    let (whole, parts) = (draw(None), draw(Some(77)));
+    let background = settings.background.top;
+    assert!(common::covered(&whole, background) > 60_000, "the gradient");
+    let others = whole
+        .pixels()
+        .zip(parts.pixels())
+        .filter(|(a, b)| (0..3).any(|channel| a.0[channel].abs_diff(b.0[channel]) > 3));
+    let db = psnr_db(mean_squared_error(&whole, &parts).unwrap());
+    (db, others.count())
+}
+
+/// Places within a part are rounded otherwise. Where squares are cut off at once, as the mode `regular` does, a pixel whose middle is
+/// on a border may be inside in one picture and outside in the other: here 4 of 66,000 are.
+const MOST_BORDER_PIXELS: usize = 10;
+
+fn ways() -> Vec<Settings> {
+    let mut ways = vec![
+        Settings {
+            primitive: Primitive::Voxel,
+            ..settings()
+        },
+        Settings {
+            primitive: Primitive::Point,
+            point_size_px: 5.0,
+            ..settings()
+        },
+        Settings {
+            surfel_lod: true,
+            lod: pointreel::scene::Lod::Budget(900),
+            ..settings()
+        },
+    ];
+    ways.extend(Splatting::ALL.iter().map(|&splatting| Settings {
+        splatting,
+        ..settings()
+    }));
+    ways
+}
+
+#[test]
+fn the_processor_draws_the_same_picture_in_parts() {
+    for settings in ways() {
+        let (db, others) = parts_beside_whole(AnyRenderer::cpu(), &settings);
+        let has_borders = settings.splatting == Splatting::Regular;
+        let is_near = db >= 60.0 || (has_borders && others <= MOST_BORDER_PIXELS);
+        assert!(is_near, "{db} dB, {others} pixels: {settings:?}");
+    }
+}
+
+/// Masks are made for directions in the middles of sectors of the picture, which are those of its parts then.
+#[test]
+fn byte_codes_are_nearly_the_same_in_parts() {
+    for (footprint, least_db) in [(Footprint::Masks, 35.0), (Footprint::Pixels, 60.0)] {
+        let settings = Settings {
+            footprint,
+            ..settings()
+        };
+        let (db, _) = parts_beside_whole(AnyRenderer::cpu(), &settings);
+        assert!(db >= least_db, "{db} dB: {footprint}");
+    }
+}
+
+#[test]
+fn the_graphics_library_draws_the_same_picture_in_parts() {
+    let mut ways = ways();
+    ways.extend(Strategy::ALL.iter().map(|&strategy| Settings {
+        strategy,
+        ..settings()
+    }));
+    for settings in ways {
+        let renderer = AnyRenderer::gpu(common::context()).unwrap();
+        let (db, _) = parts_beside_whole(renderer, &settings);
+        assert!(db >= 60.0, "{db} dB: {settings:?}");
+    }
+}
+
+/// `picture` over one colour.
+fn over(picture: &RgbaImage, behind: [u8; 3]) -> RgbaImage {
+    let mut over = picture.clone();
+    for pixel in over.pixels_mut() {
+        let alpha = f32::from(pixel.0[3]) / 255.0;
+        for (channel, behind) in pixel.0.iter_mut().zip(behind) {
+            *channel =
+                (f32::from(*channel) * alpha + f32::from(behind) * (1.0 - alpha)).round() as u8;
+        }
+        pixel.0[3] = 255;
+    }
+    over
+}
+
+#[test]
+fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
+    for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
+        let settings = Settings {
+            primitive,
+            background: Background::solid([200, 60, 120]),
+            ..Settings::default()
+        };
+        let mut headless = headless(AnyRenderer::cpu());
+        let (frame, camera) = near_by(&headless, &settings);
+        let mut draw = |is_transparent| {
+            let size = PictureSize {
+                is_transparent,
+                ..PictureSize::opaque(SIZE_PX)
+            };
+            draw_picture(&mut headless, &frame, &camera, &settings, size).unwrap()
+        };
+        let (opaque, transparent) = (draw(false), draw(true));
+        let (_, largest) = common::difference(&over(&transparent, [200, 60, 120]), &opaque);
+        assert!(largest <= 2, "{primitive}: {largest}");
+        let share = |alpha: u8| {
+            transparent
+                .pixels()
+                .filter(|pixel| pixel.0[3] == alpha)
+                .count()
+        };
+        assert!(share(0) > 1000, "{primitive}: nothing is transparent");
+        assert!(share(255) > 1000, "{primitive}: nothing is opaque");
+        assert_eq!(transparent.get_pixel(0, 0).0, [0; 4]);
+    }
+}
+
+#[test]
+fn a_file_holds_what_was_drawn_in_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.png");
+    let settings = settings();
+    let mut headless = headless(AnyRenderer::cpu());
+    let (frame, camera) = near_by(&headless, &settings);
+    let size = PictureSize {
+        is_transparent: true,
+        part_edge_px: Some(100),
+        ..PictureSize::opaque(SIZE_PX)
+    };
+    write_picture(&mut headless, &frame, &camera, &settings, size, &file).unwrap();
+    let drawn = draw_picture(&mut headless, &frame, &camera, &settings, size).unwrap();
+    assert_eq!(image::open(&file).unwrap().to_rgba8(), drawn);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.png");
+    let mut headless = headless(AnyRenderer::cpu());
+    let settings = Settings {
+        resolution: 0.5,
+        ..settings()
+    };
+    let (frame, camera) = near_by(&headless, &settings);
+    let mut write = |size: PictureSize| {
+        write_picture(&mut headless, &frame, &camera, &settings, size, &file).unwrap_err()
+    };
+    let huge = write(PictureSize::opaque([MAX_EDGE_PX + 1, 4]));
+    assert!(matches!(huge, ExportError::PictureSize { .. }), "{huge}");
+    let scaled = write(PictureSize {
+        part_edge_px: Some(50),
+        ..PictureSize::opaque(SIZE_PX)
+    });
+    assert!(
+        matches!(scaled, ExportError::ScaledParts { .. }),
+        "{scaled}"
+    );
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
