@@ -3,7 +3,7 @@
 //! **How it works.** Two things may be too slow for a frame rate. *Making* frames: what decoding takes and what a point takes after it
 //! are averaged over the frames made lately, as they were measured, with whatever else the machine did meanwhile; the workers'
 //! time between two frames, less decoding, says how many points there is time for. *Drawing* them: while pictures take longer than a
-//! frame lasts, frames of half the points are wanted, as long as that helps; when twice the points would fit, twice the points.
+//! frame lasts, frames of half the points are wanted, as long as that helps; now and then twice the points are tried.
 //!
 //! Numbers of points are powers of two, and are raised only when there is time for a third more, so that they do not waver.
 //!
@@ -173,22 +173,49 @@ impl Average {
     }
 }
 
-/// How many points can be drawn in the time of a frame.
-#[derive(Debug, Clone, Copy, Default)]
+/// How many points can be drawn in the time of a frame, found by trying.
+///
+/// A number that was tried without success is not tried again at once: the next attempt waits twice as long as the last, since the
+/// workers, which are busiest at the beginning, slow drawing as well.
+#[derive(Debug, Clone, Copy)]
 struct Drawing {
     most_points: Option<u32>,
     picture_ms: Average,
     /// Pictures since the number was changed.
     pictures: u32,
-    /// What a picture took before the number was halved, and of how many points it was.
-    before_ms: Option<f64>,
-    /// Fewer points did not help.
-    is_in_vain: bool,
+    attempt: Attempt,
+    /// Pictures to wait for before something is tried again.
+    patience: u32,
+}
+
+/// Why the number of points is what it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Attempt {
+    None,
+    /// Half of the points, since pictures took so many milliseconds.
+    Fewer {
+        before_ms: f64,
+    },
+    /// Twice the points.
+    More,
+}
+
+impl Default for Drawing {
+    fn default() -> Self {
+        Self {
+            most_points: None,
+            picture_ms: Average::default(),
+            pictures: 0,
+            attempt: Attempt::None,
+            patience: Self::LOOKED_AT,
+        }
+    }
 }
 
 impl Drawing {
     /// Pictures that are looked at before the number is changed again.
     const LOOKED_AT: u32 = 6;
+    const MOST_PATIENCE: u32 = 1 << 11;
 
     fn note(&mut self, points: usize, picture_ms: f64, interval_ms: f64) {
         self.picture_ms.add(picture_ms);
@@ -196,27 +223,43 @@ impl Drawing {
         let (Some(mean_ms), false) = (self.picture_ms.mean, self.pictures < Self::LOOKED_AT) else {
             return;
         };
-        if let Some(before_ms) = self.before_ms.take()
-            && mean_ms > 0.9 * before_ms
-            && mean_ms > interval_ms
-        {
-            self.is_in_vain = true;
-            return self.change(None);
-        }
+        let is_late = mean_ms > 0.95 * interval_ms;
+        let is_patient = self.pictures < self.patience;
+        let attempt = std::mem::replace(&mut self.attempt, Attempt::None);
         let half = points.next_power_of_two() as u32 / 2;
-        if mean_ms > interval_ms && !self.is_in_vain && half >= FEWEST_POINTS {
-            self.change(Some(half));
-            // Where pictures have just become slower, the mean is not there yet.
-            self.before_ms = Some(mean_ms.max(picture_ms));
-        } else if let Some(most_points) = self.most_points
-            && 2.5 * mean_ms < interval_ms
-        {
-            self.change(most_points.checked_mul(2));
+        match (attempt, self.most_points) {
+            (Attempt::Fewer { before_ms }, Some(fewer)) if is_late && mean_ms > 0.9 * before_ms => {
+                self.try_later();
+                self.change(fewer.checked_mul(2), Attempt::None);
+            }
+            (Attempt::More, _) if is_late => {
+                self.try_later();
+                self.change(Some(half), Attempt::None);
+            }
+            _ if is_late => {
+                if half >= FEWEST_POINTS && !is_patient {
+                    // Where pictures have just become slower, the mean is not there yet.
+                    let before_ms = mean_ms.max(picture_ms);
+                    self.change(Some(half), Attempt::Fewer { before_ms });
+                }
+            }
+            (_, Some(points)) => {
+                let is_sure = mean_ms < 0.45 * interval_ms;
+                if is_sure || mean_ms < 0.8 * interval_ms && !is_patient {
+                    self.change(points.checked_mul(2), Attempt::More);
+                }
+            }
+            (_, None) => {}
         }
     }
 
-    fn change(&mut self, most_points: Option<u32>) {
+    fn try_later(&mut self) {
+        self.patience = (2 * self.patience).min(Self::MOST_PATIENCE);
+    }
+
+    fn change(&mut self, most_points: Option<u32>, attempt: Attempt) {
         self.most_points = most_points;
+        self.attempt = attempt;
         self.pictures = 0;
         self.picture_ms = Average::default();
     }
@@ -331,6 +374,29 @@ mod tests {
             drawn(&mut effort, |points| points as f64 / 15_000.0),
             Detail::at_most(1 << 19)
         );
+    }
+
+    #[test]
+    fn what_was_too_slow_once_is_tried_again() {
+        let mut effort = played_at(25.0);
+        effort.note_made(&made(0.1, 0.1, MILLION));
+        // Workers take half of the machine at first; then a picture of all points takes 30 ms.
+        for number in 0..400 {
+            let points = effort.at_best().most_points().min(MILLION);
+            let factor = if number < 60 { 2.0 } else { 1.0 };
+            effort.note_drawn(points, factor * 30.0 * points as f64 / MILLION as f64);
+        }
+        assert_eq!(effort.at_best(), Detail::Full);
+        // A picture that never fits is tried less and less often.
+        effort.forget();
+        let mut late = 0;
+        for _ in 0..2000 {
+            let points = effort.at_best().most_points().min(MILLION);
+            let picture_ms = 41.0 * points as f64 / MILLION as f64;
+            late += u32::from(picture_ms > 40.0);
+            effort.note_drawn(points, picture_ms);
+        }
+        assert!(late < 100, "{late} of 2000 pictures were late");
     }
 
     #[test]
