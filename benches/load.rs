@@ -1,19 +1,19 @@
 //! How fast a million coloured points come from a file, beside a plain read of the same file.
 //!
-//! Each format is a group over the same points; criterion's `thrpt` is bytes of the file a second in all rows:
+//! - *threads*: [`pointreel::io::read`], the file's bytes from the system's cache included;
+//! - *read*: [`std::fs::read`] of the same file, which nobody can beat who needs all bytes.
 //!
-//! - `load`: [`pointreel::io::read`], the file's bytes from the system's cache included, on all cores and on one;
-//! - `read file`: [`std::fs::read`] of the same file, which nobody can beat who needs all bytes.
+//! The three take turns, so that a machine that slows down meanwhile slows all; medians. Not criterion, which measures one after the
+//! other: on a shared machine a ratio of two minutes says little. `cargo bench --bench load -- ply` measures one format.
 //!
 //! Targets: binary PLY at 60 % of the plain read, text at 100 MB/s a core. Not measured: a cold disk.
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::io::{self, WriteFormat};
 use pointreel::memory::MiMalloc;
 use std::fs::File;
 use std::hint::black_box;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 // As in the program.
 #[global_allocator]
@@ -38,45 +38,83 @@ fn cloud(has_scalars: bool) -> RawCloud {
     cloud
 }
 
-fn benches(criterion: &mut Criterion) {
+const FORMATS: [WriteFormat; 7] = [
+    WriteFormat::PlyBinary,
+    WriteFormat::PlyAscii,
+    WriteFormat::Pcd,
+    WriteFormat::Las,
+    WriteFormat::Laz,
+    WriteFormat::Xyz,
+    WriteFormat::Npy,
+];
+
+/// How long each format is measured.
+const MEASURED: Duration = Duration::from_secs(4);
+
+#[expect(clippy::print_stdout, reason = "the table is what this program is for")]
+fn main() {
+    // `cargo bench` has arguments of its own.
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|word| !word.starts_with('-'))
+        .collect();
     let folder = tempfile::tempdir().expect("a folder for files that are read");
-    for format in [
-        WriteFormat::PlyBinary,
-        WriteFormat::PlyAscii,
-        WriteFormat::Pcd,
-        WriteFormat::Las,
-        WriteFormat::Laz,
-        WriteFormat::Xyz,
-        WriteFormat::Npy,
-    ] {
-        let path = folder
-            .path()
-            .join(format!("{format}.{}", format.extension()));
+    let pools = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().expect("threads to measure with")
+    });
+    println!(
+        "format         MB    read ms   1 thread ms (of the read, MB/s)   2 threads ms (of the read, MB/s)   rounds"
+    );
+    for format in FORMATS {
+        let name = format.to_string();
+        if !wanted.is_empty() && !wanted.contains(&name) {
+            continue;
+        }
+        let path = folder.path().join(format!("{name}.{}", format.extension()));
         let has_scalars = matches!(format, WriteFormat::Las | WriteFormat::Laz);
         let file = File::create(&path).expect("the folder is writable");
         io::write(file, format, &cloud(has_scalars)).expect("the disk has room");
-        let file_bytes = std::fs::metadata(&path).expect("it was just written").len();
-        let mut group = criterion.benchmark_group(format!("load/{format}"));
-        group.throughput(Throughput::Bytes(file_bytes));
-        group.sample_size(10);
-        group.measurement_time(Duration::from_secs(3));
-        for threads in [1, 2] {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .expect("threads to measure with");
-            group.bench_function(format!("load, {threads} threads"), |bencher| {
-                pool.install(|| {
-                    bencher.iter(|| io::read(black_box(&path)).expect("it was just written"));
-                });
-            });
+        let megabytes = std::fs::metadata(&path).expect("it was just written").len() as f64 / 1e6;
+        let mut times_ms = [const { Vec::new() }; 3];
+        let begin = Instant::now();
+        while begin.elapsed() < MEASURED {
+            times_ms[0].push(time_ms(|| {
+                std::fs::read(black_box(&path)).expect("it was just written")
+            }));
+            for (pool, times_ms) in pools.iter().zip(&mut times_ms[1..]) {
+                let load = || io::read(black_box(&path)).expect("it was just written");
+                times_ms.push(pool.install(|| time_ms(load)));
+            }
         }
-        group.bench_function("read file", |bencher| {
-            bencher.iter(|| std::fs::read(black_box(&path)).expect("it was just written"));
-        });
-        group.finish();
+        let rounds = times_ms[0].len();
+        let [read_ms, one_ms, two_ms] = times_ms.map(median);
+        let column = |ms: f64| {
+            format!(
+                "{ms:8.2} ({:5.1} %, {:6.0})",
+                100.0 * read_ms / ms,
+                1e3 * megabytes / ms
+            )
+        };
+        println!(
+            "{name:12} {megabytes:5.1} {read_ms:9.2} {:>36} {:>36} {rounds:8}",
+            column(one_ms),
+            column(two_ms)
+        );
     }
 }
 
-criterion_group!(load, benches);
-criterion_main!(load);
+/// Milliseconds of `work`; what it returns is dropped afterwards. It has run once before, so that memory is warm.
+fn time_ms<T>(work: impl Fn() -> T) -> f64 {
+    drop(work());
+    let begin = Instant::now();
+    let outcome = work();
+    let elapsed = begin.elapsed();
+    drop(outcome);
+    elapsed.as_secs_f64() * 1e3
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}

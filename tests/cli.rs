@@ -284,7 +284,7 @@ fn failures_exit_with_1_and_wrong_usage_with_2() {
         (
             1,
             &["render", sequence, "-o", "o.png", "--size", "1000000x8"],
-            "larger than",
+            "edges are from 1 to 65536 pixels long",
         ),
         (2, &["render", sequence], "--output"),
         (
@@ -384,7 +384,8 @@ fn bench_names_its_suites() {
     let output = pointreel(&["bench", "speed"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        stderr(&output).contains("expected surfels, octree, voxels, accuracy, render or error"),
+        stderr(&output)
+            .contains("expected surfels, octree, voxels, accuracy, render, play or error"),
         "{}",
         stderr(&output)
     );

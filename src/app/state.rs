@@ -238,6 +238,8 @@ pub struct State {
     drawn_primitive: Primitive,
     /// The last redraw had a new picture, whose time has not been looked at.
     picture_is_new: bool,
+    /// Points of the frame in it.
+    picture_points: usize,
     /// Who was chosen to draw when the graphics card's device was lost: the processor draws until that is chosen anew.
     without_gpu: Option<RendererChoice>,
     /// Where [`State::quality`] is kept; known once sequence and adapter are.
@@ -285,6 +287,7 @@ impl State {
             drawn_frame: None,
             drawn_primitive: Primitive::Point,
             picture_is_new: false,
+            picture_points: 0,
             without_gpu: None,
             quality_key: None,
             options,
@@ -475,7 +478,7 @@ impl State {
         if std::mem::take(&mut self.picture_is_new) {
             let draw_ms = self.graphics.picture_ms();
             self.scene.note_draw_ms(&settings, draw_ms);
-            player.note_picture_ms(draw_ms);
+            player.note_picture_ms(self.picture_points, draw_ms);
         }
         let packet = self.scene.packet(
             frame,
@@ -491,6 +494,7 @@ impl State {
         self.drawn_frame = Some((Arc::clone(frame), origin));
         self.packet = Some(packet.clone());
         self.picture_is_new = true;
+        self.picture_points = frame.frame.len();
         self.counters.pictures += 1;
         if let Some(comparison) = &mut self.comparison {
             comparison.note_change(self.now);

@@ -152,10 +152,10 @@ impl Player {
         self.late_frames
     }
 
-    /// Takes notice of how long the picture of the shown frame took, milliseconds.
-    pub fn note_picture_ms(&self, picture_ms: f64) {
-        if let Some(shown) = self.shown.as_ref().filter(|_| self.is_playing()) {
-            self.loader.note_drawn(shown.frame.len(), picture_ms);
+    /// Takes notice of how long the picture of a frame of so many points took, milliseconds.
+    pub fn note_picture_ms(&self, points: usize, picture_ms: f64) {
+        if self.is_playing() {
+            self.loader.note_drawn(points, picture_ms);
         }
     }
 

@@ -81,7 +81,7 @@ impl Theatre {
                 // Deadlines are rounded up to nanoseconds.
                 schedule.push((self.now.as_micros().div_ceil(1000) as u64, index, points));
                 let picture_ms = (self.picture_ms)(points);
-                self.player.note_picture_ms(picture_ms);
+                self.player.note_picture_ms(points, picture_ms);
                 self.free_at = self.now + Duration::from_secs_f64(picture_ms / 1e3);
                 self.last = shown;
             }

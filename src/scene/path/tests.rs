@@ -139,7 +139,7 @@ fn wrong_files_are_refused_by_line() {
     );
     let unknown = changed("fov_deg", "fov_rad");
     assert!(
-        unknown.contains("unknown field `fov_rad`") && unknown.contains("line 6"),
+        unknown.contains("unknown field `fov_rad`") && unknown.contains("line 7"),
         "{unknown}"
     );
     assert!(changed("0.5]", "1e999]").contains("out of range"));
