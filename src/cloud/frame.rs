@@ -124,35 +124,25 @@ impl Frame {
         Ok(frame)
     }
 
-    /// At most `most_points` of the points, taken evenly in their order, with `normals` and `radii` in place of those of the file
-    /// where they are given, one a point. Radii grow, so that they cover what all cover.
-    pub fn sample(
-        &self,
-        most_points: usize,
-        normals: Option<Vec<Vec3>>,
-        radii: Option<Vec<f32>>,
-    ) -> Result<Self, CloudError> {
+    /// At most `most_points` of the points, taken evenly in their order, and where each of them stands here. Radii of the file grow, so
+    /// that they cover what all cover.
+    pub fn sample(&self, most_points: usize) -> Result<(Self, Vec<u32>), CloudError> {
         let raw = RawCloud {
             positions: Positions::F32(bytemuck::cast_slice(&self.positions).to_vec()),
             colors: self.colors.clone(),
-            normals: normals
-                .or_else(|| self.normals.clone())
-                .map(bytemuck::cast_vec),
-            radii: radii.or_else(|| self.radii.clone()),
+            normals: self.normals.clone().map(bytemuck::cast_vec),
+            radii: self.radii.clone(),
             scalars: self.scalars.clone(),
             has_narrow_colors: false,
             faces: Vec::new(),
             sensor: self.sensor.map(Vec3::as_dvec3),
         };
         let mut sample = Self::from_raw_sample(raw, DVec3::ZERO, most_points)?;
-        if !sample.is_sample() {
-            return Ok(self.clone());
-        }
-        for index in &mut sample.file_index {
-            *index = self.file_index[*index as usize];
-        }
+        let slots = std::mem::take(&mut sample.file_index);
+        let in_file = |&slot: &u32| self.file_index[slot as usize];
+        sample.file_index = slots.iter().map(in_file).collect();
         sample.left_out += self.left_out + self.dropped_points;
-        Ok(sample)
+        Ok((sample, slots))
     }
 
     /// Number of points; may be 0.
@@ -395,13 +385,12 @@ mod tests {
             Frame::from_raw_sample(raw, DVec3::ZERO, 100).unwrap(),
             whole
         );
-        let normals = vec![Vec3::X; 100];
-        let again = whole.sample(25, Some(normals), None).unwrap();
-        assert_eq!(
-            (again.points_in_file(), again.normals().unwrap()[3]),
-            (100, Vec3::X)
-        );
-        let twice = again.sample(5, None, None).unwrap();
+        let (again, slots) = whole.sample(25).unwrap();
+        assert_eq!(again.points_in_file(), 100);
+        for (&slot, at) in slots.iter().zip(again.positions()) {
+            assert_eq!(whole.positions()[slot as usize], *at);
+        }
+        let (twice, _) = again.sample(5).unwrap();
         assert_eq!((twice.len(), twice.points_in_file()), (5, 100));
         for frame in [sample, again, twice] {
             for (&index, at) in frame.file_index().iter().zip(frame.positions()) {

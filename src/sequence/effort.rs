@@ -237,7 +237,9 @@ impl Drawing {
                 self.change(Some(half), Attempt::None);
             }
             _ if is_late => {
-                if half >= FEWEST_POINTS && !is_patient {
+                // A quarter less is the least that is worth a copy.
+                let is_less = half >= FEWEST_POINTS && 4 * half as usize <= 3 * points;
+                if is_less && !is_patient {
                     // Where pictures have just become slower, the mean is not there yet.
                     let before_ms = mean_ms.max(picture_ms);
                     self.change(Some(half), Attempt::Fewer { before_ms });

@@ -19,7 +19,7 @@
 
 use super::records::{self, SurfaceWork};
 use super::{ColorSource, Needs, milliseconds_since};
-use crate::cloud::{CloudError, Frame, PointRecord, ShapeRecord, oct_decode};
+use crate::cloud::{CloudError, Frame, PointRecord, ShapeRecord, radius_factor};
 use crate::octree::{CodedCloud, LodSurfels, Octree, StopCriterion};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -156,7 +156,7 @@ pub fn prepare(
         decode_ms,
         ..Timings::default()
     };
-    build(index, frame, None, needs, timings, counters)
+    build(index, frame, None, None, needs, timings, counters)
 }
 
 /// Prepares at most `most_points` of the points of `existing`, taken evenly. Normals and radii that are known are not estimated again.
@@ -167,21 +167,27 @@ pub(super) fn prepare_sample(
     counters: &PrepareCounters,
 ) -> Result<PreparedFrame, CloudError> {
     let start = Instant::now();
-    let (normals, radii) = existing
-        .shapes
-        .as_ref()
-        .map(|shapes| {
-            let shape = |shape: &ShapeRecord| (oct_decode(shape.normal), shape.radius);
-            shapes.iter().map(shape).unzip()
-        })
-        .unzip();
-    let frame = existing.frame.sample(most_points, normals, radii)?;
-    let decode_ms = milliseconds_since(start);
-    Ok(prepare(
+    let (frame, slots) = existing.frame.sample(most_points)?;
+    let factor = radius_factor(existing.frame.len(), slots.len());
+    let shapes = existing.shapes.as_ref().map(|shapes| {
+        let shape = |&slot: &u32| ShapeRecord {
+            radius: factor * shapes[slot as usize].radius,
+            ..shapes[slot as usize]
+        };
+        Arc::new(slots.iter().map(shape).collect())
+    });
+    let timings = Timings {
+        records_ms: milliseconds_since(start),
+        ..Timings::default()
+    };
+    let frame = Arc::new(frame);
+    Ok(build(
         existing.index,
-        Arc::new(frame),
-        decode_ms,
+        frame,
+        None,
+        shapes,
         needs,
+        timings,
         counters,
     ))
 }
@@ -199,16 +205,19 @@ pub fn complete(
         existing.index,
         Arc::clone(&existing.frame),
         Some(existing),
+        existing.shapes.clone(),
         needs,
         Timings::default(),
         counters,
     )
 }
 
+/// Makes what `needs` ask for and is not known: of the frame `existing` was made from, or `shapes`, if they are known.
 fn build(
     index: usize,
     frame: Arc<Frame>,
     existing: Option<&PreparedFrame>,
+    mut shapes: Option<Arc<Vec<ShapeRecord>>>,
     needs: &Needs,
     mut timings: Timings,
     counters: &PrepareCounters,
@@ -216,7 +225,6 @@ fn build(
     let colors = needs.colors.resolve(&frame);
     let same_colors = existing.filter(|existing| existing.colors == colors);
 
-    let mut shapes = existing.and_then(|existing| existing.shapes.clone());
     let colors_need_shapes = colors == ColorSource::Normal
         && same_colors.is_none()
         && records::file_normals(&frame).is_none();
