@@ -15,7 +15,9 @@ mod worker;
 pub use stats::{FrameState, LoaderStats};
 
 use super::travel::Travel;
-use super::{Direction, FrameError, LoopMode, Needs, PreparedFrame, Sequence, SequenceError};
+use super::{
+    Direction, FrameError, LoopMode, Needs, PlayRange, PreparedFrame, Sequence, SequenceError,
+};
 use cache::Focus;
 use queue::{Queue, Waiter};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -124,10 +126,7 @@ impl Loader {
         options: LoaderOptions,
     ) -> Result<Self, SequenceError> {
         let focus = Focus {
-            travel: Travel {
-                frame_count: sequence.len(),
-                loop_mode: LoopMode::default(),
-            },
+            travel: Travel::whole(sequence.len(), LoopMode::default()),
             playhead: 0,
             direction: Direction::Forward,
         };
@@ -182,6 +181,12 @@ impl Loader {
     /// Says what happens at the ends, so that the right frames are prepared there. [`LoopMode::Loop`] until then.
     pub fn set_loop_mode(&self, loop_mode: LoopMode) {
         self.shared.queue().focus.travel.loop_mode = loop_mode;
+        self.shared.work.notify_all();
+    }
+
+    /// Says which frames play: of the others none is prepared ahead, and they are the first to go. All until then.
+    pub fn set_range(&self, range: PlayRange) {
+        self.shared.queue().focus.travel.range = range;
         self.shared.work.notify_all();
     }
 
