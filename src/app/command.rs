@@ -25,6 +25,18 @@ pub enum Command {
     Faster,
     /// Play the other way.
     Reverse,
+    /// Play from the frame at the playhead.
+    SetIn,
+    /// Play to the frame at the playhead.
+    SetOut,
+    /// Play the whole sequence.
+    ClearRange,
+    /// Put a marker at the playhead, or take it away.
+    ToggleMarker,
+    /// Go to the next marker.
+    NextMarker,
+    /// Go to the marker before.
+    PreviousMarker,
     /// The camera as it was when the sequence was opened.
     ResetView,
     /// Look along an axis.
@@ -109,6 +121,13 @@ impl Chord {
         Self {
             command: true,
             ..Self::plain(key)
+        }
+    }
+
+    const fn ctrl_shift(key: Key) -> Self {
+        Self {
+            shift: Some(true),
+            ..Self::ctrl(key)
         }
     }
 
@@ -251,6 +270,48 @@ pub const BINDINGS: &[Binding] = &[
         "Play the other way",
         Command::Reverse,
         &[Chord::plain(Key::Backspace)],
+    ),
+    binding(
+        PLAY,
+        "Shift+I",
+        "In point: play from here",
+        Command::SetIn,
+        &[Chord::shift(Key::I)],
+    ),
+    binding(
+        PLAY,
+        "Shift+O",
+        "Out point: play to here",
+        Command::SetOut,
+        &[Chord::shift(Key::O)],
+    ),
+    binding(
+        PLAY,
+        "Shift+X",
+        "Clear in and out point",
+        Command::ClearRange,
+        &[Chord::shift(Key::X)],
+    ),
+    binding(
+        PLAY,
+        "Ctrl+M",
+        "Add or remove a marker",
+        Command::ToggleMarker,
+        &[Chord::ctrl(Key::M)],
+    ),
+    binding(
+        PLAY,
+        "Shift+M",
+        "Next marker",
+        Command::NextMarker,
+        &[Chord::shift(Key::M)],
+    ),
+    binding(
+        PLAY,
+        "Ctrl+Shift+M",
+        "Previous marker",
+        Command::PreviousMarker,
+        &[Chord::ctrl_shift(Key::M)],
     ),
     binding(
         VIEW,

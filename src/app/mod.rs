@@ -31,6 +31,7 @@ mod state;
 mod surface;
 mod tasks;
 mod theme;
+mod timeline;
 mod window;
 
 pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable, Progress};
@@ -47,4 +48,5 @@ pub use recent::Recent;
 pub use state::{Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewport, WindowRequest};
 pub use tasks::{DialogKind, Outcome, ReportFormat, Tasks, Wake};
 pub use theme::apply_theme;
+pub use timeline::{Marker, Markers, Quantity, Timeline};
 pub use window::{AppError, Options, run};

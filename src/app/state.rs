@@ -16,6 +16,7 @@ use super::panels::QualityLimits;
 use super::preferences::Preferences;
 use super::recent::Recent;
 use super::tasks::{Tasks, Wake};
+use super::timeline::Timeline;
 use crate::bench::{Quality, QualityKey};
 use crate::playback::{Player, can_draw};
 use crate::render::RenderStats;
@@ -47,6 +48,8 @@ pub struct StateOptions {
     pub budget_bytes: Option<usize>,
     /// What was opened lately.
     pub recent: Recent,
+    /// The folder where range and markers of each sequence are kept; they are not if `None`.
+    pub timelines: Option<PathBuf>,
     /// Wakes the window from another thread.
     pub wake: Wake,
 }
@@ -62,6 +65,7 @@ impl Default for StateOptions {
             paused: false,
             budget_bytes: None,
             recent: Recent::default(),
+            timelines: None,
             wake: Arc::new(|| {}),
         }
     }
@@ -206,6 +210,8 @@ pub struct State {
     pub quality_limits: QualityLimits,
     /// What was opened lately.
     pub recent: Recent,
+    /// Markers and curve of the open sequence.
+    pub timeline: Timeline,
     /// The picture's place.
     pub viewport: Viewport,
     /// What is known of the graphics card.
@@ -266,6 +272,7 @@ impl State {
             quality: None,
             quality_limits: QualityLimits::default(),
             recent: options.recent.clone(),
+            timeline: Timeline::default(),
             viewport: Viewport::default(),
             graphics: GraphicsInfo::default(),
             fly: Fly::default(),
@@ -364,6 +371,7 @@ impl State {
         self.drawn_frame = None;
         self.inspection.forget_points();
         self.scrubbing = Scrubbing::default();
+        self.read_timeline(self.options.timelines.clone().as_ref());
         self.quality = None;
         self.quality_key = None;
     }

@@ -43,7 +43,7 @@ pub use detail::Detail;
 pub use error::{FrameError, SequenceError};
 #[cfg(test)]
 pub(crate) use loader::simulation;
-pub use loader::{FrameState, Loader, LoaderOptions, LoaderStats, Slot};
+pub use loader::{FrameFacts, FrameState, Loader, LoaderOptions, LoaderStats, Slot};
 pub use needs::{ColorSource, Needs};
 pub use pace::Pace;
 pub use play_range::PlayRange;

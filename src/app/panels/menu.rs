@@ -7,10 +7,11 @@ use crate::bench::Suite;
 use crate::scene::{Projection, ViewPreset};
 use egui::{Button, MenuBar, Ui};
 
-/// File, View, Benchmark, Help.
+/// File, Play, View, Benchmark, Help.
 pub fn menu_ui(ui: &mut Ui, state: &mut State) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file_menu(ui, state));
+        ui.menu_button("Play", |ui| play_menu(ui, state));
         ui.menu_button("View", |ui| view_menu(ui, state));
         ui.menu_button("Tools", |ui| tools_menu(ui, state));
         ui.menu_button("Benchmark", |ui| benchmark_menu(ui, state));
@@ -98,6 +99,20 @@ fn recent_menu(ui: &mut Ui, state: &mut State) {
     if let Some(inputs) = chosen {
         state.open_paths(inputs);
     }
+}
+
+/// What the timeline's own buttons have no room for.
+fn play_menu(ui: &mut Ui, state: &mut State) {
+    ui.set_min_width(240.0);
+    ui.add_enabled_ui(state.player.is_some(), |ui| {
+        item(ui, state, "Set in point", Command::SetIn);
+        item(ui, state, "Set out point", Command::SetOut);
+        item(ui, state, "Clear in and out point", Command::ClearRange);
+        ui.separator();
+        item(ui, state, "Add or remove marker", Command::ToggleMarker);
+        item(ui, state, "Next marker", Command::NextMarker);
+        item(ui, state, "Previous marker", Command::PreviousMarker);
+    });
 }
 
 fn view_menu(ui: &mut Ui, state: &mut State) {

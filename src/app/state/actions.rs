@@ -8,7 +8,7 @@ use crate::app::tasks::{DialogKind, Outcome, PicturePlace, ReportFormat};
 use crate::bench::{LabPoint, Quality, QualityKey, Suite};
 use crate::playback::Player;
 use crate::scene::{Camera, Primitive, Settings, UpAxis};
-use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, Sequence};
+use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange, Sequence};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -127,6 +127,12 @@ impl State {
             Command::Reverse => {
                 self.play_with(|player, now| player.set_speed(-player.clock().speed(), now));
             }
+            Command::SetIn => self.set_range(PlayRange::beginning_at),
+            Command::SetOut => self.set_range(PlayRange::ending_at),
+            Command::ClearRange => self.set_range(|_, _| PlayRange::default()),
+            Command::ToggleMarker => self.toggle_marker(),
+            Command::NextMarker => self.go_to_marker(true),
+            Command::PreviousMarker => self.go_to_marker(false),
             Command::ResetView => self.reset_view(),
             Command::Look(preset) => self.camera.look_from(preset),
             Command::ToggleOrthographic => self.toggle_projection(),

@@ -6,12 +6,14 @@
 //! error and played over.
 
 mod cache;
+mod facts;
 mod queue;
 #[cfg(test)]
 pub(crate) mod simulation;
 mod stats;
 mod worker;
 
+pub use facts::FrameFacts;
 pub use stats::{FrameState, LoaderStats};
 
 use super::travel::Travel;
@@ -168,6 +170,7 @@ impl Loader {
         }
         if queue.needs.as_ref() != Some(needs) {
             queue.cache.forget_sizes();
+            queue.cache.facts.changed();
             queue.effort.forget();
             queue.revision += 1;
         }
@@ -281,6 +284,19 @@ impl Loader {
     pub fn states(&self) -> Vec<FrameState> {
         let queue = self.shared.queue();
         queue.cache.states(queue.needs.as_ref())
+    }
+
+    /// What is known of every frame; `None` of those that were never prepared. O(n): ask again when [`Loader::facts_revision`] has
+    /// changed.
+    pub fn facts(&self) -> Vec<Option<FrameFacts>> {
+        let queue = self.shared.queue();
+        let stop = queue.needs.and_then(|needs| needs.octree);
+        queue.cache.facts.of(queue.cache.frame_count(), stop)
+    }
+
+    /// A number that changes whenever [`Loader::facts`] may have.
+    pub fn facts_revision(&self) -> u64 {
+        self.shared.queue().cache.facts.revision()
     }
 
     /// A number that changes whenever [`Loader::states`] may have.
