@@ -75,6 +75,12 @@ pub enum Command {
     ToggleStatistics,
     /// Two ways to draw side by side, and back.
     ToggleComparison,
+    /// Take back the last change of the settings.
+    Undo,
+    /// Make it again.
+    Redo,
+    /// Find commands by their names, or stop that.
+    TogglePalette,
     /// Show or hide the keys.
     ToggleHelp,
     /// Close what is open, or leave full screen.
@@ -469,6 +475,27 @@ pub const BINDINGS: &[Binding] = &[
     ),
     binding(
         FILE,
+        "Ctrl+Z",
+        "Undo the last change of settings",
+        Command::Undo,
+        &[Chord::ctrl(Key::Z)],
+    ),
+    binding(
+        FILE,
+        "Ctrl+Y, Ctrl+Shift+Z",
+        "Redo it",
+        Command::Redo,
+        &[Chord::ctrl(Key::Y), Chord::ctrl_shift(Key::Z)],
+    ),
+    binding(
+        FILE,
+        "Ctrl+P",
+        "Find a command by its name",
+        Command::TogglePalette,
+        &[Chord::ctrl(Key::P)],
+    ),
+    binding(
+        FILE,
         "F1",
         "This list",
         Command::ToggleHelp,
@@ -581,7 +608,8 @@ impl Focus {
     fn keeps(self, key: Key, modifiers: Modifiers) -> bool {
         let function_key = key.name().len() > 1 && key.name().starts_with('F');
         if modifiers.ctrl || modifiers.command || function_key {
-            return false;
+            // What is typed is undone where it is typed.
+            return self == Self::TextField && matches!(key, Key::Z | Key::Y);
         }
         match self {
             Self::None => false,
@@ -652,6 +680,8 @@ mod tests {
         assert!(!Focus::None.keeps(Key::F, Modifiers::NONE));
         assert!(!Focus::TextField.keeps(Key::F1, Modifiers::NONE));
         assert!(!Focus::TextField.keeps(Key::O, Modifiers::CTRL));
+        assert!(Focus::TextField.keeps(Key::Z, Modifiers::CTRL));
+        assert!(!Focus::Widget.keeps(Key::Z, Modifiers::CTRL));
         assert!(Focus::Widget.keeps(Key::Space, Modifiers::NONE));
         assert!(!Focus::Widget.keeps(Key::L, Modifiers::NONE));
         assert!(!Focus::None.keeps(Key::Space, Modifiers::NONE));

@@ -9,11 +9,14 @@ use super::benchmark::Benchmark;
 use super::comparison::Comparison;
 use super::fly::Fly;
 use super::grip::Grip;
+use super::history::History;
 use super::inspection::Inspection;
 use super::motion::{Glide, Turntable};
 use super::notices::Notices;
+use super::palette::Palette;
 use super::panels::QualityLimits;
 use super::preferences::Preferences;
+use super::presets::Presets;
 use super::recent::Recent;
 use super::tasks::{Tasks, Wake};
 use super::timeline::Timeline;
@@ -48,6 +51,8 @@ pub struct StateOptions {
     pub budget_bytes: Option<usize>,
     /// What was opened lately.
     pub recent: Recent,
+    /// Settings under names.
+    pub presets: Presets,
     /// The folder where range and markers of each sequence are kept; they are not if `None`.
     pub timelines: Option<PathBuf>,
     /// Wakes the window from another thread.
@@ -65,6 +70,7 @@ impl Default for StateOptions {
             paused: false,
             budget_bytes: None,
             recent: Recent::default(),
+            presets: Presets::default(),
             timelines: None,
             wake: Arc::new(|| {}),
         }
@@ -210,6 +216,14 @@ pub struct State {
     pub quality_limits: QualityLimits,
     /// What was opened lately.
     pub recent: Recent,
+    /// Settings under names.
+    pub presets: Presets,
+    /// The name of the preset that is being saved.
+    pub(super) preset_name: Option<String>,
+    /// Undo and redo of the settings.
+    pub(super) history: History,
+    /// Commands by their names, while they are looked for.
+    pub palette: Option<Palette>,
     /// Markers and curve of the open sequence.
     pub timeline: Timeline,
     /// The picture's place.
@@ -272,6 +286,10 @@ impl State {
             quality: None,
             quality_limits: QualityLimits::default(),
             recent: options.recent.clone(),
+            presets: options.presets.clone(),
+            preset_name: None,
+            history: History::default(),
+            palette: None,
             timeline: Timeline::default(),
             viewport: Viewport::default(),
             graphics: GraphicsInfo::default(),

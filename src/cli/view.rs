@@ -3,7 +3,7 @@
 use super::arguments::{
     DEMO_INPUT, PictureArgs, ReadArgs, byte_count, frame_rate, open_sequence, size_px,
 };
-use crate::app::{Options, Preferences, PreferencesFile, Recent, StateOptions};
+use crate::app::{Options, Preferences, PreferencesFile, Presets, Recent, StateOptions};
 use crate::kept;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::OpenOptions;
@@ -98,6 +98,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
                 .memory
                 .map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
             recent,
+            presets: Presets::load(),
             timelines: args
                 .screenshot
                 .is_none()

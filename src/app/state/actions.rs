@@ -4,6 +4,7 @@ use super::{State, WindowRequest};
 use crate::app::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
 use crate::app::command::{self, Command};
 use crate::app::comparison::Comparison;
+use crate::app::palette::Palette;
 use crate::app::tasks::{DialogKind, Outcome, PicturePlace, ReportFormat};
 use crate::bench::{LabPoint, Quality, QualityKey, Suite};
 use crate::playback::Player;
@@ -160,6 +161,14 @@ impl State {
                     None => Some(Comparison::new(self.settings)),
                 };
             }
+            Command::Undo => self.settings = self.history.undo().unwrap_or(self.settings),
+            Command::Redo => self.settings = self.history.redo().unwrap_or(self.settings),
+            Command::TogglePalette => {
+                self.palette = match self.palette.take() {
+                    Some(_) => None,
+                    None => Some(Palette::default()),
+                };
+            }
             Command::ToggleHelp => self.panels.help ^= true,
             Command::Escape => self.escape(),
             Command::Quit => self.requests.push(WindowRequest::Quit),
@@ -266,6 +275,13 @@ impl State {
             log::warn!("what was measured is not kept: {reason}");
         }
         self.quality = Some(quality);
+    }
+
+    /// Looks whether the settings have changed, for undo. Call after the panels.
+    pub(in crate::app) fn note_settings(&mut self, ctx: &egui::Context) {
+        let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
+        let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+        self.history.note(self.settings, is_held, now);
     }
 
     /// Draws as `way` from now on.
