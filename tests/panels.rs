@@ -8,10 +8,14 @@
 mod benchmark;
 #[path = "panels/camera.rs"]
 mod camera;
+#[path = "panels/choices.rs"]
+mod choices;
 #[path = "panels/comparison.rs"]
 mod comparison;
 #[path = "panels/keys.rs"]
 mod keys;
+#[path = "panels/marks.rs"]
+mod marks;
 #[path = "panels/menu.rs"]
 mod menu;
 #[path = "panels/mouse.rs"]

@@ -12,7 +12,7 @@ use pointreel::io::ReadOptions;
 use pointreel::octree::StopCriterion;
 use pointreel::sequence::{
     ColorSource, DecodeFailure, Direction, FrameError, FrameState, Loader, LoaderOptions, LoopMode,
-    Needs, OpenOptions, PreparedFrame, Sequence, SequenceError, Slot, Source,
+    Needs, OpenOptions, PlayRange, PreparedFrame, Sequence, SequenceError, Slot, Source,
 };
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};

@@ -25,6 +25,18 @@ pub enum Command {
     Faster,
     /// Play the other way.
     Reverse,
+    /// Play from the frame at the playhead.
+    SetIn,
+    /// Play to the frame at the playhead.
+    SetOut,
+    /// Play the whole sequence.
+    ClearRange,
+    /// Put a marker at the playhead, or take it away.
+    ToggleMarker,
+    /// Go to the next marker.
+    NextMarker,
+    /// Go to the marker before.
+    PreviousMarker,
     /// The camera as it was when the sequence was opened.
     ResetView,
     /// Look along an axis.
@@ -63,6 +75,12 @@ pub enum Command {
     ToggleStatistics,
     /// Two ways to draw side by side, and back.
     ToggleComparison,
+    /// Take back the last change of the settings.
+    Undo,
+    /// Make it again.
+    Redo,
+    /// Find commands by their names, or stop that.
+    TogglePalette,
     /// Show or hide the keys.
     ToggleHelp,
     /// Close what is open, or leave full screen.
@@ -109,6 +127,13 @@ impl Chord {
         Self {
             command: true,
             ..Self::plain(key)
+        }
+    }
+
+    const fn ctrl_shift(key: Key) -> Self {
+        Self {
+            shift: Some(true),
+            ..Self::ctrl(key)
         }
     }
 
@@ -251,6 +276,48 @@ pub const BINDINGS: &[Binding] = &[
         "Play the other way",
         Command::Reverse,
         &[Chord::plain(Key::Backspace)],
+    ),
+    binding(
+        PLAY,
+        "Shift+I",
+        "In point: play from here",
+        Command::SetIn,
+        &[Chord::shift(Key::I)],
+    ),
+    binding(
+        PLAY,
+        "Shift+O",
+        "Out point: play to here",
+        Command::SetOut,
+        &[Chord::shift(Key::O)],
+    ),
+    binding(
+        PLAY,
+        "Shift+X",
+        "Clear in and out point",
+        Command::ClearRange,
+        &[Chord::shift(Key::X)],
+    ),
+    binding(
+        PLAY,
+        "Ctrl+M",
+        "Add or remove a marker",
+        Command::ToggleMarker,
+        &[Chord::ctrl(Key::M)],
+    ),
+    binding(
+        PLAY,
+        "Shift+M",
+        "Next marker",
+        Command::NextMarker,
+        &[Chord::shift(Key::M)],
+    ),
+    binding(
+        PLAY,
+        "Ctrl+Shift+M",
+        "Previous marker",
+        Command::PreviousMarker,
+        &[Chord::ctrl_shift(Key::M)],
     ),
     binding(
         VIEW,
@@ -408,6 +475,27 @@ pub const BINDINGS: &[Binding] = &[
     ),
     binding(
         FILE,
+        "Ctrl+Z",
+        "Undo the last change of settings",
+        Command::Undo,
+        &[Chord::ctrl(Key::Z)],
+    ),
+    binding(
+        FILE,
+        "Ctrl+Y, Ctrl+Shift+Z",
+        "Redo it",
+        Command::Redo,
+        &[Chord::ctrl(Key::Y), Chord::ctrl_shift(Key::Z)],
+    ),
+    binding(
+        FILE,
+        "Ctrl+P",
+        "Find a command by its name",
+        Command::TogglePalette,
+        &[Chord::ctrl(Key::P)],
+    ),
+    binding(
+        FILE,
         "F1",
         "This list",
         Command::ToggleHelp,
@@ -520,7 +608,8 @@ impl Focus {
     fn keeps(self, key: Key, modifiers: Modifiers) -> bool {
         let function_key = key.name().len() > 1 && key.name().starts_with('F');
         if modifiers.ctrl || modifiers.command || function_key {
-            return false;
+            // What is typed is undone where it is typed.
+            return self == Self::TextField && matches!(key, Key::Z | Key::Y);
         }
         match self {
             Self::None => false,
@@ -591,6 +680,8 @@ mod tests {
         assert!(!Focus::None.keeps(Key::F, Modifiers::NONE));
         assert!(!Focus::TextField.keeps(Key::F1, Modifiers::NONE));
         assert!(!Focus::TextField.keeps(Key::O, Modifiers::CTRL));
+        assert!(Focus::TextField.keeps(Key::Z, Modifiers::CTRL));
+        assert!(!Focus::Widget.keeps(Key::Z, Modifiers::CTRL));
         assert!(Focus::Widget.keeps(Key::Space, Modifiers::NONE));
         assert!(!Focus::Widget.keeps(Key::L, Modifiers::NONE));
         assert!(!Focus::None.keeps(Key::Space, Modifiers::NONE));

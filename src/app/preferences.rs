@@ -99,19 +99,8 @@ impl Preferences {
     /// Within what the window offers, so that it is taken when it is read: the command line lets more through, and a
     /// window can be squeezed to nothing.
     fn offered(self) -> Self {
-        let clamp =
-            |value: f32, range: RangeInclusive<f32>| value.clamp(*range.start(), *range.end());
-        let settings = self.settings;
         Self {
-            settings: Settings {
-                splat_scale: clamp(settings.splat_scale, SPLAT_SCALE_RANGE),
-                enlargement: clamp(settings.enlargement, ENLARGEMENT_RANGE),
-                point_size_px: clamp(settings.point_size_px, POINT_SIZE_RANGE_PX),
-                stop: offered_stop(settings.stop),
-                lod: settings.lod.offered(),
-                resolution: clamp(settings.resolution, Settings::RESOLUTIONS),
-                ..settings
-            },
+            settings: offered_settings(self.settings),
             speed: self.speed.clamp(MIN_SPEED, MAX_SPEED),
             window_size: self
                 .window_size
@@ -214,6 +203,20 @@ impl Preferences {
             },
             window_size: stored.window_size,
         })
+    }
+}
+
+/// The nearest settings that the window offers.
+pub(super) fn offered_settings(settings: Settings) -> Settings {
+    let clamp = |value: f32, range: RangeInclusive<f32>| value.clamp(*range.start(), *range.end());
+    Settings {
+        splat_scale: clamp(settings.splat_scale, SPLAT_SCALE_RANGE),
+        enlargement: clamp(settings.enlargement, ENLARGEMENT_RANGE),
+        point_size_px: clamp(settings.point_size_px, POINT_SIZE_RANGE_PX),
+        stop: offered_stop(settings.stop),
+        lod: settings.lod.offered(),
+        resolution: clamp(settings.resolution, Settings::RESOLUTIONS),
+        ..settings
     }
 }
 

@@ -9,13 +9,17 @@ use super::benchmark::Benchmark;
 use super::comparison::Comparison;
 use super::fly::Fly;
 use super::grip::Grip;
+use super::history::History;
 use super::inspection::Inspection;
 use super::motion::{Glide, Turntable};
 use super::notices::Notices;
+use super::palette::Palette;
 use super::panels::QualityLimits;
 use super::preferences::Preferences;
+use super::presets::Presets;
 use super::recent::Recent;
 use super::tasks::{Tasks, Wake};
+use super::timeline::Timeline;
 use crate::bench::{Quality, QualityKey};
 use crate::playback::{Player, can_draw};
 use crate::render::RenderStats;
@@ -47,6 +51,10 @@ pub struct StateOptions {
     pub budget_bytes: Option<usize>,
     /// What was opened lately.
     pub recent: Recent,
+    /// Settings under names.
+    pub presets: Presets,
+    /// The folder where range and markers of each sequence are kept; they are not if `None`.
+    pub timelines: Option<PathBuf>,
     /// Wakes the window from another thread.
     pub wake: Wake,
 }
@@ -62,6 +70,8 @@ impl Default for StateOptions {
             paused: false,
             budget_bytes: None,
             recent: Recent::default(),
+            presets: Presets::default(),
+            timelines: None,
             wake: Arc::new(|| {}),
         }
     }
@@ -206,6 +216,16 @@ pub struct State {
     pub quality_limits: QualityLimits,
     /// What was opened lately.
     pub recent: Recent,
+    /// Settings under names.
+    pub presets: Presets,
+    /// The name of the preset that is being saved.
+    pub(super) preset_name: Option<String>,
+    /// Undo and redo of the settings.
+    pub(super) history: History,
+    /// Commands by their names, while they are looked for.
+    pub palette: Option<Palette>,
+    /// Markers and curve of the open sequence.
+    pub timeline: Timeline,
     /// The picture's place.
     pub viewport: Viewport,
     /// What is known of the graphics card.
@@ -268,6 +288,11 @@ impl State {
             quality: None,
             quality_limits: QualityLimits::default(),
             recent: options.recent.clone(),
+            presets: options.presets.clone(),
+            preset_name: None,
+            history: History::default(),
+            palette: None,
+            timeline: Timeline::default(),
             viewport: Viewport::default(),
             graphics: GraphicsInfo::default(),
             fly: Fly::default(),
@@ -367,6 +392,7 @@ impl State {
         self.drawn_frame = None;
         self.inspection.forget_points();
         self.scrubbing = Scrubbing::default();
+        self.read_timeline(self.options.timelines.clone().as_ref());
         self.quality = None;
         self.quality_key = None;
     }

@@ -3,7 +3,8 @@
 use super::arguments::{
     DEMO_INPUT, PictureArgs, ReadArgs, byte_count, frame_rate, open_sequence, size_px,
 };
-use crate::app::{Options, Preferences, PreferencesFile, Recent, StateOptions};
+use crate::app::{Options, Preferences, PreferencesFile, Presets, Recent, StateOptions};
+use crate::kept;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::OpenOptions;
 use anyhow::{Context as _, bail};
@@ -97,6 +98,12 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
                 .memory
                 .map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
             recent,
+            presets: Presets::load(),
+            timelines: args
+                .screenshot
+                .is_none()
+                .then(|| kept::place_of("timelines"))
+                .flatten(),
             ..StateOptions::default()
         },
         sequence: Some(Arc::new(sequence)),

@@ -11,8 +11,8 @@ use super::attributes::FirstAttributes;
 use super::marks::{Run, runs};
 use crate::scene::{Primitive, Scene, Settings};
 use crate::sequence::{
-    Clock, Direction, FrameError, Loader, LoaderOptions, LoopMode, Needs, PreparedFrame, Sequence,
-    SequenceError, Slot,
+    Clock, Direction, FrameError, Loader, LoaderOptions, LoopMode, Needs, PlayRange, PreparedFrame,
+    Sequence, SequenceError, Slot,
 };
 use std::collections::{HashSet, VecDeque};
 use std::sync::Arc;
@@ -237,6 +237,12 @@ impl Player {
     pub fn set_loop_mode(&mut self, loop_mode: LoopMode, now: Duration) {
         self.clock.set_loop_mode(loop_mode, now);
         self.loader.set_loop_mode(loop_mode);
+    }
+
+    /// Which frames play.
+    pub fn set_range(&mut self, range: PlayRange, now: Duration) {
+        self.clock.set_range(range, now);
+        self.loader.set_range(range);
     }
 
     /// When `update` has something to do by itself; `None` if only the loader can bring it.

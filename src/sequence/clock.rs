@@ -8,6 +8,7 @@
 //!
 //! The last frame lasts like any other: with [`LoopMode::Off`] playing ends when its time is over.
 
+use super::PlayRange;
 use super::pace::Pace;
 use super::travel::{Direction, LoopMode, Travel};
 use std::time::Duration;
@@ -57,10 +58,7 @@ impl Clock {
     /// A paused clock at frame 0 of `frame_count`, at [`DEFAULT_FPS`], speed 1, looping.
     pub fn new(frame_count: usize) -> Self {
         Self {
-            travel: Travel {
-                frame_count,
-                loop_mode: LoopMode::default(),
-            },
+            travel: Travel::whole(frame_count, LoopMode::default()),
             pace: Pace::default(),
             fps: DEFAULT_FPS,
             speed: 1.0,
@@ -88,7 +86,7 @@ impl Clock {
                 .travel
                 .after(self.anchor.frame, self.anchor.direction, due);
             let moved = arrival.steps - self.steps;
-            if self.travel.frame_count > 1 {
+            if self.travel.frames().len() > 1 {
                 self.skipped += moved.saturating_sub(1);
             }
             self.steps = arrival.steps;
@@ -102,7 +100,7 @@ impl Clock {
         self.frame
     }
 
-    /// Starts playing. At the end of a sequence that does not loop it starts over.
+    /// Starts playing. At the end of frames that do not loop it starts over.
     pub fn play(&mut self, now: Duration) {
         if self.playing {
             return;
@@ -111,10 +109,7 @@ impl Clock {
         if self.travel.loop_mode == LoopMode::Off
             && self.travel.after(self.frame, self.direction, 1).steps == 0
         {
-            self.frame = match self.direction {
-                Direction::Forward => 0,
-                Direction::Backward => self.last(),
-            };
+            self.frame = self.travel.start(self.direction);
             self.anchor.phase = 0.0;
         }
         self.set_anchor(now, self.anchor.phase);
@@ -137,15 +132,16 @@ impl Clock {
         }
     }
 
-    /// Goes to `frame`, or to the last one if there are fewer; playing goes on from there.
+    /// Goes to `frame`, or to the last one if there are fewer; playing goes on from there, or from the beginning of the range if
+    /// that is elsewhere.
     pub fn seek(&mut self, frame: usize, now: Duration) {
         self.advance(now);
         self.frame = frame.min(self.last());
         self.set_anchor(now, 0.0);
     }
 
-    /// Pauses and goes `count` frames on, or back if it is negative: around the ends if the mode is
-    /// [`LoopMode::Loop`], else as far as the end.
+    /// Pauses and goes `count` frames on, or back if it is negative: around the ends of the sequence if the mode is
+    /// [`LoopMode::Loop`], else as far as the end. The range is for playing alone.
     pub fn step(&mut self, count: i64, now: Duration) {
         self.pause(now);
         let direction = if count < 0 {
@@ -157,10 +153,7 @@ impl Clock {
             LoopMode::Loop => LoopMode::Loop,
             LoopMode::Off | LoopMode::PingPong => LoopMode::Off,
         };
-        let travel = Travel {
-            loop_mode: ends,
-            ..self.travel
-        };
+        let travel = Travel::whole(self.travel.frame_count, ends);
         let target = travel.after(self.frame, direction, count.unsigned_abs());
         self.seek(target.index, now);
     }
@@ -208,6 +201,13 @@ impl Clock {
         self.set_anchor(now, self.anchor.phase);
     }
 
+    /// Sets the frames that play; the position stays. A playhead elsewhere goes to their beginning when it plays on.
+    pub fn set_range(&mut self, range: PlayRange, now: Duration) {
+        self.reanchor(now);
+        self.travel.range = range;
+        self.set_anchor(now, self.anchor.phase);
+    }
+
     /// Sets what happens at the ends. The direction becomes that of the speed again.
     pub fn set_loop_mode(&mut self, loop_mode: LoopMode, now: Duration) {
         self.reanchor(now);
@@ -227,6 +227,11 @@ impl Clock {
     /// Number of frames.
     pub fn frame_count(&self) -> usize {
         self.travel.frame_count
+    }
+
+    /// In and out point.
+    pub fn range(&self) -> PlayRange {
+        self.travel.range
     }
 
     /// True until paused or, without looping, until the last frame's time is over.
@@ -266,7 +271,9 @@ impl Clock {
 
     /// When [`Clock::advance`] will next change something; `None` if it never will by itself.
     pub fn next_deadline(&self) -> Option<Duration> {
-        let changes = self.travel.frame_count > 1 || self.travel.loop_mode == LoopMode::Off;
+        let frames = self.travel.frames();
+        let moves = frames.len() > 1 || (frames.len() == 1 && !frames.contains(&self.frame));
+        let changes = moves || self.travel.loop_mode == LoopMode::Off;
         if !self.playing || !changes {
             return None;
         }

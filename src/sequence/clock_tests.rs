@@ -298,16 +298,69 @@ fn a_sequence_that_grows_plays_on() {
     assert_eq!(shown(&mut clock, 2, 2), [2, 3]);
 }
 
+#[test]
+fn between_in_and_out_point_it_plays_as_a_sequence_of_its_own() {
+    let range = PlayRange::default().beginning_at(2).ending_at(4);
+    let ranged = |loop_mode, frame| {
+        let mut clock = playing(9, loop_mode);
+        clock.seek(frame, at(0.0));
+        clock.set_range(range, at(0.0));
+        clock
+    };
+    let mut clock = ranged(LoopMode::Loop, 3);
+    assert_eq!(shown(&mut clock, 0, 6), [3, 4, 2, 3, 4, 2]);
+    let mut clock = ranged(LoopMode::PingPong, 3);
+    assert_eq!(shown(&mut clock, 0, 6), [3, 4, 3, 2, 3, 4]);
+    // From elsewhere it goes to the in point, which is no frame that nobody saw.
+    let mut clock = ranged(LoopMode::Loop, 7);
+    assert_eq!(shown(&mut clock, 0, 4), [7, 2, 3, 4]);
+    assert_eq!(clock.skipped(), 0);
+    let mut clock = ranged(LoopMode::Off, 3);
+    assert_eq!(shown(&mut clock, 0, 3), [3, 4, 4]);
+    assert!(!clock.is_playing());
+    clock.play(at(1.0));
+    assert_eq!(clock.frame(), 2, "again means from the in point");
+    // The end of the sequence is where it was for all else.
+    clock.seek(8, at(1.0));
+    assert_eq!(clock.frame(), 8);
+    clock.step(-1, at(1.0));
+    assert_eq!(clock.frame(), 7);
+    // One frame that plays wakes somebody once, to go there.
+    let mut clock = playing(9, LoopMode::Loop);
+    clock.set_range(PlayRange::default().beginning_at(5).ending_at(5), at(0.0));
+    assert_eq!(clock.next_deadline(), Some(at(0.1)));
+    assert_eq!(clock.advance(at(0.1)), 5);
+    assert_eq!(clock.next_deadline(), None);
+}
+
+#[test]
+fn setting_points_while_playing_keeps_the_place_within_the_frame() {
+    let mut clock = playing(9, LoopMode::Loop);
+    clock.set_range(PlayRange::default().ending_at(1), at(0.05));
+    assert_eq!(clock.advance(at(0.09)), 0);
+    assert_eq!(clock.advance(at(0.11)), 1);
+    assert_eq!(clock.advance(at(0.21)), 0);
+    // An open end grows with the sequence.
+    let mut clock = playing(3, LoopMode::Loop);
+    clock.set_range(PlayRange::default().beginning_at(2), at(0.0));
+    clock.set_frame_count(4, at(0.0));
+    clock.seek(3, at(0.0));
+    assert_eq!(shown(&mut clock, 0, 3), [3, 2, 3]);
+}
+
 proptest! {
     /// A window that sleeps until each deadline sees every frame, once, in order, and never spins.
     #[test]
     fn every_deadline_moves_on(
         fps in 0.1f64..1000.0, speed in 0.1f64..10.0, mode in 0usize..3, start in 0.0f64..1e6, count in 2usize..9,
+        first in 0usize..8,
     ) {
         let mut clock = Clock::new(count);
         clock.set_fps(fps, at(start));
         clock.set_speed(speed, at(start));
         clock.set_loop_mode(LoopMode::ALL[mode], at(start));
+        // Two frames at least: one frame alone has nothing to wake for.
+        clock.set_range(PlayRange::default().beginning_at(first.min(count - 2)), at(start));
         clock.play(at(start));
         let mut before = clock.frame();
         for _ in 0..20 {

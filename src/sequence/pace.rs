@@ -7,6 +7,7 @@
 //! **Pauses.** Recordings stop and go on a day later. Nobody waits for that: a frame lasts at most [`LONGEST_FRAME`].
 
 use super::travel::{Direction, LoopMode, Travel};
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -65,6 +66,15 @@ impl Pace {
         if self.is_even() {
             return elapsed.floor() as u64;
         }
+        if !travel.plays(start) {
+            // What comes back is the way from the beginning of what plays.
+            let rest = elapsed - self.duration(start);
+            return if rest < 0.0 || travel.frame_count == 0 {
+                0
+            } else {
+                1 + self.steps_within(travel, travel.start(direction), direction, rest)
+            };
+        }
         let turn = self.turn(travel);
         let (mut steps, mut left) = match turn {
             Some((steps, duration)) => {
@@ -96,6 +106,10 @@ impl Pace {
         if self.is_even() {
             return steps as f64;
         }
+        if !travel.plays(start) && steps > 0 && travel.frame_count > 0 {
+            let begin = travel.start(direction);
+            return self.duration(start) + self.elapsed_at(travel, begin, direction, steps - 1);
+        }
         let (turns, rest, turn_duration) = match self.turn(travel) {
             Some((turn_steps, duration)) => (steps / turn_steps, steps % turn_steps, duration),
             None => (0, steps, 0.0),
@@ -109,14 +123,15 @@ impl Pace {
 
     /// Steps and duration of the way that ends where it began, if the playhead comes back.
     fn turn(&self, travel: &Travel) -> Option<(u64, f64)> {
-        let last = travel.frame_count.checked_sub(1).filter(|&last| last > 0)?;
-        let total: f64 = (0..=last).map(|frame| self.duration(frame)).sum();
+        let Range { start, end } = travel.frames();
+        let steps = (end - start).checked_sub(1).filter(|&steps| steps > 0)? as u64;
+        let total: f64 = (start..end).map(|frame| self.duration(frame)).sum();
         match travel.loop_mode {
             LoopMode::Off => None,
-            LoopMode::Loop => Some((last as u64 + 1, total)),
+            LoopMode::Loop => Some((steps + 1, total)),
             LoopMode::PingPong => {
-                let ends = self.duration(0) + self.duration(last);
-                Some((2 * last as u64, 2.0 * total - ends))
+                let ends = self.duration(start) + self.duration(end - 1);
+                Some((2 * steps, 2.0 * total - ends))
             }
         }
     }
@@ -125,6 +140,7 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sequence::PlayRange;
     use proptest::prelude::*;
 
     fn millis(times: &[u64]) -> Vec<Duration> {
@@ -157,13 +173,17 @@ mod tests {
         fn steps_are_due_when_their_time_has_come(
             spacings_ms in prop::collection::vec(1u64..50, 1..12),
             start in 0usize..12, backward: bool, mode in 0usize..3, steps in 0u64..100,
+            ends in prop::option::of((0usize..14, 0usize..14)),
         ) {
             let mut times = vec![0];
             for spacing in spacings_ms {
                 times.push(times[times.len() - 1] + spacing);
             }
             let (pace, _) = Pace::of_times(&millis(&times)).unwrap();
-            let travel = Travel { frame_count: times.len(), loop_mode: LoopMode::ALL[mode] };
+            let range = ends.map_or_else(PlayRange::default, |(first, last)| {
+                PlayRange::default().beginning_at(first).ending_at(last)
+            });
+            let travel = Travel { range, ..Travel::whole(times.len(), LoopMode::ALL[mode]) };
             let start = start % times.len();
             let direction = if backward { Direction::Backward } else { Direction::Forward };
             let walked: f64 = (0..steps)

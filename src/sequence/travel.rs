@@ -4,7 +4,9 @@
 //! forward, between two reflections. The clock asks where the playhead is after so many steps; the loader asks in which
 //! order frames will be needed (its *rank*: 0 for the playhead) and, inverted, which resident frame is needed last.
 
+use super::PlayRange;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// The direction in which a sequence plays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
@@ -48,6 +50,8 @@ impl LoopMode {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Travel {
     pub(super) frame_count: usize,
+    /// The frames that play. A playhead that was put elsewhere goes to their beginning with its next step.
+    pub(super) range: PlayRange,
     pub(super) loop_mode: LoopMode,
 }
 
@@ -61,20 +65,57 @@ pub(super) struct Arrival {
 }
 
 impl Travel {
-    /// `index` counted from the end that `direction` leaves behind; its own inverse.
-    fn mirrored(&self, direction: Direction, index: usize) -> usize {
-        match direction {
-            Direction::Forward => index,
-            Direction::Backward => self.frame_count - 1 - index,
+    /// All of a sequence.
+    pub(super) fn whole(frame_count: usize, loop_mode: LoopMode) -> Self {
+        Self {
+            frame_count,
+            range: PlayRange::default(),
+            loop_mode,
         }
+    }
+
+    /// The frames that play.
+    pub(super) fn frames(&self) -> Range<usize> {
+        self.range.of(self.frame_count)
+    }
+
+    /// Whether `index` is one of them.
+    pub(super) fn plays(&self, index: usize) -> bool {
+        self.frames().contains(&index)
+    }
+
+    /// The frame that plays first in `direction`.
+    pub(super) fn start(&self, direction: Direction) -> usize {
+        self.mirrored(direction, 0)
+    }
+
+    /// A frame that plays and its number from the end that `direction` leaves behind, the first being 0, are each other's image.
+    fn mirrored(&self, direction: Direction, position: usize) -> usize {
+        let frames = self.frames();
+        match direction {
+            Direction::Forward => frames.start + position,
+            Direction::Backward => frames.end.saturating_sub(1 + position),
+        }
+    }
+
+    /// The inverse of [`Travel::mirrored`]; `None` for a frame that does not play.
+    fn position(&self, direction: Direction, index: usize) -> Option<usize> {
+        let frames = self.frames();
+        frames.contains(&index).then(|| match direction {
+            Direction::Forward => index - frames.start,
+            Direction::Backward => frames.end - 1 - index,
+        })
     }
 
     /// Where a playhead at `index` is after `steps`. Precondition: `index < frame_count`, or both are 0.
     pub(super) fn after(&self, index: usize, direction: Direction, steps: u64) -> Arrival {
-        let last = self.frame_count.saturating_sub(1) as u64;
+        let Some(position) = self.position(direction, index) else {
+            return self.after_from_elsewhere(index, direction, steps);
+        };
+        let last = self.frames().len() as u64 - 1;
         if last == 0 {
             return Arrival {
-                index: 0,
+                index,
                 direction,
                 steps: match self.loop_mode {
                     LoopMode::Off => 0,
@@ -82,7 +123,7 @@ impl Travel {
                 },
             };
         }
-        let position = self.mirrored(direction, index) as u64;
+        let position = position as u64;
         let (position, turned, steps) = match self.loop_mode {
             LoopMode::Off => {
                 let steps = steps.min(last - position);
@@ -106,6 +147,25 @@ impl Travel {
         }
     }
 
+    /// [`Travel::after`] from a frame that does not play.
+    fn after_from_elsewhere(&self, index: usize, direction: Direction, steps: u64) -> Arrival {
+        let Some(rest) = steps.checked_sub(1).filter(|_| self.frame_count > 0) else {
+            return Arrival {
+                index,
+                direction,
+                steps: match self.loop_mode {
+                    LoopMode::Off => 0,
+                    LoopMode::Loop | LoopMode::PingPong => steps,
+                },
+            };
+        };
+        let arrival = self.after(self.start(direction), direction, rest);
+        Arrival {
+            steps: arrival.steps + 1,
+            ..arrival
+        }
+    }
+
     /// The frame that is needed `rank`-th, each counted once; `None` beyond the last that will be needed.
     pub(super) fn upcoming(
         &self,
@@ -113,11 +173,17 @@ impl Travel {
         direction: Direction,
         rank: usize,
     ) -> Option<usize> {
-        if rank >= self.frame_count {
+        let count = self.frames().len();
+        let Some(position) = self.position(direction, playhead) else {
+            return match rank.checked_sub(1) {
+                None => (playhead < self.frame_count).then_some(playhead),
+                Some(position) => (position < count).then(|| self.mirrored(direction, position)),
+            };
+        };
+        if rank >= count {
             return None;
         }
-        let position = self.mirrored(direction, playhead);
-        let ahead = self.frame_count - position;
+        let ahead = count - position;
         let found = if rank < ahead {
             position + rank
         } else {
@@ -131,16 +197,25 @@ impl Travel {
     }
 
     /// How soon `index` is needed: the inverse of [`Travel::upcoming`]. Frames that lie behind and will not be needed
-    /// rank after all others, the farthest last.
+    /// rank after those that will, the farthest last; frames that do not play after all others.
     pub(super) fn rank(&self, playhead: usize, direction: Direction, index: usize) -> usize {
-        let playhead = self.mirrored(direction, playhead);
-        let index = self.mirrored(direction, index);
-        if index >= playhead {
-            index - playhead
+        let frames = self.frames();
+        let Some(position) = self.position(direction, index) else {
+            return match index {
+                _ if index == playhead => 0,
+                _ if index < frames.start => frames.len() + frames.start - index,
+                _ => 1 + index,
+            };
+        };
+        let Some(playhead) = self.position(direction, playhead) else {
+            return 1 + position;
+        };
+        if position >= playhead {
+            position - playhead
         } else {
             match self.loop_mode {
-                LoopMode::Loop => self.frame_count - playhead + index,
-                LoopMode::Off | LoopMode::PingPong => self.frame_count - 1 - index,
+                LoopMode::Loop => frames.len() - playhead + position,
+                LoopMode::Off | LoopMode::PingPong => frames.len() - 1 - position,
             }
         }
     }
@@ -153,13 +228,27 @@ impl Travel {
         playhead: usize,
         direction: Direction,
     ) -> Box<dyn Iterator<Item = usize> + 'a> {
-        let below = resident.range(..playhead).copied();
-        let above = resident.range(playhead + 1..).copied();
+        let frames = self.frames();
+        let all = |range: Range<usize>| resident.range(range).copied();
+        let idle = all(frames.end..self.frame_count)
+            .rev()
+            .chain(all(0..frames.start))
+            .filter(move |&index| index != playhead);
+        if !self.plays(playhead) {
+            return match direction {
+                Direction::Forward => Box::new(idle.chain(all(frames).rev())),
+                Direction::Backward => Box::new(idle.chain(all(frames))),
+            };
+        }
+        let below = all(frames.start..playhead);
+        let above = all(playhead + 1..frames.end);
         match (direction, self.loop_mode) {
-            (Direction::Forward, LoopMode::Loop) => Box::new(below.rev().chain(above.rev())),
-            (Direction::Forward, _) => Box::new(below.chain(above.rev())),
-            (Direction::Backward, LoopMode::Loop) => Box::new(above.chain(below)),
-            (Direction::Backward, _) => Box::new(above.rev().chain(below)),
+            (Direction::Forward, LoopMode::Loop) => {
+                Box::new(idle.chain(below.rev()).chain(above.rev()))
+            }
+            (Direction::Forward, _) => Box::new(idle.chain(below).chain(above.rev())),
+            (Direction::Backward, LoopMode::Loop) => Box::new(idle.chain(above).chain(below)),
+            (Direction::Backward, _) => Box::new(idle.chain(above.rev()).chain(below)),
         }
     }
 }
@@ -170,13 +259,32 @@ mod tests {
     use proptest::prelude::*;
 
     fn walk(loop_mode: LoopMode, start: usize, direction: Direction, count: u64) -> Vec<usize> {
-        let travel = Travel {
-            frame_count: 4,
-            loop_mode,
-        };
+        let travel = Travel::whole(4, loop_mode);
         (0..count)
             .map(|steps| travel.after(start, direction, steps).index)
             .collect()
+    }
+
+    #[test]
+    fn a_range_is_a_sequence_of_its_own_that_a_playhead_enters() {
+        use Direction::{Backward, Forward};
+        let walk = |loop_mode, start, direction| -> Vec<usize> {
+            let range = PlayRange::default().beginning_at(3).ending_at(5);
+            let travel = Travel {
+                range,
+                ..Travel::whole(9, loop_mode)
+            };
+            (0..6)
+                .map(|steps| travel.after(start, direction, steps).index)
+                .collect()
+        };
+        assert_eq!(walk(LoopMode::Loop, 4, Forward), [4, 5, 3, 4, 5, 3]);
+        assert_eq!(walk(LoopMode::Loop, 4, Backward), [4, 3, 5, 4, 3, 5]);
+        assert_eq!(walk(LoopMode::PingPong, 4, Forward), [4, 5, 4, 3, 4, 5]);
+        assert_eq!(walk(LoopMode::Off, 4, Forward), [4, 5, 5, 5, 5, 5]);
+        // From outside it begins at the end that the direction leaves behind.
+        assert_eq!(walk(LoopMode::Loop, 8, Forward), [8, 3, 4, 5, 3, 4]);
+        assert_eq!(walk(LoopMode::Off, 1, Backward), [1, 5, 4, 3, 3, 3]);
     }
 
     #[test]
@@ -195,11 +303,16 @@ mod tests {
     }
 
     fn any_travel() -> impl Strategy<Value = (Travel, usize, Direction)> {
-        (1usize..12, 0usize..12, 0usize..3, any::<bool>()).prop_map(|(n, playhead, mode, back)| {
+        let ends = prop::option::of((0usize..14, 0usize..14));
+        let travel = (1usize..12, 0usize..12, 0usize..3, any::<bool>(), ends);
+        travel.prop_map(|(n, playhead, mode, back, ends)| {
+            let range = ends.map_or_else(PlayRange::default, |(first, last)| {
+                PlayRange::default().beginning_at(first).ending_at(last)
+            });
             (
                 Travel {
-                    frame_count: n,
-                    loop_mode: LoopMode::ALL[mode],
+                    range,
+                    ..Travel::whole(n, LoopMode::ALL[mode])
                 },
                 playhead % n,
                 if back {
@@ -238,6 +351,8 @@ mod tests {
             for (rank, &index) in planned.iter().enumerate() {
                 prop_assert_eq!(travel.rank(start, direction, index), rank);
             }
+            // Nothing but the playhead lies outside of the range.
+            prop_assert!(planned[1..].iter().all(|index| travel.frames().contains(index)));
         }
 
         #[test]
@@ -249,6 +364,9 @@ mod tests {
             let mut expected: Vec<usize> = held.into_iter().filter(|&i| i != playhead).collect();
             expected.sort_by_key(|&i| std::cmp::Reverse(travel.rank(playhead, direction, i)));
             prop_assert_eq!(found, expected);
+            let ranks: BTreeSet<usize> =
+                (0..travel.frame_count).map(|i| travel.rank(playhead, direction, i)).collect();
+            prop_assert_eq!(ranks.len(), travel.frame_count, "each has a rank of its own");
         }
     }
 }

@@ -69,6 +69,31 @@ fn frames_come_in_the_order_of_play() {
 }
 
 #[test]
+fn only_what_plays_is_prepared_and_the_rest_goes_first() {
+    let sequence = sheets(10, 8);
+    sequence.origin();
+    let loader = loader(&sequence, 2, usize::MAX);
+    loader.set_range(PlayRange::default().beginning_at(2).ending_at(4));
+    // The playhead stands elsewhere: its frame is made, and what playing would bring.
+    loader.request(8, Direction::Forward, &SURFELS);
+    until_idle(&loader);
+    let made = |loader: &Loader| -> Vec<usize> {
+        (0..10)
+            .filter(|&index| ready(loader, index, &SURFELS))
+            .collect()
+    };
+    assert_eq!(made(&loader), [2, 3, 4, 8]);
+    // Without a range the others follow; with one again, they are what makes room.
+    loader.set_range(PlayRange::default());
+    until_idle(&loader);
+    assert_eq!(made(&loader).len(), 10);
+    loader.set_range(PlayRange::default().beginning_at(5).ending_at(6));
+    loader.request(5, Direction::Forward, &SURFELS);
+    loader.set_budget_bytes(2 * sheet_bytes(8));
+    assert_eq!(made(&loader), [5, 6]);
+}
+
+#[test]
 fn the_first_frame_decides_the_origin_and_is_decoded_once() {
     let decodes = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&decodes);

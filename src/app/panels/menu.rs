@@ -1,5 +1,6 @@
 //! The menu bar.
 
+use super::presets::presets_menu;
 use crate::app::command::{Command, keys_of};
 use crate::app::recent::entry_name;
 use crate::app::{Benchmark, State, Tool};
@@ -7,15 +8,18 @@ use crate::bench::Suite;
 use crate::scene::{Projection, ViewPreset};
 use egui::{Button, MenuBar, Ui};
 
-/// File, View, Benchmark, Help.
+/// File, Play, View, Presets, Tools, Benchmark, Help.
 pub fn menu_ui(ui: &mut Ui, state: &mut State) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file_menu(ui, state));
+        ui.menu_button("Play", |ui| play_menu(ui, state));
         ui.menu_button("View", |ui| view_menu(ui, state));
+        ui.menu_button("Presets", |ui| presets_menu(ui, state));
         ui.menu_button("Tools", |ui| tools_menu(ui, state));
         ui.menu_button("Benchmark", |ui| benchmark_menu(ui, state));
         ui.menu_button("Help", |ui| {
             item(ui, state, "Keys and mouse", Command::ToggleHelp);
+            item(ui, state, "Find a command…", Command::TogglePalette);
         });
         if let Some(name) = state.sequence_name() {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -100,11 +104,29 @@ fn recent_menu(ui: &mut Ui, state: &mut State) {
     }
 }
 
+/// What the timeline's own buttons have no room for.
+fn play_menu(ui: &mut Ui, state: &mut State) {
+    ui.set_min_width(240.0);
+    ui.add_enabled_ui(state.player.is_some(), |ui| {
+        item(ui, state, "Set in point", Command::SetIn);
+        item(ui, state, "Set out point", Command::SetOut);
+        item(ui, state, "Clear in and out point", Command::ClearRange);
+        ui.separator();
+        item(ui, state, "Add or remove marker", Command::ToggleMarker);
+        item(ui, state, "Next marker", Command::NextMarker);
+        item(ui, state, "Previous marker", Command::PreviousMarker);
+    });
+}
+
 fn view_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(190.0);
     for &(name, preset, _, _) in ViewPreset::ALL {
         item(ui, state, name, Command::Look(preset));
     }
+    ui.separator();
+    item(ui, state, "Undo settings", Command::Undo);
+    item(ui, state, "Redo settings", Command::Redo);
+    ui.separator();
     item(ui, state, "Reset view", Command::ResetView);
     item(ui, state, "Copy view", Command::CopyView);
     item(ui, state, "Paste view", Command::PasteView);

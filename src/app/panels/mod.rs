@@ -9,7 +9,9 @@ mod marks;
 mod measuring;
 mod menu;
 mod notices;
+mod palette;
 mod point;
+mod presets;
 mod quality;
 mod settings;
 mod statistics;
@@ -32,6 +34,8 @@ pub use viewport::viewport_ui;
 use super::State;
 use comparison::comparison_ui;
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use palette::palette_ui;
+use presets::preset_name_ui;
 
 /// Everything in the window, keys included.
 pub fn window_ui(ui: &mut Ui, state: &mut State) {
@@ -72,6 +76,9 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     notices_ui(ui, state);
     help_ui(ui, state);
     benchmark_ui(ui, state);
+    preset_name_ui(ui, state);
+    palette_ui(ui, state);
+    state.note_settings(ui.ctx());
 }
 
 /// `1234567` → `1,234,567`.

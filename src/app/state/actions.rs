@@ -4,11 +4,12 @@ use super::{State, WindowRequest};
 use crate::app::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
 use crate::app::command::{self, Command};
 use crate::app::comparison::Comparison;
+use crate::app::palette::Palette;
 use crate::app::tasks::{DialogKind, Outcome, PicturePlace, ReportFormat};
 use crate::bench::{LabPoint, Quality, QualityKey, Suite};
 use crate::playback::Player;
 use crate::scene::{Camera, Primitive, Settings, UpAxis};
-use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, Sequence};
+use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange, Sequence};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -127,6 +128,12 @@ impl State {
             Command::Reverse => {
                 self.play_with(|player, now| player.set_speed(-player.clock().speed(), now));
             }
+            Command::SetIn => self.set_range(PlayRange::beginning_at),
+            Command::SetOut => self.set_range(PlayRange::ending_at),
+            Command::ClearRange => self.set_range(|_, _| PlayRange::default()),
+            Command::ToggleMarker => self.toggle_marker(),
+            Command::NextMarker => self.go_to_marker(true),
+            Command::PreviousMarker => self.go_to_marker(false),
             Command::ResetView => self.reset_view(),
             Command::Look(preset) => self.camera.look_from(preset),
             Command::ToggleOrthographic => self.toggle_projection(),
@@ -152,6 +159,14 @@ impl State {
                 self.comparison = match self.comparison.take() {
                     Some(_) => None,
                     None => Some(Comparison::new(self.settings)),
+                };
+            }
+            Command::Undo => self.settings = self.history.undo().unwrap_or(self.settings),
+            Command::Redo => self.settings = self.history.redo().unwrap_or(self.settings),
+            Command::TogglePalette => {
+                self.palette = match self.palette.take() {
+                    Some(_) => None,
+                    None => Some(Palette::default()),
                 };
             }
             Command::ToggleHelp => self.panels.help ^= true,
@@ -260,6 +275,13 @@ impl State {
             log::warn!("what was measured is not kept: {reason}");
         }
         self.quality = Some(quality);
+    }
+
+    /// Looks whether the settings have changed, for undo. Call after the panels.
+    pub(in crate::app) fn note_settings(&mut self, ctx: &egui::Context) {
+        let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
+        let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+        self.history.note(self.settings, is_held, now);
     }
 
     /// Draws as `way` from now on.

@@ -12,6 +12,7 @@
 //! whole sequence comes before it again. A loop that does not fit then keeps up to half of the budget resident and streams
 //! the rest through the other half, where evicting the least recently used would read every frame again on every turn.
 
+use super::facts::Facts;
 use super::stats::FrameState;
 use crate::sequence::travel::{Direction, Travel};
 use crate::sequence::{Detail, FrameError, Needs, PreparedFrame};
@@ -63,6 +64,7 @@ fn byte_size(frame: Option<&Arc<PreparedFrame>>) -> usize {
 #[derive(Debug)]
 pub(super) struct Cache {
     entries: Vec<Entry>,
+    pub(super) facts: Facts,
     resident: BTreeSet<usize>,
     resident_bytes: usize,
     coarse: BTreeSet<usize>,
@@ -88,6 +90,7 @@ impl Cache {
             entries: std::iter::repeat_with(Entry::default)
                 .take(frame_count)
                 .collect(),
+            facts: Facts::default(),
             resident: BTreeSet::new(),
             resident_bytes: 0,
             coarse: BTreeSet::new(),
@@ -296,6 +299,7 @@ impl Cache {
     pub(super) fn insert(&mut self, prepared: Arc<PreparedFrame>) {
         let index = prepared.index;
         let bytes = prepared.byte_size();
+        self.facts.note(&prepared);
         self.largest_points = self.largest_points.max(prepared.frame.points_in_file());
         if !prepared.frame.is_empty() {
             let per_point = bytes as f64 / prepared.frame.len() as f64;

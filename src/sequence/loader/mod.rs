@@ -6,16 +6,20 @@
 //! error and played over.
 
 mod cache;
+mod facts;
 mod queue;
 #[cfg(test)]
 pub(crate) mod simulation;
 mod stats;
 mod worker;
 
+pub use facts::FrameFacts;
 pub use stats::{FrameState, LoaderStats};
 
 use super::travel::Travel;
-use super::{Direction, FrameError, LoopMode, Needs, PreparedFrame, Sequence, SequenceError};
+use super::{
+    Direction, FrameError, LoopMode, Needs, PlayRange, PreparedFrame, Sequence, SequenceError,
+};
 use cache::Focus;
 use queue::{Queue, Waiter};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -124,10 +128,7 @@ impl Loader {
         options: LoaderOptions,
     ) -> Result<Self, SequenceError> {
         let focus = Focus {
-            travel: Travel {
-                frame_count: sequence.len(),
-                loop_mode: LoopMode::default(),
-            },
+            travel: Travel::whole(sequence.len(), LoopMode::default()),
             playhead: 0,
             direction: Direction::Forward,
         };
@@ -169,6 +170,7 @@ impl Loader {
         }
         if queue.needs.as_ref() != Some(needs) {
             queue.cache.forget_sizes();
+            queue.cache.facts.changed();
             queue.effort.forget();
             queue.revision += 1;
         }
@@ -182,6 +184,12 @@ impl Loader {
     /// Says what happens at the ends, so that the right frames are prepared there. [`LoopMode::Loop`] until then.
     pub fn set_loop_mode(&self, loop_mode: LoopMode) {
         self.shared.queue().focus.travel.loop_mode = loop_mode;
+        self.shared.work.notify_all();
+    }
+
+    /// Says which frames play: of the others none is prepared ahead, and they are the first to go. All until then.
+    pub fn set_range(&self, range: PlayRange) {
+        self.shared.queue().focus.travel.range = range;
         self.shared.work.notify_all();
     }
 
@@ -276,6 +284,19 @@ impl Loader {
     pub fn states(&self) -> Vec<FrameState> {
         let queue = self.shared.queue();
         queue.cache.states(queue.needs.as_ref())
+    }
+
+    /// What is known of every frame; `None` of those that were never prepared. O(n): ask again when [`Loader::facts_revision`] has
+    /// changed.
+    pub fn facts(&self) -> Vec<Option<FrameFacts>> {
+        let queue = self.shared.queue();
+        let stop = queue.needs.and_then(|needs| needs.octree);
+        queue.cache.facts.of(queue.cache.frame_count(), stop)
+    }
+
+    /// A number that changes whenever [`Loader::facts`] may have.
+    pub fn facts_revision(&self) -> u64 {
+        self.shared.queue().cache.facts.revision()
     }
 
     /// A number that changes whenever [`Loader::states`] may have.

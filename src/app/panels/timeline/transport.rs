@@ -1,40 +1,28 @@
-//! The timeline: a bar to scrub on, with what is in memory and what failed, and the transport under it.
+//! The row under the bar: transport, place, pace.
 
 use crate::app::State;
 use crate::app::command::{Command, keys_of};
-use crate::app::theme::{ACCENT, BAD, COARSE, Icon, PENDING, RESIDENT, paint_icon};
-use crate::playback::{Mark, Player, Run};
-use crate::scene::Scene;
-use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, Slot};
+use crate::app::panels::grouped;
+use crate::app::theme::{BAD, Icon, paint_icon};
+use crate::app::timeline::Quantity;
+use crate::playback::Player;
+use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED};
 use egui::{
-    Align, Color32, ComboBox, DragValue, Label, Layout, Painter, Rect, Response, RichText, Role,
-    Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
+    Align, ComboBox, DragValue, Label, Layout, Response, RichText, Role, Sense, Ui, WidgetInfo,
+    vec2,
 };
 use std::time::Duration;
-
-/// Height of the bar, points.
-const BAR_HEIGHT: f32 = 24.0;
-
-/// Frames narrower than this have no line between them, points.
-const MIN_TICK_WIDTH: f32 = 7.0;
-
-/// A broken frame is seen however long the sequence is, points.
-const MIN_FAILED_WIDTH: f32 = 3.0;
 
 /// Size of a transport icon, points.
 const ICON_SIZE: f32 = 13.0;
 
-/// Bar, transport, place and pace.
-pub fn timeline_ui(ui: &mut Ui, state: &mut State) {
-    if let Some(player) = &mut state.player {
-        player.refresh_runs();
-    }
-    scrub_bar(ui, state);
-    ui.add_space(4.0);
+/// Transport and place from the left, pace from the right.
+pub(super) fn row_ui(ui: &mut Ui, state: &mut State) {
     ui.horizontal(|ui| {
         // From the right, so that a narrow window cuts the name of the file and nothing else.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             pace(ui, state);
+            curve_choice(ui, state);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 transport(ui, state);
                 ui.add_space(6.0);
@@ -44,126 +32,24 @@ pub fn timeline_ui(ui: &mut Ui, state: &mut State) {
     });
 }
 
-fn scrub_bar(ui: &mut Ui, state: &mut State) {
-    let size = vec2(ui.available_width(), BAR_HEIGHT);
-    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-    let Some(player) = &state.player else {
-        ui.painter()
-            .rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
-        return;
-    };
-    let count = player.sequence().len();
-    let playhead = player.waiting_for().unwrap_or(player.clock().frame());
-    response.widget_info(|| WidgetInfo::slider(true, (playhead + 1) as f64, "Timeline"));
-    paint_bar(ui, rect, player.runs(), count, playhead);
-    let under_pointer = |response: &Response| {
-        response
-            .interact_pointer_pos()
-            .or(response.hover_pos())
-            .map(|pos| frame_at(rect, pos.x, count))
-    };
-    if let Some(frame) = under_pointer(&response)
-        && response.hovered()
-        && !response.dragged()
-    {
-        let text = tooltip(state, player, frame);
-        response.clone().on_hover_text_at_pointer(text);
-    }
-    scrub(state, &response, under_pointer(&response));
-}
-
-/// The playhead follows the pointer; playing goes on when it is let go.
-fn scrub(state: &mut State, response: &Response, frame: Option<usize>) {
-    let Some(frame) = frame else { return };
-    if response.drag_started() {
-        state.play_with_scrubbing(true);
-    }
-    if response.dragged() || response.clicked() {
-        let now = state.now();
-        if let Some(player) = &mut state.player
-            && player.clock().frame() != frame
-        {
-            player.seek(frame, now);
-        }
-    }
-    if response.drag_stopped() {
-        state.play_with_scrubbing(false);
-    }
-}
-
-fn frame_at(rect: Rect, x: f32, count: usize) -> usize {
-    let part = ((x - rect.left()) / rect.width().max(1.0)).clamp(0.0, 1.0);
-    ((part * count as f32) as usize).min(count.saturating_sub(1))
-}
-
-fn paint_bar(ui: &Ui, rect: Rect, runs: &[Run], count: usize, playhead: usize) {
-    let painter = ui.painter_at(rect.expand(2.0));
-    painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
-    let count = count.max(1) as f32;
-    let x = |frame: usize| rect.left() + rect.width() * frame as f32 / count;
-    for run in runs {
-        let (color, min_width) = match run.mark {
-            Mark::Absent => continue,
-            Mark::Pending => (PENDING, 0.0),
-            Mark::Coarse => (COARSE, 0.0),
-            Mark::Resident => (RESIDENT, 0.0),
-            Mark::Failed => (BAD, MIN_FAILED_WIDTH),
-        };
-        let right = x(run.end).max(x(run.start) + min_width);
-        let span = Rect::from_min_max(pos2(x(run.start), rect.top()), pos2(right, rect.bottom()));
-        painter.rect_filled(span, 0.0, color);
-    }
-    let width = rect.width() / count;
-    if width >= MIN_TICK_WIDTH {
-        let stroke = Stroke::new(1.0, Color32::from_black_alpha(90));
-        for frame in 1..count as usize {
-            painter.vline(x(frame), rect.y_range(), stroke);
-        }
-    }
-    paint_playhead(&painter, rect, x(playhead), x(playhead + 1));
-}
-
-fn paint_playhead(painter: &Painter, rect: Rect, left: f32, right: f32) {
-    let right = right.max(left + 2.0);
-    let cell = Rect::from_min_max(
-        pos2(left, rect.top() - 2.0),
-        pos2(right, rect.bottom() + 2.0),
-    );
-    painter.rect_filled(cell, 2.0, ACCENT.gamma_multiply(0.55));
-    let middle = 0.5 * (left + right);
-    painter.rect_filled(
-        Rect::from_center_size(
-            pos2(middle, rect.center().y),
-            vec2(3.0, rect.height() + 4.0),
-        ),
-        1.5,
-        Color32::WHITE,
-    );
-}
-
-fn tooltip(state: &State, player: &Player, frame: usize) -> String {
-    let sequence = player.sequence();
-    let head = format!(
-        "Frame {} of {}\n{}",
-        frame + 1,
-        sequence.len(),
-        sequence.source(frame).name
-    );
-    let rest = match player.loader().get(frame, &Scene::needs(&state.settings)) {
-        Slot::Ready(prepared) => format!(
-            "in memory, {} points",
-            super::grouped(prepared.points.len() as u64)
-        ),
-        Slot::Coarse(prepared) => format!(
-            "in memory, {} of {} points",
-            super::grouped(prepared.points.len() as u64),
-            super::grouped(prepared.frame.points_in_file() as u64)
-        ),
-        Slot::Stale(_) => "in memory, being made ready for these settings".to_owned(),
-        Slot::Pending => "not in memory".to_owned(),
-        Slot::Failed(error) => error.to_string(),
-    };
-    format!("{head}\n{rest}")
+/// Which number of every frame the curve under the bar shows.
+fn curve_choice(ui: &mut Ui, state: &mut State) {
+    let name = |quantity: Option<Quantity>| quantity.map_or("No curve", Quantity::name);
+    let mut quantity = state.timeline.quantity;
+    ComboBox::from_id_salt("curve")
+        .width(84.0)
+        .selected_text(name(quantity))
+        .show_ui(ui, |ui| {
+            ui.selectable_value(&mut quantity, None, name(None))
+                .on_hover_text("The bar alone");
+            for choice in Quantity::ALL {
+                ui.selectable_value(&mut quantity, Some(choice), choice.name())
+                    .on_hover_text(choice.tooltip());
+            }
+        })
+        .response
+        .on_hover_text("Curve under the bar: a number of every frame that was prepared so far");
+    state.timeline.quantity = quantity;
 }
 
 fn transport(ui: &mut Ui, state: &mut State) {
@@ -236,8 +122,8 @@ fn place(ui: &mut Ui, state: &State) {
         ui.label(RichText::new(format!("1/{share:.0} of points")).color(ui.visuals().warn_fg_color))
             .on_hover_text(format!(
                 "{} of {} points are shown: there is no time for more at this frame rate. All are, when paused.",
-                super::grouped(frame.frame.len() as u64),
-                super::grouped(frame.frame.points_in_file() as u64),
+                grouped(frame.frame.len() as u64),
+                grouped(frame.frame.points_in_file() as u64),
             ));
     }
     if !sequence.is_empty() {

@@ -1,0 +1,198 @@
+//! Undo and redo of settings.
+//!
+//! **How it works.** The settings are looked at once a pass. Where they differ from the last ones, those are kept, unless the change
+//! goes on: with the same button held, or the same fields within half a second of the change before.
+
+use crate::scene::Settings;
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// Changes of the same fields within this time are one.
+const GESTURE: Duration = Duration::from_millis(500);
+
+/// Entries that are kept; the oldest go first.
+const MAX_ENTRIES: usize = 200;
+
+/// The settings before and after, as a person changed them.
+#[derive(Debug, Clone, Default)]
+pub struct History {
+    past: VecDeque<Settings>,
+    future: Vec<Settings>,
+    /// As of the last look; `None` before the first.
+    present: Option<Settings>,
+    last: Option<Change>,
+}
+
+/// The last change.
+#[derive(Debug, Clone, Copy)]
+struct Change {
+    at: Duration,
+    fields: u32,
+    /// Begun by a button that has been held since.
+    is_held: bool,
+}
+
+impl History {
+    /// Looks at the settings at `now`; `is_held` says whether a button of the mouse is down.
+    pub fn note(&mut self, settings: Settings, is_held: bool, now: Duration) {
+        let present = *self.present.get_or_insert(settings);
+        let last = self.last.as_mut();
+        let goes_on_by_hand = last.is_some_and(|last| {
+            last.is_held &= is_held;
+            last.is_held
+        });
+        if settings == present {
+            return;
+        }
+        let fields = changed_fields(&present, &settings);
+        let goes_on = goes_on_by_hand
+            || self.last.is_some_and(|last| {
+                last.fields == fields && now.saturating_sub(last.at) <= GESTURE
+            });
+        if !goes_on {
+            if self.past.len() == MAX_ENTRIES {
+                self.past.pop_front();
+            }
+            self.past.push_back(present);
+        }
+        self.future.clear();
+        self.present = Some(settings);
+        self.last = Some(Change {
+            at: now,
+            fields,
+            is_held,
+        });
+    }
+
+    /// The settings before the last change, from now on the present ones; `None` if there are none.
+    pub fn undo(&mut self) -> Option<Settings> {
+        let before = self.past.pop_back()?;
+        self.future.extend(self.present.replace(before));
+        self.last = None;
+        Some(before)
+    }
+
+    /// The settings before the last [`History::undo`]; `None` if they were changed since.
+    pub fn redo(&mut self) -> Option<Settings> {
+        let after = self.future.pop()?;
+        self.past.extend(self.present.replace(after));
+        self.last = None;
+        Some(after)
+    }
+}
+
+/// A bit for each field that differs.
+fn changed_fields(a: &Settings, b: &Settings) -> u32 {
+    let differs = [
+        a.primitive != b.primitive,
+        a.renderer != b.renderer,
+        a.splatting != b.splatting,
+        a.strategy != b.strategy,
+        a.splat_scale != b.splat_scale,
+        a.enlargement != b.enlargement,
+        a.cull_back_faces != b.cull_back_faces,
+        a.lighting != b.lighting,
+        a.background != b.background,
+        a.colors != b.colors,
+        a.point_size_px != b.point_size_px,
+        a.stop != b.stop,
+        a.lod != b.lod,
+        a.surfel_lod != b.surfel_lod,
+        a.resolution != b.resolution,
+        a.footprint != b.footprint,
+        a.normal_bits != b.normal_bits,
+        a.offset_bits != b.offset_bits,
+    ];
+    let bit = |bits: u32, &differs: &bool| bits << 1 | u32::from(differs);
+    differs.iter().fold(0, bit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Primitive;
+    use proptest::prelude::*;
+
+    fn scaled(splat_scale: f32) -> Settings {
+        Settings {
+            splat_scale,
+            ..Settings::default()
+        }
+    }
+
+    fn at(millis: u64) -> Duration {
+        Duration::from_millis(millis)
+    }
+
+    #[test]
+    fn a_gesture_is_one_entry() {
+        let mut history = History::default();
+        history.note(scaled(1.0), false, at(0));
+        // A drag of two seconds, with a rest in it.
+        for (millis, scale) in [(100, 1.1), (200, 1.2), (1900, 1.3), (2000, 1.4)] {
+            history.note(scaled(scale), true, at(millis));
+        }
+        // Let go and taken again, it is another one once half a second has passed.
+        history.note(scaled(1.4), false, at(2100));
+        history.note(scaled(1.5), true, at(2700));
+        history.note(scaled(1.5), false, at(2800));
+        // Keys that repeat are one as well; another field is not.
+        history.note(scaled(2.0), false, at(4000));
+        history.note(scaled(3.0), false, at(4400));
+        history.note(scaled(4.0), false, at(4800));
+        let points = Settings {
+            primitive: Primitive::Point,
+            ..scaled(4.0)
+        };
+        history.note(points, false, at(4900));
+        let undone: Vec<_> = std::iter::from_fn(|| history.undo()).collect();
+        assert_eq!(undone, [4.0, 1.5, 1.4, 1.0].map(scaled));
+        let redone: Vec<_> = std::iter::from_fn(|| history.redo()).collect();
+        assert_eq!(redone, [scaled(1.4), scaled(1.5), scaled(4.0), points]);
+    }
+
+    #[test]
+    fn a_change_after_undo_forgets_what_was_undone() {
+        let mut history = History::default();
+        for (second, scale) in [1.0, 2.0, 3.0].into_iter().enumerate() {
+            history.note(scaled(scale), false, at(1000 * second as u64));
+        }
+        assert_eq!(history.undo(), Some(scaled(2.0)));
+        // What undo has set is no change, and what follows at once is one of its own.
+        history.note(scaled(2.0), false, at(2100));
+        history.note(scaled(5.0), false, at(2200));
+        assert_eq!(history.redo(), None);
+        assert_eq!(history.undo(), Some(scaled(2.0)));
+        assert_eq!(history.undo(), Some(scaled(1.0)));
+        assert_eq!(history.undo(), None);
+    }
+
+    proptest! {
+        /// Held against a list of all settings, each change apart from the others.
+        #[test]
+        fn any_way_back_and_forth_is_a_way_along_the_list(
+            scales in prop::collection::vec(1u32..1000, 1..260), moves in prop::collection::vec(any::<bool>(), 0..40),
+        ) {
+            let mut history = History::default();
+            let mut list: Vec<Settings> = Vec::new();
+            for (second, &scale) in scales.iter().enumerate() {
+                let settings = scaled(scale as f32);
+                history.note(settings, false, at(1000 * second as u64));
+                if list.last() != Some(&settings) {
+                    list.push(settings);
+                }
+            }
+            let oldest = list.len().saturating_sub(1 + MAX_ENTRIES);
+            let mut place = list.len() - 1;
+            for is_undo in moves {
+                let (found, expected) = if is_undo {
+                    (history.undo(), place.checked_sub(1).filter(|&place| place >= oldest))
+                } else {
+                    (history.redo(), Some(place + 1).filter(|&place| place < list.len()))
+                };
+                prop_assert_eq!(found, expected.map(|place| list[place]));
+                place = expected.unwrap_or(place);
+            }
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The menu of presets, and the window for the name of a new one.
+
+use crate::app::State;
+use crate::app::presets::built_in;
+use egui::{Align2, Button, Key, TextEdit, Ui, Window};
+
+/// Those that are built in, those of this person, and what can be done with the present settings.
+pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
+    ui.set_min_width(180.0);
+    for (name, what, settings) in built_in() {
+        let is_present = state.settings.drawn_as(&settings) == state.settings;
+        let button = ui.add(Button::selectable(is_present, name));
+        if button.on_hover_text(what).clicked() {
+            state.draw_as(&settings);
+            ui.close();
+        }
+    }
+    ui.separator();
+    let mut deleted = None;
+    let presets = state.presets.list();
+    for preset in presets {
+        let is_present = state.settings == preset.settings;
+        let button = ui.add(Button::selectable(is_present, &preset.name));
+        let what = "All settings as they were when this was saved";
+        if button.on_hover_text(what).clicked() {
+            state.settings = preset.settings;
+            ui.close();
+        }
+    }
+    let what = "Keeps the present settings under a name";
+    if ui.button("Save settings…").on_hover_text(what).clicked() {
+        state.preset_name = Some(String::new());
+        ui.close();
+    }
+    ui.add_enabled_ui(!presets.is_empty(), |ui| {
+        ui.menu_button("Delete", |ui| {
+            for preset in presets {
+                if ui.button(format!("Delete {}", preset.name)).clicked() {
+                    deleted = Some(preset.name.clone());
+                    ui.close();
+                }
+            }
+        });
+    });
+    if let Some(name) = deleted
+        && let Err(problem) = state.presets.delete(&name)
+    {
+        state.notices.warn(problem);
+    }
+}
+
+/// Asks for the name of a new preset: Enter keeps it, Esc or a click elsewhere leaves it.
+pub(super) fn preset_name_ui(ui: &Ui, state: &mut State) {
+    let Some(name) = &mut state.preset_name else {
+        return;
+    };
+    let mut has_lost_focus = false;
+    Window::new("Save settings")
+        .collapsible(false)
+        .resizable(false)
+        .pivot(Align2::CENTER_CENTER)
+        .default_pos(ui.ctx().content_rect().center())
+        .show(ui.ctx(), |ui| {
+            let edit = TextEdit::singleline(name)
+                .hint_text("Name")
+                .desired_width(240.0);
+            let edit = ui.add(edit);
+            let label = "Name of the preset";
+            ui.ctx()
+                .accesskit_node_builder(edit.id, |node| node.set_label(label));
+            has_lost_focus = edit.lost_focus();
+            if !has_lost_focus && !edit.has_focus() {
+                edit.request_focus();
+            }
+            edit.on_hover_text("Enter keeps the settings under this name, Esc does not");
+        });
+    if !has_lost_focus {
+        return;
+    }
+    let is_wanted = ui.input(|input| input.key_pressed(Key::Enter));
+    if let Some(name) = state.preset_name.take().filter(|_| is_wanted)
+        && let Err(problem) = state.presets.save(&name, state.settings)
+    {
+        state.notices.warn(problem);
+    }
+}

@@ -1,0 +1,110 @@
+//! The curve under the bar.
+
+use super::bar::frame_at;
+use crate::app::State;
+use crate::app::panels::grouped;
+use crate::app::theme::ACCENT;
+use crate::app::timeline::Quantity;
+use egui::{Align2, FontId, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
+
+/// Height of the curve, points.
+const HEIGHT: f32 = 40.0;
+
+/// Between the curve and the edges of its field, points.
+const MARGIN: f32 = 3.0;
+
+/// The curve of the chosen quantity, if there is one.
+pub(super) fn curve_ui(ui: &mut Ui, state: &mut State) {
+    let (Some(player), Some(quantity)) = (&state.player, state.timeline.quantity) else {
+        return;
+    };
+    let size = vec2(ui.available_width(), HEIGHT);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let curve = &mut state.timeline.curve;
+    curve.refresh(player.loader(), quantity, rect.width().max(1.0) as usize);
+    let name = format!("Curve: {}", quantity.name());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+    let weak = ui.visuals().weak_text_color();
+    let Some((least, most)) = curve.range() else {
+        let text = match quantity {
+            Quantity::Loss => "no octree was built yet",
+            Quantity::Points | Quantity::Bounds => "no frame was prepared yet",
+        };
+        painter.text(
+            rect.center(),
+            Align2::CENTER_CENTER,
+            text,
+            FontId::proportional(11.0),
+            weak,
+        );
+        return;
+    };
+    paint(ui, rect, curve.columns(), (least, most));
+    for (value, place, align) in [
+        (most, rect.left_top() + vec2(4.0, 1.0), Align2::LEFT_TOP),
+        (
+            least,
+            rect.left_bottom() + vec2(4.0, -1.0),
+            Align2::LEFT_BOTTOM,
+        ),
+    ] {
+        painter.text(
+            place,
+            align,
+            text_of(quantity, value),
+            FontId::proportional(10.0),
+            weak,
+        );
+    }
+    if let Some(pointer) = response.hover_pos() {
+        let frame = frame_at(rect, pointer.x, player.sequence().len());
+        let value = curve.value(frame).map_or_else(
+            || "not known yet".to_owned(),
+            |value| text_of(quantity, value),
+        );
+        let text = format!(
+            "{}: {value}\nFrame {}\n{}",
+            quantity.name(),
+            frame + 1,
+            quantity.tooltip()
+        );
+        response.on_hover_text_at_pointer(text);
+    }
+}
+
+/// A line a column, which reaches the one of the column before.
+fn paint(ui: &Ui, rect: Rect, columns: &[Option<(f32, f32)>], (least, most): (f32, f32)) {
+    let painter = ui.painter_at(rect);
+    let stroke = Stroke::new(1.0, ACCENT);
+    let span = most - least;
+    let y = |value: f32| {
+        // A value that never changes lies in the middle.
+        let part = if span > 0.0 {
+            (value - least) / span
+        } else {
+            0.5
+        };
+        egui::lerp(rect.bottom() - MARGIN..=rect.top() + MARGIN, part)
+    };
+    let mut before: Option<(f32, f32)> = None;
+    for (x, column) in columns.iter().enumerate() {
+        if let &Some((low, high)) = column {
+            let (from, to) = before.map_or((low, high), |(low_before, high_before)| {
+                (low.min(high_before), high.max(low_before))
+            });
+            let x = rect.left() + x as f32 + 0.5;
+            painter.vline(x, y(to) - 0.5..=y(from) + 0.5, stroke);
+        }
+        before = *column;
+    }
+}
+
+fn text_of(quantity: Quantity, value: f32) -> String {
+    match quantity {
+        Quantity::Points => grouped(value as u64),
+        Quantity::Loss => format!("{:.2} %", 100.0 * value),
+        Quantity::Bounds => format!("{value:.4}"),
+    }
+}

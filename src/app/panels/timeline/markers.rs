@@ -1,0 +1,130 @@
+//! Flags above the bar, one a marker.
+
+use crate::app::State;
+use crate::app::theme::ODD;
+use egui::{
+    Key, Painter, Rect, Role, Sense, Shape, Stroke, TextEdit, Ui, WidgetInfo, Window, pos2, vec2,
+};
+
+/// Size of a flag, points.
+const FLAG: [f32; 2] = [10.0, 11.0];
+
+/// What a person wants of a marker.
+#[derive(Clone, Copy)]
+enum Wish {
+    GoTo,
+    Rename,
+    Remove,
+}
+
+/// A row of flags, if there are any; a window for the name of one while it is written.
+pub(super) fn markers_ui(ui: &mut Ui, state: &mut State) {
+    let Some(player) = &state.player else { return };
+    let count = player.sequence().len();
+    if state.timeline.markers.list().is_empty() {
+        return;
+    }
+    let size = vec2(ui.available_width(), FLAG[1]);
+    let (row, _) = ui.allocate_exact_size(size, Sense::hover());
+    let mut wish = None;
+    for marker in state.timeline.markers.list() {
+        let frame = marker.frame;
+        if frame >= count {
+            break;
+        }
+        let x = row.left() + row.width() * (frame as f32 + 0.5) / count as f32;
+        let flag = Rect::from_center_size(pos2(x, row.center().y), FLAG.into());
+        let response = ui.interact(flag, ui.scope_id().with(("marker", frame)), Sense::click());
+        let name = match marker.name.as_str() {
+            "" => format!("Marker at frame {}", frame + 1),
+            name => format!("Marker {name}"),
+        };
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+        paint_flag(ui.painter(), flag, response.hovered());
+        if response.double_clicked() {
+            wish = Some((frame, Wish::Rename));
+        } else if response.clicked() {
+            wish = wish.or(Some((frame, Wish::GoTo)));
+        }
+        response.context_menu(|ui| {
+            for (text, chosen) in [("Rename", Wish::Rename), ("Remove", Wish::Remove)] {
+                if ui.button(text).clicked() {
+                    wish = Some((frame, chosen));
+                    ui.close();
+                }
+            }
+        });
+        response.on_hover_text(format!(
+            "{name}, frame {} of {count}\nClick: go there. Double click: name it. Right click: more",
+            frame + 1
+        ));
+    }
+    match wish {
+        Some((frame, Wish::GoTo)) => state.play_with(|player, now| player.seek(frame, now)),
+        Some((frame, Wish::Rename)) => begin_renaming(state, frame),
+        Some((frame, Wish::Remove)) => state.toggle_marker_at(frame),
+        None => {}
+    }
+    name_ui(ui, state);
+}
+
+fn begin_renaming(state: &mut State, frame: usize) {
+    let markers = state.timeline.markers.list().iter();
+    let name = markers
+        .filter(|marker| marker.frame == frame)
+        .map(|marker| marker.name.clone());
+    state.timeline.renaming = name.last().map(|name| (frame, name));
+}
+
+/// Asks for a name; Enter or a click elsewhere takes it, Esc leaves the old one.
+fn name_ui(ui: &Ui, state: &mut State) {
+    let Some((frame, name)) = &mut state.timeline.renaming else {
+        return;
+    };
+    let screen = ui.ctx().content_rect();
+    let mut is_done = false;
+    Window::new(format!("Marker at frame {}", *frame + 1))
+        .collapsible(false)
+        .resizable(false)
+        .pivot(egui::Align2::CENTER_CENTER)
+        .default_pos(screen.center())
+        .show(ui.ctx(), |ui| {
+            let edit = ui.add(
+                TextEdit::singleline(name)
+                    .hint_text("Name")
+                    .desired_width(240.0),
+            );
+            ui.ctx()
+                .accesskit_node_builder(edit.id, |node| node.set_label("Name of the marker"));
+            is_done = edit.lost_focus();
+            if !is_done && !edit.has_focus() {
+                edit.request_focus();
+            }
+            edit.on_hover_text(
+                "What the marker is called; Enter keeps it, Esc leaves it as it was",
+            );
+        });
+    if ui.input(|input| input.key_pressed(Key::Escape)) {
+        state.timeline.renaming = None;
+    } else if is_done {
+        state.finish_renaming();
+    }
+}
+
+/// A pennant that points down to its frame.
+fn paint_flag(painter: &Painter, flag: Rect, is_hovered: bool) {
+    let color = if is_hovered {
+        ODD
+    } else {
+        ODD.gamma_multiply(0.8)
+    };
+    let shoulder = flag.top() + 0.5 * flag.height();
+    let outline = vec![
+        flag.left_top(),
+        flag.right_top(),
+        pos2(flag.right(), shoulder),
+        flag.center_bottom(),
+        pos2(flag.left(), shoulder),
+    ];
+    painter.add(Shape::convex_polygon(outline, color, Stroke::NONE));
+}

@@ -1,0 +1,159 @@
+//! Named places on the timeline.
+
+use serde::{Deserialize, Serialize};
+
+/// More than anybody sets by hand.
+const MAX_MARKERS: usize = 1000;
+
+/// Longest name, characters.
+const MAX_NAME_CHARS: usize = 200;
+
+/// A named frame.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Marker {
+    /// Which frame.
+    pub frame: usize,
+    /// What a person calls it; may be empty.
+    pub name: String,
+}
+
+/// Markers by frame, one a frame at most.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Markers {
+    list: Vec<Marker>,
+}
+
+impl Markers {
+    /// As they were kept; `Err` says what is wrong with them.
+    pub(super) fn of(list: Vec<Marker>) -> Result<Self, String> {
+        if list.len() > MAX_MARKERS {
+            return Err(format!("it has {} markers", list.len()));
+        }
+        if !list.is_sorted_by(|a, b| a.frame < b.frame) {
+            return Err("its markers are not in order".to_owned());
+        }
+        let too_long = |marker: &&Marker| marker.name.chars().count() > MAX_NAME_CHARS;
+        match list.iter().find(too_long) {
+            Some(marker) => Err(format!(
+                "the name at frame {} is too long",
+                marker.frame + 1
+            )),
+            None => Ok(Self { list }),
+        }
+    }
+
+    /// From the first frame on.
+    pub fn list(&self) -> &[Marker] {
+        &self.list
+    }
+
+    fn place(&self, frame: usize) -> Result<usize, usize> {
+        self.list
+            .binary_search_by_key(&frame, |marker| marker.frame)
+    }
+
+    /// Puts a marker at `frame`, or takes away the one that is there. Nothing is put beyond the thousandth.
+    pub fn toggle(&mut self, frame: usize) {
+        match self.place(frame) {
+            Ok(place) => {
+                self.list.remove(place);
+            }
+            Err(place) if self.list.len() < MAX_MARKERS => {
+                let name = String::new();
+                self.list.insert(place, Marker { frame, name });
+            }
+            Err(_) => {}
+        }
+    }
+
+    /// Names the marker at `frame`, if there is one; the name is cut after 200 characters.
+    pub fn rename(&mut self, frame: usize, name: &str) {
+        if let Ok(place) = self.place(frame) {
+            self.list[place].name = name.trim().chars().take(MAX_NAME_CHARS).collect();
+        }
+    }
+
+    /// The first marked frame after `frame`, or, if there is none, the first of all. Of frames below `frame_count`.
+    pub fn next_after(&self, frame: usize, frame_count: usize) -> Option<usize> {
+        let mut frames = self.frames(frame_count);
+        let first = frames.clone().next();
+        frames.find(|&other| other > frame).or(first)
+    }
+
+    /// The last marked frame before `frame`, or, if there is none, the last of all. Of frames below `frame_count`.
+    pub fn last_before(&self, frame: usize, frame_count: usize) -> Option<usize> {
+        let mut frames = self.frames(frame_count).rev();
+        let last = frames.clone().next();
+        frames.find(|&other| other < frame).or(last)
+    }
+
+    /// A folder may have fewer frames than when they were marked.
+    fn frames(&self, frame_count: usize) -> impl DoubleEndedIterator<Item = usize> + Clone {
+        let frames = self.list.iter().map(|marker| marker.frame);
+        frames.filter(move |&frame| frame < frame_count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn markers_come_go_and_have_names() {
+        let mut markers = Markers::default();
+        for frame in [7, 3, 9, 7] {
+            markers.toggle(frame);
+        }
+        markers.rename(9, "  the jump ");
+        markers.rename(4, "nobody");
+        let list: Vec<_> = markers
+            .list()
+            .iter()
+            .map(|marker| (marker.frame, marker.name.as_str()))
+            .collect();
+        assert_eq!(list, [(3, ""), (9, "the jump")]);
+        markers.rename(3, &"é".repeat(500));
+        assert_eq!(markers.list()[0].name.chars().count(), 200);
+        for frame in 0..2000 {
+            markers.toggle(10 + frame);
+        }
+        assert_eq!(markers.list().len(), 1000);
+        assert_eq!(Markers::of(markers.list().to_vec()), Ok(markers));
+    }
+
+    #[test]
+    fn lists_that_this_program_did_not_write_are_refused() {
+        let marker = |frame, name: &str| Marker {
+            frame,
+            name: name.to_owned(),
+        };
+        for (list, word) in [
+            (vec![marker(3, ""), marker(3, "")], "order"),
+            (vec![marker(4, ""), marker(3, "")], "order"),
+            (vec![marker(4, &"x".repeat(201))], "frame 5"),
+            ((0..1001).map(|frame| marker(frame, "")).collect(), "1001"),
+        ] {
+            let reason = Markers::of(list).unwrap_err();
+            assert!(reason.contains(word), "{reason}");
+        }
+    }
+
+    proptest! {
+        /// Held against looking at every frame in turn.
+        #[test]
+        fn jumps_go_to_the_nearest_around_the_ends(
+            marked in prop::collection::btree_set(0usize..20, 0..8), frame in 0usize..16, count in 1usize..16,
+        ) {
+            let mut markers = Markers::default();
+            marked.iter().for_each(|&frame| markers.toggle(frame));
+            let frame = frame % count;
+            let found = |mut way: Box<dyn Iterator<Item = usize>>| way.find(|other| marked.contains(other));
+            let next = found(Box::new((frame + 1..count).chain(0..=frame)));
+            prop_assert_eq!(markers.next_after(frame, count), next);
+            let last = found(Box::new((0..frame).rev().chain((frame..count).rev())));
+            prop_assert_eq!(markers.last_before(frame, count), last);
+        }
+    }
+}

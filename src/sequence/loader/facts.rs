@@ -1,0 +1,87 @@
+//! What stays known of frames that were prepared, after they have gone from memory.
+
+use crate::math::Aabb;
+use crate::octree::StopCriterion;
+use crate::sequence::PreparedFrame;
+
+/// What is known of a frame that was prepared once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameFacts {
+    /// Points in the file.
+    pub points: usize,
+    /// What holds them, relative to the sequence's origin; of some of the points, if all were never prepared.
+    pub bounds: Aabb,
+    /// Share of the points that have no leaf of their own in the octree, if it was built for the present needs.
+    pub loss: Option<f32>,
+}
+
+/// A loss belongs to what the octree was built for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Known {
+    facts: FrameFacts,
+    stop: Option<StopCriterion>,
+}
+
+/// The facts of all frames, by index.
+#[derive(Debug, Default)]
+pub(super) struct Facts {
+    frames: Vec<Option<Known>>,
+    /// Changes whenever a fact does.
+    revision: u64,
+}
+
+impl Facts {
+    pub(super) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Takes notice of a frame that was prepared. Fewer points of it tell nothing new.
+    pub(super) fn note(&mut self, prepared: &PreparedFrame) {
+        let index = prepared.index;
+        if index >= self.frames.len() {
+            self.frames.resize(index + 1, None);
+        }
+        let before = self.frames[index];
+        if prepared.is_sample() && before.is_some() {
+            return;
+        }
+        let octree = prepared.octree.as_ref().filter(|_| !prepared.is_sample());
+        let (loss, stop) = match (octree, before) {
+            (Some(octree), _) => (Some(octree.loss()), prepared.octree_stop()),
+            (None, Some(before)) => (before.facts.loss, before.stop),
+            (None, None) => (None, None),
+        };
+        let facts = FrameFacts {
+            points: prepared.frame.points_in_file(),
+            bounds: prepared.frame.bounds(),
+            loss,
+        };
+        let known = Some(Known { facts, stop });
+        if before != known {
+            self.frames[index] = known;
+            self.revision += 1;
+        }
+    }
+
+    /// The facts of the first `frame_count` frames; losses only of octrees that end as `stop` says, if it says anything.
+    pub(super) fn of(
+        &self,
+        frame_count: usize,
+        stop: Option<StopCriterion>,
+    ) -> Vec<Option<FrameFacts>> {
+        let facts = |index: usize| {
+            let known = (*self.frames.get(index)?)?;
+            let is_present = stop.is_none() || known.stop == stop;
+            Some(FrameFacts {
+                loss: known.facts.loss.filter(|_| is_present),
+                ..known.facts
+            })
+        };
+        (0..frame_count).map(facts).collect()
+    }
+
+    /// The needs have changed, and with them which losses are told.
+    pub(super) fn changed(&mut self) {
+        self.revision += 1;
+    }
+}

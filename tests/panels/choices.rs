@@ -1,0 +1,87 @@
+//! The command palette, undo, and presets.
+
+use super::{click, frame, options, press, sequence, window, window_on};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use pointreel::app::{Presets, StateOptions};
+use pointreel::scene::Primitive;
+
+#[test]
+fn the_palette_finds_chooses_and_runs() {
+    let mut harness = window();
+    press(&mut harness, Modifiers::COMMAND, Key::P);
+    let field = || (Role::TextInput, "Find a command");
+    let (role, label) = field();
+    harness.get_by_role_and_label(role, label).type_text("frm");
+    harness.run();
+    assert!(
+        harness
+            .query_by_role_and_label(Role::Button, "Turntable")
+            .is_none()
+    );
+    // Next, previous: the second of those found.
+    press(&mut harness, Modifiers::NONE, Key::ArrowDown);
+    press(&mut harness, Modifiers::NONE, Key::ArrowUp);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    assert!(harness.state().palette.is_none());
+    assert_eq!(frame(&harness), 1, "Next frame is the first that is found");
+
+    press(&mut harness, Modifiers::COMMAND, Key::P);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert!(harness.state().palette.is_none());
+    assert_eq!(frame(&harness), 1);
+}
+
+#[test]
+fn settings_are_undone_and_redone() {
+    let mut harness = window();
+    let before = harness.state().settings;
+    harness.state_mut().settings.primitive = Primitive::Point;
+    harness.run();
+    let after = harness.state().settings;
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(harness.state().settings, before);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(harness.state().settings, before);
+    press(&mut harness, Modifiers::COMMAND, Key::Y);
+    assert_eq!(harness.state().settings, after);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(harness.state().settings, after);
+}
+
+#[test]
+fn presets_are_applied_saved_and_deleted() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("presets.json");
+    let mut harness = window_on(
+        sequence(&[]),
+        StateOptions {
+            presets: Presets::load_from(file.clone()),
+            ..options()
+        },
+    );
+    harness.state_mut().settings.splat_scale = 1.5;
+    let settings = harness.state().settings;
+    harness.run();
+    click(&mut harness, "Presets");
+    click(&mut harness, "Save settings…");
+    harness
+        .get_by_role_and_label(Role::TextInput, "Name of the preset")
+        .type_text("mine");
+    harness.run();
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    assert_eq!(Presets::load_from(file.clone()).list()[0].name, "mine");
+
+    click(&mut harness, "Presets");
+    click(&mut harness, "Fast");
+    assert_eq!(harness.state().settings.resolution, 0.5);
+    click(&mut harness, "Presets");
+    click(&mut harness, "mine");
+    assert_eq!(harness.state().settings, settings);
+    click(&mut harness, "Presets");
+    click(&mut harness, "Delete");
+    click(&mut harness, "Delete mine");
+    assert!(Presets::load_from(file).list().is_empty());
+}
