@@ -8,6 +8,8 @@
 mod benchmark;
 #[path = "panels/camera.rs"]
 mod camera;
+#[path = "panels/clip.rs"]
+mod clip;
 #[path = "panels/comparison.rs"]
 mod comparison;
 #[path = "panels/keys.rs"]

@@ -142,6 +142,8 @@ impl Preferences {
             footprint,
             normal_bits,
             offset_bits,
+            // Its numbers mean nothing in the next sequence.
+            clip: _,
         } = self.settings;
         serde_json::to_vec_pretty(&Stored {
             version: VERSION,
@@ -197,6 +199,7 @@ impl Preferences {
             footprint: word(&stored.footprint)?,
             normal_bits: word(&stored.normal_bits)?,
             offset_bits: word(&stored.offset_bits)?,
+            clip: None,
         };
         if let Some(size) = stored.window_size {
             for edge in size {
@@ -393,6 +396,7 @@ mod tests {
                 footprint: Footprint::Masks,
                 normal_bits: NormalBits::Fifteen,
                 offset_bits: OffsetBits::Two,
+                clip: None,
             },
             loop_mode: LoopMode::PingPong,
             speed: 0.25,

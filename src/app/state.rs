@@ -356,6 +356,8 @@ impl State {
         player.set_loop_mode(loop_mode, self.now);
         player.set_speed(speed, self.now);
         if let Some(before) = self.player.replace(player) {
+            // Its numbers are those of the sequence before.
+            self.settings.clip = None;
             // Its threads end after the frame they are on; nobody waits for that here.
             super::tasks::close(before);
         }
@@ -508,6 +510,7 @@ impl State {
         }
         let origin = player.sequence().origin();
         let size_px = self.viewport.size_px;
+        comparison.other.clip = self.settings.clip;
         let packet = comparison.next_packet(frame, origin, &self.camera, size_px)?;
         comparison.note_change(self.now);
         Some(packet)

@@ -1,6 +1,7 @@
 //! The panels, one file each: `fn timeline_ui(ui, &mut State)`. They read and change [`State`] and know no GPU.
 
 mod benchmark;
+mod clip;
 mod comparison;
 mod footprints;
 mod help;
