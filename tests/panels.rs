@@ -26,6 +26,8 @@ mod points;
 mod settings;
 #[path = "panels/statistics.rs"]
 mod statistics;
+#[path = "panels/temporal.rs"]
+mod temporal;
 #[path = "panels/timeline.rs"]
 mod timeline;
 #[path = "panels/viewport.rs"]

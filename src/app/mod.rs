@@ -30,6 +30,7 @@ mod software;
 mod state;
 mod surface;
 mod tasks;
+mod temporal;
 mod theme;
 mod window;
 
@@ -46,5 +47,6 @@ pub use preferences::{Preferences, PreferencesFile};
 pub use recent::Recent;
 pub use state::{Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewport, WindowRequest};
 pub use tasks::{DialogKind, Outcome, ReportFormat, Tasks, Wake};
+pub use temporal::{ChangeMap, Made, OnionSkin, Temporal};
 pub use theme::apply_theme;
 pub use window::{AppError, Options, run};

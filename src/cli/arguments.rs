@@ -383,6 +383,14 @@ fn not_negative(text: &str) -> Result<f32, String> {
     )
 }
 
+pub(super) fn not_negative_f64(text: &str) -> Result<f64, String> {
+    number_in(
+        text,
+        |value: &f64| value.is_finite() && *value >= 0.0,
+        "a number from 0 up",
+    )
+}
+
 fn delta(text: &str) -> Result<f32, String> {
     number_in(
         text,

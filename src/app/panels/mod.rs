@@ -14,6 +14,7 @@ mod point;
 mod quality;
 mod settings;
 mod statistics;
+mod temporal;
 mod timeline;
 mod viewport;
 mod voxels;
@@ -27,6 +28,7 @@ pub use point::point_ui;
 pub use quality::QualityLimits;
 pub use settings::settings_ui;
 pub use statistics::statistics_ui;
+pub use temporal::change_ui;
 pub use timeline::timeline_ui;
 pub use viewport::viewport_ui;
 
@@ -70,6 +72,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     CentralPanel::no_frame().show(ui, |ui| viewport_ui(ui, state));
     point_ui(ui, state);
     measuring_ui(ui, state);
+    change_ui(ui, state);
     notices_ui(ui, state);
     help_ui(ui, state);
     benchmark_ui(ui, state);

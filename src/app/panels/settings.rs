@@ -3,6 +3,7 @@
 use super::clip::clip_ui;
 use super::footprints::footprints_ui;
 use super::quality::quality_ui;
+use super::temporal::temporal_settings_ui;
 use super::voxels::octree_ui;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use crate::app::{State, Turntable};
@@ -41,6 +42,7 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
             octree_ui(ui, &mut state.settings);
         }
         clip_ui(ui, state);
+        temporal_settings_ui(ui, state);
         heading(ui, "Shading");
         rows(ui, "shading", |ui| shading(ui, &mut state.settings));
         heading(ui, "Background");
