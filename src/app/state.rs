@@ -455,7 +455,8 @@ impl State {
         if let Some(text) = change.other_attributes {
             self.notices.warn(text);
         }
-        self.temporal
+        visible |= self
+            .temporal
             .follow(player, &self.settings, &self.tasks, now);
         if let Some(frame) = player.shown() {
             self.inspection.follow(frame, player.sequence().origin());
@@ -465,6 +466,14 @@ impl State {
             }
         }
         visible
+    }
+
+    /// Takes in at once what the panels have changed about other poses.
+    pub(super) fn follow_poses(&mut self) {
+        if let Some(player) = &self.player {
+            self.temporal
+                .follow(player, &self.settings, &self.tasks, self.now);
+        }
     }
 
     /// True if something that is not the picture may have changed: marks on the timeline, progress.
@@ -482,7 +491,7 @@ impl State {
     pub fn next_packet(&mut self) -> Option<ScenePacket> {
         let player = self.player.as_ref()?;
         let pose = player.shown()?;
-        let made = self.temporal.shown(pose, self.now);
+        let made = self.temporal.shown();
         let frame = made.map_or(pose, Made::frame);
         if self.viewport.size_px.contains(&0) {
             return None;
@@ -563,7 +572,7 @@ impl State {
         let player = self.player.as_ref().and_then(Player::next_deadline);
         let comparison = self.comparison.as_ref().and_then(Comparison::next_deadline);
         let camera = self.camera_moves().then_some(self.now);
-        let held = self.temporal.next_deadline(self.now);
+        let held = self.temporal.next_deadline();
         [
             player,
             self.notices.next_deadline(),

@@ -1,8 +1,8 @@
 //! What other poses say of the shown one: how far it is from one of them in colours, and ghosts of its neighbours.
 //!
 //! How it works. Both make another frame from the one that the player shows, on a thread: the same points in other colours
-//! ([`PreparedFrame::in_colors`]), then with others around them ([`with_ghosts`]). Until it is there the pose is shown as it is; while
-//! playing, the one made before is held for a moment, so that the picture does not flicker. What is under way for a pose that the
+//! ([`PreparedFrame::in_colors`]), then with others around them ([`with_ghosts`]). Until it is there the pose is shown as it is, but
+//! for a moment the frame that was made of the pose before stays, so that the picture does not flicker while playing. What is under way for a pose that the
 //! playhead has left is cancelled. Distances are kept, as they take longest; colours follow from them.
 
 use super::tasks::{Outcome, Tasks};
@@ -176,12 +176,9 @@ impl Default for Temporal {
 }
 
 impl Temporal {
-    /// What is drawn in place of `pose`, if there is something.
-    pub(super) fn shown(&self, pose: &Arc<PreparedFrame>, now: Duration) -> Option<&Made> {
-        let is_held = self.left_at.is_none_or(|left| now < left + HOLD);
-        self.made
-            .as_ref()
-            .filter(|made| Arc::ptr_eq(&made.request.pose, pose) || is_held)
+    /// What is drawn in place of the shown pose, if there is something.
+    pub(super) fn shown(&self) -> Option<&Made> {
+        self.made.as_ref()
     }
 
     /// The frame that the shown one is compared with; `None` where the sequence has no such frame.
@@ -217,34 +214,41 @@ impl Temporal {
         };
     }
 
-    /// Starts what the shown pose lacks, and cancels what nobody waits for any more.
+    /// Starts what the shown pose lacks, and cancels what nobody waits for any more. True if another frame is to be drawn.
     pub(super) fn follow(
         &mut self,
         player: &Player,
         settings: &Settings,
         tasks: &Tasks,
         now: Duration,
-    ) {
+    ) -> bool {
         let Some(request) = self.request(player, settings) else {
             self.cancel();
-            self.made = None;
             self.left_at = None;
-            return;
+            return self.made.take().is_some();
         };
         let made = self.made.as_ref();
         let is_left = made.is_some_and(|made| !Arc::ptr_eq(&made.request.pose, &request.pose));
         self.left_at = is_left.then(|| self.left_at.unwrap_or(now));
         if made.is_some_and(|made| made.request == request) {
-            return self.cancel();
-        }
-        if self
+            self.cancel();
+        } else if self
             .running
             .as_ref()
-            .is_some_and(|(running, _)| *running == request)
+            .is_none_or(|(running, _)| *running != request)
         {
-            return;
+            self.cancel();
+            self.start(request, player, tasks);
         }
-        self.cancel();
+        let is_gone = self.left_at.is_some_and(|left| now >= left + HOLD);
+        if is_gone {
+            self.made = None;
+            self.left_at = None;
+        }
+        is_gone
+    }
+
+    fn start(&mut self, request: Request, player: &Player, tasks: &Tasks) {
         let is_wanted = Arc::new(AtomicBool::new(true));
         self.running = Some((request.clone(), Arc::clone(&is_wanted)));
         let known = self.known_change(&request);
@@ -283,9 +287,8 @@ impl Temporal {
     }
 
     /// When a picture that is held has to go.
-    pub(super) fn next_deadline(&self, now: Duration) -> Option<Duration> {
-        let gone_at = self.left_at? + HOLD;
-        (gone_at > now).then_some(gone_at)
+    pub(super) fn next_deadline(&self) -> Option<Duration> {
+        self.left_at.map(|left| left + HOLD)
     }
 
     fn kept_bytes(&self) -> usize {

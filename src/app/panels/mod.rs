@@ -76,6 +76,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     notices_ui(ui, state);
     help_ui(ui, state);
     benchmark_ui(ui, state);
+    state.follow_poses();
 }
 
 /// `1234567` → `1,234,567`.
