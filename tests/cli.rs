@@ -390,3 +390,59 @@ fn bench_names_its_suites() {
         stderr(&output)
     );
 }
+
+#[test]
+fn a_clipped_picture_shows_what_is_in_the_box_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let render = |name: &str, more: &[&str]| {
+        let file = folder.path().join(name);
+        let base = ["render", "demo:", "-o", text(&file), "--size", "64x64"];
+        let output = pointreel(&[&base[..], &["--renderer", "cpu"], more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        image::open(&file).unwrap().to_rgba8()
+    };
+    let all = "--clip-box=-1e9,-1e9,-1e9,1e9,1e9,1e9";
+    let none = "--clip-box=1e8,1e8,1e8,1e9,1e9,1e9";
+    for primitive in ["surfel", "voxel", "point"] {
+        let picture = |more: &[&str]| {
+            let more = [&["--primitive", primitive], more].concat();
+            render("clipped.png", &more)
+        };
+        let [whole, empty] = [picture(&[]), picture(&[none])];
+        assert_ne!(whole, empty, "{primitive}");
+        assert_eq!(picture(&[all]), whole, "{primitive}");
+        assert_eq!(picture(&[all, "--clip-outside"]), empty, "{primitive}");
+        assert_eq!(picture(&[none, "--clip-outside"]), whole, "{primitive}");
+    }
+    let output = pointreel(&["render", "demo:", "-o", "x.png", "--clip-box", "1,2,3"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("expected six numbers"));
+}
+
+#[test]
+fn frames_are_compared_point_by_point() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, y) in [("a_0.xyz", 0.0), ("a_1.xyz", 0.25)] {
+        let lines = (0..100).map(|x| format!("{x} {y} 0\n"));
+        std::fs::write(folder.path().join(name), lines.collect::<String>()).unwrap();
+    }
+    let inputs = ["compare-frames", text(folder.path()), "--from", "0"];
+    let output = pointreel(&[&inputs[..], &["--to", "1", "--threshold", "0.2", "--json"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for (key, expected) in [
+        ("points", 100.0),
+        ("mean", 0.25),
+        ("quantile_95", 0.25),
+        ("max", 0.25),
+        ("share_above", 1.0),
+    ] {
+        assert_eq!(answer[key].as_f64(), Some(expected), "{key}");
+    }
+    let output = pointreel(&[&inputs[..], &["--to", "1"]].concat());
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.contains("mean                0.25"), "{table}");
+    let output = pointreel(&[&inputs[..], &["--to", "7"]].concat());
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains('7'), "{}", stderr(&output));
+}

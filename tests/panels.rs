@@ -10,6 +10,8 @@ mod benchmark;
 mod camera;
 #[path = "panels/choices.rs"]
 mod choices;
+#[path = "panels/clip.rs"]
+mod clip;
 #[path = "panels/comparison.rs"]
 mod comparison;
 #[path = "panels/keys.rs"]
@@ -28,6 +30,8 @@ mod points;
 mod settings;
 #[path = "panels/statistics.rs"]
 mod statistics;
+#[path = "panels/temporal.rs"]
+mod temporal;
 #[path = "panels/timeline.rs"]
 mod timeline;
 #[path = "panels/viewport.rs"]

@@ -46,7 +46,7 @@ pub fn scalar_colors(scalars: &[f32]) -> Vec<[u8; 4]> {
             } else {
                 0.5
             };
-            viridis(share as f32)
+            map_color(share as f32)
         })
         .collect()
 }
@@ -61,7 +61,8 @@ fn robust_range(scalars: &[f32]) -> Option<[f32; 2]> {
     Some([at(TAIL), at(1.0 - TAIL)])
 }
 
-fn viridis(share: f32) -> [u8; 4] {
+/// The colour at `share` of the way through the map of scalars: 0 is dark violet, 1 is yellow; clamped to 0..=1.
+pub fn map_color(share: f32) -> [u8; 4] {
     let [red, green, blue] = between_steps(&VIRIDIS, share);
     [red, green, blue, 255]
 }
@@ -115,6 +116,6 @@ mod tests {
     fn equal_and_no_scalars_are_defined() {
         assert!(scalar_colors(&[]).is_empty());
         let colors = scalar_colors(&[3.0; 4]);
-        assert!(colors.iter().all(|&color| color == viridis(0.5)));
+        assert!(colors.iter().all(|&color| color == map_color(0.5)));
     }
 }

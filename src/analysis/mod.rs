@@ -27,7 +27,7 @@ pub(crate) mod test_shapes;
 mod tests;
 
 pub(crate) use colors::between_steps;
-pub use colors::{fake_color, scalar_colors};
+pub use colors::{fake_color, map_color, scalar_colors};
 pub use lazy_surface::{Estimated, LazySurface};
 pub use nearest_point::NearestPoint;
 pub use neighbours::{Neighbours, nearest_neighbours};

@@ -131,6 +131,8 @@ impl Preferences {
             footprint,
             normal_bits,
             offset_bits,
+            // Its numbers mean nothing in the next sequence.
+            clip: _,
         } = self.settings;
         serde_json::to_vec_pretty(&Stored {
             version: VERSION,
@@ -186,6 +188,7 @@ impl Preferences {
             footprint: word(&stored.footprint)?,
             normal_bits: word(&stored.normal_bits)?,
             offset_bits: word(&stored.offset_bits)?,
+            clip: None,
         };
         if let Some(size) = stored.window_size {
             for edge in size {
@@ -396,6 +399,7 @@ mod tests {
                 footprint: Footprint::Masks,
                 normal_bits: NormalBits::Fifteen,
                 offset_bits: OffsetBits::Two,
+                clip: None,
             },
             loop_mode: LoopMode::PingPong,
             speed: 0.25,

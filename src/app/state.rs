@@ -19,6 +19,7 @@ use super::preferences::Preferences;
 use super::presets::Presets;
 use super::recent::Recent;
 use super::tasks::{Tasks, Wake};
+use super::temporal::{Made, Temporal};
 use super::timeline::Timeline;
 use crate::bench::{Quality, QualityKey};
 use crate::playback::{Player, can_draw};
@@ -234,6 +235,8 @@ pub struct State {
     pub fly: Fly,
     /// The camera on a turntable.
     pub turntable: Turntable,
+    /// What other poses add to the picture.
+    pub temporal: Temporal,
     /// What was clicked on.
     pub inspection: Inspection,
     /// Work done.
@@ -253,8 +256,7 @@ pub struct State {
     requests: Vec<WindowRequest>,
     scene: Scene,
     packet: Option<ScenePacket>,
-    /// The frame that the packet was made of, and the origin of its positions.
-    drawn_frame: Option<(Arc<PreparedFrame>, DVec3)>,
+    drawn_frame: Option<DrawnFrame>,
     drawn_primitive: Primitive,
     /// The last redraw had a new picture, whose time has not been looked at.
     picture_is_new: bool,
@@ -264,6 +266,27 @@ pub struct State {
     without_gpu: Option<RendererChoice>,
     /// Where [`State::quality`] is kept; known once sequence and adapter are.
     quality_key: Option<QualityKey>,
+}
+
+/// What the packet was made of.
+#[derive(Debug)]
+struct DrawnFrame {
+    frame: Arc<PreparedFrame>,
+    /// The pose in it: the same, or what it was made from.
+    pose: Arc<PreparedFrame>,
+    /// Of their positions.
+    origin: DVec3,
+}
+
+impl DrawnFrame {
+    /// The slot in the pose of a point of the frame; `None` for points of ghosts.
+    fn slot_in_pose(&self, slot: usize) -> Option<usize> {
+        if Arc::ptr_eq(&self.frame.frame, &self.pose.frame) {
+            return Some(slot);
+        }
+        let index = *self.frame.frame.file_index().get(slot)? as usize;
+        (index < self.pose.points.len()).then_some(index)
+    }
 }
 
 /// The playhead in the hand.
@@ -297,6 +320,7 @@ impl State {
             graphics: GraphicsInfo::default(),
             fly: Fly::default(),
             turntable: Turntable::default(),
+            temporal: Temporal::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),
             full_screen: false,
@@ -384,12 +408,15 @@ impl State {
         player.set_loop_mode(loop_mode, self.now);
         player.set_speed(speed, self.now);
         if let Some(before) = self.player.replace(player) {
+            // Its numbers are those of the sequence before.
+            self.settings.clip = None;
             // Its threads end after the frame they are on; nobody waits for that here.
             super::tasks::close(before);
         }
         self.framed = false;
         self.glide = None;
         self.drawn_frame = None;
+        self.temporal.forget_frames();
         self.inspection.forget_points();
         self.scrubbing = Scrubbing::default();
         self.read_timeline(self.options.timelines.clone().as_ref());
@@ -457,6 +484,9 @@ impl State {
         if let Some(text) = change.other_attributes {
             self.notices.warn(text);
         }
+        visible |= self
+            .temporal
+            .follow(player, &self.settings, &self.tasks, now);
         if let Some(frame) = player.shown() {
             self.inspection.follow(frame, player.sequence().origin());
             if !self.framed {
@@ -465,6 +495,14 @@ impl State {
             }
         }
         visible
+    }
+
+    /// Takes in at once what the panels have changed about other poses.
+    pub(super) fn follow_poses(&mut self) {
+        if let Some(player) = &self.player {
+            self.temporal
+                .follow(player, &self.settings, &self.tasks, self.now);
+        }
     }
 
     /// True if something that is not the picture may have changed: marks on the timeline, progress.
@@ -481,7 +519,9 @@ impl State {
     /// The packet to draw, if it differs from the last one.
     pub fn next_packet(&mut self) -> Option<ScenePacket> {
         let player = self.player.as_ref()?;
-        let frame = player.shown()?;
+        let pose = player.shown()?;
+        let made = self.temporal.shown();
+        let frame = made.map_or(pose, Made::frame);
         if self.viewport.size_px.contains(&0) {
             return None;
         }
@@ -517,7 +557,12 @@ impl State {
             return None;
         }
         self.drawn_primitive = settings.primitive;
-        self.drawn_frame = Some((Arc::clone(frame), origin));
+        let pose = Arc::clone(made.map_or(pose, Made::pose));
+        self.drawn_frame = Some(DrawnFrame {
+            frame: Arc::clone(frame),
+            pose,
+            origin,
+        });
         self.packet = Some(packet.clone());
         self.picture_is_new = true;
         self.picture_points = frame.frame.len();
@@ -538,6 +583,7 @@ impl State {
         }
         let origin = player.sequence().origin();
         let size_px = self.viewport.size_px;
+        comparison.other.clip = self.settings.clip;
         let packet = comparison.next_packet(frame, origin, &self.camera, size_px)?;
         comparison.note_change(self.now);
         Some(packet)
@@ -556,9 +602,16 @@ impl State {
         let player = self.player.as_ref().and_then(Player::next_deadline);
         let comparison = self.comparison.as_ref().and_then(Comparison::next_deadline);
         let camera = self.camera_moves().then_some(self.now);
-        [player, self.notices.next_deadline(), comparison, camera]
-            .into_iter()
-            .flatten()
-            .min()
+        let held = self.temporal.next_deadline();
+        [
+            player,
+            self.notices.next_deadline(),
+            comparison,
+            camera,
+            held,
+        ]
+        .into_iter()
+        .flatten()
+        .min()
     }
 }

@@ -4,6 +4,7 @@
 
 use super::benchmark::BenchmarkTable;
 use super::comparison::PictureDifference;
+use super::temporal::Made;
 use crate::io;
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use std::fs;
@@ -92,6 +93,8 @@ pub enum Outcome {
     Saved(PathBuf),
     /// Two pictures were compared.
     Compared(PictureDifference),
+    /// A frame was made of several poses; `None` if nobody waits for it any more.
+    MadeFrame(Option<Box<Made>>),
     /// A benchmark ended; `Err` is a text for the person.
     Benchmark(Result<BenchmarkTable, String>),
     /// A task failed; the text says which and why.

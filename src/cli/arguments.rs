@@ -4,11 +4,12 @@ use crate::headless::CameraChoice;
 use crate::io::ReadOptions;
 use crate::octree::StopCriterion;
 use crate::scene::{
-    Background, Camera, Footprint, Lighting, Lod, NormalBits, OffsetBits, ParseChoiceError,
-    Primitive, Projection, RendererChoice, Settings, Splatting, Strategy, UpAxis,
+    Background, Camera, Clip, ClipShape, Footprint, Lighting, Lod, NormalBits, OffsetBits,
+    ParseChoiceError, Primitive, Projection, RendererChoice, Settings, Splatting, Strategy, UpAxis,
 };
 use crate::sequence::{ColorSource, OpenOptions, Sequence, SequenceError};
 use clap::Args;
+use glam::DVec3;
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -157,6 +158,14 @@ pub(super) struct PictureArgs {
     /// Bits of the offsets along normals of byte codes: 0, 2 or 3
     #[arg(long, value_name = "BITS")]
     offset_bits: Option<OffsetBits>,
+
+    /// Draw only points within this box, in the coordinates of the file
+    #[arg(long, value_name = "MINX,MINY,MINZ,MAXX,MAXY,MAXZ", allow_hyphen_values = true, value_parser = clip_box)]
+    clip_box: Option<ClipShape>,
+
+    /// Draw what is outside of --clip-box instead
+    #[arg(long, requires = "clip_box")]
+    clip_outside: bool,
 }
 
 /// What is behind the cloud.
@@ -208,6 +217,12 @@ impl PictureArgs {
             footprint: self.footprint.unwrap_or(default.footprint),
             normal_bits: self.normal_bits.unwrap_or(default.normal_bits),
             offset_bits: self.offset_bits.unwrap_or(default.offset_bits),
+            clip: self.clip_box.map_or(default.clip, |shape| {
+                Some(Clip {
+                    keeps_outside: self.clip_outside,
+                    ..Clip::to(shape)
+                })
+            }),
         }
     }
 }
@@ -368,6 +383,14 @@ fn not_negative(text: &str) -> Result<f32, String> {
     )
 }
 
+pub(super) fn not_negative_f64(text: &str) -> Result<f64, String> {
+    number_in(
+        text,
+        |value: &f64| value.is_finite() && *value >= 0.0,
+        "a number from 0 up",
+    )
+}
+
 fn delta(text: &str) -> Result<f32, String> {
     number_in(
         text,
@@ -394,6 +417,22 @@ fn field_of_view(text: &str) -> Result<f64, String> {
         |value| (1.0..=170.0).contains(value),
         "degrees from 1 to 170",
     )
+}
+
+fn clip_box(text: &str) -> Result<ClipShape, String> {
+    let numbers: Option<Vec<f64>> = text
+        .split(',')
+        .map(|number| number.trim().parse().ok())
+        .collect();
+    let corners = numbers.and_then(|numbers| <[f64; 6]>::try_from(numbers).ok());
+    corners
+        .map(|[a, b, c, d, e, f]| (DVec3::new(a, b, c), DVec3::new(d, e, f)))
+        .filter(|(min, max)| min.is_finite() && max.is_finite() && min.cmple(*max).all())
+        .map(|(min, max)| ClipShape::Box { min, max })
+        .ok_or_else(|| {
+            "expected six numbers, the smallest x,y,z and then the largest, such as 0,0,0,1.5,2,1"
+                .to_owned()
+        })
 }
 
 fn color_source(text: &str) -> Result<ColorSource, String> {

@@ -5,8 +5,10 @@ mod arguments;
 mod bench;
 mod check;
 mod compare;
+mod compare_frames;
 mod convert;
 mod info;
+mod poses;
 mod progress;
 mod render;
 mod video;
@@ -43,6 +45,8 @@ enum Verb {
     Convert(Box<convert::ConvertArgs>),
     /// Says how far a picture is from another one: PSNR, FLIP, SSIM, pixels that differ
     Compare(compare::CompareArgs),
+    /// Says how far the points of one frame are from another frame: mean, quantiles, maximum, share above a threshold
+    CompareFrames(compare_frames::CompareFramesArgs),
 }
 
 /// Parses the command line, runs the verb and says what went wrong.
@@ -64,6 +68,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Check(check)) => check::run(&check),
         Some(Verb::Convert(convert)) => convert::run(&convert).map(done),
         Some(Verb::Compare(compare)) => compare::run(&compare).map(done),
+        Some(Verb::CompareFrames(compare)) => compare_frames::run(&compare).map(done),
     };
     match result {
         Ok(code) => code,

@@ -1,6 +1,7 @@
 //! `pointreel render`: frames to PNG files, or to a video, with the code that draws the window.
 
 use super::arguments::{CameraArgs, FrameRange, PictureArgs, ReadArgs, open_sequence, size_px};
+use super::poses::PosesArgs;
 use super::say;
 use super::video::{VideoArgs, render_video};
 use crate::export::{FRAME_PLACEHOLDER, PictureSize, numbered, write_picture};
@@ -47,6 +48,9 @@ pub(super) struct RenderArgs {
 
     #[command(flatten)]
     picture: PictureArgs,
+
+    #[command(flatten)]
+    poses: PosesArgs,
 
     #[command(flatten)]
     pub(super) camera: CameraArgs,
@@ -161,6 +165,7 @@ fn render_frames(
         };
         let camera =
             camera.get_or_insert_with(|| arguments.camera.choice().camera(&frame, &sequence));
+        let frame = arguments.poses.with_others(frame, headless, settings)?;
         let path = numbered(output, index, sequence.len());
         let size = arguments.picture_size();
         write_picture(headless, &frame, camera, settings, size, &path)?;

@@ -9,11 +9,13 @@
 //! | [`PixelDifference`] | two pictures | pixels; steps of a channel, 0 to 255 | – |
 //! | [`SurfaceError`] | depths of two views | pixels; shares 0 to 1 | – |
 //! | [`GeometryError`] | two clouds | scene units (squared: means); decibels | Tian et al. 2017, D1 and D2 of MPEG's `pc_error` |
+//! | [`Change`] | two poses | scene units | D1 one way, point by point |
 //! | [`AngularError`] | two sets of normals | degrees, 0 to 90 or 180 | – |
 //!
 //! PSNR and SSIM are what others can compare with. PSNR weighs a shift of a thin line as much as a wrong colour, and says
 //! nothing of whether anybody sees it; FLIP does. SSIM tells a change of light from a lost pattern, but sees no colours.
 
+mod change;
 mod difference;
 mod flip;
 mod geometry;
@@ -22,6 +24,7 @@ mod psnr;
 mod ssim;
 mod surface;
 
+pub use change::Change;
 pub use difference::PixelDifference;
 pub use flip::{ErrorMap, PIXELS_PER_DEGREE, Perceived, flip};
 pub use geometry::{CloudMismatch, Distances, GeometryError, OneWay, Side};

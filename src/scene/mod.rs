@@ -2,6 +2,7 @@
 //! [`ScenePacket`] that holds everything one picture needs. Nothing here knows a graphics API.
 
 mod camera;
+mod clip;
 mod lod;
 mod on_screen;
 mod packet;
@@ -11,6 +12,7 @@ mod settings;
 mod view_text;
 
 pub use camera::{Camera, UpAxis, ViewPreset, ViewTransform};
+pub use clip::{Clip, ClipShape};
 pub use lod::Lod;
 pub use packet::{CodedCells, Scene, ScenePacket, SceneStats, Voxels};
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};

@@ -3,8 +3,9 @@
 //! [`Scene`] remembers the last traversal: as long as camera, viewport, octree and level of detail stay, the visible set
 //! is the same allocation, so that nobody downstream uploads it again.
 
+use super::clip::at;
 use super::lod::{Affordable, Lod};
-use super::{Camera, Primitive, Settings, ViewTransform};
+use super::{Camera, Clip, Primitive, Settings, ViewTransform};
 use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 use crate::math::Aabb;
 use crate::octree::{CodedCloud, Cut, CutHints, LodSurfels, Octree};
@@ -132,6 +133,7 @@ pub struct SceneStats {
 #[derive(Debug, Default)]
 pub struct Scene {
     selected: Option<Selection>,
+    clipped: Option<Clipped>,
     remembers: bool,
     affordable: Affordable,
     stats: SceneStats,
@@ -156,6 +158,41 @@ struct SelectedFrom {
     viewport_px: [u32; 2],
     lod: Lod,
     affordable: Affordable,
+    clip: Option<Clip>,
+}
+
+/// The points of a frame that are drawn where something is clipped, and from what.
+#[derive(Debug)]
+struct Clipped {
+    clip: Clip,
+    of: (Arc<Vec<PointRecord>>, Option<Arc<Vec<ShapeRecord>>>),
+    points: Arc<Vec<PointRecord>>,
+    shapes: Option<Arc<Vec<ShapeRecord>>>,
+}
+
+impl Clipped {
+    fn is_of(&self, clip: &Clip, packet: &ScenePacket) -> bool {
+        let (points, shapes) = &self.of;
+        self.clip == *clip
+            && Arc::ptr_eq(points, &packet.points)
+            && shapes.as_ref().map(Arc::as_ptr) == packet.shapes.as_ref().map(Arc::as_ptr)
+    }
+
+    fn new(clip: Clip, packet: &ScenePacket) -> Self {
+        let kept = clip.kept(&packet.points);
+        let (mut points, mut shapes) = (Arc::clone(&packet.points), packet.shapes.clone());
+        // What is drawn as a whole is the same allocation, and not uploaded again.
+        if kept.len() < points.len() {
+            points = Arc::new(at(&points, &kept));
+            shapes = shapes.map(|shapes| Arc::new(at(&shapes, &kept)));
+        }
+        Self {
+            clip,
+            of: (Arc::clone(&packet.points), packet.shapes.clone()),
+            points,
+            shapes,
+        }
+    }
 }
 
 /// The records of a selection.
@@ -182,6 +219,7 @@ impl PartialEq for SelectedFrom {
             && self.view == other.view
             && self.viewport_px == other.viewport_px
             && self.affordable == other.affordable
+            && self.clip == other.clip
     }
 }
 
@@ -220,6 +258,8 @@ impl Scene {
     ) -> ScenePacket {
         let viewport_px = settings.drawn_px(viewport_px);
         let view = camera.transform(origin, viewport_px);
+        let clip = settings.clip.filter(|clip| clip.is_on);
+        let clip = clip.map(|clip| clip.relative_to(origin));
         let is_surfel = settings.primitive == Primitive::Surfel;
         let octree = frame.octree.as_ref().filter(|_| settings.draws_cells());
         let surfels = frame.lod_surfels.as_ref().filter(|_| is_surfel);
@@ -233,16 +273,17 @@ impl Scene {
                 viewport_px,
                 lod: settings.lod,
                 affordable: self.affordable,
+                clip,
             })
         });
         let mut packet = ScenePacket {
             viewport_px,
             view,
-            settings: *settings,
+            settings: Settings { clip, ..*settings },
             points: Arc::clone(&frame.points),
             shapes: frame.shapes.clone().filter(|_| is_surfel),
             voxels: None,
-            coded: self.coded(frame, settings),
+            coded: self.coded(frame, settings).filter(|_| clip.is_none()),
             bounds: frame.frame.bounds(),
         };
         if let Some(coded) = &packet.coded
@@ -262,9 +303,23 @@ impl Scene {
                 packet.points = points;
                 packet.shapes = Some(shapes);
             }
-            _ => {}
+            _ => {
+                if let Some(clip) = clip {
+                    self.clip_points(clip, &mut packet);
+                }
+            }
         }
         packet
+    }
+
+    /// Leaves out points of a packet that has all of a frame.
+    fn clip_points(&mut self, clip: Clip, packet: &mut ScenePacket) {
+        let known = self.clipped.take();
+        let known = known.filter(|known| known.is_of(&clip, packet));
+        let clipped = known.unwrap_or_else(|| Clipped::new(clip, packet));
+        packet.points = Arc::clone(&clipped.points);
+        packet.shapes.clone_from(&clipped.shapes);
+        self.clipped = Some(clipped);
     }
 
     /// The byte code of a frame, if it is to be drawn. What is not a threshold chooses a level: as the code is stored breadth-first,
@@ -350,9 +405,16 @@ fn draw(from: &SelectedFrom, cut: &Cut, last: Option<Drawn>) -> Drawn {
     }
     if let Some(surfels) = &from.surfels {
         surfels.write(cut, &mut points, &mut shapes);
+        if let Some(clip) = &from.clip {
+            let kept = clip.kept(&points);
+            (points, shapes) = (at(&points, &kept), at(&shapes, &kept));
+        }
         Drawn::Surfels(Arc::new(points), Arc::new(shapes))
     } else {
         from.octree.write_voxels(cut, &mut voxels);
+        if let Some(clip) = &from.clip {
+            voxels = at(&voxels, &clip.kept(&voxels));
+        }
         Drawn::Voxels(Arc::new(voxels))
     }
 }

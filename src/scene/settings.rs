@@ -1,6 +1,6 @@
 //! Every choice a person has about a picture, with the words the command line and the window use for it.
 
-use super::Lod;
+use super::{Clip, Lod};
 use crate::octree::StopCriterion;
 use crate::sequence::ColorSource;
 use std::fmt;
@@ -362,6 +362,9 @@ pub struct Settings {
     pub normal_bits: NormalBits,
     /// Precision of offsets along normals drawn from byte codes.
     pub offset_bits: OffsetBits,
+    /// What of the cloud is drawn; all if `None`. Its numbers belong to one sequence, so it is kept in no file.
+    #[serde(skip)]
+    pub clip: Option<Clip>,
 }
 
 impl Settings {
@@ -375,13 +378,15 @@ impl Settings {
         shown_px.map(|edge| ((edge as f32 * self.resolution).round() as u32).max(1))
     }
 
-    /// These settings, but drawn as `way` is: the colours and the background stay, and whether back faces are left out.
+    /// These settings, but drawn as `way` is: the colours and the background stay, what is clipped, and whether back faces are left
+    /// out.
     #[must_use]
     pub fn drawn_as(&self, way: &Self) -> Self {
         Self {
             colors: self.colors,
             background: self.background,
             cull_back_faces: self.cull_back_faces,
+            clip: self.clip,
             ..*way
         }
     }
@@ -398,7 +403,8 @@ impl Settings {
         }
     }
 
-    /// Whether surfels are drawn from the byte code of an octree, if the processor draws; [`Settings::lod`] says how finely.
+    /// Whether surfels are drawn from the byte code of an octree, if the processor draws; [`Settings::lod`] says how finely. While
+    /// something is clipped the same surfels are drawn as disks: a code cannot be cut.
     pub fn draws_codes(&self) -> bool {
         self.primitive == Primitive::Surfel
             && self.footprint != Footprint::Disks
@@ -428,6 +434,7 @@ impl Default for Settings {
             footprint: Footprint::Disks,
             normal_bits: NormalBits::Thirteen,
             offset_bits: OffsetBits::Three,
+            clip: None,
         }
     }
 }

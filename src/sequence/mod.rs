@@ -23,6 +23,7 @@ mod detail;
 mod discover;
 mod effort;
 mod error;
+mod ghosts;
 mod loader;
 mod needs;
 mod origin;
@@ -41,6 +42,7 @@ pub use crate::io::natural_order;
 pub use clock::{Clock, DEFAULT_FPS, MAX_SPEED, MIN_SPEED};
 pub use detail::Detail;
 pub use error::{FrameError, SequenceError};
+pub use ghosts::{Ghost, with_ghosts};
 #[cfg(test)]
 pub(crate) use loader::simulation;
 pub use loader::{FrameFacts, FrameState, Loader, LoaderOptions, LoaderStats, Slot};

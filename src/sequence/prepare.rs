@@ -127,6 +127,39 @@ impl PreparedFrame {
         self.frame.is_sample()
     }
 
+    /// The same points in `colors`, one a point, under an id of their own: octree, byte code and surfels of its nodes are made anew
+    /// if there are any. To be drawn, not to be completed: what is added later would have the colours of the file again.
+    #[must_use]
+    pub fn in_colors(&self, colors: &[[u8; 4]]) -> Self {
+        let points = self.points.iter().zip(colors);
+        let points = points.map(|(&point, &color)| PointRecord { color, ..point });
+        let points = Arc::new(points.collect::<Vec<_>>());
+        let stop = self.octree_stop.filter(|_| self.octree.is_some());
+        let octree = stop.map(|stop| Octree::build(self.frame.positions(), colors, stop));
+        let octree = octree.map(Arc::new);
+        let surfels = octree.as_ref().zip(self.shapes.as_ref());
+        let lod_surfels = surfels.filter(|_| self.lod_surfels.is_some());
+        let lod_surfels = lod_surfels.map(|(octree, shapes)| {
+            let points = Arc::clone(&points);
+            Arc::new(LodSurfels::new(
+                Arc::clone(octree),
+                points,
+                Arc::clone(shapes),
+            ))
+        });
+        let coded = surfels.filter(|_| self.coded.is_some());
+        let coded =
+            coded.map(|(octree, shapes)| Arc::new(CodedCloud::new(octree, &points, shapes)));
+        Self {
+            id: next_id(),
+            points,
+            octree,
+            lod_surfels,
+            coded,
+            ..self.clone()
+        }
+    }
+
     /// Bytes of all parts.
     pub fn byte_size(&self) -> usize {
         self.frame.byte_size()

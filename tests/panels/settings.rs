@@ -13,7 +13,7 @@ use pointreel::scene::{
 use pointreel::sequence::ColorSource;
 
 /// Opens the list called `list` and chooses `entry`.
-fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) {
+pub(super) fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) {
     // The panel is longer than the window is high.
     harness
         .get_by_role_and_label(Role::ComboBox, list)
@@ -26,7 +26,7 @@ fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) {
 }
 
 /// Clicks a button, wherever it is in the panel.
-fn tap(harness: &mut Harness<'_, State>, label: &str) {
+pub(super) fn tap(harness: &mut Harness<'_, State>, label: &str) {
     harness
         .get_by_role_and_label(Role::Button, label)
         .scroll_to_me();
@@ -34,7 +34,7 @@ fn tap(harness: &mut Harness<'_, State>, label: &str) {
     click(harness, label);
 }
 
-fn slide(harness: &mut Harness<'_, State>, label: &str, value: f64) {
+pub(super) fn slide(harness: &mut Harness<'_, State>, label: &str, value: f64) {
     harness
         .get_by_role_and_label(Role::Slider, label)
         .set_value_accesskit(value);

@@ -1,6 +1,7 @@
 //! The panels, one file each: `fn timeline_ui(ui, &mut State)`. They read and change [`State`] and know no GPU.
 
 mod benchmark;
+mod clip;
 mod comparison;
 mod footprints;
 mod help;
@@ -15,6 +16,7 @@ mod presets;
 mod quality;
 mod settings;
 mod statistics;
+mod temporal;
 mod timeline;
 mod viewport;
 mod voxels;
@@ -28,6 +30,7 @@ pub use point::point_ui;
 pub use quality::QualityLimits;
 pub use settings::settings_ui;
 pub use statistics::statistics_ui;
+pub use temporal::change_ui;
 pub use timeline::timeline_ui;
 pub use viewport::viewport_ui;
 
@@ -73,12 +76,14 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     CentralPanel::no_frame().show(ui, |ui| viewport_ui(ui, state));
     point_ui(ui, state);
     measuring_ui(ui, state);
+    change_ui(ui, state);
     notices_ui(ui, state);
     help_ui(ui, state);
     benchmark_ui(ui, state);
     preset_name_ui(ui, state);
     palette_ui(ui, state);
     state.note_settings(ui.ctx());
+    state.follow_poses();
 }
 
 /// `1234567` → `1,234,567`.

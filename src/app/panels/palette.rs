@@ -8,7 +8,7 @@ use egui::{Align2, Button, Key, Modifiers, ScrollArea, TextEdit, Ui, Window};
 const SIZE: [f32; 2] = [460.0, 320.0];
 
 /// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes.
-pub fn palette_ui(ui: &Ui, state: &mut State) {
+pub(super) fn palette_ui(ui: &Ui, state: &mut State) {
     let Some(palette) = &mut state.palette else {
         return;
     };

@@ -1,7 +1,9 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
+use super::clip::clip_ui;
 use super::footprints::footprints_ui;
 use super::quality::quality_ui;
+use super::temporal::temporal_settings_ui;
 use super::voxels::octree_ui;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use crate::app::{State, Turntable};
@@ -39,6 +41,8 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
         if state.settings.draws_cells() || state.settings.draws_codes() {
             octree_ui(ui, &mut state.settings);
         }
+        clip_ui(ui, state);
+        temporal_settings_ui(ui, state);
         heading(ui, "Shading");
         rows(ui, "shading", |ui| shading(ui, &mut state.settings));
         heading(ui, "Background");

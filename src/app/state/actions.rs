@@ -52,6 +52,11 @@ impl State {
                     comparison.take_in(difference);
                 }
             }
+            Outcome::MadeFrame(made) => {
+                if let Some(made) = made {
+                    self.temporal.take_in(*made);
+                }
+            }
             Outcome::Failed(text) => self.notices.error(text),
         }
     }

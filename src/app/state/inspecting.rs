@@ -17,7 +17,7 @@ const FOCUS_CLOSER: f64 = 0.5;
 impl State {
     /// The point under a place of the window, and the frame that it is of, as they were drawn last.
     fn point_at(&self, place: Pos2) -> Option<(Pick, Arc<PreparedFrame>)> {
-        let (packet, (frame, origin)) = self.packet.as_ref().zip(self.drawn_frame.as_ref())?;
+        let (packet, drawn) = self.packet.as_ref().zip(self.drawn_frame.as_ref())?;
         let rect = self.viewport.rect;
         if !rect.contains(place) || rect.area() == 0.0 {
             return None;
@@ -27,8 +27,14 @@ impl State {
         let place_px = (place - rect.min) * px_per_point;
         let radius_px = f64::from(PICK_RADIUS * px_per_point.y);
         let place_px = [place_px.x, place_px.y].map(f64::from);
-        let slot = pick(packet, frame, place_px, radius_px)?;
-        Some((Pick::of(frame, *origin, slot)?, Arc::clone(frame)))
+        let slot = pick(packet, &drawn.frame, place_px, radius_px)?;
+        let [red, green, blue, _] = drawn.frame.points[slot].color;
+        let slot = drawn.slot_in_pose(slot)?;
+        let pick = Pick {
+            drawn_color: [red, green, blue],
+            ..Pick::of(&drawn.pose, drawn.origin, slot)?
+        };
+        Some((pick, Arc::clone(&drawn.pose)))
     }
 
     /// Gives the point under a place of the window to the chosen tool; nothing if there is none.

@@ -12,6 +12,7 @@
 mod ray;
 mod records;
 
+use super::clip::at;
 use super::{Primitive, ScenePacket};
 use crate::cloud::{PointRecord, oct_decode};
 use crate::sequence::PreparedFrame;
@@ -112,26 +113,53 @@ pub fn pick(
     match packet.settings.primitive {
         Primitive::Point => {
             let squares = Squares::new(&packet.points, packet.settings.point_size_px);
-            ray.choose(&squares, radius_px).map(|chosen| chosen.record)
+            let chosen = ray.choose(&squares, radius_px)?;
+            slot_of(packet, frame, chosen.record)
         }
         Primitive::Surfel => {
             let shapes = packet.shapes.as_ref()?;
             let disks = Disks::new(&packet.points, shapes, &packet.settings);
             let chosen = ray.choose(&disks, radius_px)?;
-            if Arc::ptr_eq(&packet.points, &frame.points) {
-                return Some(chosen.record);
+            if !packet.settings.draws_cells() || frame.lod_surfels.is_none() {
+                return slot_of(packet, frame, chosen.record);
             }
             // A surfel stands for points of a cell.
-            nearest(&frame.points, chosen.place, |_| true)
+            nearest_drawn(packet, frame, chosen.place, |_| true)
         }
         Primitive::Voxel => {
             let voxels = packet.voxels.as_ref()?;
             let cubes = Cubes::new(voxels);
             let chosen = ray.choose(&cubes, radius_px)?;
             let cell = cubes.cell(chosen.record);
-            nearest(&frame.points, chosen.place, |place| cell.contains(place))
+            nearest_drawn(packet, frame, chosen.place, |place| cell.contains(place))
         }
     }
+}
+
+/// The slot of a record of a packet that has all points of the frame but for those that are clipped.
+fn slot_of(packet: &ScenePacket, frame: &PreparedFrame, record: usize) -> Option<usize> {
+    match packet.settings.clip {
+        Some(clip) if !Arc::ptr_eq(&packet.points, &frame.points) => {
+            let kept = clip.kept(&frame.points);
+            kept.get(record).map(|&slot| slot as usize)
+        }
+        _ => Some(record),
+    }
+}
+
+/// [`nearest`] of what is not clipped, if there is such a point: a cell is drawn where its middle is kept.
+fn nearest_drawn(
+    packet: &ScenePacket,
+    frame: &PreparedFrame,
+    place: DVec3,
+    is_within: impl Fn(DVec3) -> bool + Sync,
+) -> Option<usize> {
+    let Some(clip) = packet.settings.clip else {
+        return nearest(&frame.points, place, is_within);
+    };
+    let kept = clip.kept(&frame.points);
+    let slot = nearest(&at(&frame.points, &kept), place, is_within)?;
+    Some(kept[slot] as usize)
 }
 
 /// The point nearest to a place of those that are within, or of all if none is; of equals the last.

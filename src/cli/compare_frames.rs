@@ -1,0 +1,107 @@
+//! `pointreel compare-frames`: how far the points of one frame are from another frame.
+
+use super::answer;
+use super::arguments::{ReadArgs, not_negative_f64, open_sequence};
+use crate::measure::Change;
+use anyhow::{Context as _, bail};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Arguments of `pointreel compare-frames`.
+#[derive(Debug, Args)]
+pub(super) struct CompareFramesArgs {
+    /// A folder, a pattern, or files; `demo:` is the built-in sequence
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+
+    /// The frame whose points are measured, counted from 0
+    #[arg(long, value_name = "A")]
+    from: usize,
+
+    /// The frame that they are measured to, counted from 0
+    #[arg(long, value_name = "B")]
+    to: usize,
+
+    /// Count points that are farther away than this, scene units
+    #[arg(long, value_name = "D", default_value = "0", value_parser = not_negative_f64)]
+    threshold: f64,
+
+    /// Answer in JSON
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    read: ReadArgs,
+}
+
+/// Distances in scene units.
+#[derive(Serialize)]
+struct Answer {
+    from: usize,
+    to: usize,
+    points: usize,
+    mean: f64,
+    median: f32,
+    quantile_95: f32,
+    quantile_99: f32,
+    max: f32,
+    threshold: f64,
+    share_above: f64,
+}
+
+pub(super) fn run(arguments: &CompareFramesArgs) -> anyhow::Result<()> {
+    let sequence = open_sequence(&arguments.inputs, &arguments.read.picture_options())?;
+    let CompareFramesArgs {
+        from,
+        to,
+        threshold,
+        ..
+    } = *arguments;
+    let [pose, other] = [sequence.frame(from)?, sequence.frame(to)?];
+    let Some(change) = Change::between(pose.positions(), other.positions(), || true) else {
+        bail!("frame {to} has no points, so nothing can be measured to it");
+    };
+    let found = Answer {
+        from,
+        to,
+        points: pose.len(),
+        mean: change.mean,
+        median: change.quantile(0.5),
+        quantile_95: change.quantile(0.95),
+        quantile_99: change.quantile(0.99),
+        max: change.largest(),
+        threshold,
+        share_above: change.share_above(threshold),
+    };
+    if arguments.json {
+        let json =
+            serde_json::to_string_pretty(&found).context("the answer cannot be written as JSON")?;
+        answer(&json);
+    } else {
+        answer(&table(&found));
+    }
+    Ok(())
+}
+
+fn table(found: &Answer) -> String {
+    let rows = [
+        ("frames", format!("{} to {}", found.from, found.to)),
+        ("points", found.points.to_string()),
+        ("mean", found.mean.to_string()),
+        ("median", found.median.to_string()),
+        ("95 %", found.quantile_95.to_string()),
+        ("99 %", found.quantile_99.to_string()),
+        ("largest", found.max.to_string()),
+        (
+            "farther away",
+            format!(
+                "{:.2} % than {}",
+                100.0 * found.share_above,
+                found.threshold
+            ),
+        ),
+    ];
+    rows.map(|(name, value)| format!("{name:<20}{value}"))
+        .join("\n")
+}

@@ -1,0 +1,96 @@
+//! What other poses add to a picture: colours by how far each point is from another frame, and ghosts.
+
+use super::say;
+use crate::app::OnionSkin;
+use crate::headless::Headless;
+use crate::measure::Change;
+use crate::scene::{Scene, Settings};
+use crate::sequence::{Ghost, PreparedFrame, with_ghosts};
+use clap::Args;
+use std::sync::Arc;
+
+/// Which other poses.
+#[derive(Debug, Clone, Default, Args)]
+pub(super) struct PosesArgs {
+    /// Colour points by their distance to the frame that is K later (negative: earlier), up to what 99 % do not exceed; --lighting
+    /// none leaves the colours as they are
+    #[arg(
+        long,
+        value_name = "K",
+        allow_negative_numbers = true,
+        conflicts_with = "video"
+    )]
+    change: Option<i64>,
+
+    /// The distance in the last colour of --change, scene units
+    #[arg(long, value_name = "D", requires = "change", value_parser = super::arguments::not_negative_f64)]
+    change_range: Option<f64>,
+
+    /// Draw so many frames before and after as ghosts, 0 to 8
+    #[arg(long, value_name = "N", conflicts_with = "video", value_parser = clap::value_parser!(u8).range(0..=8))]
+    onion: Option<u8>,
+
+    /// Frames from one ghost to the next
+    #[arg(long, value_name = "N", requires = "onion", value_parser = clap::value_parser!(u16).range(1..))]
+    onion_step: Option<u16>,
+}
+
+impl PosesArgs {
+    /// `frame` with what was asked for; as it is where nothing was.
+    pub(super) fn with_others(
+        &self,
+        frame: Arc<PreparedFrame>,
+        headless: &Headless,
+        settings: &Settings,
+    ) -> anyhow::Result<Arc<PreparedFrame>> {
+        let mut drawn = frame;
+        if let Some(step) = self.change {
+            drawn = self.in_change_colors(drawn, step, headless, settings)?;
+        }
+        if let Some(count) = self.onion.map(usize::from) {
+            let onion = OnionSkin {
+                before: count,
+                after: count,
+                step: self.onion_step.map_or(1, usize::from),
+                ..OnionSkin::default()
+            };
+            let around = onion.around(drawn.index, headless.sequence().len());
+            let ghosts = around.into_iter().map(|(index, share, tint)| {
+                let frame = headless.frame(index, settings)?;
+                Ok(Ghost { frame, share, tint })
+            });
+            let ghosts = ghosts.collect::<anyhow::Result<Vec<Ghost>>>()?;
+            drawn = Arc::new(with_ghosts(&drawn, &ghosts, &Scene::needs(settings))?);
+        }
+        Ok(drawn)
+    }
+
+    fn in_change_colors(
+        &self,
+        frame: Arc<PreparedFrame>,
+        step: i64,
+        headless: &Headless,
+        settings: &Settings,
+    ) -> anyhow::Result<Arc<PreparedFrame>> {
+        let other = i64::try_from(frame.index)?.checked_add(step);
+        let other = other.and_then(|other| usize::try_from(other).ok());
+        let Some(other) = other.filter(|&other| other < headless.sequence().len()) else {
+            say(&format!(
+                "warning: frame {} keeps its colours: there is no frame {step} later",
+                frame.index
+            ));
+            return Ok(frame);
+        };
+        let other = headless.frame(other, settings)?;
+        let (places, others) = (frame.frame.positions(), other.frame.positions());
+        let Some(change) = Change::between(places, others, || true) else {
+            say(&format!(
+                "warning: frame {} keeps its colours: frame {} has no points",
+                frame.index, other.index
+            ));
+            return Ok(frame);
+        };
+        let range = self.change_range.unwrap_or(change.usual_range());
+        Ok(Arc::new(frame.in_colors(&change.colors(range))))
+    }
+}
