@@ -23,7 +23,8 @@ fn playing_stays_between_in_and_out_point() {
         frame(&harness)
     });
     assert_eq!(frames, [5, 3, 4, 5]);
-    click(&mut harness, "Play");
+    harness.run();
+    click(&mut harness, "Pause");
     press(&mut harness, Modifiers::SHIFT, Key::X);
     assert_eq!(clock(&harness).range().of(FRAMES), 0..FRAMES);
 }

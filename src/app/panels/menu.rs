@@ -8,11 +8,11 @@ use crate::bench::Suite;
 use crate::scene::{Projection, ViewPreset};
 use egui::{Button, MenuBar, Ui};
 
-/// File, Play, View, Presets, Tools, Benchmark, Help.
+/// File, Playback, View, Presets, Tools, Benchmark, Help.
 pub fn menu_ui(ui: &mut Ui, state: &mut State) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file_menu(ui, state));
-        ui.menu_button("Play", |ui| play_menu(ui, state));
+        ui.menu_button("Playback", |ui| play_menu(ui, state));
         ui.menu_button("View", |ui| view_menu(ui, state));
         ui.menu_button("Presets", |ui| presets_menu(ui, state));
         ui.menu_button("Tools", |ui| tools_menu(ui, state));

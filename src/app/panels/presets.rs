@@ -20,7 +20,7 @@ pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
     let presets = state.presets.list();
     for preset in presets {
         let is_present = state.settings == preset.settings;
-        let button = ui.add(Button::selectable(is_present, &preset.name));
+        let button = ui.add(Button::selectable(is_present, preset.name.as_str()));
         let what = "All settings as they were when this was saved";
         if button.on_hover_text(what).clicked() {
             state.settings = preset.settings;
