@@ -106,14 +106,11 @@ pub(super) fn clip_ui(ui: &mut Ui, state: &mut State) {
             let button = egui::Button::new("Through three points");
             let tooltip =
                 "The plane through the three points of the last angle that was measured (M, Angle)";
-            let button = ui.add_enabled(through.is_some(), button);
-            if let (true, Some(through)) = (
-                button
-                    .on_hover_text(tooltip)
-                    .on_disabled_hover_text(tooltip)
-                    .clicked(),
-                through,
-            ) {
+            let button = ui
+                .add_enabled(through.is_some(), button)
+                .on_hover_text(tooltip)
+                .on_disabled_hover_text(tooltip);
+            if let Some(through) = through.filter(|_| button.clicked()) {
                 clip.shape = through;
             }
         }
