@@ -2,8 +2,10 @@
 
 mod actions;
 mod inspecting;
+mod parts;
 
 pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+pub use parts::{Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest};
 
 use super::benchmark::Benchmark;
 use super::comparison::Comparison;
@@ -23,176 +25,12 @@ use super::temporal::{Made, Temporal};
 use super::timeline::Timeline;
 use crate::bench::{Quality, QualityKey};
 use crate::playback::{Player, can_draw};
-use crate::render::RenderStats;
-use crate::scene::{
-    Camera, Primitive, RendererChoice, Scene, ScenePacket, SceneStats, Settings, UpAxis,
-};
+use crate::scene::{Camera, Primitive, RendererChoice, Scene, ScenePacket, SceneStats, Settings};
 use crate::sequence::{Clock, LoaderOptions, OpenOptions, PreparedFrame, Sequence, watch};
 use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// How a [`State`] begins.
-#[derive(Clone)]
-pub struct StateOptions {
-    /// What was chosen before.
-    pub preferences: Preferences,
-    /// Which axis is up; guessed for each sequence if `None`.
-    pub up: Option<UpAxis>,
-    /// Where the first sequence is seen from, in place of a view that shows all of it.
-    pub view: Option<Camera>,
-    /// How inputs are opened.
-    pub open: OpenOptions,
-    /// Show the newest frame of a folder as it comes.
-    pub follow: bool,
-    /// Do not play what is opened.
-    pub paused: bool,
-    /// Memory for prepared frames; the loader's default if `None`.
-    pub budget_bytes: Option<usize>,
-    /// What was opened lately.
-    pub recent: Recent,
-    /// Settings under names.
-    pub presets: Presets,
-    /// The folder where range and markers of each sequence are kept; they are not if `None`.
-    pub timelines: Option<PathBuf>,
-    /// Wakes the window from another thread.
-    pub wake: Wake,
-}
-
-impl Default for StateOptions {
-    fn default() -> Self {
-        Self {
-            preferences: Preferences::default(),
-            up: None,
-            view: None,
-            open: OpenOptions::default(),
-            follow: false,
-            paused: false,
-            budget_bytes: None,
-            recent: Recent::default(),
-            presets: Presets::default(),
-            timelines: None,
-            wake: Arc::new(|| {}),
-        }
-    }
-}
-
-impl std::fmt::Debug for StateOptions {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter
-            .debug_struct("StateOptions")
-            .field("preferences", &self.preferences)
-            .field("paused", &self.paused)
-            .finish_non_exhaustive()
-    }
-}
-
-/// Which panels and windows are open.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a panel that is open or not, independent of the others"
-)]
-pub struct OpenPanels {
-    /// The settings at the right.
-    pub settings: bool,
-    /// The statistics at the left.
-    pub statistics: bool,
-    /// The list of keys.
-    pub help: bool,
-    /// The benchmark window.
-    pub benchmark: bool,
-}
-
-impl Default for OpenPanels {
-    fn default() -> Self {
-        Self {
-            settings: true,
-            statistics: false,
-            help: false,
-            benchmark: false,
-        }
-    }
-}
-
-/// What the window did. The proof that an idle one does nothing.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Counters {
-    /// Runs of the panels.
-    pub ui_passes: u64,
-    /// Packets that differed from the one before: pictures asked of the renderer.
-    pub pictures: u64,
-}
-
-/// The picture on the screen.
-#[derive(Debug, Clone, Copy)]
-pub struct Viewport {
-    /// Its place in the window, points.
-    pub rect: egui::Rect,
-    /// Its size in physical pixels.
-    pub size_px: [u32; 2],
-    /// Where the pointer is, if it is on the picture.
-    pub pointer: Option<egui::Pos2>,
-    /// The texture that holds it; `None` without a GPU.
-    pub texture: Option<egui::TextureId>,
-    /// The texture that holds the picture of the other side of a comparison.
-    pub other_texture: Option<egui::TextureId>,
-    /// Largest edge that the adapter can draw.
-    pub max_edge_px: Option<u32>,
-}
-
-impl Default for Viewport {
-    fn default() -> Self {
-        Self {
-            rect: egui::Rect::ZERO,
-            size_px: [0; 2],
-            pointer: None,
-            texture: None,
-            other_texture: None,
-            max_edge_px: None,
-        }
-    }
-}
-
-/// What the statistics panel says of the graphics card.
-#[derive(Debug, Clone, Default)]
-pub struct GraphicsInfo {
-    /// Name, type and driver.
-    pub adapter: String,
-    /// Whether the adapter is a program that draws on the processor.
-    pub is_software: bool,
-    /// Whether GPU time can be measured.
-    pub has_timestamps: bool,
-    /// Counters of the renderer.
-    pub render: RenderStats,
-    /// CPU time of the last redraw: panels, picture and painting, without waiting for the screen.
-    pub frame_ms: f64,
-}
-
-impl GraphicsInfo {
-    /// Time of the last picture: the longer of processor and graphics card, which work side by side.
-    fn picture_ms(&self) -> f64 {
-        self.frame_ms.max(self.render.gpu_ms.unwrap_or(0.0))
-    }
-}
-
-/// What only the window itself can do.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum WindowRequest {
-    /// Read the picture back and write it to this file, or to a new one.
-    Screenshot(Option<PathBuf>),
-    /// Read the pictures of both sides of a comparison back.
-    Compare,
-    /// Put this text on the clipboard.
-    Copy(String),
-    /// Read the clipboard, for [`State::paste_view`].
-    PasteView,
-    /// Full screen and back.
-    FullScreen,
-    /// End the program.
-    Quit,
-}
 
 /// The state of the window.
 #[derive(Debug)]
