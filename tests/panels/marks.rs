@@ -1,5 +1,6 @@
 //! In and out point, markers and the curve on the timeline.
 
+use super::points::click_on;
 use super::{FRAMES, click, clock, frame, options, press, sequence, window, window_on};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -53,12 +54,7 @@ fn markers_are_set_named_jumped_to_and_kept() {
     // The second click of two names it.
     let flag = harness.get_by_role_and_label(Role::Button, "Marker at frame 5");
     let place = flag.rect().center();
-    for _ in 0..2 {
-        harness.drag_at(place);
-        harness.drop_at(place);
-        harness.step();
-    }
-    harness.run();
+    click_on(&mut harness, place, 2);
     harness
         .get_by_role_and_label(Role::TextInput, "Name of the marker")
         .type_text("turn");

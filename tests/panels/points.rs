@@ -36,7 +36,7 @@ fn in_window(harness: &Harness<'_, State>, place: DVec3) -> Pos2 {
     state.viewport.rect.min + egui::vec2(px.x as f32, px.y as f32)
 }
 
-fn click_on(harness: &mut Harness<'_, State>, place: Pos2, times: usize) {
+pub(super) fn click_on(harness: &mut Harness<'_, State>, place: Pos2, times: usize) {
     let event = |pressed| egui::Event::PointerButton {
         pos: place,
         button: PointerButton::Primary,

@@ -194,7 +194,11 @@ impl State {
 
     fn escape(&mut self) {
         let running = matches!(self.benchmark, Benchmark::Running(_));
-        if self.panels.help {
+        // The key has taken the keyboard from their fields already, so they do not see it.
+        let has_closed = self.palette.take().is_some() || self.timeline.renaming.take().is_some();
+        if has_closed {
+            // One thing at a time.
+        } else if self.panels.help {
             self.panels.help = false;
         } else if self.panels.benchmark && !running {
             self.panels.benchmark = false;
