@@ -112,8 +112,9 @@ fn json(seconds: u8, has_pose: bool, stride: u32, data: &[u8]) -> Vec<u8> {
     serde_json::to_vec(&message).unwrap()
 }
 
-const WRITERS: [(&str, fn(u8, bool, u32, &[u8]) -> Vec<u8>); 2] =
-    [("protobuf", protobuf), ("json", json)];
+type Writer = fn(u8, bool, u32, &[u8]) -> Vec<u8>;
+
+const WRITERS: [(&str, Writer); 2] = [("protobuf", protobuf), ("json", json)];
 
 fn write(path: &Path, encoding: &str, messages: &[Vec<u8>], options: mcap::WriteOptions) {
     let mut file = std::fs::File::create(path).unwrap();

@@ -69,7 +69,7 @@ fn sequences_are_of_one_topic() {
     let sequence = open(std::slice::from_ref(&first), Some("/other")).unwrap();
     assert_eq!(sequence.len(), 2);
     assert_eq!(sequence.topics(), topics("/other"));
-    assert_eq!(sequence.inputs(), [first.clone()]);
+    assert_eq!(sequence.inputs(), std::slice::from_ref(&first));
     assert_eq!(open(std::slice::from_ref(&first), None).unwrap().len(), 3);
 
     // A recording in several files: their topics together.

@@ -62,7 +62,12 @@ fn recording(path: &std::path::Path) {
         .unwrap();
     for (topic, cloud_count) in [("/front", 2), ("/rear", 1)] {
         let channel = writer
-            .add_channel(schema, topic, "ros1", &Default::default())
+            .add_channel(
+                schema,
+                topic,
+                "ros1",
+                &std::collections::BTreeMap::default(),
+            )
             .unwrap();
         for second in 1..=cloud_count {
             let mut message = Vec::new();

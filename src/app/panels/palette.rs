@@ -2,7 +2,7 @@
 
 use crate::app::State;
 use crate::app::palette::{Entry, find};
-use egui::{Align2, Button, Key, Modifiers, ScrollArea, TextEdit, Ui, Window};
+use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, Window};
 
 /// Size of the window, points.
 const SIZE: [f32; 2] = [460.0, 320.0];
@@ -50,7 +50,11 @@ pub(super) fn palette_ui(ui: &Ui, state: &mut State) {
             ScrollArea::vertical().max_height(SIZE[1]).show(ui, |ui| {
                 for (place, entry) in found.iter().enumerate() {
                     let is_chosen = place == palette.chosen;
-                    if row(ui, entry, is_chosen, up || down) {
+                    let response = row(ui, entry, is_chosen);
+                    if is_chosen && (up || down) {
+                        response.scroll_to_me(None);
+                    }
+                    if response.clicked() {
                         clicked = Some(entry.command);
                     }
                 }
@@ -65,14 +69,10 @@ pub(super) fn palette_ui(ui: &Ui, state: &mut State) {
     }
 }
 
-/// One command; true if it was clicked on.
-fn row(ui: &mut Ui, entry: &Entry, is_chosen: bool, was_moved: bool) -> bool {
+/// One command.
+fn row(ui: &mut Ui, entry: &Entry, is_chosen: bool) -> Response {
     let button = Button::selectable(is_chosen, entry.text)
         .shortcut_text(entry.keys)
         .min_size([ui.available_width(), 0.0].into());
-    let response = ui.add(button);
-    if is_chosen && was_moved {
-        response.scroll_to_me(None);
-    }
-    response.clicked()
+    ui.add(button)
 }

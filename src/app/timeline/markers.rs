@@ -147,7 +147,9 @@ mod tests {
             marked in prop::collection::btree_set(0usize..20, 0..8), frame in 0usize..16, count in 1usize..16,
         ) {
             let mut markers = Markers::default();
-            marked.iter().for_each(|&frame| markers.toggle(frame));
+            for &frame in &marked {
+                markers.toggle(frame);
+            }
             let frame = frame % count;
             let found = |mut way: Box<dyn Iterator<Item = usize>>| way.find(|other| marked.contains(other));
             let next = found(Box::new((frame + 1..count).chain(0..=frame)));

@@ -83,8 +83,8 @@ fn a_turntable_turns_at_one_speed_and_joins_its_own_end() {
 fn the_camera_goes_the_short_way_round_and_zooms_evenly() {
     let at = |azimuth_deg: f64, distance: f64, time_s: f64| Keyframe {
         camera: Camera {
-            azimuth_deg,
             distance,
+            azimuth_deg,
             ..camera()
         },
         ..key(time_s, 0.0)

@@ -69,11 +69,9 @@ pub(super) fn markers_ui(ui: &mut Ui, state: &mut State) {
 }
 
 fn begin_renaming(state: &mut State, frame: usize) {
-    let markers = state.timeline.markers.list().iter();
-    let name = markers
-        .filter(|marker| marker.frame == frame)
-        .map(|marker| marker.name.clone());
-    state.timeline.renaming = name.last().map(|name| (frame, name));
+    let mut markers = state.timeline.markers.list().iter();
+    let marker = markers.find(|marker| marker.frame == frame);
+    state.timeline.renaming = marker.map(|marker| (frame, marker.name.clone()));
 }
 
 /// Asks for a name; Enter or a click elsewhere takes it, Esc leaves the old one.
