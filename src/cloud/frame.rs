@@ -127,21 +127,39 @@ impl Frame {
     /// At most `most_points` of the points, taken evenly in their order, and where each of them stands here. Radii of the file grow, so
     /// that they cover what all cover.
     pub fn sample(&self, most_points: usize) -> Result<(Self, Vec<u32>), CloudError> {
+        let taken: Vec<u32> = even_places(self.len(), most_points)
+            .into_iter()
+            .map(|slot| slot as u32)
+            .collect();
+        let factor = radius_factor(self.len(), taken.len());
         let raw = RawCloud {
-            positions: Positions::F32(bytemuck::cast_slice(&self.positions).to_vec()),
-            colors: self.colors.clone(),
-            normals: self.normals.clone().map(bytemuck::cast_vec),
-            radii: self.radii.clone(),
-            scalars: self.scalars.clone(),
+            positions: Positions::F32(gather(&self.positions, &taken, |at| at.to_array())),
+            colors: self
+                .colors()
+                .map(|colors| gather(colors, &taken, |color| color)),
+            normals: self
+                .normals()
+                .map(|normals| gather(normals, &taken, |normal| normal.to_array())),
+            radii: self
+                .radii()
+                .map(|radii| gather(radii, &taken, |radius| factor * radius)),
+            scalars: self
+                .scalars
+                .iter()
+                .map(|field| ScalarField {
+                    name: field.name.clone(),
+                    values: gather(&field.values, &taken, |value| value),
+                    offset: field.offset,
+                })
+                .collect(),
             has_narrow_colors: false,
             faces: Vec::new(),
             sensor: self.sensor.map(Vec3::as_dvec3),
         };
-        let mut sample = Self::from_raw_sample(raw, DVec3::ZERO, most_points)?;
-        let slots = std::mem::take(&mut sample.file_index);
-        let in_file = |&slot: &u32| self.file_index[slot as usize];
-        sample.file_index = slots.iter().map(in_file).collect();
-        sample.left_out += self.left_out + self.dropped_points;
+        let mut sample = Self::from_raw(raw, DVec3::ZERO)?;
+        let slots = gather(&taken, &sample.file_index, |slot| slot);
+        sample.file_index = gather(&self.file_index, &slots, |index| index);
+        sample.left_out = self.points_in_file() - slots.len();
         Ok((sample, slots))
     }
 

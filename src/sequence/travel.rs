@@ -117,10 +117,7 @@ impl Travel {
             return Arrival {
                 index,
                 direction,
-                steps: match self.loop_mode {
-                    LoopMode::Off => 0,
-                    LoopMode::Loop | LoopMode::PingPong => steps,
-                },
+                steps: self.steps_on_the_spot(steps),
             };
         }
         let position = position as u64;
@@ -147,16 +144,21 @@ impl Travel {
         }
     }
 
+    /// How many of `steps` are made where there is nowhere to go.
+    fn steps_on_the_spot(&self, steps: u64) -> u64 {
+        match self.loop_mode {
+            LoopMode::Off => 0,
+            LoopMode::Loop | LoopMode::PingPong => steps,
+        }
+    }
+
     /// [`Travel::after`] from a frame that does not play.
     fn after_from_elsewhere(&self, index: usize, direction: Direction, steps: u64) -> Arrival {
         let Some(rest) = steps.checked_sub(1).filter(|_| self.frame_count > 0) else {
             return Arrival {
                 index,
                 direction,
-                steps: match self.loop_mode {
-                    LoopMode::Off => 0,
-                    LoopMode::Loop | LoopMode::PingPong => steps,
-                },
+                steps: self.steps_on_the_spot(steps),
             };
         };
         let arrival = self.after(self.start(direction), direction, rest);

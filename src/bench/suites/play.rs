@@ -124,9 +124,8 @@ fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Settings) -> Result<Pla
     let mut looked_at = 0;
     while player.frames_shown() < wanted {
         player.update(begin.elapsed(), settings);
-        let failed = player.loader().stats().failed_frames;
         if let Some(failure) = player.failure()
-            && failed + 1 >= subject.sequence.len()
+            && player.loader().stats().failed_frames + 1 >= subject.sequence.len()
         {
             // One frame alone does not play.
             return Err(BenchError::NoFrame {
