@@ -15,6 +15,11 @@ use std::fs::File;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
+#[path = "shapes/turns.rs"]
+mod turns;
+
+use turns::{median, time_ms};
+
 // As in the program.
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
@@ -102,19 +107,4 @@ fn main() {
             column(two_ms)
         );
     }
-}
-
-/// Milliseconds of `work`; what it returns is dropped afterwards. It has run once before, so that memory is warm.
-fn time_ms<T>(work: impl Fn() -> T) -> f64 {
-    drop(work());
-    let begin = Instant::now();
-    let outcome = work();
-    let elapsed = begin.elapsed();
-    drop(outcome);
-    elapsed.as_secs_f64() * 1e3
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

@@ -3,18 +3,27 @@
 //! Measured: `Octree::build` from positions and colours in memory, on one and two threads, at δ = 2, 10 and 50 % and with at
 //! most eight points a leaf, with everything it allocates; of points that are in Morton order already, as those of frames are; `Octree::with_stop` when δ changes; the most memory that a build
 //! holds; and beside it, in the same run, a textbook radix sort of the same 63-bit Morton codes (eight passes of eight
-//! bits), alone and with the point indices that a build needs. Times vary between machines; the ratio to the sort does not.
+//! bits), alone and with the point indices that a build needs.
+//!
+//! First, the bare sort, two of it at once, and a build at δ = 2 % on one and on two threads take turns, so that a machine that
+//! slows down slows all of them: medians and their ratios, which hold where times do not. Two sorts at once share no work and
+//! no memory, so that they say what a second processor is worth at all.
 //!
 //! Not measured: decoding the frame, making the codes (for the bare sorts), handing the memory back to the system.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use glam::Vec3;
 use pointreel::math::{Cube, order_of_codes};
 use pointreel::octree::{Octree, StopCriterion};
 use std::hint::black_box;
+use std::time::Instant;
 
 mod shapes;
+#[path = "shapes/turns.rs"]
+mod turns;
 
 use shapes::{memory, threads};
+use turns::{median, time_ms};
 
 #[expect(clippy::print_stdout, reason = "criterion measures time alone")]
 fn build(criterion: &mut Criterion) {
@@ -27,6 +36,7 @@ fn build(criterion: &mut Criterion) {
             .into_iter()
             .map(|index| (positions[index as usize], colors[index as usize]))
             .unzip();
+        take_turns(&positions, &colors, &codes);
         let mut group = criterion.benchmark_group(format!("octree/{count}"));
         group.throughput(Throughput::Elements(count as u64));
         group.sample_size(if count > 500_000 { 10 } else { 50 });
@@ -86,6 +96,44 @@ fn build(criterion: &mut Criterion) {
         });
         group.finish();
     }
+}
+
+/// Rounds of each thing that takes turns.
+const ROUNDS: usize = 50;
+
+#[expect(clippy::print_stdout, reason = "what is measured by turns")]
+fn take_turns(positions: &[Vec3], colors: &[[u8; 4]], codes: &[u64]) {
+    let pools: Vec<_> = threads::pools([1, 2]).map(|(_, pool)| pool).collect();
+    let mut sorts = [(); 2].map(|()| (codes.to_vec(), codes.to_vec()));
+    let mut times_ms = [const { Vec::new() }; 4];
+    for _ in 0..ROUNDS {
+        sorts
+            .iter_mut()
+            .for_each(|(items, _)| items.copy_from_slice(codes));
+        let sort = |(items, scratch): &mut (Vec<u64>, Vec<u64>)| {
+            let begin = Instant::now();
+            radix_sort(items, scratch, |&code| code);
+            begin.elapsed().as_secs_f64() * 1e3
+        };
+        times_ms[0].push(sort(&mut sorts[0]));
+        sorts[0].0.copy_from_slice(codes);
+        let [first, second] = &mut sorts;
+        let both_ms = pools[1].join(|| sort(first), || sort(second));
+        times_ms[1].push(both_ms.0.max(both_ms.1));
+        for (pool, times_ms) in pools.iter().zip(&mut times_ms[2..]) {
+            let build = || Octree::build(positions, colors, StopCriterion::Loss(0.02));
+            times_ms.push(pool.install(|| time_ms(build)));
+        }
+    }
+    let [sort_ms, both_ms, one_ms, two_ms] = times_ms.map(median);
+    println!(
+        "{} points, by turns: bare radix sort {sort_ms:.2} ms; build on one thread {one_ms:.2} ms, {:.2} × the sort; \
+         on two {two_ms:.2} ms, {:.2} × as fast, where two bare sorts at once are {:.2} × as fast as one after the other",
+        codes.len(),
+        one_ms / sort_ms,
+        one_ms / two_ms,
+        2.0 * sort_ms / both_ms,
+    );
 }
 
 /// Eight stable passes over eight bits each; the result is in `items`.

@@ -46,7 +46,7 @@ impl SortedPoints {
         if in_order(some).is_some()
             && let Some((cells, partings)) = in_order(positions)
         {
-            return Self::in_order(cells, partings, colors.iter().copied());
+            return Self::in_order(cells, partings, colors);
         }
         let (cells, colors) = if positions.len() <= few_codes::MOST {
             sorted_few(cube, positions, colors)
@@ -56,7 +56,7 @@ impl SortedPoints {
         let partings = partings_in_order(&cells).expect("cells were sorted");
         Self {
             are_as_given: false,
-            ..Self::in_order(cells, partings, colors.iter().copied())
+            ..Self::in_order(cells, partings, &colors)
         }
     }
 
@@ -64,17 +64,14 @@ impl SortedPoints {
     pub(super) fn from_codes(codes: &[u64], colors: &[[u8; 3]]) -> Option<Self> {
         let cells: Vec<PackedCell> = codes.iter().copied().map(PackedCell::from_code).collect();
         let partings = partings_in_order(&cells)?;
-        let colors = colors
+        let colors: Vec<[u8; 4]> = colors
             .iter()
-            .map(|&[red, green, blue]| [red, green, blue, 0]);
-        Some(Self::in_order(cells, partings, colors))
+            .map(|&[red, green, blue]| [red, green, blue, 0])
+            .collect();
+        Some(Self::in_order(cells, partings, &colors))
     }
 
-    fn in_order(
-        cells: Vec<PackedCell>,
-        partings: Vec<u8>,
-        colors: impl ExactSizeIterator<Item = [u8; 4]> + Send,
-    ) -> Self {
+    fn in_order(cells: Vec<PackedCell>, partings: Vec<u8>, colors: &[[u8; 4]]) -> Self {
         let count = || occupied_cells(&partings);
         let (occupied, colors_before) = rayon::join(count, || voxels::running_sums(colors));
         Self {
@@ -119,9 +116,14 @@ fn sorted_few(
 /// The same of any number of points.
 fn sorted(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> (Vec<PackedCell>, Vec<[u8; 4]>) {
     let write_codes = |range, codes: &mut [u64]| cube.write_codes(&positions[range], codes);
-    let buckets = Buckets::new(positions.len(), write_codes, |point| colors[point]);
-    let mut cells = vec![PackedCell::new([0; 3]); positions.len()];
-    let mut colors = vec![[0; 4]; positions.len()];
+    // Clearing memory takes as long as a few chunks of points, so that it is one task among theirs.
+    let (buckets, (mut cells, mut colors)) = rayon::join(
+        || Buckets::new(positions.len(), write_codes, |point| colors[point]),
+        || {
+            let cells = vec![PackedCell::new([0; 3]); positions.len()];
+            (cells, vec![[0; 4]; positions.len()])
+        },
+    );
     let places = buckets.places(&mut cells);
     buckets.sort_each(&mut colors, places, |codes, cells| {
         dispatch!(Level::new(), _simd => write_cells(codes, cells));
@@ -182,6 +184,25 @@ fn write_partings_of_block(cells: &[PackedCell], partings: &mut [u8]) -> bool {
 
 /// Cells of every level that hold a point: one for each code that parted there or above.
 fn occupied_cells(partings: &[u8]) -> OccupiedCells {
+    let add = |mut sums: [u32; LEVELS as usize + 2], counts: [u32; LEVELS as usize + 2]| {
+        for (sum, count) in sums.iter_mut().zip(counts) {
+            *sum += count;
+        }
+        sums
+    };
+    let parted = partings
+        .par_chunks(4 * CELLS_PER_TASK)
+        .map(count_partings)
+        .reduce(|| [0; LEVELS as usize + 2], add);
+    let mut total = 0;
+    std::array::from_fn(|level| {
+        total += parted[level] as usize;
+        total
+    })
+}
+
+/// How many part at each level.
+fn count_partings(partings: &[u8]) -> [u32; LEVELS as usize + 2] {
     // Several counters, because most partings are of few levels, and a count that was just written is slow to read.
     let mut parted = [[0u32; LEVELS as usize + 2]; 4];
     let (chunks, rest) = partings.as_chunks::<4>();
@@ -193,14 +214,7 @@ fn occupied_cells(partings: &[u8]) -> OccupiedCells {
     for &level in rest {
         parted[0][level as usize] += 1;
     }
-    let mut total = 0;
-    std::array::from_fn(|level| {
-        total += parted
-            .iter()
-            .map(|parted| parted[level] as usize)
-            .sum::<usize>();
-        total
-    })
+    std::array::from_fn(|level| parted.iter().map(|parted| parted[level]).sum())
 }
 
 #[cfg(test)]
