@@ -99,7 +99,7 @@ fn one_broken_frame_does_not_hide_the_others() {
     assert_eq!(info["frames"][3]["points"], 3);
 
     let pictures = tempfile::tempdir().unwrap();
-    let pattern = pictures.path().join("p{frame}.png");
+    let pattern = pictures.path().join("new/p{frame}.png");
     let output = pointreel(&[
         "render",
         text(folder.path()),
@@ -117,7 +117,7 @@ fn one_broken_frame_does_not_hide_the_others() {
         stderr(&output)
     );
     let written: Vec<bool> = (0..4)
-        .map(|i| pictures.path().join(format!("p{i:04}.png")).exists())
+        .map(|i| pictures.path().join(format!("new/p{i:04}.png")).exists())
         .collect();
     assert_eq!(written, [true, true, false, true]);
 }

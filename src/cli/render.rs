@@ -140,6 +140,24 @@ fn check_names(output: &Path, FrameRange { first, last }: FrameRange) -> anyhow:
     Ok(())
 }
 
+/// Makes the folder that pictures of several frames go to.
+fn make_folder(output: &Path, frame_count: usize) -> anyhow::Result<()> {
+    if !output.to_string_lossy().contains(FRAME_PLACEHOLDER) {
+        return Ok(());
+    }
+    let first = numbered(output, 0, frame_count);
+    let folder = first.parent().unwrap_or(Path::new(""));
+    if folder.as_os_str().is_empty() {
+        return Ok(());
+    }
+    std::fs::create_dir_all(folder).with_context(|| {
+        format!(
+            "the folder {} for the pictures cannot be made",
+            folder.display()
+        )
+    })
+}
+
 /// Renders every frame that can be; returns those that cannot, with the reason.
 fn render_frames(
     arguments: &RenderArgs,
@@ -149,6 +167,7 @@ fn render_frames(
     stats: &mut Stats,
 ) -> anyhow::Result<Vec<(usize, String)>> {
     let sequence = Arc::clone(headless.sequence());
+    make_folder(output, sequence.len())?;
     let mut failed = Vec::new();
     // One camera for the whole range: poses stay comparable.
     let mut camera: Option<Camera> = None;

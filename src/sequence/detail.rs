@@ -27,9 +27,9 @@ impl Detail {
         }
     }
 
-    /// Whether `frame` has as many points as are wanted. Half of them will do: numbers that are wanted waver, and a frame is not made
-    /// anew for so little.
+    /// Whether `frame` has as many points as are wanted. Three quarters of them will do: a frame is not made anew for so little.
     pub(super) fn is_met_by(self, frame: &Frame) -> bool {
-        !frame.is_sample() || frame.len() + frame.dropped_points() >= self.most_points() / 2
+        let points = frame.len() + frame.dropped_points();
+        !frame.is_sample() || points >= self.most_points() / 4 * 3
     }
 }

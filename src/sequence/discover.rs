@@ -156,6 +156,7 @@ fn scan_folder(folder: &Path) -> Result<Vec<PathBuf>, SequenceError> {
             files.push(path);
         }
     }
+    leave_out_buffers(&mut files);
     if files.is_empty() {
         return Err(SequenceError::EmptyFolder {
             path: folder.to_path_buf(),
@@ -164,6 +165,17 @@ fn scan_folder(folder: &Path) -> Result<Vec<PathBuf>, SequenceError> {
         });
     }
     Ok(files)
+}
+
+/// Beside a glTF file, what is named `.bin` is a buffer of it and no scan.
+fn leave_out_buffers(files: &mut Vec<PathBuf>) {
+    let has_extension = |path: &Path, wanted: &str| {
+        path.extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+    };
+    if files.iter().any(|path| has_extension(path, "gltf")) {
+        files.retain(|path| !has_extension(path, "bin"));
+    }
 }
 
 fn empty_folder_hint(mut subfolders: Vec<PathBuf>) -> String {
@@ -282,6 +294,20 @@ mod tests {
         let mut sources: Vec<Source> = names.iter().map(Source::file).collect();
         number(&mut sources);
         sources.iter().map(|source| source.number).collect()
+    }
+
+    #[test]
+    fn buffers_of_gltf_files_are_no_scans() {
+        let left_of = |names: &[&str]| {
+            let mut files = names.iter().map(PathBuf::from).collect();
+            leave_out_buffers(&mut files);
+            files
+        };
+        assert_eq!(
+            left_of(&["a/Fox.bin", "a/Fox.GLTF"]),
+            [Path::new("a/Fox.GLTF")]
+        );
+        assert_eq!(left_of(&["a/0.bin", "a/1.bin"]).len(), 2);
     }
 
     #[test]

@@ -3,7 +3,8 @@
 //! **How it works.** Two things may be too slow for a frame rate. *Making* frames: what decoding takes and what a point takes after it
 //! are averaged over the frames made lately, as they were measured, with whatever else the machine did meanwhile; the workers'
 //! time between two frames, less decoding, says how many points there is time for. *Drawing* them: while pictures take longer than a
-//! frame lasts, frames of half the points are wanted, as long as that helps; now and then twice the points are tried.
+//! frame lasts, frames of fewer points are wanted, as long as that helps; now and then twice the points are tried. Playing begins with
+//! few points, unless pictures were drawn before.
 //!
 //! Numbers of points are powers of two, and are raised only when there is time for a third more, so that they do not waver.
 //!
@@ -15,6 +16,9 @@ use std::time::Duration;
 
 /// Frames of fewer points save nothing worth it.
 const FEWEST_POINTS: u32 = 1 << 13;
+
+/// Points of the first frames that are played, of which nothing is known.
+const FIRST_POINTS: u32 = 1 << 14;
 
 /// Part of the workers' time that is planned with.
 const PLANNED: f64 = 0.85;
@@ -64,17 +68,25 @@ impl Effort {
 
     /// Says how long a frame lasts while playing, or that nothing is played. True if that changes anything.
     pub(super) fn set_interval(&mut self, interval: Option<Duration>) -> bool {
-        if interval.is_none() {
-            self.made_for = None;
+        match interval {
+            None => self.made_for = None,
+            Some(interval) if self.interval.is_none() => self.drawing.begin(milliseconds(interval)),
+            Some(_) => {}
         }
-        std::mem::replace(&mut self.interval, interval) != interval
+        let is_other = std::mem::replace(&mut self.interval, interval) != interval;
+        self.plan();
+        is_other
     }
 
     /// Other pictures are wanted: what they take has to be measured again.
     pub(super) fn forget(&mut self) {
         self.rest_ns_per_point = Average::default();
         self.made_for = None;
-        self.drawing = Drawing::default();
+        self.drawing = Drawing {
+            most_points: self.drawing.most_points,
+            is_known: self.drawing.is_known,
+            ..Drawing::default()
+        };
     }
 
     /// Takes notice of a frame that was made.
@@ -92,15 +104,17 @@ impl Effort {
 
     /// Takes notice of a picture of a frame of so many points.
     pub(super) fn note_drawn(&mut self, points: usize, picture_ms: f64) {
-        if let Some(interval) = self.interval {
-            let interval_ms = interval.as_secs_f64() * 1e3;
-            self.drawing.note(points, picture_ms, interval_ms);
-        }
+        let interval_ms = self.interval.map(milliseconds);
+        let points_in_file = self.points_in_file;
+        self.drawing
+            .note(points, picture_ms, interval_ms, points_in_file);
     }
 
     /// The detail of frames that are due soon.
     pub(super) fn in_time(&self) -> Detail {
-        let fewest = [self.made_for, self.drawing.most_points];
+        let is_known = self.drawing.is_known && self.rest_ns_per_point.mean.is_some();
+        let first = (!is_known).then_some(FIRST_POINTS);
+        let fewest = [first, self.made_for, self.drawing.most_points];
         self.detail(fewest.into_iter().flatten().min())
     }
 
@@ -125,11 +139,14 @@ impl Effort {
 
     fn detail(&self, most_points: Option<u32>) -> Detail {
         match (self.interval, most_points) {
-            (Some(_), Some(points)) if (points as usize) < self.points_in_file => {
-                Detail::at_most(points)
-            }
+            (Some(_), Some(points)) if !self.is_whole(points) => Detail::at_most(points),
             _ => Detail::Full,
         }
+    }
+
+    /// Whether no frame that is known of has more points.
+    fn is_whole(&self, points: u32) -> bool {
+        (1..=points as usize).contains(&self.points_in_file)
     }
 
     /// How many points there is time to make frames of.
@@ -147,6 +164,10 @@ impl Effort {
             self.made_for = Some(affordable);
         }
     }
+}
+
+fn milliseconds(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1e3
 }
 
 /// The power of two at or below `points`, within bounds.
@@ -173,27 +194,34 @@ impl Average {
     }
 }
 
-/// How many points can be drawn in the time of a frame, found by trying.
+/// How many points can be drawn in the time of a frame.
 ///
-/// A number that was tried without success is not tried again at once: the next attempt waits twice as long as the last, since the
-/// workers, which are busiest at the beginning, slow drawing as well.
+/// A picture of fewer points takes less time, but never less than in proportion to them, since some of it is spent whatever there is to
+/// draw: what fits by that rule fits. So playing begins with few points, or with what pictures drawn before tell, and goes to as many as
+/// fit by the rule at once. More are found by trying. A number that was tried without success is not tried again at once: the next
+/// attempt waits twice as long as the last, since the workers, which are busiest at the beginning, slow drawing as well.
 #[derive(Debug, Clone, Copy)]
 struct Drawing {
     most_points: Option<u32>,
     picture_ms: Average,
+    /// Of how many points those pictures are, about.
+    of_points: usize,
     /// Pictures since the number was changed.
     pictures: u32,
     attempt: Attempt,
     /// Pictures to wait for before something is tried again.
     patience: u32,
+    /// Whether pictures have told anything yet.
+    is_known: bool,
 }
 
 /// Why the number of points is what it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Attempt {
     None,
-    /// Half of the points, since pictures took so many milliseconds.
+    /// Fewer points than these, since their pictures took so many milliseconds.
     Fewer {
+        before: Option<u32>,
         before_ms: f64,
     },
     /// Twice the points.
@@ -205,9 +233,11 @@ impl Default for Drawing {
         Self {
             most_points: None,
             picture_ms: Average::default(),
+            of_points: 0,
             pictures: 0,
             attempt: Attempt::None,
             patience: Self::LOOKED_AT,
+            is_known: false,
         }
     }
 }
@@ -215,44 +245,105 @@ impl Default for Drawing {
 impl Drawing {
     /// Pictures that are looked at before the number is changed again.
     const LOOKED_AT: u32 = 6;
+    /// Pictures that tell what is far from the time of a frame.
+    const LOOKED_AT_IF_CLEAR: u32 = 3;
     const MOST_PATIENCE: u32 = 1 << 11;
+    /// Part of the time of a frame that pictures may take if it is to be held.
+    const PLANNED: f64 = 0.8;
 
-    fn note(&mut self, points: usize, picture_ms: f64, interval_ms: f64) {
+    /// Playing begins.
+    fn begin(&mut self, interval_ms: f64) {
+        let is_late = |mean_ms: f64| mean_ms > Self::PLANNED * interval_ms;
+        if self.most_points.is_none() && self.picture_ms.mean.is_some_and(is_late) {
+            self.most_points = Some(self.fitting_points(interval_ms));
+        }
+        self.is_known |= self.picture_ms.mean.is_some();
+        self.change(self.most_points, Attempt::None);
+    }
+
+    /// Takes notice of a picture, and of how long a frame lasts while playing.
+    fn note(
+        &mut self,
+        points: usize,
+        picture_ms: f64,
+        interval_ms: Option<f64>,
+        points_in_file: usize,
+    ) {
+        if points > 2 * self.of_points || 2 * points < self.of_points {
+            self.picture_ms = Average::default();
+            self.pictures = 0;
+            self.of_points = points;
+        }
         self.picture_ms.add(picture_ms);
         self.pictures += 1;
-        let (Some(mean_ms), false) = (self.picture_ms.mean, self.pictures < Self::LOOKED_AT) else {
+        let (Some(mean_ms), Some(interval_ms)) = (self.picture_ms.mean, interval_ms) else {
             return;
         };
+        let fitting = self.fitting_points(interval_ms);
+        let fits_twice = fitting as usize >= 2 * points;
+        let is_clear = fits_twice || mean_ms > 1.5 * interval_ms;
+        let looked_at = if is_clear {
+            Self::LOOKED_AT_IF_CLEAR
+        } else {
+            Self::LOOKED_AT
+        };
+        if self.pictures < looked_at || !self.is_telling(points, points_in_file) {
+            return;
+        }
+        self.is_known = true;
         let is_late = mean_ms > 0.95 * interval_ms;
         let is_patient = self.pictures < self.patience;
         let attempt = std::mem::replace(&mut self.attempt, Attempt::None);
-        let half = points.next_power_of_two() as u32 / 2;
         match (attempt, self.most_points) {
-            (Attempt::Fewer { before_ms }, Some(fewer)) if is_late && mean_ms > 0.9 * before_ms => {
+            (Attempt::Fewer { before, before_ms }, _) if is_late && mean_ms > 0.9 * before_ms => {
                 self.try_later();
-                self.change(fewer.checked_mul(2), Attempt::None);
+                self.change(before, Attempt::None);
             }
-            (Attempt::More, _) if is_late => {
+            (Attempt::More, Some(more)) if is_late => {
                 self.try_later();
-                self.change(Some(half), Attempt::None);
+                self.change(Some((more / 2).max(FEWEST_POINTS)), Attempt::None);
             }
             _ if is_late => {
                 // A quarter less is the least that is worth a copy.
-                let is_less = half >= FEWEST_POINTS && 4 * half as usize <= 3 * points;
-                if is_less && !is_patient {
+                let is_less = 4 * fitting as usize <= 3 * points;
+                if is_less && (!is_patient || is_clear) {
+                    let before = self.most_points;
                     // Where pictures have just become slower, the mean is not there yet.
                     let before_ms = mean_ms.max(picture_ms);
-                    self.change(Some(half), Attempt::Fewer { before_ms });
+                    self.change(Some(fitting), Attempt::Fewer { before, before_ms });
                 }
             }
-            (_, Some(points)) => {
-                let is_sure = mean_ms < 0.45 * interval_ms;
-                if is_sure || mean_ms < 0.8 * interval_ms && !is_patient {
-                    self.change(points.checked_mul(2), Attempt::More);
+            (_, Some(most_points)) => {
+                if fits_twice && fitting > most_points {
+                    self.change(Some(fitting), Attempt::None);
+                } else if mean_ms < Self::PLANNED * interval_ms && !is_patient {
+                    self.change(most_points.checked_mul(2), Attempt::More);
                 }
+            }
+            // The first pictures, of few points.
+            (_, None) if (fitting as usize) < points_in_file && points < points_in_file => {
+                self.change(Some(fitting), Attempt::None);
             }
             (_, None) => {}
         }
+    }
+
+    /// Whether a picture of so many points says anything of what is tried: frames of before are shown until others are made.
+    fn is_telling(&self, points: usize, points_in_file: usize) -> bool {
+        let most_points = self
+            .most_points
+            .map_or(usize::MAX, |points| points as usize);
+        match self.attempt {
+            Attempt::Fewer { .. } => points <= most_points,
+            Attempt::More => 4 * points > 3 * most_points.min(points_in_file),
+            Attempt::None => true,
+        }
+    }
+
+    /// As many points as surely can be drawn in the time of a frame. Precondition: a picture was drawn.
+    fn fitting_points(&self, interval_ms: f64) -> u32 {
+        let mean_ms = self.picture_ms.mean.unwrap_or(0.0).max(1e-3);
+        power_of_two(self.of_points as f64 * Self::PLANNED * interval_ms / mean_ms)
     }
 
     fn try_later(&mut self) {
@@ -264,6 +355,7 @@ impl Drawing {
         self.attempt = attempt;
         self.pictures = 0;
         self.picture_ms = Average::default();
+        self.of_points = 0;
     }
 }
 
@@ -273,9 +365,18 @@ mod tests {
 
     const MILLION: usize = 1_000_000;
 
-    fn played_at(fps: f64) -> Effort {
+    fn opened_at(fps: f64) -> Effort {
         let mut effort = Effort::new(2);
         effort.set_interval(Some(Duration::from_secs_f64(1.0 / fps)));
+        effort
+    }
+
+    /// Where the first pictures have taken no time.
+    fn played_at(fps: f64) -> Effort {
+        let mut effort = opened_at(fps);
+        for _ in 0..Drawing::LOOKED_AT_IF_CLEAR {
+            effort.note_drawn(FIRST_POINTS as usize, 0.0);
+        }
         effort
     }
 
@@ -289,9 +390,38 @@ mod tests {
     }
 
     #[test]
+    fn playing_begins_with_few_points() {
+        let mut effort = opened_at(25.0);
+        assert_eq!(effort.in_time(), Detail::at_most(FIRST_POINTS));
+        assert_eq!(effort.at_best(), Detail::Full);
+        effort.note_made(&made(1.0, 1.0, FIRST_POINTS as usize));
+        assert_eq!(effort.in_time(), Detail::at_most(FIRST_POINTS));
+        // 32 of 40 ms are planned: in proportion, they are enough for eight times the points, and for a little less.
+        for _ in 0..Drawing::LOOKED_AT_IF_CLEAR {
+            effort.note_drawn(FIRST_POINTS as usize, 3.0);
+        }
+        assert_eq!(effort.in_time(), Detail::at_most(8 * FIRST_POINTS));
+        assert_eq!(effort.at_best(), effort.in_time());
+    }
+
+    #[test]
+    fn pictures_of_before_tell_what_to_begin_with() {
+        let opened = |picture_ms| {
+            let mut effort = Effort::new(2);
+            effort.note_made(&made(0.1, 0.1, MILLION));
+            assert_eq!(effort.in_time(), Detail::Full);
+            effort.note_drawn(MILLION, picture_ms);
+            assert_eq!(effort.in_time(), Detail::Full);
+            effort.set_interval(Some(Duration::from_millis(40)));
+            effort.in_time()
+        };
+        assert_eq!(opened(20.0), Detail::Full);
+        assert_eq!(opened(160.0), Detail::at_most(1 << 17), "a fifth of them");
+    }
+
+    #[test]
     fn as_many_points_as_there_is_time_for() {
         let mut effort = played_at(25.0);
-        assert_eq!(effort.in_time(), Detail::Full, "nothing is known yet");
         // Two workers have 80 ms between two frames, 68 of them planned: 8 to decode, 60 for points of 200 ns: 300,000.
         effort.note_made(&made(8.0, 200.0, MILLION));
         assert_eq!(effort.in_time(), Detail::at_most(1 << 18));
