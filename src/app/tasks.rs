@@ -4,11 +4,13 @@
 
 use super::benchmark::BenchmarkTable;
 use super::comparison::PictureDifference;
+use super::progress::Progress;
 use super::temporal::Made;
 use crate::io;
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use std::fs;
 use std::io::Write as _;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -163,11 +165,21 @@ impl Tasks {
         outcomes
     }
 
-    /// Finds the frames of `inputs`.
-    pub(super) fn find(&self, inputs: Vec<PathBuf>, options: OpenOptions) {
-        self.start("find frames", move || Outcome::Found {
-            sequence: Sequence::open(&inputs, &options).map(Arc::new),
-            inputs,
+    /// Finds the frames of `inputs`, as far as `progress` is not cancelled.
+    pub(super) fn find(&self, inputs: Vec<PathBuf>, options: OpenOptions, progress: Progress) {
+        let wake = Arc::clone(&self.wake);
+        self.start("find frames", move || {
+            let sequence = Sequence::open_observed(&inputs, &options, &mut |done, of| {
+                progress.set(done, of);
+                wake();
+                go_on_unless(progress.is_cancelled())
+            });
+            // What was cancelled during the last file is not wanted either.
+            let sequence = sequence.and_then(|sequence| match progress.is_cancelled() {
+                true => Err(SequenceError::Cancelled),
+                false => Ok(Arc::new(sequence)),
+            });
+            Outcome::Found { inputs, sequence }
         });
     }
 
@@ -204,6 +216,15 @@ impl Tasks {
             };
             saved.map_or_else(Outcome::Failed, Outcome::Saved)
         });
+    }
+}
+
+/// What those who observe work answer.
+pub(super) fn go_on_unless(is_cancelled: bool) -> ControlFlow<()> {
+    if is_cancelled {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
     }
 }
 
@@ -326,7 +347,8 @@ mod tests {
     fn outcomes_come_back_with_a_wake() {
         let (woken, wakes) = sync_channel(1);
         let mut tasks = Tasks::new(Arc::new(move || woken.send(()).unwrap()));
-        tasks.find(vec!["/nowhere/at/all.ply".into()], OpenOptions::default());
+        let inputs = vec!["/nowhere/at/all.ply".into()];
+        tasks.find(inputs, OpenOptions::default(), Progress::default());
         wakes.recv().unwrap();
         let outcomes = tasks.take();
         assert!(

@@ -16,6 +16,7 @@ use crate::io::natural::{Run, Runs, natural_order, split_name};
 use crate::io::{self, Format};
 use std::collections::HashSet;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -30,10 +31,12 @@ pub(super) struct Discovered {
     pub(super) recordings: Vec<Recording>,
 }
 
-/// The ordered frames of `inputs`; see the module's text for the rules.
+/// The ordered frames of `inputs`; see the module's text for the rules. `observe` is told of how many files of how many were looked
+/// at, and may cancel.
 pub(super) fn discover(
     inputs: &[PathBuf],
     options: &OpenOptions,
+    observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Discovered, SequenceError> {
     if inputs.is_empty() {
         return Err(SequenceError::NoInput);
@@ -56,7 +59,11 @@ pub(super) fn discover(
     let mut taken = HashSet::with_capacity(paths.len());
     paths.retain(|path| taken.insert(path.clone()));
     let mut discovered = Discovered::default();
-    for path in paths {
+    let count = paths.len();
+    for (done, path) in paths.into_iter().enumerate() {
+        if observe(done, count).is_break() {
+            return Err(SequenceError::Cancelled);
+        }
         discovered.append_frames(path, options);
     }
     if let Some(topic) = &options.topic {

@@ -20,6 +20,7 @@ mod temporal;
 mod timeline;
 mod viewport;
 mod voxels;
+mod works;
 
 pub use benchmark::benchmark_ui;
 pub use help::help_ui;
@@ -39,6 +40,7 @@ use comparison::comparison_ui;
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use palette::palette_ui;
 use presets::preset_name_ui;
+use works::works_ui;
 
 /// Everything in the window, keys included.
 pub fn window_ui(ui: &mut Ui, state: &mut State) {
@@ -77,6 +79,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     point_ui(ui, state);
     measuring_ui(ui, state);
     change_ui(ui, state);
+    works_ui(ui, state);
     notices_ui(ui, state);
     help_ui(ui, state);
     benchmark_ui(ui, state);

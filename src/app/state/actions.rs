@@ -9,7 +9,7 @@ use crate::app::tasks::{DialogKind, Outcome, PicturePlace, ReportFormat};
 use crate::bench::{LabPoint, Quality, QualityKey, Suite};
 use crate::playback::Player;
 use crate::scene::{Camera, Primitive, Settings, UpAxis};
-use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange, Sequence};
+use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange, Sequence, SequenceError};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -34,6 +34,7 @@ impl State {
                         self.notices.warn(problem);
                     }
                 }
+                Err(SequenceError::Cancelled) => {}
                 Err(error) => self.notices.error(error.to_string()),
             },
             Outcome::Chosen { dialog, paths } => self.chosen(dialog, paths),
@@ -247,8 +248,8 @@ impl State {
     /// Shows the benchmark window and runs `job` in it.
     pub fn start_benchmark_job(&mut self, suite: &str, job: BenchmarkJob) {
         self.panels.benchmark = true;
-        let wake = self.wake();
-        self.benchmark.start(suite, job, &self.tasks, wake);
+        let at = (self.wake(), self.now);
+        self.benchmark.start(suite, job, &self.tasks, at);
     }
 
     /// Reads what was measured of the open sequence before, once it is known what it would be kept by. True if there is something.
