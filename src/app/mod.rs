@@ -12,8 +12,10 @@
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.
 
 mod benchmark;
+mod camera_path;
 mod command;
 mod comparison;
+mod export;
 mod fly;
 mod focus;
 mod graphics;
@@ -40,10 +42,12 @@ mod timeline;
 mod window;
 
 pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkStep, BenchmarkTable};
+pub use camera_path::{Draft, PathEditor};
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
 pub use comparison::{Comparison, PictureDifference, Side};
+pub use export::{Export, Exported, Subject};
 pub use fly::Fly;
-pub use history::History;
+pub use history::{Edited, History};
 pub use inspection::{Anchor, Inspected, Inspection, Tool};
 pub use measuring::{Gauge, Measurement};
 pub use motion::Turntable;

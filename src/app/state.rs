@@ -4,11 +4,13 @@ mod actions;
 mod inspecting;
 mod parts;
 
-pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE, picture_folder};
 pub use parts::{Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest};
 
 use super::benchmark::Benchmark;
+use super::camera_path::PathEditor;
 use super::comparison::Comparison;
+use super::export::Export;
 use super::fly::Fly;
 use super::grip::Grip;
 use super::history::History;
@@ -62,7 +64,7 @@ pub struct State {
     pub presets: Presets,
     /// The name of the preset that is being saved.
     pub(super) preset_name: Option<String>,
-    /// Undo and redo of the settings.
+    /// Undo and redo of settings and camera path.
     pub(super) history: History,
     /// Commands by their names, while they are looked for.
     pub palette: Option<Palette>,
@@ -76,6 +78,10 @@ pub struct State {
     pub fly: Fly,
     /// The camera on a turntable.
     pub turntable: Turntable,
+    /// The camera path that is being made.
+    pub path: PathEditor,
+    /// What a person would export.
+    pub export: Export,
     /// What other poses add to the picture.
     pub temporal: Temporal,
     /// What was clicked on.
@@ -162,6 +168,8 @@ impl State {
             graphics: GraphicsInfo::default(),
             fly: Fly::default(),
             turntable: Turntable::default(),
+            path: PathEditor::default(),
+            export: Export::default(),
             temporal: Temporal::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),

@@ -3,9 +3,12 @@
 //! Each task sends one [`Outcome`] through a bounded channel and wakes the event loop. A dialog is one at a time.
 
 use super::benchmark::BenchmarkTable;
+use super::camera_path::Draft;
 use super::comparison::PictureDifference;
+use super::export::Exported;
 use super::progress::Progress;
 use super::temporal::Made;
+use crate::export::ExportError;
 use crate::io;
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use std::fs;
@@ -35,6 +38,14 @@ pub enum DialogKind {
     OpenFolder,
     /// Where to write the picture.
     SavePicture,
+    /// A camera path to open.
+    OpenPath,
+    /// Where to write the camera path.
+    SavePath,
+    /// The file of an export, with this extension.
+    ExportTo(&'static str),
+    /// The folder of an export of many files.
+    ExportFolder,
     /// Where to write the benchmark.
     SaveReport(ReportFormat),
 }
@@ -93,6 +104,22 @@ pub enum Outcome {
     NoDialog,
     /// A file was written.
     Saved(PathBuf),
+    /// A camera path was read.
+    PathRead {
+        /// Its file.
+        file: PathBuf,
+        /// The path.
+        draft: Arc<Draft>,
+    },
+    /// A camera path was written.
+    PathSaved {
+        /// Its file.
+        file: PathBuf,
+        /// What is in it.
+        draft: Arc<Draft>,
+    },
+    /// An export ended.
+    Exported(Result<Exported, ExportError>),
     /// Two pictures were compared.
     Compared(PictureDifference),
     /// A frame was made of several poses; `None` if nobody waits for it any more.
@@ -311,6 +338,21 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
             .set_title("Save the picture")
             .add_filter("PNG image", &["png"])
             .save_file()),
+        DialogKind::OpenPath => one(dialog
+            .set_title("Open a camera path")
+            .add_filter("Camera path", &["json"])
+            .pick_file()),
+        DialogKind::SavePath => one(dialog
+            .set_title("Save the camera path")
+            .add_filter("Camera path", &["json"])
+            .save_file()),
+        DialogKind::ExportTo(extension) => one(dialog
+            .set_title("Export to")
+            .add_filter(extension.to_uppercase(), &[extension])
+            .save_file()),
+        DialogKind::ExportFolder => one(dialog
+            .set_title("Folder of the pictures")
+            .pick_folder()),
         DialogKind::SaveReport(format) => one(dialog
             .set_title("Save the benchmark")
             .add_filter(format.name(), &[format.extension()])

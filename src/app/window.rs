@@ -514,6 +514,9 @@ impl ApplicationHandler<Wakened> for App {
         };
         let response = screen.input.on_window_event(&screen.window, &event);
         match event {
+            WindowEvent::CloseRequested if !self.state.may_close() => {
+                screen.window.request_redraw();
+            }
             WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             WindowEvent::Resized(size) => {
                 self.sight.note_size(size.into());

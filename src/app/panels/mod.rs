@@ -1,8 +1,10 @@
 //! The panels, one file each: `fn timeline_ui(ui, &mut State)`. They read and change [`State`] and know no GPU.
 
 mod benchmark;
+mod camera_path;
 mod clip;
 mod comparison;
+mod export;
 mod footprints;
 mod help;
 mod lab;
@@ -23,6 +25,8 @@ mod voxels;
 mod works;
 
 pub use benchmark::benchmark_ui;
+pub use camera_path::camera_path_ui;
+pub use export::export_ui;
 pub use help::help_ui;
 pub use measuring::measuring_ui;
 pub use menu::menu_ui;
@@ -79,6 +83,8 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     point_ui(ui, state);
     measuring_ui(ui, state);
     change_ui(ui, state);
+    camera_path_ui(ui, state);
+    export_ui(ui, state);
     works_ui(ui, state);
     notices_ui(ui, state);
     help_ui(ui, state);
