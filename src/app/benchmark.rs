@@ -148,7 +148,8 @@ impl Benchmark {
 
     /// Takes what the thread came to.
     pub(super) fn finish(&mut self, result: Result<BenchmarkTable, String>) {
-        let cancelled = matches!(self, Self::Running(running) if running.work.progress().is_cancelled());
+        let cancelled =
+            matches!(self, Self::Running(running) if running.work.progress().is_cancelled());
         *self = match result {
             _ if cancelled => Self::Cancelled,
             Ok(table) => Self::Done(Box::new(table)),

@@ -14,7 +14,10 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("New camera path", Command::NewPath),
     ("Open a camera path", Command::OpenPath),
     ("Save the camera path", Command::SavePath),
-    ("Save the camera path as a file of a name", Command::SavePathAs),
+    (
+        "Save the camera path as a file of a name",
+        Command::SavePathAs,
+    ),
 ];
 
 /// What the palette offers.

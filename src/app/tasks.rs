@@ -350,9 +350,7 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
             .set_title("Export to")
             .add_filter(extension.to_uppercase(), &[extension])
             .save_file()),
-        DialogKind::ExportFolder => one(dialog
-            .set_title("Folder of the pictures")
-            .pick_folder()),
+        DialogKind::ExportFolder => one(dialog.set_title("Folder of the pictures").pick_folder()),
         DialogKind::SaveReport(format) => one(dialog
             .set_title("Save the benchmark")
             .add_filter(format.name(), &[format.extension()])

@@ -359,9 +359,7 @@ impl State {
             Err(ExportError::Cancelled) => self
                 .notices
                 .info("The export was cancelled, nothing was written"),
-            Err(error) => self
-                .notices
-                .error(format!("Nothing was exported: {error}")),
+            Err(error) => self.notices.error(format!("Nothing was exported: {error}")),
         }
     }
 }

@@ -87,7 +87,8 @@ fn time_ui(ui: &mut Ui, state: &mut State) {
     let mut time_s = state.path.time_s;
     ui.horizontal(|ui| {
         let label = ui.label("Time");
-        let tooltip = "Where in the video the next keyframe is set; within the path its view is shown";
+        let tooltip =
+            "Where in the video the next keyframe is set; within the path its view is shown";
         ui.add(seconds(&mut time_s).range(TIMES_S))
             .labelled_by(label.id)
             .on_hover_text(tooltip);
@@ -101,9 +102,14 @@ fn time_ui(ui: &mut Ui, state: &mut State) {
         && times_s.start() < times_s.end()
     {
         ui.spacing_mut().slider_width = ui.available_width();
-        let slider = Slider::new(&mut time_s, times_s).show_value(false);
+        // The time may be after the path, where the next keyframe comes.
+        let mut along_s = time_s.clamp(*times_s.start(), *times_s.end());
+        let slider = Slider::new(&mut along_s, times_s).show_value(false);
         let slider = ui.add(slider).on_hover_text("Shows the path at any time");
         named(&slider, "Along the path");
+        if slider.changed() {
+            time_s = along_s;
+        }
     }
     if time_s != state.path.time_s {
         state.set_path_time(time_s);
@@ -177,12 +183,7 @@ fn keyframes_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
-fn row(
-    ui: &mut Ui,
-    draft: &Draft,
-    (index, is_present): (usize, bool),
-    fps: f64,
-) -> Option<Asked> {
+fn row(ui: &mut Ui, draft: &Draft, (index, is_present): (usize, bool), fps: f64) -> Option<Asked> {
     let key = &draft.keyframes()[index];
     let number = index + 1;
     let mut asked = None;
@@ -213,7 +214,9 @@ fn row(
             .max_decimals(2);
         let response = ui.add_sized(frame, drag);
         named(&response, format!("Frame of keyframe {number}"));
-        response.on_hover_text("The frame that is shown then; beyond the last one the sequence begins anew");
+        response.on_hover_text(
+            "The frame that is shown then; beyond the last one the sequence begins anew",
+        );
         if shown != key.frame + 1.0 {
             asked = Some(Asked::Frame(shown - 1.0));
         }
@@ -320,28 +323,38 @@ fn file_ui(ui: &mut Ui, state: &mut State) {
     });
     let has_path = draft.path().is_some();
     ui.horizontal(|ui| {
-        for (text, is_offered, tooltip, command) in [
-            ("New", true, "Begins an empty path", Command::NewPath),
+        for (text, name, is_offered, tooltip, command) in [
+            (
+                "New",
+                "New camera path",
+                true,
+                "Begins an empty path",
+                Command::NewPath,
+            ),
             (
                 "Open…",
+                "Open a camera path",
                 true,
                 "A JSON file, as `render --path` reads it",
                 Command::OpenPath,
             ),
             (
                 "Save",
+                "Save the camera path",
                 has_path,
                 "To its file; the first time asks for one",
                 Command::SavePath,
             ),
             (
                 "Save as…",
+                "Save the camera path as",
                 has_path,
                 "To another file",
                 Command::SavePathAs,
             ),
             (
                 "Export…",
+                "Export the camera path",
                 has_path,
                 "Writes a video of the path",
                 Command::ExportPath,
@@ -350,7 +363,7 @@ fn file_ui(ui: &mut Ui, state: &mut State) {
             let button = ui.add_enabled(is_offered, Button::new(text));
             let button = button.on_hover_text(tooltip);
             let button = button.on_disabled_hover_text("There are no keyframes yet");
-            named(&button, format!("{text} (camera path)"));
+            named(&button, name);
             if button.clicked() {
                 state.run(command);
             }
@@ -379,14 +392,21 @@ fn question_ui(ui: &mut Ui, state: &mut State) {
             }
             ui.horizontal(|ui| {
                 let save = ui.add_enabled(can_save, Button::new("Save it…"));
-                if save.on_hover_text("Saves the path; nothing else is done").clicked() {
+                if save
+                    .on_hover_text("Saves the path; nothing else is done")
+                    .clicked()
+                {
                     state.path.question = None;
                     state.run(Command::SavePath);
                 }
                 if ui.button(go_on).on_hover_text("It is lost").clicked() {
                     state.go_on_with(question);
                 }
-                if ui.button("Back").on_hover_text("Nothing is done (Esc)").clicked() {
+                if ui
+                    .button("Back")
+                    .on_hover_text("Nothing is done (Esc)")
+                    .clicked()
+                {
                     state.path.question = None;
                 }
             });

@@ -5,9 +5,7 @@ use crate::app::export::Subject;
 use crate::app::theme::{BAD, ODD};
 use crate::app::{Export, State};
 use crate::export::VideoFormat;
-use egui::{
-    Align2, Button, Checkbox, ComboBox, DragValue, RichText, Slider, TextEdit, Ui, Window,
-};
+use egui::{Align2, Button, Checkbox, ComboBox, DragValue, RichText, Slider, TextEdit, Ui, Window};
 
 /// Sizes that are offered beside that of the window.
 const SIZES: [(&str, [u32; 2], &str); 6] = [
@@ -184,9 +182,7 @@ fn format(ui: &mut Ui, export: &mut Export) {
                 }
             }
         });
-    list.response
-        .labelled_by(label.id)
-        .on_hover_text(tooltip);
+    list.response.labelled_by(label.id).on_hover_text(tooltip);
     ui.end_row();
 }
 

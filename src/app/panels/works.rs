@@ -2,7 +2,7 @@
 
 use crate::app::progress::left_text;
 use crate::app::{Benchmark, Progress, State, Work, WorkKind};
-use egui::{Align2, Area, Frame, Id, ProgressBar, Role, Spinner, Ui, WidgetInfo, vec2};
+use egui::{Align2, Area, Frame, Id, ProgressBar, Role, Ui, WidgetInfo, vec2};
 use std::time::Duration;
 
 /// Width of a bar, points.
@@ -40,10 +40,8 @@ pub(super) fn works_ui(ui: &Ui, state: &State) {
 /// How much is done, and the time left.
 pub(super) fn bar(ui: &mut Ui, work: &Work, now: Duration) {
     let Some(share) = work.share() else {
-        ui.horizontal(|ui| {
-            ui.add(Spinner::new());
-            ui.label(left_text(None));
-        });
+        // Nothing moves here: a spinner would have the window drawn all the time.
+        ui.weak(left_text(None));
         return;
     };
     let progress = work.progress();
