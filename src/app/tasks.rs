@@ -202,10 +202,10 @@ impl Tasks {
                 go_on_unless(progress.is_cancelled())
             });
             // What was cancelled during the last file is not wanted either.
-            let sequence = sequence.and_then(|sequence| match progress.is_cancelled() {
-                true => Err(SequenceError::Cancelled),
-                false => Ok(Arc::new(sequence)),
-            });
+            let sequence = match sequence {
+                Ok(_) if progress.is_cancelled() => Err(SequenceError::Cancelled),
+                found => found.map(Arc::new),
+            };
             Outcome::Found { inputs, sequence }
         });
     }

@@ -63,12 +63,11 @@ impl Draft {
     /// If it is seen in another way than the others, or its numbers are out of range.
     pub fn put(&mut self, key: Keyframe) -> Result<(), PathError> {
         let index = self.key_at(key.time_s);
-        self.edit(|keys| match index {
-            Some(index) => {
+        self.edit(|keys| {
+            if let Some(index) = index {
                 let time_s = keys[index].time_s;
                 keys[index] = Keyframe { time_s, ..key };
-            }
-            None => {
+            } else {
                 let index = keys.partition_point(|other| other.time_s < key.time_s);
                 keys.insert(index, key);
             }
@@ -148,9 +147,10 @@ impl Draft {
     fn edit(&mut self, change: impl FnOnce(&mut Vec<Keyframe>)) -> Result<(), PathError> {
         let mut keys = self.keyframes().to_vec();
         change(&mut keys);
-        self.path = match keys.is_empty() {
-            true => None,
-            false => Some(CameraPath::new(keys, self.eases)?),
+        self.path = if keys.is_empty() {
+            None
+        } else {
+            Some(CameraPath::new(keys, self.eases)?)
         };
         Ok(())
     }

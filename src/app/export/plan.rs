@@ -42,7 +42,7 @@ fn frames(
         let at = now + Duration::try_from_secs_f64(middle_s).ok()?;
         let frame = clock.advance(at);
         let is_shown = picture == 0 || clock.is_playing();
-        if picture % ANCHOR_PICTURES == 0 {
+        if picture.is_multiple_of(ANCHOR_PICTURES) {
             clock.set_fps(clock.fps(), at);
         }
         is_shown.then_some(frame)

@@ -46,6 +46,7 @@ const PACES: [(&str, f64, &str); 6] = [
 ];
 
 /// What is asked of one keyframe.
+#[derive(Clone, Copy)]
 enum Asked {
     Go,
     Time(f64),

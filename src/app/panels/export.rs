@@ -5,7 +5,9 @@ use crate::app::export::Subject;
 use crate::app::theme::{BAD, ODD};
 use crate::app::{Export, State};
 use crate::export::VideoFormat;
-use egui::{Align2, Button, Checkbox, ComboBox, DragValue, RichText, Slider, TextEdit, Ui, Window};
+use egui::{
+    Align2, Button, Checkbox, ComboBox, DragValue, RichText, Slider, TextEdit, Ui, Window, vec2,
+};
 
 /// Sizes that are offered beside that of the window.
 const SIZES: [(&str, [u32; 2], &str); 6] = [
@@ -27,13 +29,14 @@ const FIELD_WIDTH: f32 = 300.0;
 /// The window while it is open.
 pub fn export_ui(ui: &mut Ui, state: &mut State) {
     let mut open = state.panels.export;
-    let middle = ui.ctx().content_rect().center();
+    // Choices come and go below: those above stay where they are.
+    let top = state.viewport.rect.center_top() + vec2(0.0, 60.0);
     Window::new("Export")
         .open(&mut open)
         .collapsible(false)
         .resizable(false)
-        .pivot(Align2::CENTER_CENTER)
-        .default_pos(middle)
+        .pivot(Align2::CENTER_TOP)
+        .default_pos(top)
         .show(ui, |ui| {
             rows(ui, "export", |ui| {
                 subject(ui, state);
@@ -247,15 +250,12 @@ fn place(ui: &mut Ui, state: &mut State) {
 
 fn start(ui: &mut Ui, state: &mut State) {
     let problem = state.export_problem();
-    match &problem {
-        Some(problem) => {
-            ui.label(RichText::new(problem).color(BAD));
-        }
-        None => {
-            ui.weak(summary(state));
-            if state.export_replaces() {
-                ui.label(RichText::new("A file of this name is there: it is replaced").color(ODD));
-            }
+    if let Some(problem) = &problem {
+        ui.label(RichText::new(problem).color(BAD));
+    } else {
+        ui.weak(summary(state));
+        if state.export_replaces() {
+            ui.label(RichText::new("A file of this name is there: it is replaced").color(ODD));
         }
     }
     let button = ui.add_enabled(problem.is_none(), Button::new("Export"));

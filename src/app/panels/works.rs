@@ -1,4 +1,4 @@
-//! Bars of the long work that is under way, at the top of the picture.
+//! Bars of the long work that is under way, at the lower edge of the picture.
 
 use crate::app::progress::left_text;
 use crate::app::{Benchmark, Progress, State, Work, WorkKind};
@@ -21,9 +21,9 @@ pub(super) fn works_ui(ui: &Ui, state: &State) {
     if shown.peek().is_none() {
         return;
     }
-    let place = state.viewport.rect.center_top() + vec2(0.0, 12.0);
+    let place = state.viewport.rect.center_bottom() - vec2(0.0, 12.0);
     Area::new(Id::unique("works"))
-        .pivot(Align2::CENTER_TOP)
+        .pivot(Align2::CENTER_BOTTOM)
         .fixed_pos(place)
         .show(ui.ctx(), |ui| {
             for work in shown {
