@@ -292,6 +292,30 @@ mod tests {
     }
 
     #[test]
+    fn opening_tells_of_each_file_and_can_be_cancelled() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a_1.ply", "a_2.ply", "a_3.ply"] {
+            fs::write(folder.path().join(name), "ply").unwrap();
+        }
+        let inputs = [folder.path().to_owned()];
+        let mut told = Vec::new();
+        let mut open = |last: usize| {
+            let mut observe = |done, of| {
+                told.push((done, of));
+                if done == last {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            };
+            discover(&inputs, &OpenOptions::default(), &mut observe)
+        };
+        assert_eq!(open(9).unwrap().sources.len(), 3);
+        assert!(matches!(open(1), Err(SequenceError::Cancelled)));
+        assert_eq!(told, [(0, 3), (1, 3), (2, 3), (0, 3), (1, 3)]);
+    }
+
+    #[test]
     fn the_run_that_counts_is_the_number() {
         assert_eq!(
             numbers(&["cam0_7.ply", "cam0_9.ply", "cam0_10.ply"]),

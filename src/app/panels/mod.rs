@@ -16,6 +16,7 @@ mod palette;
 mod point;
 mod presets;
 mod quality;
+mod question;
 mod settings;
 mod statistics;
 mod temporal;
@@ -44,6 +45,7 @@ use comparison::comparison_ui;
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use palette::palette_ui;
 use presets::preset_name_ui;
+use question::question_ui;
 use works::works_ui;
 
 /// Everything in the window, keys included.
@@ -90,6 +92,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     help_ui(ui, state);
     benchmark_ui(ui, state);
     preset_name_ui(ui, state);
+    question_ui(ui, state);
     palette_ui(ui, state);
     state.note_settings(ui.ctx());
     state.follow_poses();
