@@ -567,5 +567,6 @@ impl ApplicationHandler<Wakened> for App {
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
         self.options.preferences_file.write();
+        self.state.end_exports();
     }
 }

@@ -300,7 +300,7 @@ mod tests {
         let inputs = [folder.path().to_owned()];
         let mut told = Vec::new();
         let mut open = |last: usize| {
-            let mut observe = |done, of| {
+            let mut observe = |done: usize, of: usize| {
                 told.push((done, of));
                 if done == last {
                     ControlFlow::Break(())

@@ -179,7 +179,7 @@ fn a_picture_that_is_cancelled_between_its_parts_leaves_nothing() {
     };
     let mut write = |last: usize| {
         let mut told = Vec::new();
-        let mut observe = |drawn, of| {
+        let mut observe = |drawn: usize, of: usize| {
             told.push((drawn, of));
             if drawn == last {
                 ControlFlow::Break(())

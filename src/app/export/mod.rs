@@ -22,6 +22,11 @@ use choices::USUAL_RATE;
 use job::{Job, Shows};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The program does not wait longer for an export that was cancelled.
+const LAST_WAIT: Duration = Duration::from_secs(2);
 
 impl State {
     /// Shows the choices, of `subject` if one is named, or closes them.
@@ -233,6 +238,16 @@ impl State {
             now: self.now(),
             budget_bytes: LoaderOptions::default().budget_bytes / 2,
         })
+    }
+
+    /// Cancels exports as the program ends, and waits a moment until what is not whole is removed.
+    pub(super) fn end_exports(&mut self) {
+        let begun = Instant::now();
+        self.works.cancel(WorkKind::Export);
+        while self.works.has(WorkKind::Export) && begun.elapsed() < LAST_WAIT {
+            thread::sleep(Duration::from_millis(5));
+            self.works.look(self.now(), self.now());
+        }
     }
 
     /// Says what came of an export.

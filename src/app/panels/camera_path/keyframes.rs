@@ -113,7 +113,7 @@ fn row(ui: &mut Ui, draft: &Draft, (index, is_present): (usize, bool), fps: f64)
         let mut shown = key.frame + 1.0;
         let drag = DragValue::new(&mut shown)
             .speed(0.1)
-            .range(1.0..=1e9)
+            .range(1.0..=1e9 + 1.0)
             .max_decimals(2);
         let response = ui.add_sized(frame, drag);
         named(&response, format!("Frame of keyframe {number}"));
