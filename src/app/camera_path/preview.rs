@@ -100,12 +100,12 @@ mod tests {
         let moment = preview.step(&camera(), at(900)).unwrap();
         let expected = Moment {
             time_s: 6.5,
-            camera: camera(),
+            camera: path().at(1.5).0,
             frame: 23,
             is_end: false,
         };
         assert_eq!(moment, expected);
-        let end = preview.step(&camera(), at(9000)).unwrap();
+        let end = preview.step(&moment.camera, at(9000)).unwrap();
         assert_eq!((end.time_s, end.frame, end.is_end), (7.0, 30, true));
     }
 
