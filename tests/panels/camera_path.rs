@@ -42,7 +42,8 @@ fn keys(harness: &Harness<'_, State>) -> Vec<(f64, f64)> {
 /// Three keyframes two seconds apart, the camera turned by 40 degrees each, at frames 1, 6 and 6, counted from 1.
 fn with_path() -> Harness<'static, State> {
     let mut harness = window();
-    for steps in [0, 5, 0] {
+    for (steps, fov_deg) in [(0, 45.0), (5, 38.7), (0, 45.0)] {
+        harness.state_mut().camera.fov_deg = fov_deg;
         harness.state_mut().run(Command::Step(steps));
         let now = harness.state().now();
         harness.state_mut().update(now);
@@ -154,8 +155,9 @@ fn the_preview_plays_the_path_at_its_speed_until_it_is_stopped() {
         assert_eq!(harness.state().camera, camera);
         assert_eq!(frame(&harness), shown);
         assert_eq!(harness.state().next_deadline(), Some(begin), "it moves on");
+        harness.run();
+        assert_eq!(harness.state().camera, camera, "no control changes it");
     }
-    harness.run();
     assert!((value(&harness, "Time") - 1.9).abs() < 1e-9);
     press(&mut harness, NONE, Key::Escape);
     assert!(!harness.state().path.is_playing());
@@ -166,6 +168,8 @@ fn the_preview_plays_the_path_at_its_speed_until_it_is_stopped() {
     // It goes on from there to the end.
     press(&mut harness, Modifiers::SHIFT, Key::K);
     harness.state_mut().update(Duration::from_secs(4));
+    assert!(harness.state().path.is_playing());
+    harness.run();
     assert_eq!(harness.state().camera, path.at(2.9).0);
     harness.state_mut().update(Duration::from_secs(40));
     assert!(!harness.state().path.is_playing());
