@@ -1,6 +1,7 @@
 //! What is exported, how, and where to.
 
 use super::settings::{choice, row, rows};
+use super::settle;
 use crate::app::export::Subject;
 use crate::app::theme::{BAD, ODD};
 use crate::app::{Export, State};
@@ -31,7 +32,7 @@ pub fn export_ui(ui: &mut Ui, state: &mut State) {
     let mut open = state.panels.export;
     // Choices come and go below: those above stay where they are.
     let top = state.viewport.rect.center_top() + vec2(0.0, 60.0);
-    Window::new("Export")
+    let shown = Window::new("Export")
         .open(&mut open)
         .collapsible(false)
         .resizable(false)
@@ -53,6 +54,7 @@ pub fn export_ui(ui: &mut Ui, state: &mut State) {
             ui.separator();
             start(ui, state);
         });
+    settle(ui, "Export", shown);
     // An export that has begun closes it.
     state.panels.export &= open;
 }

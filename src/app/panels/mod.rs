@@ -42,11 +42,10 @@ pub use viewport::viewport_ui;
 
 use super::State;
 use comparison::comparison_ui;
-use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use egui::{CentralPanel, Frame, Id, InnerResponse, Margin, Panel, Ui, Vec2};
 use palette::palette_ui;
 use presets::preset_name_ui;
 use question::question_ui;
-use works::works_ui;
 
 /// Everything in the window, keys included.
 pub fn window_ui(ui: &mut Ui, state: &mut State) {
@@ -87,7 +86,6 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     change_ui(ui, state);
     camera_path_ui(ui, state);
     export_ui(ui, state);
-    works_ui(ui, state);
     notices_ui(ui, state);
     help_ui(ui, state);
     benchmark_ui(ui, state);
@@ -96,6 +94,20 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     palette_ui(ui, state);
     state.note_settings(ui.ctx());
     state.follow_poses();
+}
+
+/// Has the panels run again when the window `name` has another size than in the last pass: what is in it takes its new places then.
+fn settle<R>(ui: &Ui, name: &'static str, shown: Option<InnerResponse<R>>) {
+    let size = shown.map(|shown| shown.response.rect.size());
+    let id = Id::unique(name).with("size");
+    let before = ui.data_mut(|data| {
+        let before = data.get_temp::<Option<Vec2>>(id);
+        data.insert_temp(id, size);
+        before
+    });
+    if before.is_some_and(|before| before != size) {
+        ui.ctx().request_repaint();
+    }
 }
 
 /// `1234567` → `1,234,567`.

@@ -1,40 +1,29 @@
-//! Bars of the long work that is under way, at the lower edge of the picture.
+//! Bars of the long work that is under way, below the notices.
 
 use crate::app::progress::left_text;
 use crate::app::{Benchmark, Progress, State, Work, WorkKind};
-use egui::{Align2, Area, Frame, Id, ProgressBar, Role, Ui, WidgetInfo, vec2};
+use egui::{Frame, ProgressBar, Role, Ui, WidgetInfo};
 use std::time::Duration;
 
-/// Width of a bar, points.
-const WIDTH: f32 = 300.0;
-
-/// A bar, the time left and a button for each, once it takes long.
-pub(super) fn works_ui(ui: &Ui, state: &State) {
-    let now = state.now();
+/// What takes long and has no window of its own that is open.
+pub(super) fn shown_works(state: &State) -> Vec<&Work> {
     let measuring = match &state.benchmark {
         // Its window has the same bar.
         Benchmark::Running(running) if !state.panels.benchmark => Some(&running.work),
         _ => None,
     };
     let works = state.works.list().iter().chain(measuring);
-    let mut shown = works.filter(|work| work.is_long(now)).peekable();
-    if shown.peek().is_none() {
-        return;
-    }
-    let place = state.viewport.rect.center_bottom() - vec2(0.0, 12.0);
-    Area::new(Id::unique("works"))
-        .pivot(Align2::CENTER_BOTTOM)
-        .fixed_pos(place)
-        .show(ui.ctx(), |ui| {
-            for work in shown {
-                Frame::window(ui.style()).show(ui, |ui| {
-                    ui.set_width(WIDTH);
-                    ui.label(&work.name);
-                    bar(ui, work, now);
-                    cancel_button(ui, work.progress());
-                });
-            }
-        });
+    works.filter(|work| work.is_long(state.now())).collect()
+}
+
+/// A name, a bar with the time left, and a button, so wide.
+pub(super) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f32) {
+    Frame::window(ui.style()).show(ui, |ui| {
+        ui.set_width(width);
+        ui.label(&work.name);
+        bar(ui, work, now);
+        cancel_button(ui, work.progress());
+    });
 }
 
 /// How much is done, and the time left.

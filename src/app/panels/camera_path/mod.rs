@@ -4,6 +4,7 @@ mod keyframes;
 
 use crate::app::State;
 use crate::app::command::{Command, keys_of};
+use crate::app::panels::settle;
 use crate::app::theme::ODD;
 use egui::{Align2, Button, Checkbox, DragValue, Response, RichText, Slider, Ui, Window, vec2};
 use keyframes::keyframes_ui;
@@ -15,7 +16,7 @@ const TIMES_S: std::ops::RangeInclusive<f64> = 0.0..=1e6;
 pub fn camera_path_ui(ui: &mut Ui, state: &mut State) {
     let mut open = state.panels.path;
     let corner = state.viewport.rect.left_top() + vec2(12.0, 12.0);
-    Window::new("Camera path")
+    let shown = Window::new("Camera path")
         .open(&mut open)
         .resizable(false)
         .pivot(Align2::LEFT_TOP)
@@ -27,6 +28,7 @@ pub fn camera_path_ui(ui: &mut Ui, state: &mut State) {
             ui.separator();
             file_ui(ui, state);
         });
+    settle(ui, "Camera path", shown);
     state.panels.path = open;
 }
 
