@@ -8,12 +8,16 @@
 mod benchmark;
 #[path = "panels/camera.rs"]
 mod camera;
+#[path = "panels/camera_path.rs"]
+mod camera_path;
 #[path = "panels/choices.rs"]
 mod choices;
 #[path = "panels/clip.rs"]
 mod clip;
 #[path = "panels/comparison.rs"]
 mod comparison;
+#[path = "panels/export.rs"]
+mod export;
 #[path = "panels/keys.rs"]
 mod keys;
 #[path = "panels/marks.rs"]

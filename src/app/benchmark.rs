@@ -1,12 +1,14 @@
 //! A benchmark on a thread of its own, with its progress and its result as plain data for the panel.
 
+use super::progress::{Work, WorkKind};
 use super::tasks::{Outcome, Tasks, Wake};
 use crate::bench::{self, LabPoint};
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
 use crate::sequence::Sequence;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 /// A finished benchmark as the panel shows and exports it.
 #[derive(Debug, Clone, Default)]
@@ -33,9 +35,9 @@ pub struct BenchmarkTable {
     pub points: Vec<Arc<LabPoint>>,
 }
 
-/// How far a benchmark is.
+/// What a benchmark reports.
 #[derive(Debug, Clone, Default)]
-pub struct Progress {
+pub struct BenchmarkStep {
     /// Steps done.
     pub done: usize,
     /// Steps in all; 0 while unknown.
@@ -46,9 +48,9 @@ pub struct Progress {
     pub measured: Option<Arc<LabPoint>>,
 }
 
-/// The work of a benchmark: reports progress, stops soon after the flag is set. `Err` is a text for the person.
+/// The work of a benchmark: reports its steps, stops soon after the flag is set. `Err` is a text for the person.
 pub type BenchmarkJob =
-    Box<dyn FnOnce(&dyn Fn(Progress), &AtomicBool) -> Result<BenchmarkTable, String> + Send>;
+    Box<dyn FnOnce(&dyn Fn(BenchmarkStep), &AtomicBool) -> Result<BenchmarkTable, String> + Send>;
 
 /// What the benchmark window shows.
 #[derive(Debug, Default)]
@@ -71,15 +73,16 @@ pub enum Benchmark {
 pub struct RunningBenchmark {
     /// Name of the suite.
     pub suite: String,
-    progress: Arc<Mutex<Progress>>,
+    /// How far it is.
+    pub work: Work,
+    label: Arc<Mutex<String>>,
     points: Arc<Mutex<Vec<Arc<LabPoint>>>>,
-    cancel: Arc<AtomicBool>,
 }
 
 impl RunningBenchmark {
-    /// How far it is.
-    pub fn progress(&self) -> Progress {
-        self.progress
+    /// What is measured now.
+    pub fn label(&self) -> String {
+        self.label
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .clone()
@@ -91,16 +94,6 @@ impl RunningBenchmark {
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .clone()
-    }
-
-    /// Asks it to stop.
-    pub fn cancel(&self) {
-        self.cancel.store(true, Ordering::Relaxed);
-    }
-
-    /// True after [`RunningBenchmark::cancel`].
-    pub fn is_cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
     }
 }
 
@@ -114,50 +107,54 @@ impl Benchmark {
         }
     }
 
-    /// Starts `job` unless one is running. `wake` is called whenever there is progress.
-    pub fn start(&mut self, suite: &str, job: BenchmarkJob, tasks: &Tasks, wake: Wake) {
+    /// Starts `job` at `now` unless one is running. `wake` is called whenever there is progress.
+    pub fn start(
+        &mut self,
+        suite: &str,
+        job: BenchmarkJob,
+        tasks: &Tasks,
+        (wake, now): (Wake, Duration),
+    ) {
         if matches!(self, Self::Running(_)) {
             return;
         }
-        let progress = Arc::new(Mutex::new(Progress::default()));
-        let cancel = Arc::new(AtomicBool::new(false));
+        let name = format!("Benchmark {suite}");
+        let (work, progress) = Work::begin(WorkKind::Benchmark, name, now);
+        let label = Arc::new(Mutex::new(String::new()));
         let points = Arc::new(Mutex::new(Vec::new()));
-        let (reported, flag) = (Arc::clone(&progress), Arc::clone(&cancel));
+        let reported_label = Arc::clone(&label);
         let reported_points = Arc::clone(&points);
         tasks.start("benchmark", move || {
-            let report = |now: Progress| {
+            let report = |step: BenchmarkStep| {
                 reported_points
                     .lock()
                     .unwrap_or_else(PoisonError::into_inner)
-                    .extend(now.measured.clone());
-                *reported.lock().unwrap_or_else(PoisonError::into_inner) = now;
+                    .extend(step.measured);
+                *reported_label
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner) = step.label;
+                progress.set(step.done, step.total);
                 wake();
             };
-            Outcome::Benchmark(job(&report, &flag))
+            Outcome::Benchmark(job(&report, progress.cancelled()))
         });
         *self = Self::Running(RunningBenchmark {
             suite: suite.to_owned(),
-            progress,
+            work,
+            label,
             points,
-            cancel,
         });
     }
 
     /// Takes what the thread came to.
     pub(super) fn finish(&mut self, result: Result<BenchmarkTable, String>) {
-        let cancelled = matches!(self, Self::Running(running) if running.is_cancelled());
+        let cancelled =
+            matches!(self, Self::Running(running) if running.work.progress().is_cancelled());
         *self = match result {
             _ if cancelled => Self::Cancelled,
             Ok(table) => Self::Done(Box::new(table)),
             Err(text) => Self::Failed(text),
         };
-    }
-}
-
-impl Drop for RunningBenchmark {
-    /// The window is closed or another state follows: nobody waits for the result.
-    fn drop(&mut self) {
-        self.cancel();
     }
 }
 
@@ -171,7 +168,7 @@ pub(super) fn benchmark_job(
         let context =
             Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
         let progress = |now: bench::Progress| {
-            report(Progress {
+            report(BenchmarkStep {
                 done: now.done,
                 total: now.total,
                 label: now.label,

@@ -71,6 +71,24 @@ pub enum Command {
     Screenshot,
     /// Write the picture to a file chosen with a dialog.
     SaveScreenshotAs,
+    /// Choose what to export, or close that.
+    ToggleExport,
+    /// Choose how to export the camera path.
+    ExportPath,
+    /// Show or hide the camera path.
+    TogglePath,
+    /// Set a keyframe of what is shown.
+    AddKeyframe,
+    /// Play the camera path, or stop that.
+    TogglePreview,
+    /// Begin a new camera path.
+    NewPath,
+    /// Open a camera path with a dialog.
+    OpenPath,
+    /// Write the camera path to its file.
+    SavePath,
+    /// Write the camera path to a file chosen with a dialog.
+    SavePathAs,
     /// Full screen and back.
     FullScreen,
     /// Show or hide the settings.
@@ -79,7 +97,7 @@ pub enum Command {
     ToggleStatistics,
     /// Two ways to draw side by side, and back.
     ToggleComparison,
-    /// Take back the last change of the settings.
+    /// Take back the last change of settings or camera path.
     Undo,
     /// Make it again.
     Redo,
@@ -232,7 +250,7 @@ mod tests {
             found(Key::O, Some(Key::O), Modifiers::CTRL),
             Some(Command::OpenFiles)
         );
-        assert_eq!(found(Key::K, Some(Key::K), Modifiers::NONE), None);
+        assert_eq!(found(Key::J, Some(Key::J), Modifiers::NONE), None);
         assert_eq!(found(Key::Space, None, Modifiers::ALT), None);
     }
 

@@ -1,10 +1,12 @@
-//! Undo and redo of settings.
+//! Undo and redo of what a person edits: settings and camera path, in one order.
 //!
-//! **How it works.** The settings are looked at once a pass. Where they differ from the last ones, those are kept, unless the change
+//! **How it works.** What is edited is looked at once a pass. Where it differs from the last look, that is kept, unless the change
 //! goes on: with the same button held, or the same fields within half a second of the change before.
 
+use super::camera_path::Draft;
 use crate::scene::Settings;
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Changes of the same fields within this time are one.
@@ -13,13 +15,22 @@ const GESTURE: Duration = Duration::from_millis(500);
 /// Entries that are kept; the oldest go first.
 const MAX_ENTRIES: usize = 200;
 
-/// The settings before and after, as a person changed them.
+/// What can be undone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Edited {
+    /// The settings.
+    pub settings: Settings,
+    /// The camera path.
+    pub path: Arc<Draft>,
+}
+
+/// What was edited before and after, as a person changed it.
 #[derive(Debug, Clone, Default)]
 pub struct History {
-    past: VecDeque<Settings>,
-    future: Vec<Settings>,
+    past: VecDeque<Edited>,
+    future: Vec<Edited>,
     /// As of the last look; `None` before the first.
-    present: Option<Settings>,
+    present: Option<Edited>,
     last: Option<Change>,
 }
 
@@ -33,18 +44,19 @@ struct Change {
 }
 
 impl History {
-    /// Looks at the settings at `now`; `is_held` says whether a button of the mouse is down.
-    pub fn note(&mut self, settings: Settings, is_held: bool, now: Duration) {
-        let present = *self.present.get_or_insert(settings);
+    /// Looks at what is edited at `now`; `is_held` says whether a button of the mouse is down.
+    pub fn note(&mut self, edited: &Edited, is_held: bool, now: Duration) {
+        let present = self.present.get_or_insert_with(|| edited.clone());
         let last = self.last.as_mut();
         let goes_on_by_hand = last.is_some_and(|last| {
             last.is_held &= is_held;
             last.is_held
         });
-        if settings == present {
+        if edited == present {
             return;
         }
-        let fields = changed_fields(&present, &settings);
+        let fields = changed_fields(present, edited);
+        let before = std::mem::replace(present, edited.clone());
         let goes_on = goes_on_by_hand
             || self.last.is_some_and(|last| {
                 last.fields == fields && now.saturating_sub(last.at) <= GESTURE
@@ -53,10 +65,9 @@ impl History {
             if self.past.len() == MAX_ENTRIES {
                 self.past.pop_front();
             }
-            self.past.push_back(present);
+            self.past.push_back(before);
         }
         self.future.clear();
-        self.present = Some(settings);
         self.last = Some(Change {
             at: now,
             fields,
@@ -64,26 +75,28 @@ impl History {
         });
     }
 
-    /// The settings before the last change, from now on the present ones; `None` if there are none.
-    pub fn undo(&mut self) -> Option<Settings> {
+    /// What was there before the last change, and is from now on; `None` if there was none.
+    pub fn undo(&mut self) -> Option<Edited> {
         let before = self.past.pop_back()?;
-        self.future.extend(self.present.replace(before));
+        self.future.extend(self.present.replace(before.clone()));
         self.last = None;
         Some(before)
     }
 
-    /// The settings before the last [`History::undo`]; `None` if they were changed since.
-    pub fn redo(&mut self) -> Option<Settings> {
+    /// What was there before the last [`History::undo`]; `None` if something was changed since.
+    pub fn redo(&mut self) -> Option<Edited> {
         let after = self.future.pop()?;
-        self.past.extend(self.present.replace(after));
+        self.past.extend(self.present.replace(after.clone()));
         self.last = None;
         Some(after)
     }
 }
 
 /// A bit for each field that differs.
-fn changed_fields(a: &Settings, b: &Settings) -> u32 {
+fn changed_fields(before: &Edited, after: &Edited) -> u32 {
+    let (a, b) = (&before.settings, &after.settings);
     let differs = [
+        before.path != after.path,
         a.primitive != b.primitive,
         a.renderer != b.renderer,
         a.splatting != b.splatting,
@@ -113,11 +126,13 @@ mod tests {
     use crate::scene::Primitive;
     use proptest::prelude::*;
 
-    fn scaled(splat_scale: f32) -> Settings {
-        Settings {
+    fn scaled(splat_scale: f32) -> Edited {
+        let settings = Settings {
             splat_scale,
             ..Settings::default()
-        }
+        };
+        let path = Arc::default();
+        Edited { settings, path }
     }
 
     fn at(millis: u64) -> Duration {
@@ -127,24 +142,22 @@ mod tests {
     #[test]
     fn a_gesture_is_one_entry() {
         let mut history = History::default();
-        history.note(scaled(1.0), false, at(0));
+        history.note(&scaled(1.0), false, at(0));
         // A drag of two seconds, with a rest in it.
         for (millis, scale) in [(100, 1.1), (200, 1.2), (1900, 1.3), (2000, 1.4)] {
-            history.note(scaled(scale), true, at(millis));
+            history.note(&scaled(scale), true, at(millis));
         }
         // Let go and taken again, it is another one once half a second has passed.
-        history.note(scaled(1.4), false, at(2100));
-        history.note(scaled(1.5), true, at(2700));
-        history.note(scaled(1.5), false, at(2800));
+        history.note(&scaled(1.4), false, at(2100));
+        history.note(&scaled(1.5), true, at(2700));
+        history.note(&scaled(1.5), false, at(2800));
         // Keys that repeat are one as well; another field is not.
-        history.note(scaled(2.0), false, at(4000));
-        history.note(scaled(3.0), false, at(4400));
-        history.note(scaled(4.0), false, at(4800));
-        let points = Settings {
-            primitive: Primitive::Point,
-            ..scaled(4.0)
-        };
-        history.note(points, false, at(4900));
+        history.note(&scaled(2.0), false, at(4000));
+        history.note(&scaled(3.0), false, at(4400));
+        history.note(&scaled(4.0), false, at(4800));
+        let mut points = scaled(4.0);
+        points.settings.primitive = Primitive::Point;
+        history.note(&points, false, at(4900));
         let undone: Vec<_> = std::iter::from_fn(|| history.undo()).collect();
         assert_eq!(undone, [4.0, 1.5, 1.4, 1.0].map(scaled));
         let redone: Vec<_> = std::iter::from_fn(|| history.redo()).collect();
@@ -155,12 +168,12 @@ mod tests {
     fn a_change_after_undo_forgets_what_was_undone() {
         let mut history = History::default();
         for (second, scale) in [1.0, 2.0, 3.0].into_iter().enumerate() {
-            history.note(scaled(scale), false, at(1000 * second as u64));
+            history.note(&scaled(scale), false, at(1000 * second as u64));
         }
         assert_eq!(history.undo(), Some(scaled(2.0)));
         // What undo has set is no change, and what follows at once is one of its own.
-        history.note(scaled(2.0), false, at(2100));
-        history.note(scaled(5.0), false, at(2200));
+        history.note(&scaled(2.0), false, at(2100));
+        history.note(&scaled(5.0), false, at(2200));
         assert_eq!(history.redo(), None);
         assert_eq!(history.undo(), Some(scaled(2.0)));
         assert_eq!(history.undo(), Some(scaled(1.0)));
@@ -174,10 +187,10 @@ mod tests {
             scales in prop::collection::vec(1u32..1000, 1..260), moves in prop::collection::vec(any::<bool>(), 0..40),
         ) {
             let mut history = History::default();
-            let mut list: Vec<Settings> = Vec::new();
+            let mut list: Vec<Edited> = Vec::new();
             for (second, &scale) in scales.iter().enumerate() {
                 let settings = scaled(scale as f32);
-                history.note(settings, false, at(1000 * second as u64));
+                history.note(&settings, false, at(1000 * second as u64));
                 if list.last() != Some(&settings) {
                     list.push(settings);
                 }
@@ -190,7 +203,7 @@ mod tests {
                 } else {
                     (history.redo(), Some(place + 1).filter(|&place| place < list.len()))
                 };
-                prop_assert_eq!(found, expected.map(|place| list[place]));
+                prop_assert_eq!(found, expected.map(|place| list[place].clone()));
                 place = expected.unwrap_or(place);
             }
         }

@@ -12,8 +12,10 @@
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.
 
 mod benchmark;
+mod camera_path;
 mod command;
 mod comparison;
+mod export;
 mod fly;
 mod focus;
 mod graphics;
@@ -28,6 +30,7 @@ mod palette;
 pub mod panels;
 mod preferences;
 mod presets;
+mod progress;
 mod recent;
 mod software;
 mod state;
@@ -38,11 +41,13 @@ mod theme;
 mod timeline;
 mod window;
 
-pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable, Progress};
+pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkStep, BenchmarkTable};
+pub use camera_path::{Draft, PathEditor};
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
 pub use comparison::{Comparison, PictureDifference, Side};
+pub use export::{Export, Exported, Subject};
 pub use fly::Fly;
-pub use history::History;
+pub use history::{Edited, History};
 pub use inspection::{Anchor, Inspected, Inspection, Tool};
 pub use measuring::{Gauge, Measurement};
 pub use motion::Turntable;
@@ -51,6 +56,7 @@ pub use palette::Palette;
 pub use panels::QualityLimits;
 pub use preferences::{Preferences, PreferencesFile};
 pub use presets::{Preset, Presets};
+pub use progress::{Progress, Work, WorkKind, Works};
 pub use recent::Recent;
 pub use state::{Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewport, WindowRequest};
 pub use tasks::{DialogKind, Outcome, ReportFormat, Tasks, Wake};

@@ -10,6 +10,14 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
         "Save a picture as a file of a name",
         Command::SaveScreenshotAs,
     ),
+    ("Export the camera path", Command::ExportPath),
+    ("New camera path", Command::NewPath),
+    ("Open a camera path", Command::OpenPath),
+    ("Save the camera path", Command::SavePath),
+    (
+        "Save the camera path as a file of a name",
+        Command::SavePathAs,
+    ),
 ];
 
 /// What the palette offers.

@@ -4,11 +4,13 @@ mod actions;
 mod inspecting;
 mod parts;
 
-pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE, picture_folder};
 pub use parts::{Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest};
 
 use super::benchmark::Benchmark;
+use super::camera_path::PathEditor;
 use super::comparison::Comparison;
+use super::export::Export;
 use super::fly::Fly;
 use super::grip::Grip;
 use super::history::History;
@@ -19,7 +21,8 @@ use super::palette::Palette;
 use super::panels::QualityLimits;
 use super::preferences::Preferences;
 use super::presets::Presets;
-use super::recent::Recent;
+use super::progress::{WorkKind, Works};
+use super::recent::{Recent, entry_name};
 use super::tasks::{Tasks, Wake};
 use super::temporal::{Made, Temporal};
 use super::timeline::Timeline;
@@ -47,6 +50,8 @@ pub struct State {
     pub panels: OpenPanels,
     /// Another way to draw beside the one of the settings.
     pub comparison: Option<Comparison>,
+    /// Long work with a bar, but for the benchmark.
+    pub works: Works,
     /// The benchmark window's content.
     pub benchmark: Benchmark,
     /// What is known of the open sequence's ways to draw, from fast to exact.
@@ -59,7 +64,7 @@ pub struct State {
     pub presets: Presets,
     /// The name of the preset that is being saved.
     pub(super) preset_name: Option<String>,
-    /// Undo and redo of the settings.
+    /// Undo and redo of settings and camera path.
     pub(super) history: History,
     /// Commands by their names, while they are looked for.
     pub palette: Option<Palette>,
@@ -73,6 +78,10 @@ pub struct State {
     pub fly: Fly,
     /// The camera on a turntable.
     pub turntable: Turntable,
+    /// The camera path that is being made.
+    pub path: PathEditor,
+    /// What a person would export.
+    pub export: Export,
     /// What other poses add to the picture.
     pub temporal: Temporal,
     /// What was clicked on.
@@ -145,6 +154,7 @@ impl State {
             notices: Notices::default(),
             panels: options.preferences.panels,
             comparison: None,
+            works: Works::default(),
             benchmark: Benchmark::default(),
             quality: None,
             quality_limits: QualityLimits::default(),
@@ -158,6 +168,8 @@ impl State {
             graphics: GraphicsInfo::default(),
             fly: Fly::default(),
             turntable: Turntable::default(),
+            path: PathEditor::default(),
+            export: Export::default(),
             temporal: Temporal::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),
@@ -276,11 +288,17 @@ impl State {
     }
 
     /// A topic is a choice for one recording: what is opened next has others.
-    fn open_with_topic(&self, inputs: Vec<PathBuf>, topic: Option<Arc<str>>) {
-        if !inputs.is_empty() {
-            let open = self.options.open.clone();
-            self.tasks.find(inputs, OpenOptions { topic, ..open });
+    fn open_with_topic(&mut self, inputs: Vec<PathBuf>, topic: Option<Arc<str>>) {
+        if inputs.is_empty() {
+            return;
         }
+        // What was asked for last is what is wanted.
+        self.works.cancel(WorkKind::Open);
+        let name = format!("Opening {}", entry_name(&inputs));
+        let progress = self.works.begin(WorkKind::Open, name, self.now);
+        let open = self.options.open.clone();
+        self.tasks
+            .find(inputs, OpenOptions { topic, ..open }, progress);
     }
 
     /// Sets the memory for prepared frames, now and for what is opened later.
@@ -293,11 +311,15 @@ impl State {
 
     /// Moves on to `now`: takes in what threads finished, moves the playhead. True if something can be seen to change.
     pub fn update(&mut self, now: Duration) -> bool {
-        self.now = now;
+        let before = std::mem::replace(&mut self.now, now);
         let outcomes = self.tasks.take();
         let mut visible = !outcomes.is_empty();
         for outcome in outcomes {
             self.take_in(outcome);
+        }
+        visible |= self.works.look(before, now);
+        if let Benchmark::Running(running) = &mut self.benchmark {
+            running.work.look(now);
         }
         visible |= self.notices.expire(now);
         visible |= self.look_for_quality();
@@ -346,6 +368,7 @@ impl State {
     /// True if something that is not the picture may have changed: marks on the timeline, progress.
     pub(super) fn has_news(&self) -> bool {
         matches!(self.benchmark, Benchmark::Running(_))
+            || self.works.list().iter().any(|work| work.is_long(self.now))
             || self.player.as_ref().is_some_and(Player::runs_are_old)
     }
 
@@ -444,6 +467,7 @@ impl State {
         [
             player,
             self.notices.next_deadline(),
+            self.works.next_deadline(self.now),
             comparison,
             camera,
             held,

@@ -3,12 +3,17 @@
 //! Each task sends one [`Outcome`] through a bounded channel and wakes the event loop. A dialog is one at a time.
 
 use super::benchmark::BenchmarkTable;
+use super::camera_path::Draft;
 use super::comparison::PictureDifference;
+use super::export::Exported;
+use super::progress::Progress;
 use super::temporal::Made;
+use crate::export::ExportError;
 use crate::io;
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use std::fs;
 use std::io::Write as _;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -33,6 +38,14 @@ pub enum DialogKind {
     OpenFolder,
     /// Where to write the picture.
     SavePicture,
+    /// A camera path to open.
+    OpenPath,
+    /// Where to write the camera path.
+    SavePath,
+    /// The file of an export, with this extension.
+    ExportTo(&'static str),
+    /// The folder of an export of many files.
+    ExportFolder,
     /// Where to write the benchmark.
     SaveReport(ReportFormat),
 }
@@ -91,6 +104,22 @@ pub enum Outcome {
     NoDialog,
     /// A file was written.
     Saved(PathBuf),
+    /// A camera path was read.
+    PathRead {
+        /// Its file.
+        file: PathBuf,
+        /// The path.
+        draft: Arc<Draft>,
+    },
+    /// A camera path was written.
+    PathSaved {
+        /// Its file.
+        file: PathBuf,
+        /// What is in it.
+        draft: Arc<Draft>,
+    },
+    /// An export ended.
+    Exported(Result<Exported, ExportError>),
     /// Two pictures were compared.
     Compared(PictureDifference),
     /// A frame was made of several poses; `None` if nobody waits for it any more.
@@ -163,11 +192,21 @@ impl Tasks {
         outcomes
     }
 
-    /// Finds the frames of `inputs`.
-    pub(super) fn find(&self, inputs: Vec<PathBuf>, options: OpenOptions) {
-        self.start("find frames", move || Outcome::Found {
-            sequence: Sequence::open(&inputs, &options).map(Arc::new),
-            inputs,
+    /// Finds the frames of `inputs`, as far as `progress` is not cancelled.
+    pub(super) fn find(&self, inputs: Vec<PathBuf>, options: OpenOptions, progress: Progress) {
+        let wake = Arc::clone(&self.wake);
+        self.start("find frames", move || {
+            let sequence = Sequence::open_observed(&inputs, &options, &mut |done, of| {
+                progress.set(done, of);
+                wake();
+                go_on_unless(progress.is_cancelled())
+            });
+            // What was cancelled during the last file is not wanted either.
+            let sequence = match sequence {
+                Ok(_) if progress.is_cancelled() => Err(SequenceError::Cancelled),
+                found => found.map(Arc::new),
+            };
+            Outcome::Found { inputs, sequence }
         });
     }
 
@@ -204,6 +243,15 @@ impl Tasks {
             };
             saved.map_or_else(Outcome::Failed, Outcome::Saved)
         });
+    }
+}
+
+/// What those who observe work answer.
+pub(super) fn go_on_unless(is_cancelled: bool) -> ControlFlow<()> {
+    if is_cancelled {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
     }
 }
 
@@ -290,6 +338,19 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
             .set_title("Save the picture")
             .add_filter("PNG image", &["png"])
             .save_file()),
+        DialogKind::OpenPath => one(dialog
+            .set_title("Open a camera path")
+            .add_filter("Camera path", &["json"])
+            .pick_file()),
+        DialogKind::SavePath => one(dialog
+            .set_title("Save the camera path")
+            .add_filter("Camera path", &["json"])
+            .save_file()),
+        DialogKind::ExportTo(extension) => one(dialog
+            .set_title("Export to")
+            .add_filter(extension.to_uppercase(), &[extension])
+            .save_file()),
+        DialogKind::ExportFolder => one(dialog.set_title("Folder of the pictures").pick_folder()),
         DialogKind::SaveReport(format) => one(dialog
             .set_title("Save the benchmark")
             .add_filter(format.name(), &[format.extension()])
@@ -326,7 +387,8 @@ mod tests {
     fn outcomes_come_back_with_a_wake() {
         let (woken, wakes) = sync_channel(1);
         let mut tasks = Tasks::new(Arc::new(move || woken.send(()).unwrap()));
-        tasks.find(vec!["/nowhere/at/all.ply".into()], OpenOptions::default());
+        let inputs = vec!["/nowhere/at/all.ply".into()];
+        tasks.find(inputs, OpenOptions::default(), Progress::default());
         wakes.recv().unwrap();
         let outcomes = tasks.take();
         assert!(

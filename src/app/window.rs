@@ -514,6 +514,9 @@ impl ApplicationHandler<Wakened> for App {
         };
         let response = screen.input.on_window_event(&screen.window, &event);
         match event {
+            WindowEvent::CloseRequested if !self.state.may_close() => {
+                screen.window.request_redraw();
+            }
             WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             WindowEvent::Resized(size) => {
                 self.sight.note_size(size.into());
@@ -564,5 +567,6 @@ impl ApplicationHandler<Wakened> for App {
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
         self.options.preferences_file.write();
+        self.state.end_exports();
     }
 }

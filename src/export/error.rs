@@ -2,6 +2,9 @@
 
 use super::VideoFormat;
 use crate::headless::HeadlessError;
+use crate::render::RenderError;
+use crate::scene::PathError;
+use crate::sequence::{FrameError, SequenceError};
 use std::path::PathBuf;
 
 /// Why there is no picture or video.
@@ -11,6 +14,12 @@ pub enum ExportError {
     /// A frame cannot be shown or drawn.
     #[error(transparent)]
     Draw(#[from] HeadlessError),
+    /// There are no frames, or nothing that reads them.
+    #[error(transparent)]
+    Sequence(#[from] SequenceError),
+    /// The camera has no such path.
+    #[error(transparent)]
+    Path(#[from] PathError),
     /// The output cannot be written.
     #[error("{} cannot be written ({reason}): check the folder, its permissions and the space left", path.display())]
     Write {
@@ -105,4 +114,16 @@ pub enum ExportError {
     /// Somebody cancelled it; nothing was written.
     #[error("the export was cancelled")]
     Cancelled,
+}
+
+impl From<FrameError> for ExportError {
+    fn from(error: FrameError) -> Self {
+        Self::Draw(error.into())
+    }
+}
+
+impl From<RenderError> for ExportError {
+    fn from(error: RenderError) -> Self {
+        Self::Draw(error.into())
+    }
 }

@@ -17,7 +17,11 @@ mod video;
 mod webp;
 
 pub use error::ExportError;
-pub use picture::{MAX_EDGE_PX, PictureSize, draw_picture, write_picture};
+pub use mp4::has_ffmpeg;
+pub use picture::{
+    MAX_EDGE_PX, ObserveParts, PictureSize, check_size, draw_picture, write_picture,
+    write_picture_observed,
+};
 pub use png_files::{FRAME_PLACEHOLDER, numbered};
 pub use sink::{FrameSink, VideoFormat, VideoStream, open_sink};
 pub use video::{PictureDone, Video, export_video, render_path};

@@ -11,6 +11,15 @@ use std::thread::{self, JoinHandle};
 /// No more of what it says is kept.
 const MAX_MESSAGE_BYTES: u64 = 1 << 16;
 
+/// Whether the program that encodes MP4 is on the PATH.
+pub fn has_ffmpeg() -> bool {
+    let name = format!("ffmpeg{}", std::env::consts::EXE_SUFFIX);
+    std::env::var_os("PATH").is_some_and(|path| {
+        let mut folders = std::env::split_paths(&path);
+        folders.any(|folder| folder.join(&name).is_file())
+    })
+}
+
 /// An MP4 that is being written.
 pub(super) struct Mp4File {
     output: PathBuf,

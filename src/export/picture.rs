@@ -16,6 +16,7 @@ use crate::sequence::PreparedFrame;
 use image::{RgbaImage, imageops};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Longest edge of a picture.
@@ -68,12 +69,20 @@ pub fn draw_picture(
     size: PictureSize,
 ) -> Result<RgbaImage, ExportError> {
     let mut pixels = Vec::new();
-    for_each_strip(headless, frame, camera, settings, size, &mut |strip| {
+    let take = &mut |strip: RgbaImage| {
         pixels.extend_from_slice(&strip);
         Ok(())
-    })?;
+    };
+    for_each_strip(headless, frame, camera, settings, size, (take, &mut go_on))?;
     let [width, height] = size.size_px;
     Ok(RgbaImage::from_raw(width, height, pixels).unwrap_or_default())
+}
+
+/// Is told of how many parts of a picture of how many are drawn, and may cancel.
+pub type ObserveParts<'a> = &'a mut dyn FnMut(usize, usize) -> ControlFlow<()>;
+
+fn go_on(_: usize, _: usize) -> ControlFlow<()> {
+    ControlFlow::Continue(())
 }
 
 /// Draws a picture to a PNG file, which is replaced as a whole.
@@ -88,6 +97,22 @@ pub fn write_picture(
     size: PictureSize,
     output: &Path,
 ) -> Result<(), ExportError> {
+    let output = (output, &mut go_on as ObserveParts<'_>);
+    write_picture_observed(headless, frame, camera, settings, size, output)
+}
+
+/// [`write_picture`], observed.
+///
+/// # Errors
+/// As [`write_picture`], and [`ExportError::Cancelled`]. Nothing is left of the file then.
+pub fn write_picture_observed(
+    headless: &mut Headless,
+    frame: &PreparedFrame,
+    camera: &Camera,
+    settings: &Settings,
+    size: PictureSize,
+    (output, observe): (&Path, ObserveParts<'_>),
+) -> Result<(), ExportError> {
     check_size(size.size_px)?;
     let failed = |reason: io::Error| ExportError::Write {
         path: output.to_owned(),
@@ -95,9 +120,8 @@ pub fn write_picture(
     };
     let (partial, file) = Partial::create(output).map_err(failed)?;
     let mut png = start_png(file, size.size_px).map_err(failed)?;
-    for_each_strip(headless, frame, camera, settings, size, &mut |strip| {
-        png.write_all(&strip).map_err(failed)
-    })?;
+    let take = &mut |strip: RgbaImage| png.write_all(&strip).map_err(failed);
+    for_each_strip(headless, frame, camera, settings, size, (take, observe))?;
     png.finish()
         .map_err(io::Error::from)
         .and_then(|()| partial.finish())
@@ -115,13 +139,16 @@ fn start_png(
     Ok(encoder.write_header()?.into_stream_writer()?)
 }
 
-pub(super) fn check_size([width, height]: [u32; 2]) -> Result<(), ExportError> {
+/// Refuses edges of zero, and beyond [`MAX_EDGE_PX`].
+pub fn check_size([width, height]: [u32; 2]) -> Result<(), ExportError> {
     let is_fine = |edge| (1..=MAX_EDGE_PX).contains(&edge);
     let is_fine = is_fine(width) && is_fine(height);
     is_fine
         .then_some(())
         .ok_or(ExportError::PictureSize { width, height })
 }
+
+type TakeStrip<'a> = &'a mut dyn FnMut(RgbaImage) -> Result<(), ExportError>;
 
 /// Draws strips of a picture from its upper edge to its lower one.
 fn for_each_strip(
@@ -130,7 +157,7 @@ fn for_each_strip(
     camera: &Camera,
     settings: &Settings,
     size: PictureSize,
-    take: &mut dyn FnMut(RgbaImage) -> Result<(), ExportError>,
+    (take, observe): (TakeStrip<'_>, ObserveParts<'_>),
 ) -> Result<(), ExportError> {
     let size_px @ [width, height] = size.size_px;
     check_size(size_px)?;
@@ -139,11 +166,14 @@ fn for_each_strip(
     let [drawn_width, drawn_height] = packet.viewport_px;
     if drawn_width <= part_width && drawn_height <= part_height {
         let image = draw_part(headless, &packet, size.is_transparent)?;
-        return take(scaled_to(image, size_px));
+        take(scaled_to(image, size_px))?;
+        return done(observe(1, 1));
     }
     if packet.viewport_px != size_px {
         return Err(ExportError::ScaledParts { width, height });
     }
+    let total = width.div_ceil(part_width) as usize * height.div_ceil(part_height) as usize;
+    let mut drawn = 0;
     for top in (0..height).step_by(part_height as usize) {
         let rows = part_height.min(height - top);
         let mut strip = RgbaImage::new(width, rows);
@@ -152,10 +182,19 @@ fn for_each_strip(
             let part = packet.part([left, top], [columns, rows]);
             let image = draw_part(headless, &part, size.is_transparent)?;
             imageops::replace(&mut strip, &image, i64::from(left), 0);
+            drawn += 1;
+            done(observe(drawn, total))?;
         }
         take(strip)?;
     }
     Ok(())
+}
+
+fn done(answer: ControlFlow<()>) -> Result<(), ExportError> {
+    match answer {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(ExportError::Cancelled),
+    }
 }
 
 fn draw_part(

@@ -65,6 +65,11 @@ impl fmt::Display for VideoFormat {
 }
 
 impl VideoFormat {
+    /// Whether it can hold soft transparency.
+    pub fn has_alpha(self) -> bool {
+        matches!(self, Self::PngFiles | Self::Webp)
+    }
+
     /// The format that a name says: by its extension, or as a folder (an existing one, or a name without extension).
     pub fn of_name(path: &Path) -> Result<Self, ExportError> {
         let extension = path
@@ -84,7 +89,10 @@ impl VideoFormat {
     }
 
     /// What the format cannot hold is refused before anything is drawn.
-    fn check(self, stream: &VideoStream) -> Result<(), ExportError> {
+    ///
+    /// # Errors
+    /// Of sizes, rates and transparency that it has not.
+    pub fn check(self, stream: &VideoStream) -> Result<(), ExportError> {
         let [width, height] = stream.size_px;
         let size = |max: u32, multiple: u32| {
             let fits = |edge: u32| (1..=max).contains(&edge) && edge.is_multiple_of(multiple);
@@ -108,7 +116,7 @@ impl VideoFormat {
                 expected,
             })
         };
-        if stream.is_transparent && matches!(self, Self::Gif | Self::Mp4) {
+        if stream.is_transparent && !self.has_alpha() {
             return Err(ExportError::Transparent { format: self });
         }
         match self {

@@ -16,6 +16,7 @@ use crate::io::natural::{Run, Runs, natural_order, split_name};
 use crate::io::{self, Format};
 use std::collections::HashSet;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -30,10 +31,12 @@ pub(super) struct Discovered {
     pub(super) recordings: Vec<Recording>,
 }
 
-/// The ordered frames of `inputs`; see the module's text for the rules.
+/// The ordered frames of `inputs`; see the module's text for the rules. `observe` is told of how many files of how many were looked
+/// at, and may cancel.
 pub(super) fn discover(
     inputs: &[PathBuf],
     options: &OpenOptions,
+    observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Discovered, SequenceError> {
     if inputs.is_empty() {
         return Err(SequenceError::NoInput);
@@ -56,7 +59,11 @@ pub(super) fn discover(
     let mut taken = HashSet::with_capacity(paths.len());
     paths.retain(|path| taken.insert(path.clone()));
     let mut discovered = Discovered::default();
-    for path in paths {
+    let count = paths.len();
+    for (done, path) in paths.into_iter().enumerate() {
+        if observe(done, count).is_break() {
+            return Err(SequenceError::Cancelled);
+        }
         discovered.append_frames(path, options);
     }
     if let Some(topic) = &options.topic {
@@ -308,6 +315,30 @@ mod tests {
             [Path::new("a/Fox.GLTF")]
         );
         assert_eq!(left_of(&["a/0.bin", "a/1.bin"]).len(), 2);
+    }
+
+    #[test]
+    fn opening_tells_of_each_file_and_can_be_cancelled() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a_1.ply", "a_2.ply", "a_3.ply"] {
+            fs::write(folder.path().join(name), "ply").unwrap();
+        }
+        let inputs = [folder.path().to_owned()];
+        let mut told = Vec::new();
+        let mut open = |last: usize| {
+            let mut observe = |done: usize, of: usize| {
+                told.push((done, of));
+                if done == last {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            };
+            discover(&inputs, &OpenOptions::default(), &mut observe)
+        };
+        assert_eq!(open(9).unwrap().sources.len(), 3);
+        assert!(matches!(open(1), Err(SequenceError::Cancelled)));
+        assert_eq!(told, [(0, 3), (1, 3), (2, 3), (0, 3), (1, 3)]);
     }
 
     #[test]

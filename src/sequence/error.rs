@@ -63,6 +63,9 @@ pub enum SequenceError {
         /// The system's reason.
         reason: std::io::Error,
     },
+    /// Somebody cancelled it.
+    #[error("opening was cancelled")]
+    Cancelled,
     /// The system gives no thread to load frames on.
     #[error(
         "no thread could be started to load frames ({reason}): close other programs or raise the process limit"

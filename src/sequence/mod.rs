@@ -62,6 +62,7 @@ use crate::cloud::{Frame, RawCloud};
 use crate::io::{ReadOptions, Topic};
 use glam::DVec3;
 use origin::OriginFinder;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, RwLock};
@@ -112,7 +113,19 @@ impl Sequence {
 
     /// [`Sequence::discover`] with a choice of how.
     pub fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, SequenceError> {
-        let discovered = discover::discover(inputs, options)?;
+        Self::open_observed(inputs, options, &mut |_, _| ControlFlow::Continue(()))
+    }
+
+    /// [`Sequence::open`], where `observe` is told of how many files of how many were looked at, and may cancel.
+    ///
+    /// # Errors
+    /// As [`Sequence::open`], and [`SequenceError::Cancelled`].
+    pub fn open_observed(
+        inputs: &[PathBuf],
+        options: &OpenOptions,
+        observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+    ) -> Result<Self, SequenceError> {
+        let discovered = discover::discover(inputs, options, observe)?;
         let read = options.read;
         let decode = move |source: &Source| source::decode(source, &read);
         if options.topic.is_none() {
@@ -152,7 +165,8 @@ impl Sequence {
         let Some((inputs, options)) = &self.opened else {
             return Ok(0);
         };
-        let found = discover::discover(inputs, options)?.sources;
+        let observe = &mut |_, _| ControlFlow::Continue(());
+        let found = discover::discover(inputs, options, observe)?.sources;
         let mut sources = write(&self.sources);
         let is_last = |source: &Source| {
             let last = sources.last();

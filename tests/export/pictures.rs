@@ -3,10 +3,14 @@
 use super::{headless, near_by, settings};
 use crate::common;
 use image::RgbaImage;
-use pointreel::export::{ExportError, MAX_EDGE_PX, PictureSize, draw_picture, write_picture};
+use pointreel::export::{
+    ExportError, MAX_EDGE_PX, ObserveParts, PictureSize, draw_picture, write_picture,
+    write_picture_observed,
+};
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{Background, Footprint, Primitive, Settings, Splatting, Strategy};
+use std::ops::ControlFlow;
 
 const SIZE_PX: [u32; 2] = [300, 220];
 
@@ -160,6 +164,41 @@ fn a_file_holds_what_was_drawn_in_parts() {
     let drawn = draw_picture(&mut headless, &frame, &camera, &settings, size).unwrap();
     assert_eq!(image::open(&file).unwrap().to_rgba8(), drawn);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_picture_that_is_cancelled_between_its_parts_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.png");
+    let settings = settings();
+    let mut headless = headless(AnyRenderer::cpu());
+    let (frame, camera) = near_by(&headless, &settings);
+    let size = PictureSize {
+        part_edge_px: Some(100),
+        ..PictureSize::opaque([250, 120])
+    };
+    let mut write = |last: usize| {
+        let mut told = Vec::new();
+        let mut observe = |drawn: usize, of: usize| {
+            told.push((drawn, of));
+            if drawn == last {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        let output = (file.as_path(), &mut observe as ObserveParts<'_>);
+        let written =
+            write_picture_observed(&mut headless, &frame, &camera, &settings, size, output);
+        (written, told)
+    };
+    let (cancelled, told) = write(4);
+    assert!(matches!(cancelled, Err(ExportError::Cancelled)));
+    assert_eq!(told, [(1, 6), (2, 6), (3, 6), (4, 6)]);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    let (written, told) = write(9);
+    written.unwrap();
+    assert_eq!(told.last(), Some(&(6, 6)));
 }
 
 #[test]

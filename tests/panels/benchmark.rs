@@ -3,7 +3,7 @@
 use super::{click, window};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkTable, Progress, State};
+use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkStep, BenchmarkTable, State};
 use pointreel::bench::{LabPoint, Quality, Table};
 use pointreel::scene::{Background, Primitive, RendererChoice, Settings};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ fn a_benchmark_shows_progress_then_its_table() {
     let (go_on, gate) = sync_channel::<()>(0);
     let (reached, half_way) = sync_channel::<()>(0);
     let job: BenchmarkJob = Box::new(move |report, _| {
-        report(Progress {
+        report(BenchmarkStep {
             done: 3,
             total: 6,
             label: "storage".to_owned(),
@@ -173,9 +173,9 @@ fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
     let (reached, half_way) = sync_channel::<()>(0);
     let job: BenchmarkJob = Box::new(move |report, _| {
         for measured in &points()[..2] {
-            report(Progress {
+            report(BenchmarkStep {
                 measured: Some(Arc::clone(measured)),
-                ..Progress::default()
+                ..BenchmarkStep::default()
             });
         }
         reached.send(()).unwrap();

@@ -356,6 +356,27 @@ pub const BINDINGS: &[Binding] = &[
     ),
     binding(
         VIEW,
+        "F4",
+        "Camera path",
+        Command::TogglePath,
+        &[Chord::plain(Key::F4)],
+    ),
+    binding(
+        VIEW,
+        "K",
+        "Add a keyframe of what is shown",
+        Command::AddKeyframe,
+        &[Chord::plain(Key::K)],
+    ),
+    binding(
+        VIEW,
+        "Shift+K",
+        "Play the camera path, or stop",
+        Command::TogglePreview,
+        &[Chord::shift(Key::K)],
+    ),
+    binding(
+        VIEW,
         "F11",
         "Full screen",
         Command::FullScreen,
@@ -391,8 +412,15 @@ pub const BINDINGS: &[Binding] = &[
     ),
     binding(
         FILE,
+        "Shift+P",
+        "Export a picture or a video",
+        Command::ToggleExport,
+        &[Chord::shift(Key::P)],
+    ),
+    binding(
+        FILE,
         "Ctrl+Z",
-        "Undo the last change of settings",
+        "Undo the last change of settings or path",
         Command::Undo,
         &[Chord::ctrl(Key::Z)],
     ),
@@ -420,7 +448,7 @@ pub const BINDINGS: &[Binding] = &[
     binding(
         FILE,
         "Esc",
-        "Close this list, clear points, leave full screen",
+        "Stop, close this list, clear points, leave full screen",
         Command::Escape,
         &[Chord::plain(Key::Escape)],
     ),

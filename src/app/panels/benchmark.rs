@@ -1,10 +1,11 @@
 //! The benchmark window: progress and cancel while it runs, then the table and a bar chart.
 
 use super::lab::lab_ui;
+use super::works::{bar, cancel_button};
 use crate::app::theme::{ACCENT, BAD, ODD};
 use crate::app::{Benchmark, BenchmarkTable, DialogKind, ReportFormat, State};
 use crate::bench::Table;
-use egui::{Align2, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
+use egui::{Align2, Grid, RichText, ScrollArea, Ui, Window};
 use egui_plot::{Bar, BarChart, Plot};
 
 /// Height of a bar in the chart, points.
@@ -48,16 +49,10 @@ fn contents(ui: &mut Ui, state: &mut State) -> Option<DialogKind> {
             ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused meanwhile.");
         }
         Benchmark::Running(running) => {
-            let progress = running.progress();
             ui.strong(format!("Suite {}", running.suite));
-            let part = progress.done as f32 / progress.total.max(1) as f32;
-            ui.add(ProgressBar::new(part).text(format!("{} of {}", progress.done, progress.total)));
-            ui.label(&progress.label);
-            if running.is_cancelled() {
-                ui.weak("Stopping…");
-            } else if ui.button("Cancel").clicked() {
-                running.cancel();
-            }
+            bar(ui, &running.work, state.now());
+            ui.label(running.label());
+            cancel_button(ui, running.work.progress());
         }
         Benchmark::Cancelled => {
             ui.label("The benchmark was cancelled.");

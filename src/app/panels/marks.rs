@@ -2,9 +2,12 @@
 
 use crate::app::theme::{ACCENT, ODD};
 use crate::app::{Anchor, Gauge, State};
-use crate::scene::Camera;
+use crate::scene::{Camera, CameraPath};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 use glam::{DVec2, DVec3};
+
+/// A camera path is painted in so many pieces.
+const PATH_PIECES: usize = 256;
 
 /// Radius of a ring around a point, points.
 const RING: f32 = 6.0;
@@ -17,6 +20,12 @@ pub(super) fn marks_ui(painter: &Painter, state: &State) {
         size_px: state.viewport.size_px,
         camera: &state.camera,
     };
+    if let Some(path) = state.path.draft.path()
+        && state.panels.path
+        && !state.path.is_playing()
+    {
+        canvas.camera_path(path);
+    }
     let inspection = &state.inspection;
     let up = state.camera.up.direction();
     for measurement in &inspection.measurements {
@@ -71,6 +80,21 @@ impl Canvas<'_> {
             let shadow = Stroke::new(stroke.width + 2.0, Color32::from_black_alpha(130));
             self.painter.line_segment(ends, shadow);
             self.painter.line_segment(ends, stroke);
+        }
+    }
+
+    /// The way of the eye, with a ring at each keyframe.
+    fn camera_path(&self, path: &CameraPath) {
+        let eye = |piece: usize| {
+            let share = piece as f64 / PATH_PIECES as f64;
+            path.at(share * path.duration_s()).0.eye_in_world()
+        };
+        let eyes: Vec<DVec3> = (0..=PATH_PIECES).map(eye).collect();
+        for ends in eyes.windows(2).filter(|ends| ends[0] != ends[1]) {
+            self.line([ends[0], ends[1]], Stroke::new(1.5, ACCENT));
+        }
+        for key in path.keyframes().iter().take(PATH_PIECES) {
+            self.ring(key.camera.eye_in_world(), ACCENT);
         }
     }
 

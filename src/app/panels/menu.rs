@@ -50,6 +50,13 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     ui.add_enabled_ui(state.player.is_some(), |ui| {
         item(ui, state, "Save picture", Command::Screenshot);
         item(ui, state, "Save picture as…", Command::SaveScreenshotAs);
+        let export = Command::ToggleExport;
+        let button = Button::new("Export…").shortcut_text(keys_of(export));
+        let tooltip = "Pictures of any size, turntables, camera paths and the sequence as videos";
+        if ui.add(button).on_hover_text(tooltip).clicked() {
+            state.run(export);
+            ui.close();
+        }
     });
     ui.separator();
     item(ui, state, "Quit", Command::Quit);
@@ -124,8 +131,8 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
         item(ui, state, name, Command::Look(preset));
     }
     ui.separator();
-    item(ui, state, "Undo settings", Command::Undo);
-    item(ui, state, "Redo settings", Command::Redo);
+    item(ui, state, "Undo", Command::Undo);
+    item(ui, state, "Redo", Command::Redo);
     ui.separator();
     item(ui, state, "Reset view", Command::ResetView);
     item(ui, state, "Copy view", Command::CopyView);
@@ -141,6 +148,7 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
             state.panels.statistics,
             Command::ToggleStatistics,
         ),
+        ("Camera path…", state.panels.path, Command::TogglePath),
         (
             "Compare A/B",
             state.comparison.is_some(),

@@ -1,8 +1,10 @@
 //! The panels, one file each: `fn timeline_ui(ui, &mut State)`. They read and change [`State`] and know no GPU.
 
 mod benchmark;
+mod camera_path;
 mod clip;
 mod comparison;
+mod export;
 mod footprints;
 mod help;
 mod lab;
@@ -14,14 +16,18 @@ mod palette;
 mod point;
 mod presets;
 mod quality;
+mod question;
 mod settings;
 mod statistics;
 mod temporal;
 mod timeline;
 mod viewport;
 mod voxels;
+mod works;
 
 pub use benchmark::benchmark_ui;
+pub use camera_path::camera_path_ui;
+pub use export::export_ui;
 pub use help::help_ui;
 pub use measuring::measuring_ui;
 pub use menu::menu_ui;
@@ -36,9 +42,10 @@ pub use viewport::viewport_ui;
 
 use super::State;
 use comparison::comparison_ui;
-use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use egui::{CentralPanel, Frame, Id, InnerResponse, Margin, Panel, Ui, Vec2};
 use palette::palette_ui;
 use presets::preset_name_ui;
+use question::question_ui;
 
 /// Everything in the window, keys included.
 pub fn window_ui(ui: &mut Ui, state: &mut State) {
@@ -77,13 +84,30 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     point_ui(ui, state);
     measuring_ui(ui, state);
     change_ui(ui, state);
+    camera_path_ui(ui, state);
+    export_ui(ui, state);
     notices_ui(ui, state);
     help_ui(ui, state);
     benchmark_ui(ui, state);
     preset_name_ui(ui, state);
+    question_ui(ui, state);
     palette_ui(ui, state);
     state.note_settings(ui.ctx());
     state.follow_poses();
+}
+
+/// Has the panels run again when the window `name` has another size than in the last pass: what is in it takes its new places then.
+fn settle<R>(ui: &Ui, name: &'static str, shown: Option<InnerResponse<R>>) {
+    let size = shown.map(|shown| shown.response.rect.size());
+    let id = Id::unique(name).with("size");
+    let before = ui.data_mut(|data| {
+        let before = data.get_temp::<Option<Vec2>>(id);
+        data.insert_temp(id, size);
+        before
+    });
+    if before.is_some_and(|before| before != size) {
+        ui.ctx().request_repaint();
+    }
 }
 
 /// `1234567` → `1,234,567`.

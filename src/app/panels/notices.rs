@@ -1,5 +1,6 @@
-//! Messages over the picture, at its lower left.
+//! Messages over the picture, at its lower left, and bars of long work below them.
 
+use super::works::{shown_works, work_ui};
 use crate::app::theme::{BAD, GOOD, ODD};
 use crate::app::{Notice, Severity, State};
 use egui::{Align2, Area, Frame, Id, RichText, ScrollArea, Stroke, Ui, vec2};
@@ -10,9 +11,10 @@ const WIDTH: f32 = 420.0;
 /// Longer texts scroll.
 const MAX_TEXT_HEIGHT: f32 = 120.0;
 
-/// Every message with its full text, a button to copy it and one to dismiss it.
+/// Every message with its full text, a button to copy it and one to dismiss it; long work with a bar and a button to cancel it.
 pub fn notices_ui(ui: &mut Ui, state: &mut State) {
-    if state.notices.list().is_empty() {
+    let works = shown_works(state);
+    if state.notices.list().is_empty() && works.is_empty() {
         return;
     }
     let mut dismissed = None;
@@ -26,6 +28,9 @@ pub fn notices_ui(ui: &mut Ui, state: &mut State) {
                 if notice_ui(ui, notice) {
                     dismissed = Some(notice.id);
                 }
+            }
+            for work in works {
+                work_ui(ui, work, state.now(), WIDTH);
             }
         });
     if let Some(id) = dismissed {

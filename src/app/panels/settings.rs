@@ -442,7 +442,10 @@ fn camera(ui: &mut Ui, state: &mut State) {
         ],
     );
     if state.camera.projection == Projection::Perspective {
-        let fov = Slider::new(&mut state.camera.fov_deg, 5.0..=120.0)
+        // The slider rounds what it shows: what comes from a path or a text is not its to change.
+        let before = state.camera.fov_deg.round().clamp(5.0, 120.0);
+        let mut shown = before;
+        let fov = Slider::new(&mut shown, 5.0..=120.0)
             .max_decimals(0)
             .suffix(" °");
         row(
@@ -451,6 +454,9 @@ fn camera(ui: &mut Ui, state: &mut State) {
             "Vertical opening angle of the camera, degrees",
             fov,
         );
+        if shown != before {
+            state.camera.fov_deg = shown;
+        }
     }
     let turntable = &mut state.turntable;
     row(

@@ -2,14 +2,17 @@
 
 use super::{State, WindowRequest};
 use crate::app::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
+use crate::app::camera_path::Question;
 use crate::app::command::{self, Command};
 use crate::app::comparison::Comparison;
+use crate::app::export::Subject;
+use crate::app::history::Edited;
 use crate::app::palette::Palette;
 use crate::app::tasks::{DialogKind, Outcome, PicturePlace, ReportFormat};
 use crate::bench::{LabPoint, Quality, QualityKey, Suite};
 use crate::playback::Player;
-use crate::scene::{Camera, Primitive, Settings, UpAxis};
-use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange, Sequence};
+use crate::scene::{Camera, Primitive, RendererChoice, Settings, UpAxis};
+use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange, Sequence, SequenceError};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -34,6 +37,7 @@ impl State {
                         self.notices.warn(problem);
                     }
                 }
+                Err(SequenceError::Cancelled) => {}
                 Err(error) => self.notices.error(error.to_string()),
             },
             Outcome::Chosen { dialog, paths } => self.chosen(dialog, paths),
@@ -43,6 +47,9 @@ impl State {
                  Drop files or a folder on the window, or name them on the command line: pointreel view FOLDER",
             ),
             Outcome::Saved(path) => self.notices.info(format!("Saved {}", path.display())),
+            Outcome::PathRead { file, draft } => self.take_path(draft, Some(file)),
+            Outcome::PathSaved { file, draft } => self.path_is_saved(file, draft),
+            Outcome::Exported(result) => self.export_has_ended(result),
             Outcome::Benchmark(result) => {
                 self.benchmark.finish(result);
                 self.learn_quality();
@@ -73,6 +80,9 @@ impl State {
                         first, "png",
                     ))));
             }
+            DialogKind::OpenPath => self.open_path(first),
+            DialogKind::SavePath => self.save_path_to(with_extension(first, "json")),
+            DialogKind::ExportTo(_) | DialogKind::ExportFolder => self.take_place(dialog, &first),
             DialogKind::SaveReport(format) => {
                 let Benchmark::Done(table) = &self.benchmark else {
                     return;
@@ -157,6 +167,15 @@ impl State {
                 let name = format!("{}.png", self.picture_stem());
                 self.tasks.ask(DialogKind::SavePicture, Some(name));
             }
+            Command::ToggleExport => self.toggle_export(None),
+            Command::ExportPath => self.toggle_export(Some(Subject::Path)),
+            Command::TogglePath => self.panels.path ^= true,
+            Command::AddKeyframe => self.add_keyframe(),
+            Command::TogglePreview => self.toggle_preview(),
+            Command::NewPath => self.ask_or_do(Question::New),
+            Command::OpenPath => self.ask_or_do(Question::Open),
+            Command::SavePath => self.save_path(false),
+            Command::SavePathAs => self.save_path(true),
             Command::FullScreen => self.requests.push(WindowRequest::FullScreen),
             Command::ToggleSettings => self.panels.settings ^= true,
             Command::ToggleStatistics => self.panels.statistics ^= true,
@@ -166,8 +185,14 @@ impl State {
                     None => Some(Comparison::new(self.settings)),
                 };
             }
-            Command::Undo => self.settings = self.history.undo().unwrap_or(self.settings),
-            Command::Redo => self.settings = self.history.redo().unwrap_or(self.settings),
+            Command::Undo => {
+                let before = self.history.undo();
+                self.take_edited(before);
+            }
+            Command::Redo => {
+                let after = self.history.redo();
+                self.take_edited(after);
+            }
             Command::TogglePalette => {
                 self.palette = match self.palette.take() {
                     Some(_) => None,
@@ -176,7 +201,7 @@ impl State {
             }
             Command::ToggleHelp => self.panels.help ^= true,
             Command::Escape => self.escape(),
-            Command::Quit => self.requests.push(WindowRequest::Quit),
+            Command::Quit => self.ask_or_do(Question::Quit),
         }
     }
 
@@ -196,8 +221,10 @@ impl State {
         let running = matches!(self.benchmark, Benchmark::Running(_));
         // The key has taken the keyboard from their fields already, so they do not see it.
         let has_closed = self.palette.take().is_some() || self.timeline.renaming.take().is_some();
-        if has_closed {
+        if has_closed || self.stop_preview() || self.path.question.take().is_some() {
             // One thing at a time.
+        } else if self.panels.export {
+            self.panels.export = false;
         } else if self.panels.help {
             self.panels.help = false;
         } else if self.panels.benchmark && !running {
@@ -247,8 +274,8 @@ impl State {
     /// Shows the benchmark window and runs `job` in it.
     pub fn start_benchmark_job(&mut self, suite: &str, job: BenchmarkJob) {
         self.panels.benchmark = true;
-        let wake = self.wake();
-        self.benchmark.start(suite, job, &self.tasks, wake);
+        let at = (self.wake(), self.now);
+        self.benchmark.start(suite, job, &self.tasks, at);
     }
 
     /// Reads what was measured of the open sequence before, once it is known what it would be kept by. True if there is something.
@@ -286,11 +313,37 @@ impl State {
         self.quality = Some(quality);
     }
 
-    /// Looks whether the settings have changed, for undo. Call after the panels.
+    /// Looks whether settings or camera path have changed, for undo. Call after the panels.
     pub(in crate::app) fn note_settings(&mut self, ctx: &egui::Context) {
         let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
-        self.history.note(self.settings, is_held, now);
+        let edited = Edited {
+            settings: self.settings,
+            path: Arc::clone(&self.path.draft),
+        };
+        self.history.note(&edited, is_held, now);
+    }
+
+    fn take_edited(&mut self, edited: Option<Edited>) {
+        if let Some(Edited { settings, path }) = edited {
+            self.settings = settings;
+            self.path.draft = path;
+        }
+    }
+
+    /// Asks the window for what only it can do.
+    pub(in crate::app) fn request(&mut self, request: WindowRequest) {
+        self.requests.push(request);
+    }
+
+    /// How an export draws: as the window does, but at full resolution.
+    pub(in crate::app) fn settings_of_export(&self) -> Settings {
+        let mut settings = self.settings;
+        settings.resolution = 1.0;
+        if self.without_gpu == Some(settings.renderer) {
+            settings.renderer = RendererChoice::Cpu;
+        }
+        settings
     }
 
     /// Draws as `way` from now on.
@@ -372,11 +425,14 @@ impl State {
             .as_ref()
             .and_then(Player::shown)
             .map_or(0, |frame| frame.index + 1);
+        format!("pointreel-{}-{frame:04}", self.sequence_stem())
+    }
+
+    /// What is open, for names of files: without extension.
+    pub(in crate::app) fn sequence_stem(&self) -> String {
         let name = self.sequence_name().unwrap_or_else(|| "empty".to_owned());
-        let name = name
-            .rsplit_once('.')
-            .map_or(name.as_str(), |(stem, _)| stem);
-        format!("pointreel-{name}-{frame:04}")
+        name.rsplit_once('.')
+            .map_or(name.clone(), |(stem, _)| stem.to_owned())
     }
 
     /// Compares the picture of the window's settings with that of the other side.
@@ -423,7 +479,7 @@ fn with_extension(path: PathBuf, extension: &str) -> PathBuf {
 }
 
 /// The person's folder of pictures if the system has one, else where the program was started.
-fn picture_folder() -> PathBuf {
+pub(in crate::app) fn picture_folder() -> PathBuf {
     directories::UserDirs::new()
         .and_then(|folders| folders.picture_dir().map(PathBuf::from))
         .filter(|folder| folder.is_dir())

@@ -85,12 +85,13 @@ impl State {
             self.glide = None;
         }
         self.turntable.step(&mut self.camera, self.now);
+        self.move_on_path();
         self.camera != before
     }
 
     /// True while [`State::move_camera_on`] has something to do.
     pub(super) fn camera_moves(&self) -> bool {
-        self.glide.is_some() || self.turntable.is_on
+        self.glide.is_some() || self.turntable.is_on || self.path.is_playing()
     }
 
     pub(super) fn toggle_projection(&mut self) {

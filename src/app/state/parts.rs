@@ -80,6 +80,10 @@ pub struct OpenPanels {
     pub help: bool,
     /// The benchmark window.
     pub benchmark: bool,
+    /// The camera path.
+    pub path: bool,
+    /// What is exported.
+    pub export: bool,
 }
 
 impl Default for OpenPanels {
@@ -89,6 +93,8 @@ impl Default for OpenPanels {
             statistics: false,
             help: false,
             benchmark: false,
+            path: false,
+            export: false,
         }
     }
 }

@@ -1,0 +1,138 @@
+//! An export on a thread of its own: all that it needs is taken when it begins, so the window goes on living.
+
+use super::plan;
+use crate::app::progress::Progress;
+use crate::app::tasks::{Wake, go_on_unless};
+use crate::export::{
+    ExportError, ObserveParts, PictureSize, Video, export_video, write_picture_observed,
+};
+use crate::headless::Headless;
+use crate::render::AnyRenderer;
+use crate::scene::{Camera, CameraPath, Settings};
+use crate::sequence::{Clock, Loader, LoaderOptions, PreparedFrame, Sequence};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What is written.
+#[derive(Debug)]
+pub(super) enum Shows {
+    /// A frame as a picture.
+    Picture {
+        camera: Camera,
+        frame: usize,
+        /// What was made of that frame with other poses, if that is on the screen.
+        made: Option<Arc<PreparedFrame>>,
+    },
+    /// A path with a frame of the sequence at each time.
+    Path(CameraPath),
+    /// Turns about the up axis in so many pictures while the sequence plays.
+    Turntable {
+        camera: Camera,
+        turns: f64,
+        pictures: usize,
+        clock: Clock,
+    },
+    /// The sequence as it plays.
+    Sequence { camera: Camera, clock: Clock },
+}
+
+/// All that an export needs.
+#[derive(Debug)]
+pub(super) struct Job {
+    pub(super) sequence: Arc<Sequence>,
+    pub(super) settings: Settings,
+    pub(super) shows: Shows,
+    pub(super) per_second: f64,
+    pub(super) size: PictureSize,
+    pub(super) output: PathBuf,
+    /// The window's time when it began, for its clock.
+    pub(super) now: Duration,
+    /// Memory for its frames.
+    pub(super) budget_bytes: usize,
+}
+
+/// What was written.
+#[derive(Debug)]
+pub struct Exported {
+    /// The file, or with `{frame}` the files.
+    pub(in crate::app) output: PathBuf,
+    /// How many pictures are in it.
+    pub(in crate::app) pictures: usize,
+    /// Why frames are not shown in it.
+    pub(in crate::app) failed: Vec<String>,
+}
+
+/// Does `job`, tells `progress` of each picture or part of one, and stops soon after that was cancelled.
+pub(super) fn run(job: Job, progress: &Progress, wake: &Wake) -> Result<Exported, ExportError> {
+    let note = |done: usize, of: usize| {
+        progress.set(done, of);
+        wake();
+        go_on_unless(progress.is_cancelled())
+    };
+    let Job {
+        sequence,
+        settings,
+        shows,
+        per_second,
+        size,
+        output,
+        now,
+        budget_bytes,
+    } = job;
+    let defaults = LoaderOptions::default();
+    let options = LoaderOptions {
+        // The other half is the window's.
+        workers: defaults.workers.div_ceil(2),
+        budget_bytes,
+        ..defaults
+    };
+    let loader = Loader::new(Arc::clone(&sequence), options)?;
+    let renderer = AnyRenderer::open(settings.renderer)?;
+    let mut headless = Headless::new(sequence, loader, renderer);
+    let path = match shows {
+        Shows::Picture {
+            camera,
+            frame,
+            made,
+        } => {
+            let shown = made.map_or_else(|| headless.frame(frame, &settings), Ok)?;
+            let mut note = note;
+            let file = (output.as_path(), &mut note as ObserveParts<'_>);
+            write_picture_observed(&mut headless, &shown, &camera, &settings, size, file)?;
+            return Ok(Exported {
+                output,
+                pictures: 1,
+                failed: Vec::new(),
+            });
+        }
+        Shows::Path(path) => path,
+        Shows::Turntable {
+            camera,
+            turns,
+            pictures,
+            clock,
+        } => plan::turntable(camera, (turns, pictures), &clock, now, per_second)?,
+        Shows::Sequence { camera, clock } => plan::sequence(camera, &clock, now, per_second)?,
+    };
+    let video = Video {
+        path: &path,
+        settings: &settings,
+        size,
+        per_second,
+        speed: 1.0,
+    };
+    let pictures = video.picture_count();
+    progress.set(0, pictures);
+    let failed = export_video(&mut headless, &video, &output, &mut |picture| {
+        note(picture.done, picture.total)
+    })?;
+    let failed = failed
+        .into_iter()
+        .map(|(frame, reason)| format!("Frame {} is not shown in it: {reason}", frame + 1));
+    Ok(Exported {
+        output,
+        pictures,
+        failed: failed.collect(),
+    })
+}

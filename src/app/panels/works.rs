@@ -1,0 +1,60 @@
+//! Bars of the long work that is under way, below the notices.
+
+use crate::app::progress::left_text;
+use crate::app::{Benchmark, Progress, State, Work, WorkKind};
+use egui::{Frame, ProgressBar, Role, Ui, WidgetInfo};
+use std::time::Duration;
+
+/// What takes long and has no window of its own that is open.
+pub(super) fn shown_works(state: &State) -> Vec<&Work> {
+    let measuring = match &state.benchmark {
+        // Its window has the same bar.
+        Benchmark::Running(running) if !state.panels.benchmark => Some(&running.work),
+        _ => None,
+    };
+    let works = state.works.list().iter().chain(measuring);
+    works.filter(|work| work.is_long(state.now())).collect()
+}
+
+/// A name, a bar with the time left, and a button, so wide.
+pub(super) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f32) {
+    Frame::window(ui.style()).show(ui, |ui| {
+        ui.set_width(width);
+        ui.label(&work.name);
+        bar(ui, work, now);
+        cancel_button(ui, work.progress());
+    });
+}
+
+/// How much is done, and the time left.
+pub(super) fn bar(ui: &mut Ui, work: &Work, now: Duration) {
+    let Some(share) = work.share() else {
+        // Nothing moves here: a spinner would have the window drawn all the time.
+        ui.weak(left_text(None));
+        return;
+    };
+    let progress = work.progress();
+    let (done, of) = (progress.done(), progress.of().unwrap_or(0));
+    let unit = match work.kind {
+        WorkKind::Open => "files ",
+        WorkKind::Export => "pictures ",
+        WorkKind::Benchmark => "",
+    };
+    let left = left_text(work.time_left(now));
+    let text = format!("{unit}{done} of {of}, {left}");
+    let bar = ui.add(ProgressBar::new(share).text(&text));
+    bar.widget_info(|| WidgetInfo::labeled(Role::ProgressIndicator, true, &text));
+}
+
+/// Stops the work.
+pub(super) fn cancel_button(ui: &mut Ui, progress: &Progress) {
+    if progress.is_cancelled() {
+        ui.weak("Stopping…");
+    } else if ui
+        .button("Cancel")
+        .on_hover_text("Stops this; what is not whole is removed")
+        .clicked()
+    {
+        progress.cancel();
+    }
+}
