@@ -35,7 +35,9 @@ mod surface;
 mod tasks;
 mod temporal;
 mod theme;
+mod thumbnails;
 mod timeline;
+mod trails;
 mod window;
 
 pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable, Progress};
@@ -56,5 +58,7 @@ pub use state::{Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewpor
 pub use tasks::{DialogKind, Outcome, ReportFormat, Tasks, Wake};
 pub use temporal::{ChangeMap, Made, OnionSkin, Temporal};
 pub use theme::apply_theme;
+pub use thumbnails::{Delivery, Thumbnails};
 pub use timeline::{Marker, Markers, Quantity, Timeline};
+pub use trails::{Traced, TrailField, Trails};
 pub use window::{AppError, Options, run};

@@ -135,6 +135,11 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     for (text, open, command) in [
         ("Orthographic", is_orthographic, Command::ToggleOrthographic),
         ("Turntable", state.turntable.is_on, Command::ToggleTurntable),
+        (
+            "Thumbnails",
+            state.thumbnails.is_on,
+            Command::ToggleThumbnails,
+        ),
         ("Settings", state.panels.settings, Command::ToggleSettings),
         (
             "Statistics",

@@ -18,6 +18,7 @@ mod settings;
 mod statistics;
 mod temporal;
 mod timeline;
+mod trails;
 mod viewport;
 mod voxels;
 
@@ -84,6 +85,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     palette_ui(ui, state);
     state.note_settings(ui.ctx());
     state.follow_poses();
+    state.follow_thumbnails();
 }
 
 /// `1234567` → `1,234,567`.

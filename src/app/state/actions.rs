@@ -57,6 +57,8 @@ impl State {
                     self.temporal.take_in(*made);
                 }
             }
+            Outcome::Traced(traced) => self.trails.take_in(traced),
+            Outcome::Thumbnail(delivery) => self.thumbnails.take_in(*delivery),
             Outcome::Failed(text) => self.notices.error(text),
         }
     }
@@ -166,6 +168,9 @@ impl State {
                     None => Some(Comparison::new(self.settings)),
                 };
             }
+            Command::ToggleTrails => self.toggle_trails(),
+            Command::ToggleThumbnails => self.thumbnails.is_on ^= true,
+            Command::RedoThumbnails => self.thumbnails.redo(),
             Command::Undo => self.settings = self.history.undo().unwrap_or(self.settings),
             Command::Redo => self.settings = self.history.redo().unwrap_or(self.settings),
             Command::TogglePalette => {
@@ -177,6 +182,14 @@ impl State {
             Command::ToggleHelp => self.panels.help ^= true,
             Command::Escape => self.escape(),
             Command::Quit => self.requests.push(WindowRequest::Quit),
+        }
+    }
+
+    fn toggle_trails(&mut self) {
+        self.trails.is_on ^= true;
+        if self.trails.is_on && self.inspection.picked().next().is_none() {
+            self.notices
+                .info("Pick a point (I and a click): its trail is shown");
         }
     }
 
