@@ -36,6 +36,8 @@ mod temporal;
 mod thumbnails;
 #[path = "panels/timeline.rs"]
 mod timeline;
+#[path = "panels/trails.rs"]
+mod trails;
 #[path = "panels/viewport.rs"]
 mod viewport;
 

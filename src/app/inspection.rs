@@ -31,7 +31,6 @@ pub struct Anchor {
     pub(super) points_in_file: usize,
 }
 
-
 impl Anchor {
     fn new(pick: &Pick, frame: &PreparedFrame) -> Self {
         Self {

@@ -100,7 +100,11 @@ impl Trails {
     }
 
     /// Length and speeds of the trail of the point of this index in the file, if it is among the picked ones.
-    pub fn measure(&self, index_in_file: u32, time_s: impl Fn(usize) -> f64) -> Option<TrailMeasure> {
+    pub fn measure(
+        &self,
+        index_in_file: u32,
+        time_s: impl Fn(usize) -> f64,
+    ) -> Option<TrailMeasure> {
         let (wish, trails) = self.found.as_ref()?;
         let picked = &wish.request.indices[..wish.picked];
         let trail = picked.iter().position(|&index| index == index_in_file)?;
@@ -148,7 +152,12 @@ impl Trails {
     }
 
     /// Starts to find what is asked for and not known. True if other trails are to be drawn.
-    pub(super) fn follow(&mut self, player: &Player, inspection: &Inspection, tasks: &Tasks) -> bool {
+    pub(super) fn follow(
+        &mut self,
+        player: &Player,
+        inspection: &Inspection,
+        tasks: &Tasks,
+    ) -> bool {
         let wish = self.wish(player, inspection);
         let is_known = self.found.as_ref().map(|(known, _)| known) == wish.as_ref();
         let had_some = self.found.is_some();

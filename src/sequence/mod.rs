@@ -35,6 +35,7 @@ mod records;
 mod shapes;
 mod source;
 mod stamps;
+mod trail_tube;
 mod trails;
 mod travel;
 mod watch;

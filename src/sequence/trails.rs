@@ -146,13 +146,19 @@ impl Trails {
             if !goes_on(done) {
                 return None;
             }
-            let looked = look(sequence, index, resident(index), request.points_in_file, |at| {
-                let places = |indices: &[u32]| indices.iter().map(|&index| at(index)).collect();
-                Seen {
-                    witnesses: places(&witnesses),
-                    followed: places(followed),
-                }
-            });
+            let looked = look(
+                sequence,
+                index,
+                resident(index),
+                request.points_in_file,
+                |at| {
+                    let places = |indices: &[u32]| indices.iter().map(|&index| at(index)).collect();
+                    Seen {
+                        witnesses: places(&witnesses),
+                        followed: places(followed),
+                    }
+                },
+            );
             match looked {
                 Ok(seen) => {
                     if let Some((last, places)) = &before
@@ -166,13 +172,12 @@ impl Trails {
                 }
                 Err(look) => {
                     let other = before.as_ref().map_or(request.chosen_in, |(last, _)| *last);
-                    let reason = look.map_or(BreakReason::Unreadable, |points| {
-                        BreakReason::OtherCount {
+                    let reason =
+                        look.map_or(BreakReason::Unreadable, |points| BreakReason::OtherCount {
                             points,
                             other,
                             other_points: request.points_in_file,
-                        }
-                    });
+                        });
                     if !was_broken {
                         breaks.push(TrailBreak {
                             frame: index,
@@ -190,10 +195,15 @@ impl Trails {
         let end = turns.iter().find(|(_, turn)| *turn > chosen);
         let stretch = begin.map_or(0, |turn| turn.1)..end.map_or(frame_count, |turn| turn.1);
         breaks.retain(|broken| stretch.contains(&broken.frame));
-        breaks.extend(begin.into_iter().chain(end).map(|&(before, frame)| TrailBreak {
-            frame,
-            reason: BreakReason::OtherOrder { before },
-        }));
+        breaks.extend(
+            begin
+                .into_iter()
+                .chain(end)
+                .map(|&(before, frame)| TrailBreak {
+                    frame,
+                    reason: BreakReason::OtherOrder { before },
+                }),
+        );
         breaks.sort_by_key(|broken| broken.frame);
         let nowhere = vec![Vec3::NAN; followed.len()];
         let places = frames.clone().flat_map(|frame| {

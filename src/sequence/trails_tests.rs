@@ -242,3 +242,24 @@ fn too_few_points_say_nothing_of_their_order() {
     assert!(keeps_order(&before, &backwards));
     assert!(keeps_order(&[Vec3::ONE; 99], &[Vec3::ONE; 99]), "one place");
 }
+
+#[test]
+fn a_tube_lies_around_the_way_and_is_bright_where_it_lies_behind() {
+    let sequence = sequence(6, |_| Some((0..100).collect()));
+    let trails = trace(&sequence, &request(&[40], 0, 0..6));
+    let (first, last) = (trails.place(0, 0).unwrap(), trails.place(0, 5).unwrap());
+    let tube = trails.tube(0, 2, 0.05).unwrap();
+    // Five steps of 0.56, in pieces of at most the radius, eight points around.
+    assert_eq!(tube.points.len(), 5 * 12 * 8);
+    let along = (last - first).normalize();
+    for point in tube.points.iter() {
+        let place = Vec3::from_array(point.position) - first;
+        let way = place.dot(along);
+        assert!((0.0..(last - first).length()).contains(&way), "{way}");
+        assert!(((place - way * along).length() - 0.05).abs() < 1e-4);
+        let is_behind = way < (trails.place(0, 2).unwrap() - first).length();
+        assert_eq!(point.color[0] == 255, is_behind);
+    }
+    assert!(trails.tube(0, 2, 1e-9).unwrap().points.len() <= 800_000);
+    assert!(trails.tube(7, 2, 0.05).unwrap().points.is_empty());
+}

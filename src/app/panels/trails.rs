@@ -45,7 +45,10 @@ pub(super) fn trail_ui(ui: &mut Ui, state: &mut State) {
 fn status_ui(ui: &mut Ui, state: &mut State) {
     if let Some((done, all)) = state.trails.progress() {
         ui.horizontal(|ui| {
-            ui.weak(format!("Looking at frame {} of {all}…", (done + 1).min(all)));
+            ui.weak(format!(
+                "Looking at frame {} of {all}…",
+                (done + 1).min(all)
+            ));
             let cancel = ui.add(Button::new("Cancel trails").small());
             if cancel.on_hover_text("Look no further").clicked() {
                 state.trails.cancel();
@@ -150,7 +153,12 @@ pub(super) fn paint_trails(canvas: &Canvas<'_>, state: &State) {
             canvas.polyline(&piece, to_come);
         }
         let past = Stroke::new(2.0, ODD);
-        for piece in pieces(trails, trail, frames.start..(shown + 1).min(frames.end), origin) {
+        for piece in pieces(
+            trails,
+            trail,
+            frames.start..(shown + 1).min(frames.end),
+            origin,
+        ) {
             canvas.polyline(&piece, past);
         }
         if let Some(place) = trails.place(trail, shown) {

@@ -139,7 +139,12 @@ impl Thumbnails {
             self.redo();
         }
         let [made, all] = self.progress();
-        if made == all && self.wanted.hovered.is_none_or(|frame| self.store.has(frame)) {
+        if made == all
+            && self
+                .wanted
+                .hovered
+                .is_none_or(|frame| self.store.has(frame))
+        {
             return;
         }
         let leisure = bustle(player, is_measured).leisure();
@@ -279,7 +284,9 @@ impl Thumbnails {
 fn bustle(player: &Player, is_measured: bool) -> Bustle {
     let asked = player.clock().fps() * player.clock().speed().abs();
     let is_whole = player.shown().is_some_and(|frame| !frame.is_sample());
-    let is_held = player.fps_held().is_some_and(|held| held >= IN_TIME * asked);
+    let is_held = player
+        .fps_held()
+        .is_some_and(|held| held >= IN_TIME * asked);
     Bustle {
         is_measured,
         is_playing: player.is_playing(),

@@ -86,9 +86,6 @@ fn paint(painter: &Painter, cell: Rect, look: Look) {
 /// All of the height, and of the width what there is room for.
 fn paint_picture(painter: &Painter, rect: Rect, texture: TextureId) {
     let share = rect.width() / (CELL_WIDTH - 2.0);
-    let uv = Rect::from_min_max(
-        pos2(0.5 - 0.5 * share, 0.0),
-        pos2(0.5 + 0.5 * share, 1.0),
-    );
+    let uv = Rect::from_min_max(pos2(0.5 - 0.5 * share, 0.0), pos2(0.5 + 0.5 * share, 1.0));
     painter.image(texture, rect, uv, Color32::WHITE);
 }
