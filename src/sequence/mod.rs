@@ -35,7 +35,6 @@ mod records;
 mod shapes;
 mod source;
 mod stamps;
-mod trail_tube;
 mod trails;
 mod travel;
 mod watch;

@@ -1,7 +1,8 @@
 //! A trail as points around its line: a tube that every renderer and every primitive draws, hidden by what is before it.
 
-use super::{Needs, PrepareCounters, PreparedFrame, Trails, prepare};
+use super::Trails;
 use crate::cloud::{CloudError, Frame, Positions, RawCloud};
+use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
 use glam::{DVec3, Vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;

@@ -7,19 +7,19 @@
 //! seen from the frame in which its point was chosen. Scanners that look the same way in every turn pass, although what they see is
 //! not the same point of the scene.
 
+mod breaks;
+mod order;
+mod tube;
+
+pub use breaks::{BreakReason, TrailBreak};
+
 use super::{FrameError, PreparedFrame, Sequence};
 use crate::cloud::even_places;
 use glam::{DVec3, Vec3};
+use order::{WITNESSES, keeps_order};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Points by which the order of two frames is compared, and fewest that say something.
-const WITNESSES: usize = 256;
-const FEWEST_WITNESSES: usize = 16;
-
-/// As a share of the median distance between different points, how far points may have moved where the order has stayed.
-const FARTHEST_MOVE: f32 = 0.5;
 
 /// Bytes of places that are kept at most.
 const MAX_BYTES: usize = 64 << 20;
@@ -35,58 +35,6 @@ pub struct TrailRequest {
     pub points_in_file: usize,
     /// The frames, of those that there are.
     pub frames: Range<usize>,
-}
-
-/// A frame through which points cannot be followed.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TrailBreak {
-    /// The frame; of several in a row the first.
-    pub frame: usize,
-    /// Why not.
-    pub reason: BreakReason,
-}
-
-/// Why points cannot be followed.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum BreakReason {
-    /// There are more points, or fewer.
-    OtherCount {
-        /// How many.
-        points: usize,
-        /// A frame in which points are followed.
-        other: usize,
-        /// How many that one has.
-        other_points: usize,
-    },
-    /// The points seem to be in another order than in this frame before.
-    OtherOrder {
-        /// The last frame before.
-        before: usize,
-    },
-    /// The frame cannot be read.
-    Unreadable,
-}
-
-impl TrailBreak {
-    /// What to tell a person who calls the first frame `first`.
-    pub fn text(&self, first: usize) -> String {
-        let frame = self.frame + first;
-        match self.reason {
-            BreakReason::OtherCount {
-                points,
-                other,
-                other_points,
-            } => format!(
-                "frame {frame} has {points} points, frame {} has {other_points}: indices do not stay with the points",
-                other + first
-            ),
-            BreakReason::OtherOrder { before } => format!(
-                "the points of frame {frame} seem to be in another order than those of frame {}: indices do not stay with the points",
-                before + first
-            ),
-            BreakReason::Unreadable => format!("frame {frame} cannot be read"),
-        }
-    }
 }
 
 /// The length of a trail and how fast its point is.
@@ -137,85 +85,25 @@ impl Trails {
             visited.sort_unstable();
         }
 
-        let mut rows: BTreeMap<usize, Vec<Vec3>> = BTreeMap::new();
-        let mut breaks: Vec<TrailBreak> = Vec::new();
-        let mut turns: Vec<(usize, usize)> = Vec::new();
-        let mut before: Option<(usize, Vec<Vec3>)> = None;
-        let mut was_broken = false;
+        let mut walk = Walk::new(request);
         for (done, &index) in visited.iter().enumerate() {
             if !goes_on(done) {
                 return None;
             }
-            let looked = look(
-                sequence,
-                index,
-                resident(index),
-                request.points_in_file,
-                |at| {
-                    let places = |indices: &[u32]| indices.iter().map(|&index| at(index)).collect();
-                    Seen {
-                        witnesses: places(&witnesses),
-                        followed: places(followed),
-                    }
-                },
-            );
+            let resident = resident(index);
+            let looked = look(sequence, index, resident, request.points_in_file, |at| {
+                let places = |indices: &[u32]| indices.iter().map(|&index| at(index)).collect();
+                Seen {
+                    witnesses: places(&witnesses),
+                    followed: places(followed),
+                }
+            });
             match looked {
-                Ok(seen) => {
-                    if let Some((last, places)) = &before
-                        && !keeps_order(places, &seen.witnesses)
-                    {
-                        turns.push((*last, index));
-                    }
-                    before = Some((index, seen.witnesses));
-                    rows.insert(index, seen.followed);
-                    was_broken = false;
-                }
-                Err(look) => {
-                    let other = before.as_ref().map_or(request.chosen_in, |(last, _)| *last);
-                    let reason =
-                        look.map_or(BreakReason::Unreadable, |points| BreakReason::OtherCount {
-                            points,
-                            other,
-                            other_points: request.points_in_file,
-                        });
-                    if !was_broken {
-                        breaks.push(TrailBreak {
-                            frame: index,
-                            reason,
-                        });
-                    }
-                    was_broken = true;
-                }
+                Ok(seen) => walk.go_through(index, seen),
+                Err(points) => walk.stumble(index, points),
             }
         }
-
-        // The stretch of frames around the one in which points were chosen whose points are in one order.
-        let chosen = request.chosen_in;
-        let begin = turns.iter().rev().find(|(_, turn)| *turn <= chosen);
-        let end = turns.iter().find(|(_, turn)| *turn > chosen);
-        let stretch = begin.map_or(0, |turn| turn.1)..end.map_or(frame_count, |turn| turn.1);
-        breaks.retain(|broken| stretch.contains(&broken.frame));
-        breaks.extend(
-            begin
-                .into_iter()
-                .chain(end)
-                .map(|&(before, frame)| TrailBreak {
-                    frame,
-                    reason: BreakReason::OtherOrder { before },
-                }),
-        );
-        breaks.sort_by_key(|broken| broken.frame);
-        let nowhere = vec![Vec3::NAN; followed.len()];
-        let places = frames.clone().flat_map(|frame| {
-            let row = rows.remove(&frame).filter(|_| stretch.contains(&frame));
-            row.unwrap_or_else(|| nowhere.clone())
-        });
-        Some(Self {
-            trail_count: followed.len(),
-            places: places.collect(),
-            breaks,
-            frames,
-        })
+        Some(walk.into_trails(frames, followed.len()))
     }
 
     /// The frames that were looked at.
@@ -266,6 +154,86 @@ impl Trails {
     }
 }
 
+/// What is known when some of the frames were looked at.
+struct Walk<'a> {
+    request: &'a TrailRequest,
+    /// Places of the followed points, by frame.
+    rows: BTreeMap<usize, Vec<Vec3>>,
+    breaks: Vec<TrailBreak>,
+    /// Frames with another order, each after the last frame before it.
+    turns: Vec<(usize, usize)>,
+    /// The last frame that points were followed through, and its witnesses.
+    before: Option<(usize, Vec<Vec3>)>,
+    was_broken: bool,
+}
+
+impl<'a> Walk<'a> {
+    fn new(request: &'a TrailRequest) -> Self {
+        Self {
+            request,
+            rows: BTreeMap::new(),
+            breaks: Vec::new(),
+            turns: Vec::new(),
+            before: None,
+            was_broken: false,
+        }
+    }
+
+    /// A frame of as many points.
+    fn go_through(&mut self, frame: usize, seen: Seen) {
+        if let Some((last, witnesses)) = &self.before
+            && !keeps_order(witnesses, &seen.witnesses)
+        {
+            self.turns.push((*last, frame));
+        }
+        self.before = Some((frame, seen.witnesses));
+        self.rows.insert(frame, seen.followed);
+        self.was_broken = false;
+    }
+
+    /// A frame of so many other points, or one that cannot be read.
+    fn stumble(&mut self, frame: usize, points: Option<usize>) {
+        if std::mem::replace(&mut self.was_broken, true) {
+            return;
+        }
+        let last = self.before.as_ref().map(|(last, _)| *last);
+        let reason = points.map_or(BreakReason::Unreadable, |points| BreakReason::OtherCount {
+            points,
+            other: last.unwrap_or(self.request.chosen_in),
+            other_points: self.request.points_in_file,
+        });
+        self.breaks.push(TrailBreak { frame, reason });
+    }
+
+    /// What lies around the frame in which points were chosen, as far as all frames have one order.
+    fn into_trails(mut self, frames: Range<usize>, trail_count: usize) -> Trails {
+        let chosen = self.request.chosen_in;
+        let begin = self.turns.iter().rev().find(|(_, turn)| *turn <= chosen);
+        let end = self.turns.iter().find(|(_, turn)| *turn > chosen);
+        let stretch = begin.map_or(0, |turn| turn.1)..end.map_or(usize::MAX, |turn| turn.1);
+        let mut breaks = self.breaks;
+        breaks.retain(|broken| stretch.contains(&broken.frame));
+        let turns = begin.into_iter().chain(end);
+        breaks.extend(turns.map(|&(before, frame)| TrailBreak {
+            frame,
+            reason: BreakReason::OtherOrder { before },
+        }));
+        breaks.sort_by_key(|broken| broken.frame);
+        let nowhere = vec![Vec3::NAN; trail_count];
+        let places = frames.clone().flat_map(|frame| {
+            let row = self.rows.remove(&frame);
+            let row = row.filter(|_| stretch.contains(&frame));
+            row.unwrap_or_else(|| nowhere.clone())
+        });
+        Trails {
+            trail_count,
+            places: places.collect(),
+            breaks,
+            frames,
+        }
+    }
+}
+
 /// What `take` makes of the places of points by their index in the file; NaN where the file has none. `Err` has the number of points
 /// where it is another one, nothing where the frame cannot be read.
 fn look<T>(
@@ -306,33 +274,5 @@ fn look<T>(
     }))
 }
 
-/// Whether points of the same indices in two frames seem to be the same points: seen from the middle of all, they are nearer to themselves than
-/// half as far as to others, in the median. Too few of them say nothing against it.
-fn keeps_order(before: &[Vec3], now: &[Vec3]) -> bool {
-    let pairs = before.iter().zip(now);
-    let pairs: Vec<(Vec3, Vec3)> = pairs
-        .filter(|(a, b)| a.is_finite() && b.is_finite())
-        .map(|(&a, &b)| (a, b))
-        .collect();
-    let count = pairs.len();
-    if count < FEWEST_WITNESSES {
-        return true;
-    }
-    let shift: Vec3 = pairs.iter().map(|(a, b)| (b - a) / count as f32).sum();
-    let moved = pairs.iter().map(|(a, b)| (b - a - shift).length());
-    let others = (0..count).map(|i| {
-        let other = pairs[(i + count / 2) % count].1;
-        (other - pairs[i].0 - shift).length()
-    });
-    median(moved.collect()) <= FARTHEST_MOVE * median(others.collect())
-}
-
-/// Precondition: there are some.
-fn median(mut values: Vec<f32>) -> f32 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
-}
-
 #[cfg(test)]
-#[path = "trails_tests.rs"]
 mod tests;
