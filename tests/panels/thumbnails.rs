@@ -4,7 +4,7 @@ use super::{click, frame, options, press, sequence, window, window_on};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::{Command, Preferences, State, StateOptions};
 use pointreel::scene::UpAxis;
 use std::sync::Arc;

@@ -139,7 +139,7 @@ fn varying() -> Arc<Sequence> {
     });
     Arc::new(Sequence::with_decoder(sources.collect(), |source| {
         let count = if source.number == Some(6) { 10 } else { 8 };
-        let corner = |index: u32| [0, 1, 2].map(|axis| (index % 8 >> axis & 1) as f32 - 0.5);
+        let corner = |index: u32| [0, 1, 2].map(|axis| ((index % 8) >> axis & 1) as f32 - 0.5);
         let positions = (0..count).map(corner).collect();
         Ok(RawCloud::from_positions(Positions::F32(positions)))
     }))

@@ -235,22 +235,19 @@ impl Thumbnails {
     }
 
     fn start(&mut self, frame: usize, job: Job, tasks: &Tasks) {
-        let pool = match &self.pool {
-            Some(pool) => pool,
-            None => {
-                let pool = rayon::ThreadPoolBuilder::new()
-                    .num_threads(1)
-                    .thread_name(|_| "thumbnails".to_owned())
-                    .build();
-                match pool {
-                    Ok(pool) => self.pool.insert(pool),
-                    Err(reason) => {
-                        log::warn!("no thread for thumbnails: {reason}");
-                        self.is_on = false;
-                        return;
-                    }
-                }
+        if self.pool.is_none() {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(1)
+                .thread_name(|_| "thumbnails".to_owned())
+                .build();
+            match pool {
+                Ok(pool) => self.pool = Some(pool),
+                Err(reason) => log::warn!("no thread for thumbnails: {reason}"),
             }
+        }
+        let Some(pool) = &self.pool else {
+            self.is_on = false;
+            return;
         };
         self.is_busy = true;
         let generation = self.generation;

@@ -46,7 +46,7 @@ impl std::fmt::Debug for Store {
             .debug_struct("Store")
             .field("frames", &self.entries.len())
             .field("bytes", &self.bytes())
-            .finish()
+            .finish_non_exhaustive()
     }
 }
 
