@@ -10,7 +10,7 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
         "Show or hide thumbnails over the timeline",
         Command::ToggleThumbnails,
     ),
-    ("Make the thumbnails anew", Command::RedoThumbnails),
+    ("Make thumbnails anew", Command::RedoThumbnails),
     (
         "Save a picture as a file of a name",
         Command::SaveScreenshotAs,

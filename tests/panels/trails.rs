@@ -115,6 +115,11 @@ fn trails_of_several_points_are_shown_together() {
         trails.measure(index, |frame| frame as f64).is_some()
     };
     assert!(measured(&harness, 6) && measured(&harness, 7) && !measured(&harness, 5));
+    click(&mut harness, "Forget kept trails");
+    until_found(&mut harness);
+    assert!(measured(&harness, 7) && !measured(&harness, 6));
+    click(&mut harness, "Keep trail");
+    pick(&mut harness, 6);
     // Those of points that are spread over the file are none of them.
     harness.state_mut().trails.field.is_on = true;
     harness.state_mut().trails.field.points = 4;

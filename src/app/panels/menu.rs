@@ -115,6 +115,8 @@ fn play_menu(ui: &mut Ui, state: &mut State) {
         item(ui, state, "Add or remove marker", Command::ToggleMarker);
         item(ui, state, "Next marker", Command::NextMarker);
         item(ui, state, "Previous marker", Command::PreviousMarker);
+        ui.separator();
+        item(ui, state, "Make thumbnails anew", Command::RedoThumbnails);
     });
 }
 

@@ -38,6 +38,11 @@ pub(super) fn trail_ui(ui: &mut Ui, state: &mut State) {
         if ui.add(keep).on_hover_text(tooltip).clicked() {
             state.trails.toggle_kept(anchor);
         }
+        let forget = Button::new("Forget kept trails");
+        let has_kept = !state.trails.kept.is_empty();
+        if has_kept && ui.add(forget).on_hover_text("Only the picked point has a trail then").clicked() {
+            state.trails.kept.clear();
+        }
     });
     if state.trails.is_on {
         status_ui(ui, state);

@@ -14,8 +14,8 @@ const SIDES: usize = 8;
 const MAX_RINGS: usize = 100_000;
 
 impl Trails {
-    /// The tube around a trail, `radius` scene units thick, white up to `frame` and black from there; with no points where the trail has no way.
-    /// Every point has a normal and a radius, so that surfels close it.
+    /// The tube around a trail, `radius` scene units thick, white up to `frame` and black from there; without points where the trail
+    /// has no way. Every point has a normal and a radius, so that surfels close it.
     pub fn tube(
         &self,
         trail: usize,
