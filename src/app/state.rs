@@ -264,7 +264,7 @@ impl State {
         self.glide = None;
         self.drawn_frame = None;
         self.temporal.forget_frames();
-        self.thumbnails.redo();
+        self.thumbnails.forget_frames();
         self.trails.forget_points();
         self.inspection.forget_points();
         self.scrubbing = Scrubbing::default();

@@ -209,3 +209,22 @@ fn nothing_is_made_while_playing_falls_behind() {
     let [made, _] = harness.state().thumbnails.progress();
     assert!((1..=20).contains(&made), "{made} in two seconds");
 }
+
+#[test]
+fn frames_that_are_not_in_memory_are_read_when_nothing_plays() {
+    let mut harness = window_on(
+        sequence(&[]),
+        StateOptions {
+            budget_bytes: Some(2000),
+            ..with_thumbnails()
+        },
+    );
+    let cells = until_made(&mut harness);
+    let loader = harness.state().player.as_ref().unwrap().loader().stats();
+    assert!(
+        loader.resident_frames < cells / 2,
+        "{} frames are in memory",
+        loader.resident_frames
+    );
+    assert!(loader.resident_bytes <= 2000);
+}

@@ -103,6 +103,12 @@ impl Thumbnails {
         self.generation += 1;
     }
 
+    /// Another sequence was opened.
+    pub(super) fn forget_frames(&mut self) {
+        self.wanted = Wanted::default();
+        self.redo();
+    }
+
     /// The window is another one.
     pub(super) fn forget_textures(&mut self) {
         self.store.forget_textures();
