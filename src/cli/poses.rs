@@ -5,8 +5,9 @@ use super::say;
 use crate::app::OnionSkin;
 use crate::headless::Headless;
 use crate::measure::Change;
+use crate::octree::StopCriterion;
 use crate::scene::{Scene, Settings};
-use crate::sequence::{Ghost, PreparedFrame, TrailRequest, Trails, with_ghosts};
+use crate::sequence::{Ghost, Needs, PreparedFrame, TrailRequest, Trails, with_ghosts};
 use anyhow::bail;
 use clap::Args;
 use std::sync::Arc;
@@ -128,7 +129,13 @@ impl PosesArgs {
                 })
             });
             let tubes = tubes.collect::<anyhow::Result<Vec<Ghost>>>()?;
-            drawn = Arc::new(with_ghosts(&drawn, &tubes, &Scene::needs(settings))?);
+            // Tubes have so many points that a loss would divide the pose's cells as well.
+            let depth = drawn.octree.as_ref().map(|octree| octree.depth());
+            let needs = Needs {
+                octree: depth.map(StopCriterion::Depth),
+                ..Scene::needs(settings)
+            };
+            drawn = Arc::new(with_ghosts(&drawn, &tubes, &needs)?);
         }
         Ok(drawn)
     }
