@@ -446,3 +446,58 @@ fn frames_are_compared_point_by_point() {
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains('7'), "{}", stderr(&output));
 }
+
+#[test]
+fn the_ways_of_points_are_drawn_and_where_they_break_is_said() {
+    let folder = small_sequence();
+    let picture = folder.path().join("way.png");
+    let render = |more: &[&str]| {
+        let input = [
+            "render",
+            text(folder.path()),
+            "-o",
+            text(&picture),
+            "--frame",
+            "1",
+        ];
+        let how = [
+            "--primitive",
+            "point",
+            "--renderer",
+            "cpu",
+            "--size",
+            "200x200",
+            "--distance",
+            "6",
+        ];
+        pointreel(&[&input[..], &how[..], more].concat())
+    };
+    // Orange is nothing but trails.
+    let orange = || {
+        let image = image::open(&picture).unwrap().to_rgba8();
+        let is_orange = |pixel: &&image::Rgba<u8>| pixel.0 == [255, 190, 60, 255];
+        image.pixels().filter(is_orange).count()
+    };
+    assert!(render(&[]).status.success());
+    assert_eq!(orange(), 0);
+    let output = render(&["--trail", "0,2"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    assert!(orange() > 20, "{}", orange());
+
+    let output = render(&["--trail", "3"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stderr(&output).contains("there is no point 3: frame 1 has 3 points"),
+        "{}",
+        stderr(&output)
+    );
+    fs::write(folder.path().join("f11.xyz"), "0 0 0\n1 1 1\n").unwrap();
+    let output = render(&["--trail", "1"]);
+    assert!(output.status.success());
+    assert!(
+        stderr(&output).contains("frame 3 has 2 points, frame 2 has 3"),
+        "{}",
+        stderr(&output)
+    );
+}

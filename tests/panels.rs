@@ -36,8 +36,12 @@ mod settings;
 mod statistics;
 #[path = "panels/temporal.rs"]
 mod temporal;
+#[path = "panels/thumbnails.rs"]
+mod thumbnails;
 #[path = "panels/timeline.rs"]
 mod timeline;
+#[path = "panels/trails.rs"]
+mod trails;
 #[path = "panels/viewport.rs"]
 mod viewport;
 
@@ -46,7 +50,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::panels::window_ui;
-use pointreel::app::{Command, State, StateOptions, apply_theme};
+use pointreel::app::{Command, Preferences, State, StateOptions, apply_theme};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::octree::StopCriterion;
 use pointreel::scene::Scene;
@@ -76,8 +80,13 @@ fn sequence(broken: &'static [u64]) -> Arc<Sequence> {
     }))
 }
 
+/// Without thumbnails, which are made when there is time: what changes is what a test has changed.
 fn options() -> StateOptions {
     StateOptions {
+        preferences: Preferences {
+            thumbnails: false,
+            ..Preferences::default()
+        },
         paused: true,
         ..StateOptions::default()
     }

@@ -95,6 +95,12 @@ pub enum Command {
     ToggleSettings,
     /// Show or hide the statistics.
     ToggleStatistics,
+    /// Show or hide the ways of the picked points.
+    ToggleTrails,
+    /// Show or hide small pictures over the timeline.
+    ToggleThumbnails,
+    /// Make them anew.
+    RedoThumbnails,
     /// Two ways to draw side by side, and back.
     ToggleComparison,
     /// Take back the last change of settings or camera path.

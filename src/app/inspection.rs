@@ -26,12 +26,9 @@ pub struct Anchor {
     pub frame: usize,
     /// Where it is, in the coordinates of the file.
     pub place: DVec3,
-    points_in_file: usize,
-}
-
-/// Points that the file of a frame has, those without finite coordinates counted.
-fn points_in_file(frame: &PreparedFrame) -> usize {
-    frame.frame.len() + frame.frame.dropped_points()
+    /// Index of the frame in which it was clicked on.
+    pub(super) clicked_in: usize,
+    pub(super) points_in_file: usize,
 }
 
 impl Anchor {
@@ -40,13 +37,14 @@ impl Anchor {
             index_in_file: pick.index_in_file,
             frame: pick.frame,
             place: pick.position,
-            points_in_file: points_in_file(frame),
+            clicked_in: pick.frame,
+            points_in_file: frame.frame.points_in_file(),
         }
     }
 
     /// Moves to where the point is in `frame`; its slot there, if there is one.
     fn follow(&mut self, frame: &PreparedFrame, origin: DVec3) -> Option<usize> {
-        if points_in_file(frame) != self.points_in_file {
+        if frame.frame.points_in_file() != self.points_in_file {
             return None;
         }
         let index = frame.frame.file_index();
@@ -94,6 +92,13 @@ impl Inspection {
         } else {
             tool
         };
+    }
+
+    /// Every point that was clicked on: the one whose values are shown, and those of measurements.
+    pub(super) fn picked(&self) -> impl Iterator<Item = Anchor> {
+        let point = self.point.iter().map(|point| point.anchor);
+        let measured = self.measurements.iter().flat_map(|one| &one.points);
+        point.chain(self.begun.iter().chain(measured).copied())
     }
 
     /// Chooses what is measured.

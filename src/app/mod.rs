@@ -38,7 +38,9 @@ mod surface;
 mod tasks;
 mod temporal;
 mod theme;
+mod thumbnails;
 mod timeline;
+mod trails;
 mod window;
 
 pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkStep, BenchmarkTable};
@@ -62,5 +64,7 @@ pub use state::{Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewpor
 pub use tasks::{DialogKind, Outcome, ReportFormat, Tasks, Wake};
 pub use temporal::{ChangeMap, Made, OnionSkin, Temporal};
 pub use theme::apply_theme;
+pub use thumbnails::{Delivery, Thumbnails};
 pub use timeline::{Marker, Markers, Quantity, Timeline};
+pub use trails::{Traced, TrailField, Trails};
 pub use window::{AppError, Options, run};

@@ -7,6 +7,11 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Open a folder", Command::OpenFolder),
     ("Open the demo", Command::OpenDemo),
     (
+        "Show or hide thumbnails over the timeline",
+        Command::ToggleThumbnails,
+    ),
+    ("Make thumbnails anew", Command::RedoThumbnails),
+    (
         "Save a picture as a file of a name",
         Command::SaveScreenshotAs,
     ),

@@ -18,7 +18,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 /// Changes with every change of [`Stored`] that older programs, or newer ones, would misread.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// A slider that is being dragged is not written at each of its steps.
 const WRITE_DELAY: Duration = Duration::from_secs(1);
@@ -40,6 +40,8 @@ pub struct Preferences {
     pub speed: f64,
     /// Which panels are open; windows above them are not remembered.
     pub panels: OpenPanels,
+    /// Whether small pictures are shown over the timeline.
+    pub thumbnails: bool,
     /// Size of the window in whole logical pixels, when it was neither maximised nor full screen.
     pub window_size: Option<[f64; 2]>,
 }
@@ -51,6 +53,7 @@ impl Default for Preferences {
             loop_mode: LoopMode::default(),
             speed: 1.0,
             panels: OpenPanels::default(),
+            thumbnails: true,
             window_size: None,
         }
     }
@@ -86,6 +89,7 @@ struct Stored {
     speed: f64,
     settings_panel: bool,
     statistics_panel: bool,
+    thumbnails: bool,
     window_size: Option<[f64; 2]>,
 }
 
@@ -158,6 +162,7 @@ impl Preferences {
             speed: self.speed,
             settings_panel: self.panels.settings,
             statistics_panel: self.panels.statistics,
+            thumbnails: self.thumbnails,
             window_size: self.window_size,
         })
     }
@@ -204,6 +209,7 @@ impl Preferences {
                 statistics: stored.statistics_panel,
                 ..OpenPanels::default()
             },
+            thumbnails: stored.thumbnails,
             window_size: stored.window_size,
         })
     }
@@ -408,6 +414,7 @@ mod tests {
                 statistics: true,
                 ..OpenPanels::default()
             },
+            thumbnails: false,
             window_size: Some([900.0, 700.0]),
         }
     }
@@ -483,8 +490,8 @@ mod tests {
             "{".to_owned(),
             "[]".to_owned(),
             good[..good.len() / 2].to_owned(),
-            good.replace("\"version\": 5", "\"version\": 4"),
-            good.replace("\"version\": 5,", ""),
+            good.replace("\"version\": 6", "\"version\": 5"),
+            good.replace("\"version\": 6,", ""),
             good.replace("\"voxel\"", "\"cone\""),
             good.replace("\"scalar\"", "\"sound\""),
             good.replace("0.31", "0.61"),

@@ -25,7 +25,9 @@ use super::progress::{WorkKind, Works};
 use super::recent::{Recent, entry_name};
 use super::tasks::{Tasks, Wake};
 use super::temporal::{Made, Temporal};
+use super::thumbnails::Thumbnails;
 use super::timeline::Timeline;
+use super::trails::Trails;
 use crate::bench::{Quality, QualityKey};
 use crate::playback::{Player, can_draw};
 use crate::scene::{Camera, Primitive, RendererChoice, Scene, ScenePacket, SceneStats, Settings};
@@ -84,6 +86,10 @@ pub struct State {
     pub export: Export,
     /// What other poses add to the picture.
     pub temporal: Temporal,
+    /// Small pictures of the frames.
+    pub thumbnails: Thumbnails,
+    /// The ways of points through time.
+    pub trails: Trails,
     /// What was clicked on.
     pub inspection: Inspection,
     /// Work done.
@@ -171,6 +177,8 @@ impl State {
             path: PathEditor::default(),
             export: Export::default(),
             temporal: Temporal::default(),
+            thumbnails: Thumbnails::new(options.preferences.thumbnails),
+            trails: Trails::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),
             full_screen: false,
@@ -223,6 +231,7 @@ impl State {
                 statistics: self.panels.statistics,
                 ..OpenPanels::default()
             },
+            thumbnails: self.thumbnails.is_on,
             window_size: None,
         }
     }
@@ -267,6 +276,8 @@ impl State {
         self.glide = None;
         self.drawn_frame = None;
         self.temporal.forget_frames();
+        self.thumbnails.forget_frames();
+        self.trails.forget_points();
         self.inspection.forget_points();
         self.scrubbing = Scrubbing::default();
         self.read_timeline(self.options.timelines.clone().as_ref());
@@ -349,12 +360,26 @@ impl State {
             .follow(player, &self.settings, &self.tasks, now);
         if let Some(frame) = player.shown() {
             self.inspection.follow(frame, player.sequence().origin());
+            visible |= self.trails.follow(player, &self.inspection, &self.tasks);
             if !self.framed {
                 self.frame_cloud();
                 self.framed = true;
             }
         }
+        self.follow_thumbnails();
         visible
+    }
+
+    /// Begins the next small picture if there is time for it.
+    pub(super) fn follow_thumbnails(&mut self) {
+        // The first picture goes first.
+        let Some(player) = self.player.as_ref().filter(|_| self.framed) else {
+            return;
+        };
+        let key = (self.camera.up, self.settings.colors);
+        let is_measured = matches!(self.benchmark, Benchmark::Running(_));
+        self.thumbnails
+            .follow(player, key, is_measured, &self.tasks, self.now);
     }
 
     /// Takes in at once what the panels have changed about other poses.
@@ -362,6 +387,7 @@ impl State {
         if let Some(player) = &self.player {
             self.temporal
                 .follow(player, &self.settings, &self.tasks, self.now);
+            self.trails.follow(player, &self.inspection, &self.tasks);
         }
     }
 
@@ -369,6 +395,7 @@ impl State {
     pub(super) fn has_news(&self) -> bool {
         matches!(self.benchmark, Benchmark::Running(_))
             || self.works.list().iter().any(|work| work.is_long(self.now))
+            || self.trails.progress().is_some()
             || self.player.as_ref().is_some_and(Player::runs_are_old)
     }
 
@@ -453,6 +480,7 @@ impl State {
     /// Forgets what was drawn: after a new GPU device everything is drawn again.
     pub fn forget_picture(&mut self) {
         self.packet = None;
+        self.thumbnails.forget_textures();
         if let Some(comparison) = &mut self.comparison {
             comparison.forget_picture();
         }

@@ -8,6 +8,8 @@ use super::comparison::PictureDifference;
 use super::export::Exported;
 use super::progress::Progress;
 use super::temporal::Made;
+use super::thumbnails::Delivery;
+use super::trails::Traced;
 use crate::export::ExportError;
 use crate::io;
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
@@ -124,6 +126,10 @@ pub enum Outcome {
     Compared(PictureDifference),
     /// A frame was made of several poses; `None` if nobody waits for it any more.
     MadeFrame(Option<Box<Made>>),
+    /// A small picture of a frame was made.
+    Thumbnail(Box<Delivery>),
+    /// Points were followed through the frames.
+    Traced(Traced),
     /// A benchmark ended; `Err` is a text for the person.
     Benchmark(Result<BenchmarkTable, String>),
     /// A task failed; the text says which and why.
@@ -159,6 +165,11 @@ impl Tasks {
         }
     }
 
+    /// What wakes the window, for a task that has news before it ends.
+    pub(super) fn wake(&self) -> Wake {
+        Arc::clone(&self.wake)
+    }
+
     /// Runs `task` on a thread called `name`.
     pub fn start(&self, name: &str, task: impl FnOnce() -> Outcome + Send + 'static) {
         let sender = self.sender.clone();
@@ -176,6 +187,21 @@ impl Tasks {
                 (self.wake)();
             }
         }
+    }
+
+    /// Runs `task` on a thread of `pool`, where what it shares out stays.
+    pub(super) fn start_in(
+        &self,
+        pool: &rayon::ThreadPool,
+        task: impl FnOnce() -> Outcome + Send + 'static,
+    ) {
+        let sender = self.sender.clone();
+        let wake = Arc::clone(&self.wake);
+        pool.spawn(move || {
+            if sender.send(task()).is_ok() {
+                wake();
+            }
+        });
     }
 
     /// What came in since the last call.

@@ -168,6 +168,8 @@ fn render_frames(
 ) -> anyhow::Result<Vec<(usize, String)>> {
     let sequence = Arc::clone(headless.sequence());
     make_folder(output, sequence.len())?;
+    let range = FrameRange { first, last };
+    let trails = arguments.poses.trails(range, headless, settings)?;
     let mut failed = Vec::new();
     // One camera for the whole range: poses stay comparable.
     let mut camera: Option<Camera> = None;
@@ -184,7 +186,9 @@ fn render_frames(
         };
         let camera =
             camera.get_or_insert_with(|| arguments.camera.choice().camera(&frame, &sequence));
-        let frame = arguments.poses.with_others(frame, headless, settings)?;
+        let frame = arguments
+            .poses
+            .with_others(frame, trails.as_ref(), headless, settings)?;
         let path = numbered(output, index, sequence.len());
         let size = arguments.picture_size();
         write_picture(headless, &frame, camera, settings, size, &path)?;

@@ -112,6 +112,16 @@ impl Player {
         &self.clock
     }
 
+    /// When `frame` was taken, seconds after the first one: as their time stamps say, else as they play at speed 1.
+    /// Precondition: the sequence has this frame.
+    pub fn time_s(&self, frame: usize) -> f64 {
+        let time = |frame| self.sequence.source(frame).time;
+        let stamped = || Some(time(frame)?.saturating_sub(time(0)?).as_secs_f64());
+        let is_stamped = !self.clock.pace().is_even();
+        let stamped = is_stamped.then(stamped).flatten();
+        stamped.unwrap_or_else(|| frame as f64 / self.clock.fps())
+    }
+
     /// The frame in the picture.
     pub fn shown(&self) -> Option<&Arc<PreparedFrame>> {
         self.shown.as_ref()

@@ -249,6 +249,11 @@ impl Clock {
         self.speed
     }
 
+    /// How long each frame lasts.
+    pub fn pace(&self) -> &Pace {
+        &self.pace
+    }
+
     /// Frames a second at speed 1.
     pub fn fps(&self) -> f64 {
         self.fps

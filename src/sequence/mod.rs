@@ -35,6 +35,7 @@ mod records;
 mod shapes;
 mod source;
 mod stamps;
+mod trails;
 mod travel;
 mod watch;
 
@@ -55,6 +56,7 @@ pub use records::UNIFORM_COLOR;
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use source::{Content, Decode, DecodeFailure, Source};
+pub use trails::{BreakReason, TrailBreak, TrailMeasure, TrailRequest, Trails};
 pub use travel::{Direction, LoopMode};
 pub use watch::watch;
 

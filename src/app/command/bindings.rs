@@ -397,6 +397,13 @@ pub const BINDINGS: &[Binding] = &[
         &[Chord::plain(Key::M)],
     ),
     binding(
+        POINTS,
+        "Shift+T",
+        "Trails of the picked points",
+        Command::ToggleTrails,
+        &[Chord::shift(Key::T)],
+    ),
+    binding(
         FILE,
         "Ctrl+O",
         "Open files",

@@ -1,5 +1,6 @@
 //! What is painted over the picture where points were clicked on: rings, lines and values.
 
+use super::trails::paint_trails;
 use crate::app::theme::{ACCENT, ODD};
 use crate::app::{Anchor, Gauge, State};
 use crate::scene::{Camera, CameraPath};
@@ -26,6 +27,7 @@ pub(super) fn marks_ui(painter: &Painter, state: &State) {
     {
         canvas.camera_path(path);
     }
+    paint_trails(&canvas, state);
     let inspection = &state.inspection;
     let up = state.camera.up.direction();
     for measurement in &inspection.measurements {
@@ -38,7 +40,8 @@ pub(super) fn marks_ui(painter: &Painter, state: &State) {
     }
 }
 
-struct Canvas<'a> {
+/// The picture, to be painted over at places in the coordinates of the file.
+pub(super) struct Canvas<'a> {
     painter: &'a Painter,
     rect: Rect,
     size_px: [u32; 2],
@@ -61,7 +64,7 @@ impl Canvas<'_> {
         Some(self.to_window(px))
     }
 
-    fn ring(&self, place: DVec3, color: Color32) {
+    pub(super) fn ring(&self, place: DVec3, color: Color32) {
         if let Some(center) = self.place(place) {
             let painter = self.painter;
             painter.circle_stroke(
@@ -72,6 +75,29 @@ impl Canvas<'_> {
             painter.circle_stroke(center, RING, Stroke::new(1.5, color));
             painter.circle_filled(center, 1.5, color);
         }
+    }
+
+    pub(super) fn dot(&self, place: DVec3, color: Color32) {
+        if let Some(center) = self.place(place) {
+            self.painter.circle_filled(center, 2.0, color);
+        }
+    }
+
+    /// Lines from place to place, as far as they are in front of the eye.
+    pub(super) fn polyline(&self, places: &[DVec3], stroke: Stroke) {
+        let mut run: Vec<Pos2> = Vec::with_capacity(places.len());
+        for ends in places.windows(2) {
+            let px = self.camera.line_to_px([ends[0], ends[1]], self.size_px);
+            let Some([from, to]) = px.map(|px| px.map(|px| self.to_window(px))) else {
+                continue;
+            };
+            if run.last() != Some(&from) {
+                self.painter.line(std::mem::take(&mut run), stroke);
+                run.push(from);
+            }
+            run.push(to);
+        }
+        self.painter.line(run, stroke);
     }
 
     fn line(&self, ends: [DVec3; 2], stroke: Stroke) {

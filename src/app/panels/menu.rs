@@ -122,6 +122,8 @@ fn play_menu(ui: &mut Ui, state: &mut State) {
         item(ui, state, "Add or remove marker", Command::ToggleMarker);
         item(ui, state, "Next marker", Command::NextMarker);
         item(ui, state, "Previous marker", Command::PreviousMarker);
+        ui.separator();
+        item(ui, state, "Make thumbnails anew", Command::RedoThumbnails);
     });
 }
 
@@ -142,6 +144,11 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     for (text, open, command) in [
         ("Orthographic", is_orthographic, Command::ToggleOrthographic),
         ("Turntable", state.turntable.is_on, Command::ToggleTurntable),
+        (
+            "Thumbnails",
+            state.thumbnails.is_on,
+            Command::ToggleThumbnails,
+        ),
         ("Settings", state.panels.settings, Command::ToggleSettings),
         (
             "Statistics",

@@ -21,6 +21,7 @@ mod settings;
 mod statistics;
 mod temporal;
 mod timeline;
+mod trails;
 mod viewport;
 mod voxels;
 mod works;
@@ -94,6 +95,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     palette_ui(ui, state);
     state.note_settings(ui.ctx());
     state.follow_poses();
+    state.follow_thumbnails();
 }
 
 /// Has the panels run again when the window `name` has another size than in the last pass: what is in it takes its new places then.

@@ -1,6 +1,8 @@
 //! The values of a point that was clicked on, each of which can be copied.
 
 use super::grouped;
+use super::trails::trail_ui;
+use crate::app::measuring::significant;
 use crate::app::{Inspected, State, Tool};
 use crate::scene::{PickedNormal, Projection};
 use egui::{Button, Grid, RichText, ScrollArea, Ui, Window, vec2};
@@ -17,16 +19,16 @@ pub fn point_ui(ui: &mut Ui, state: &mut State) {
         .open(&mut open)
         .resizable(false)
         .default_pos(corner)
-        .show(ui, |ui| match &state.inspection.point {
-            None => {
+        .show(ui, |ui| {
+            let Some(point) = &state.inspection.point else {
                 ui.label("Click on a point. Esc ends.");
-            }
-            Some(point) => {
-                let height = 0.7 * ui.ctx().content_rect().height();
-                ScrollArea::vertical()
-                    .max_height(height)
-                    .show(ui, |ui| values(ui, state, point));
-            }
+                return;
+            };
+            let height = 0.7 * ui.ctx().content_rect().height();
+            ScrollArea::vertical()
+                .max_height(height)
+                .show(ui, |ui| values(ui, state, point));
+            trail_ui(ui, state);
         });
     if !open {
         state.inspection.point = None;
@@ -115,6 +117,7 @@ fn values(ui: &mut Ui, state: &State, point: &Inspected) {
             )
         });
     }
+    rows.extend(trail_rows(state, values.index_in_file));
     Grid::new("values")
         .num_columns(3)
         .striped(true)
@@ -131,6 +134,39 @@ fn values(ui: &mut Ui, state: &State, point: &Inspected) {
         let lines: Vec<String> = rows.iter().map(Row::line).collect();
         ui.copy_text(lines.concat());
     }
+}
+
+/// How far and how fast the point goes, where its trail is shown.
+fn trail_rows(state: &State, index_in_file: u32) -> Vec<Row> {
+    let measure = state.player.as_ref().and_then(|player| {
+        let time_s = |frame| player.time_s(frame);
+        state.trails.measure(index_in_file, time_s)
+    });
+    let Some(measure) = measure else {
+        return Vec::new();
+    };
+    let values = [
+        (
+            "Travelled",
+            measure.length,
+            "The length of the trail from in to out point, scene units; what lies across breaks is left out",
+        ),
+        (
+            "Mean speed",
+            measure.mean_speed,
+            "The length of the trail by its time, scene units a second: by time stamps, else at the frame rate of the timeline",
+        ),
+        (
+            "Largest speed",
+            measure.max_speed,
+            "The largest speed from one frame to the next, scene units a second",
+        ),
+    ];
+    let row = |(name, value, tooltip): (&str, f64, &str)| Row {
+        shown: significant(value),
+        ..Row::new(name, value.to_string(), tooltip)
+    };
+    values.into_iter().map(row).collect()
 }
 
 struct Row {

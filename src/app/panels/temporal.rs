@@ -1,6 +1,7 @@
 //! What other poses say of the shown one: the choices, and the numbers of the change with its legend.
 
 use super::settings::{heading, row, rows};
+use super::trails;
 use crate::analysis::map_color;
 use crate::app::measuring::significant;
 use crate::app::{ChangeMap, OnionSkin, State};
@@ -17,6 +18,15 @@ const STEPS: std::ops::RangeInclusive<i64> = -1000..=1000;
 /// The section of the settings.
 pub(super) fn temporal_settings_ui(ui: &mut Ui, state: &mut State) {
     heading(ui, "Time");
+    rows(ui, "thumbnails", |ui| {
+        row(
+            ui,
+            "Thumbnails",
+            "Small pictures of the frames over the timeline and in its tooltips, all from one view. They are made while there is time for them",
+            Checkbox::new(&mut state.thumbnails.is_on, "Shown"),
+        );
+    });
+    trails::field_ui(ui, state);
     let OnionSkin {
         is_on,
         before,

@@ -64,6 +64,8 @@ impl State {
                     self.temporal.take_in(*made);
                 }
             }
+            Outcome::Traced(traced) => self.trails.take_in(traced),
+            Outcome::Thumbnail(delivery) => self.thumbnails.take_in(*delivery),
             Outcome::Failed(text) => self.notices.error(text),
         }
     }
@@ -193,6 +195,9 @@ impl State {
                 let after = self.history.redo();
                 self.take_edited(after);
             }
+            Command::ToggleTrails => self.toggle_trails(),
+            Command::ToggleThumbnails => self.thumbnails.is_on ^= true,
+            Command::RedoThumbnails => self.thumbnails.redo(),
             Command::TogglePalette => {
                 self.palette = match self.palette.take() {
                     Some(_) => None,
@@ -202,6 +207,14 @@ impl State {
             Command::ToggleHelp => self.panels.help ^= true,
             Command::Escape => self.escape(),
             Command::Quit => self.ask_or_do(Question::Quit),
+        }
+    }
+
+    fn toggle_trails(&mut self) {
+        self.trails.is_on ^= true;
+        if self.trails.is_on && self.inspection.picked().next().is_none() {
+            self.notices
+                .info("Pick a point (I and a click): its trail is shown");
         }
     }
 

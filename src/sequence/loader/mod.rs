@@ -44,7 +44,7 @@ pub struct LoaderOptions {
     /// Keep coarse copies of all frames of a sequence that is too long for the budget, in a quarter of it, so that each can be shown
     /// at once. They are made when nothing else is to be done.
     pub keeps_coarse_frames: bool,
-    /// Called on a worker thread whenever a frame is finished or has failed. Must not block.
+    /// Called on a worker thread whenever a frame is finished, has failed or was given up. Must not block.
     pub wake: Arc<dyn Fn() + Send + Sync>,
 }
 
@@ -297,6 +297,11 @@ impl Loader {
     /// A number that changes whenever [`Loader::facts`] may have.
     pub fn facts_revision(&self) -> u64 {
         self.shared.queue().cache.facts.revision()
+    }
+
+    /// Whether a worker is on a frame.
+    pub fn is_busy(&self) -> bool {
+        self.shared.queue().cache.in_flight() > 0
     }
 
     /// A number that changes whenever [`Loader::states`] may have.

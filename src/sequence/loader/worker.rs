@@ -73,6 +73,7 @@ pub(super) fn run(shared: &Shared) {
             Ok(None) => {
                 shared.queue().cancel(index);
                 shared.work.notify_all();
+                (shared.wake)();
             }
             outcome => {
                 // `Ok(None)` was handled above, so transposing always finds a frame or an error.

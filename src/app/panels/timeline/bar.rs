@@ -3,6 +3,7 @@
 use crate::app::State;
 use crate::app::panels::grouped;
 use crate::app::theme::{ACCENT, BAD, COARSE, PENDING, RESIDENT};
+use crate::app::thumbnails::{Look, PICTURE_PX};
 use crate::playback::{Mark, Player, Run};
 use crate::scene::Scene;
 use crate::sequence::{PlayRange, Slot};
@@ -17,14 +18,14 @@ const MIN_TICK_WIDTH: f32 = 7.0;
 /// A broken frame is seen however long the sequence is, points.
 const MIN_FAILED_WIDTH: f32 = 3.0;
 
-/// The bar with its playhead, to scrub on.
-pub(super) fn scrub_bar(ui: &mut Ui, state: &mut State) {
+/// The bar with its playhead, to scrub on; returns the frame whose tooltip is shown.
+pub(super) fn scrub_bar(ui: &mut Ui, state: &mut State) -> Option<usize> {
     let size = vec2(ui.available_width(), BAR_HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     let Some(player) = &state.player else {
         ui.painter()
             .rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
-        return;
+        return None;
     };
     let count = player.sequence().len();
     let playhead = player.waiting_for().unwrap_or(player.clock().frame());
@@ -37,14 +38,13 @@ pub(super) fn scrub_bar(ui: &mut Ui, state: &mut State) {
             .or(response.hover_pos())
             .map(|pos| frame_at(rect, pos.x, count))
     };
-    if let Some(frame) = under_pointer(&response)
-        && response.hovered()
-        && !response.dragged()
-    {
-        let text = tooltip(state, player, frame);
-        response.clone().on_hover_text_at_pointer(text);
+    let frame = under_pointer(&response);
+    let hovered = frame.filter(|_| response.hovered() && !response.dragged());
+    if let Some(frame) = hovered {
+        frame_tooltip(state, response.clone(), frame);
     }
-    scrub(state, &response, under_pointer(&response));
+    scrub(state, &response, frame);
+    hovered
 }
 
 /// The playhead follows the pointer; playing goes on when it is let go.
@@ -135,12 +135,26 @@ fn paint_playhead(painter: &Painter, rect: Rect, left: f32, right: f32) {
     );
 }
 
+/// Which frame it is, how it looks, and whether it is in memory.
+pub(super) fn frame_tooltip(state: &mut State, response: Response, frame: usize) {
+    let Some(player) = &state.player else { return };
+    let text = tooltip(state, player, frame);
+    let look = state.thumbnails.look(&response.ctx, frame);
+    response.on_hover_ui_at_pointer(|ui| {
+        if let Look::Picture(texture) = look {
+            ui.image((texture, PICTURE_PX.map(|edge| edge as f32).into()));
+        }
+        ui.label(text);
+    });
+}
+
 fn tooltip(state: &State, player: &Player, frame: usize) -> String {
     let sequence = player.sequence();
     let head = format!(
-        "Frame {} of {}\n{}",
+        "Frame {} of {}, {:.2} s\n{}",
         frame + 1,
         sequence.len(),
+        player.time_s(frame),
         sequence.source(frame).name
     );
     let rest = match player.loader().get(frame, &Scene::needs(&state.settings)) {

@@ -1,0 +1,299 @@
+//! Small pictures of frames, on a strip over the timeline and in its tooltips.
+//!
+//! **How it works.** One picture at a time is made on a thread of its own, from points that are in memory where they are, else from
+//! the file. [`schedule`] says which frame is next and when there is time for it: while frames are played only what is in memory
+//! is drawn, at most ten pictures a second, and nothing while playing falls behind or a benchmark runs; files are read when nothing
+//! is played and no frame is being prepared. Pictures are kept in 16 MiB ([`store`]).
+//!
+//! All are seen from one view, so that motion is seen: it shows the boxes of nine frames that are spread over the sequence, and
+//! stays until the up axis or the source of the colours changes, or somebody asks for new pictures.
+
+mod draw;
+mod schedule;
+mod store;
+
+pub(in crate::app) use schedule::strip_frames;
+pub(in crate::app) use store::{Look, MAX_CELLS};
+
+use super::tasks::{Outcome, Tasks};
+use crate::math::Aabb;
+use crate::playback::Player;
+use crate::scene::{Camera, UpAxis};
+use crate::sequence::{ColorSource, Needs, Slot};
+use draw::{Job, Made, Material, Task};
+use egui::Context;
+use schedule::{Bustle, Leisure, Wanted, survey_frames};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+use store::Store;
+
+/// Size of a picture in pixels; the strip shows it smaller.
+pub(in crate::app) const PICTURE_PX: [u32; 2] = [160, 120];
+
+/// While playing there is at most one picture in this time.
+const INTERVAL: Duration = Duration::from_millis(100);
+
+/// Frames shown at less than this share of the rate that was asked for are not in time.
+const IN_TIME: f64 = 0.9;
+
+/// Up axis and colours: what all pictures have in common.
+type Key = (UpAxis, ColorSource);
+
+/// The pictures of the open sequence.
+#[derive(Debug)]
+pub struct Thumbnails {
+    /// Whether they are shown and made.
+    pub is_on: bool,
+    wanted: Wanted,
+    store: Store,
+    key: Option<Key>,
+    view: Option<Camera>,
+    /// Boxes that were read for the view, `None` of frames that have none.
+    surveyed: BTreeMap<usize, Option<Aabb>>,
+    /// Counts the sets of pictures, so that one of a set that has gone is known as such.
+    generation: u64,
+    is_busy: bool,
+    /// When the last picture was begun.
+    begun: Option<Duration>,
+    pool: Option<rayon::ThreadPool>,
+}
+
+/// What the thread has made of a frame.
+#[derive(Debug)]
+pub struct Delivery {
+    generation: u64,
+    frame: usize,
+    made: Made,
+}
+
+impl Thumbnails {
+    pub(super) fn new(is_on: bool) -> Self {
+        Self {
+            is_on,
+            wanted: Wanted::default(),
+            store: Store::default(),
+            key: None,
+            view: None,
+            surveyed: BTreeMap::new(),
+            generation: 0,
+            is_busy: false,
+            begun: None,
+            pool: None,
+        }
+    }
+
+    /// Number of frames of the strip that have their picture or mark, and of all frames of the strip.
+    pub fn progress(&self) -> [usize; 2] {
+        let strip = &self.wanted.strip;
+        let made = strip.iter().filter(|&&frame| self.store.has(frame));
+        [made.count(), strip.len()]
+    }
+
+    /// Bytes of all pictures that are kept.
+    pub fn byte_size(&self) -> usize {
+        self.store.bytes()
+    }
+
+    /// Forgets all pictures, so that they are made anew, from a view of what is known by now.
+    pub fn redo(&mut self) {
+        self.store = Store::default();
+        self.view = None;
+        self.surveyed.clear();
+        self.generation += 1;
+    }
+
+    /// Another sequence was opened.
+    pub(super) fn forget_frames(&mut self) {
+        self.wanted = Wanted::default();
+        self.redo();
+    }
+
+    /// The window is another one.
+    pub(super) fn forget_textures(&mut self) {
+        self.store.forget_textures();
+    }
+
+    /// Says which frames the strip shows.
+    pub(super) fn want(&mut self, strip: Vec<usize>) {
+        self.wanted.strip = strip;
+    }
+
+    /// Says which frame is under the pointer: its picture is made first.
+    pub(super) fn hover(&mut self, frame: Option<usize>) {
+        self.wanted.hovered = frame;
+    }
+
+    /// How `frame` is shown in the window of `ctx`.
+    pub(super) fn look(&mut self, ctx: &Context, frame: usize) -> Look {
+        self.store.look(ctx, frame)
+    }
+
+    /// Begins the next picture, if one is missing and there is time for it.
+    pub(super) fn follow(
+        &mut self,
+        player: &Player,
+        key: Key,
+        is_measured: bool,
+        tasks: &Tasks,
+        now: Duration,
+    ) {
+        if !self.is_on || self.is_busy || self.wanted.strip.is_empty() {
+            return;
+        }
+        if self.key.replace(key) != Some(key) {
+            self.redo();
+        }
+        let [made, all] = self.progress();
+        if made == all
+            && self
+                .wanted
+                .hovered
+                .is_none_or(|frame| self.store.has(frame))
+        {
+            return;
+        }
+        let leisure = bustle(player, is_measured).leisure();
+        let is_early = self.begun.is_some_and(|begun| now < begun + INTERVAL);
+        if leisure == Leisure::None || (player.is_playing() && is_early) {
+            return;
+        }
+        let Some((frame, material, task)) = self.next(player, key, leisure) else {
+            return;
+        };
+        self.begun = Some(now);
+        let job = Job {
+            material,
+            task,
+            colors: key.1,
+            sequence: Arc::clone(player.sequence()),
+        };
+        self.start(frame, job, tasks);
+    }
+
+    /// The next piece of work there is time for.
+    fn next(
+        &mut self,
+        player: &Player,
+        key: Key,
+        leisure: Leisure,
+    ) -> Option<(usize, Material, Task)> {
+        let view = match self.view {
+            Some(view) => view,
+            None => match self.survey(player) {
+                Ok(bounds) => {
+                    let view = draw::view_of(&bounds, player.sequence().origin(), key.0);
+                    *self.view.insert(view)
+                }
+                Err(frame) => {
+                    let can_read = leisure == Leisure::Reading;
+                    return can_read.then_some((frame, Material::File(frame), Task::Survey));
+                }
+            },
+        };
+        let loader = player.loader();
+        let needs = Needs {
+            colors: key.1,
+            ..Needs::default()
+        };
+        let mut material = None;
+        let mut broken = Vec::new();
+        let frame = self.wanted.next(
+            player.clock().frame(),
+            |frame| self.store.has(frame),
+            |&frame| {
+                material = match loader.get(frame, &needs) {
+                    Slot::Ready(frame) | Slot::Coarse(frame) => Some(Material::Resident(frame)),
+                    Slot::Failed(_) => {
+                        broken.push(frame);
+                        None
+                    }
+                    // What is in other colours will be in these before long.
+                    Slot::Stale(_) | Slot::Pending => {
+                        (leisure == Leisure::Reading).then_some(Material::File(frame))
+                    }
+                };
+                material.is_some()
+            },
+        );
+        for frame in broken {
+            self.store.mark_broken(frame);
+        }
+        Some((frame?, material?, Task::Draw(view)))
+    }
+
+    /// What holds the frames that are spread over the sequence; `Err` is one of them of which nothing is known.
+    fn survey(&self, player: &Player) -> Result<Aabb, usize> {
+        let loader = player.loader();
+        let facts = loader.facts();
+        let mut all = Aabb::EMPTY;
+        for frame in survey_frames(facts.len()) {
+            let known = facts[frame].map(|facts| Some(facts.bounds));
+            let known = known.or_else(|| self.surveyed.get(&frame).copied());
+            let is_broken = || matches!(loader.get(frame, &Needs::default()), Slot::Failed(_));
+            match known {
+                Some(bounds) => all = all.union(&bounds.unwrap_or(Aabb::EMPTY)),
+                None if is_broken() => {}
+                None => return Err(frame),
+            }
+        }
+        Ok(all)
+    }
+
+    fn start(&mut self, frame: usize, job: Job, tasks: &Tasks) {
+        if self.pool.is_none() {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(1)
+                .thread_name(|_| "thumbnails".to_owned())
+                .build();
+            match pool {
+                Ok(pool) => self.pool = Some(pool),
+                Err(reason) => log::warn!("no thread for thumbnails: {reason}"),
+            }
+        }
+        let Some(pool) = &self.pool else {
+            self.is_on = false;
+            return;
+        };
+        self.is_busy = true;
+        let generation = self.generation;
+        tasks.start_in(pool, move || {
+            Outcome::Thumbnail(Box::new(Delivery {
+                generation,
+                frame,
+                made: job.run(),
+            }))
+        });
+    }
+
+    /// Takes what the thread has made, unless it is of a set that has gone.
+    pub(super) fn take_in(&mut self, delivery: Delivery) {
+        self.is_busy = false;
+        if delivery.generation != self.generation {
+            return;
+        }
+        let frame = delivery.frame;
+        match delivery.made {
+            Made::Bounds(bounds) => _ = self.surveyed.insert(frame, Some(bounds)),
+            Made::Picture(image) => self.store.insert(frame, image, &self.wanted.all()),
+            Made::Broken => {
+                self.surveyed.insert(frame, None);
+                self.store.mark_broken(frame);
+            }
+        }
+    }
+}
+
+fn bustle(player: &Player, is_measured: bool) -> Bustle {
+    let asked = player.clock().fps() * player.clock().speed().abs();
+    let is_whole = player.shown().is_some_and(|frame| !frame.is_sample());
+    let is_held = player
+        .fps_held()
+        .is_some_and(|held| held >= IN_TIME * asked);
+    Bustle {
+        is_measured,
+        is_playing: player.is_playing(),
+        keeps_up: is_whole && is_held && player.waiting_for().is_none(),
+        is_loading: player.loader().is_busy(),
+    }
+}

@@ -1,0 +1,196 @@
+//! Which frames have a picture on the strip, which is made next, and whether there is time for it.
+
+use std::collections::BTreeSet;
+
+/// Frames whose bounds are looked at before the view is chosen.
+const SURVEYED: usize = 9;
+
+/// The frame in the middle of each of `cells` equal parts of a sequence; every frame once where there are fewer.
+pub(in crate::app) fn strip_frames(frame_count: usize, cells: usize) -> Vec<usize> {
+    let cells = cells.min(frame_count);
+    let middle = |cell: usize| (2 * cell + 1) * frame_count / (2 * cells);
+    (0..cells).map(middle).collect()
+}
+
+/// Frames that are spread over a sequence, both ends among them.
+pub(super) fn survey_frames(frame_count: usize) -> Vec<usize> {
+    let count = SURVEYED.min(frame_count);
+    let place = |number: usize| number * (frame_count - 1) / (count - 1).max(1);
+    (0..count).map(place).collect()
+}
+
+/// Frames whose pictures can be seen.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Wanted {
+    /// Those of the strip, in order.
+    pub(super) strip: Vec<usize>,
+    /// The one under the pointer.
+    pub(super) hovered: Option<usize>,
+}
+
+impl Wanted {
+    /// All of them.
+    pub(super) fn all(&self) -> BTreeSet<usize> {
+        self.strip.iter().copied().chain(self.hovered).collect()
+    }
+
+    /// The frame to make next: the one under the pointer, then those of the strip, the nearest to the playhead first and of two as
+    /// near the later one. Of those that are not made, the first that can be made now.
+    pub(super) fn next(
+        &self,
+        playhead: usize,
+        is_made: impl Fn(usize) -> bool,
+        can_be_made: impl FnMut(&usize) -> bool,
+    ) -> Option<usize> {
+        let mut missing: Vec<usize> = self.strip.clone();
+        missing.retain(|&frame| !is_made(frame));
+        missing.sort_by_key(|&frame| (frame.abs_diff(playhead), frame < playhead));
+        let hovered = self.hovered.filter(|&frame| !is_made(frame));
+        hovered.into_iter().chain(missing).find(can_be_made)
+    }
+}
+
+/// What goes on in the window.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a fact of its own about what the machine is busy with"
+)]
+pub(super) struct Bustle {
+    /// A benchmark runs.
+    pub(super) is_measured: bool,
+    /// Frames are played.
+    pub(super) is_playing: bool,
+    /// All of them in time and with all their points.
+    pub(super) keeps_up: bool,
+    /// Frames are being prepared.
+    pub(super) is_loading: bool,
+}
+
+/// For what there is time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Leisure {
+    /// For nothing.
+    None,
+    /// To draw what is in memory.
+    Drawing,
+    /// To read files as well.
+    Reading,
+}
+
+impl Bustle {
+    /// Whoever plays or measures goes first, then whoever prepares frames.
+    pub(super) fn leisure(self) -> Leisure {
+        match self {
+            Self {
+                is_measured: true, ..
+            }
+            | Self {
+                is_playing: true,
+                keeps_up: false,
+                ..
+            } => Leisure::None,
+            Self {
+                is_playing: true, ..
+            }
+            | Self {
+                is_loading: true, ..
+            } => Leisure::Drawing,
+            _ => Leisure::Reading,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_strip_has_the_frames_in_the_middles_of_its_cells() {
+        assert_eq!(strip_frames(100, 4), [12, 37, 62, 87]);
+        assert_eq!(strip_frames(3, 20), [0, 1, 2]);
+        assert_eq!(strip_frames(1, 20), [0]);
+        assert_eq!(strip_frames(0, 20), [0; 0]);
+        assert_eq!(strip_frames(100, 0), [0; 0]);
+    }
+
+    #[test]
+    fn a_survey_has_both_ends() {
+        assert_eq!(
+            survey_frames(100),
+            [0, 12, 24, 37, 49, 61, 74, 86, 99],
+            "spread evenly"
+        );
+        assert_eq!(survey_frames(2), [0, 1]);
+        assert_eq!(survey_frames(1), [0]);
+        assert_eq!(survey_frames(0), [0; 0]);
+    }
+
+    #[test]
+    fn the_pointer_goes_first_then_what_is_near_the_playhead() {
+        let wanted = Wanted {
+            strip: strip_frames(100, 5),
+            hovered: Some(99),
+        };
+        assert_eq!(wanted.strip, [10, 30, 50, 70, 90]);
+        let mut made = Vec::new();
+        while let Some(frame) = wanted.next(40, |frame| made.contains(&frame), |_| true) {
+            made.push(frame);
+        }
+        assert_eq!(made, [99, 50, 30, 70, 10, 90]);
+        // Of those in memory alone.
+        let in_memory = [10, 70];
+        let next = wanted.next(40, |_| false, |frame| in_memory.contains(frame));
+        assert_eq!(next, Some(70));
+        let next = wanted.next(40, |frame| frame == 70, |frame| in_memory.contains(frame));
+        assert_eq!(next, Some(10));
+        assert_eq!(wanted.next(40, |_| false, |_| false), None);
+    }
+
+    proptest! {
+        #[test]
+        fn every_wanted_frame_is_made_once(
+            count in 1usize..500, cells in 1usize..60, playhead in 0usize..500, hovered in prop::option::of(0usize..500),
+        ) {
+            let wanted = Wanted { strip: strip_frames(count, cells), hovered };
+            prop_assert!(wanted.strip.is_sorted_by(|a, b| a < b) && wanted.strip.iter().all(|&frame| frame < count));
+            let mut made = Vec::new();
+            while let Some(frame) = wanted.next(playhead, |frame| made.contains(&frame), |_| true) {
+                prop_assert!(!made.contains(&frame));
+                made.push(frame);
+            }
+            let mut sorted = made.clone();
+            sorted.sort_unstable();
+            prop_assert!(sorted.into_iter().eq(wanted.all()));
+            let nearness: Vec<usize> = made.iter().skip(usize::from(hovered.is_some())).map(|frame| frame.abs_diff(playhead)).collect();
+            prop_assert!(nearness.is_sorted());
+        }
+    }
+
+    #[test]
+    fn there_is_time_for_what_disturbs_nobody() {
+        let idle = Bustle::default();
+        assert_eq!(idle.leisure(), Leisure::Reading);
+        let loading = Bustle {
+            is_loading: true,
+            ..idle
+        };
+        assert_eq!(loading.leisure(), Leisure::Drawing);
+        let late = Bustle {
+            is_playing: true,
+            ..idle
+        };
+        assert_eq!(late.leisure(), Leisure::None);
+        let in_time = Bustle {
+            keeps_up: true,
+            ..late
+        };
+        assert_eq!(in_time.leisure(), Leisure::Drawing);
+        let measured = Bustle {
+            is_measured: true,
+            ..in_time
+        };
+        assert_eq!(measured.leisure(), Leisure::None);
+    }
+}

@@ -1,0 +1,63 @@
+//! A trail as points around its line: a tube that every renderer and every primitive draws, hidden by what is before it.
+
+use super::Trails;
+use crate::cloud::{CloudError, Frame, Positions, RawCloud};
+use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
+use glam::{DVec3, Vec3};
+use std::f32::consts::TAU;
+use std::sync::Arc;
+
+/// Points around the line.
+const SIDES: usize = 8;
+
+/// Most rings of points along a trail, so that a tiny radius cannot fill the memory.
+const MAX_RINGS: usize = 100_000;
+
+impl Trails {
+    /// The tube around a trail, `radius` scene units thick, white up to `frame` and black from there; without points where the trail
+    /// has no way. Every point has a normal and a radius, so that surfels close it.
+    pub fn tube(
+        &self,
+        trail: usize,
+        frame: usize,
+        radius: f32,
+    ) -> Result<PreparedFrame, CloudError> {
+        let (mut positions, mut normals, mut colors) = (Vec::new(), Vec::new(), Vec::new());
+        let mut rings_left = MAX_RINGS;
+        for index in self.frames() {
+            let ends = (self.place(trail, index), self.place(trail, index + 1));
+            let (Some(from), Some(to)) = ends else {
+                continue;
+            };
+            let Some(along) = (to - from).try_normalize() else {
+                continue;
+            };
+            let (side, up) = along.any_orthonormal_pair();
+            let rings = ((to - from).length() / radius).ceil().max(1.0);
+            let rings = (rings as usize).min(rings_left);
+            rings_left -= rings;
+            let brightness = if index < frame { 255 } else { 0 };
+            for ring in 0..rings {
+                let middle = from.lerp(to, (ring as f32 + 0.5) / rings as f32);
+                for number in 0..SIDES {
+                    let (sine, cosine) = (TAU * number as f32 / SIDES as f32).sin_cos();
+                    let normal: Vec3 = cosine * side + sine * up;
+                    positions.push((middle + radius * normal).to_array());
+                    normals.push(normal.to_array());
+                    colors.push([brightness, brightness, brightness, 255]);
+                }
+            }
+        }
+        let mut raw = RawCloud::from_positions(Positions::F32(positions));
+        raw.radii = Some(vec![radius; normals.len()]);
+        raw.normals = Some(normals);
+        raw.colors = Some(colors);
+        let needs = Needs {
+            shapes: true,
+            ..Needs::default()
+        };
+        let points = Arc::new(Frame::from_raw(raw, DVec3::ZERO)?);
+        let counters = PrepareCounters::default();
+        Ok(prepare(frame, points, 0.0, &needs, &counters))
+    }
+}
