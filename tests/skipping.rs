@@ -241,6 +241,61 @@ fn a_lost_device_is_an_error_not_a_crash() {
 }
 
 #[test]
+fn what_does_not_fit_makes_all_else_go_and_then_is_an_error() {
+    let context = common::open(&common::software());
+    let mut renderer = GpuRenderer::new(Arc::clone(&context)).unwrap();
+    let clouds = [100, 200].map(|count| sphere(count, 1.0));
+    let packets = clouds
+        .each_ref()
+        .map(|cloud| surfels(cloud, &camera_at(3.0), plain(), [64, 64]));
+    let expected = packets.each_ref().map(|packet| {
+        cost(&mut renderer, packet);
+        renderer.read_image().unwrap()
+    });
+    let both_bytes = renderer.stats().resident_bytes;
+
+    let mut renderer = GpuRenderer::new(Arc::clone(&context)).unwrap();
+    cost(&mut renderer, &packets[0]);
+    let first_bytes = renderer.stats().resident_bytes;
+    context.simulate_out_of_memory(1);
+    cost(&mut renderer, &packets[1]);
+    assert_eq!(
+        renderer.stats().resident_bytes,
+        both_bytes - first_bytes,
+        "the first made room"
+    );
+    assert!(renderer.read_image().unwrap() == expected[1]);
+
+    context.simulate_out_of_memory(2);
+    assert!(matches!(
+        renderer.prepare(&packets[0]),
+        Err(RenderError::OutOfMemory { what: "the cloud" })
+    ));
+    assert_eq!(renderer.stats().resident_bytes, 0);
+    cost(&mut renderer, &packets[0]);
+    assert!(
+        renderer.read_image().unwrap() == expected[0],
+        "memory came back"
+    );
+}
+
+#[test]
+fn a_budget_for_the_gpu_is_kept() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let clouds = [100; 3].map(|count| sphere(count, 1.0));
+    let packets = clouds
+        .each_ref()
+        .map(|cloud| surfels(cloud, &camera_at(3.0), plain(), [64, 64]));
+    cost(&mut renderer, &packets[0]);
+    let one_bytes = renderer.stats().resident_bytes;
+    cost(&mut renderer, &packets[1]);
+    assert_eq!(renderer.stats().resident_bytes, 2 * one_bytes);
+    renderer.set_resident_budget_bytes(one_bytes);
+    cost(&mut renderer, &packets[2]);
+    assert_eq!(renderer.stats().resident_bytes, one_bytes);
+}
+
+#[test]
 fn a_picture_beyond_the_adapter_is_refused() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let packet = surfels(&[], &camera_at(3.0), plain(), [1, 1_000_000]);

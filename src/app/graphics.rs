@@ -178,6 +178,18 @@ impl Graphics {
         self.picture.stats()
     }
 
+    /// Sets how many bytes of points and voxels stay on the graphics card.
+    pub(super) fn set_resident_budget_bytes(&mut self, budget_bytes: u64) {
+        let others = self.other_picture.iter_mut();
+        // The budget is that of both sides of a comparison.
+        let count = 1 + others.len() as u64;
+        for picture in others.chain([&mut self.picture]) {
+            picture
+                .renderer
+                .set_resident_budget_bytes(budget_bytes / count);
+        }
+    }
+
     /// Follows the window's size.
     pub(super) fn resize(&mut self) {
         self.surface.resize();

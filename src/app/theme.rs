@@ -3,7 +3,8 @@
 //! Icons are painted rather than taken from a font: they are sharp at any scale and look the same everywhere.
 
 use egui::{
-    Color32, Context, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, Theme, Visuals, vec2,
+    Color32, Context, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, Theme, ThemePreference,
+    Visuals, vec2,
 };
 
 /// What is chosen, and the playhead.
@@ -21,9 +22,9 @@ pub(super) const RESIDENT: Color32 = Color32::from_rgb(72, 104, 152);
 /// Frames on their way.
 pub(super) const PENDING: Color32 = Color32::from_rgb(58, 70, 92);
 
-/// Sets the look of the window.
+/// Sets the look of the window: light or dark as the system is, dark where it does not say.
 pub fn apply_theme(ctx: &Context) {
-    ctx.set_theme(Theme::Dark);
+    ctx.set_theme(ThemePreference::System);
     ctx.all_styles_mut(|style| {
         style.spacing.item_spacing = vec2(8.0, 6.0);
         style.spacing.button_padding = vec2(8.0, 3.0);
@@ -31,26 +32,42 @@ pub fn apply_theme(ctx: &Context) {
         style.spacing.slider_width = 120.0;
         style.spacing.combo_width = 150.0;
         style.interaction.tooltip_delay = 0.4;
-        style.visuals = visuals();
     });
+    ctx.set_visuals_of(Theme::Dark, shaped(dark()));
+    ctx.set_visuals_of(Theme::Light, shaped(light()));
 }
 
-fn visuals() -> Visuals {
+/// What both have in common.
+fn shaped(mut visuals: Visuals) -> Visuals {
+    visuals.window_corner_radius = CornerRadius::same(8);
+    visuals.menu_corner_radius = CornerRadius::same(6);
+    visuals.slider_trailing_fill = true;
+    let widgets = &mut visuals.widgets;
+    for widget in [
+        &mut widgets.noninteractive,
+        &mut widgets.inactive,
+        &mut widgets.hovered,
+        &mut widgets.active,
+        &mut widgets.open,
+    ] {
+        widget.corner_radius = CornerRadius::same(4);
+        widget.expansion = 0.0;
+    }
+    visuals
+}
+
+fn dark() -> Visuals {
     let mut visuals = Visuals::dark();
-    let corners = CornerRadius::same(4);
     visuals.panel_fill = Color32::from_rgb(27, 30, 37);
     visuals.window_fill = Color32::from_rgb(31, 35, 43);
     visuals.window_stroke = Stroke::new(1.0, Color32::from_rgb(52, 58, 70));
     visuals.extreme_bg_color = Color32::from_rgb(18, 20, 25);
     visuals.faint_bg_color = Color32::from_rgb(34, 38, 47);
-    visuals.window_corner_radius = CornerRadius::same(8);
-    visuals.menu_corner_radius = CornerRadius::same(6);
     visuals.selection.bg_fill = Color32::from_rgb(44, 92, 165);
     visuals.selection.stroke = Stroke::new(1.0, Color32::WHITE);
     visuals.hyperlink_color = ACCENT;
     visuals.error_fg_color = BAD;
     visuals.warn_fg_color = ODD;
-    visuals.slider_trailing_fill = true;
     let text = |level: u8| Stroke::new(1.0, Color32::from_gray(level));
     let widgets = &mut visuals.widgets;
     widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_rgb(46, 51, 62));
@@ -65,16 +82,27 @@ fn visuals() -> Visuals {
     widgets.active.bg_fill = Color32::from_rgb(76, 86, 108);
     widgets.active.weak_bg_fill = Color32::from_rgb(70, 80, 100);
     widgets.open.weak_bg_fill = Color32::from_rgb(50, 56, 68);
-    for widget in [
-        &mut widgets.noninteractive,
-        &mut widgets.inactive,
-        &mut widgets.hovered,
-        &mut widgets.active,
-        &mut widgets.open,
-    ] {
-        widget.corner_radius = corners;
-        widget.expansion = 0.0;
-    }
+    visuals
+}
+
+/// That of egui, with text dark enough to read and an accent that can be seen on white.
+fn light() -> Visuals {
+    let mut visuals = Visuals::light();
+    visuals.panel_fill = Color32::from_rgb(240, 242, 246);
+    visuals.window_fill = Color32::from_rgb(248, 249, 251);
+    visuals.window_stroke = Stroke::new(1.0, Color32::from_rgb(196, 202, 212));
+    visuals.extreme_bg_color = Color32::WHITE;
+    visuals.faint_bg_color = Color32::from_rgb(230, 233, 239);
+    visuals.selection.bg_fill = Color32::from_rgb(158, 198, 255);
+    visuals.selection.stroke = Stroke::new(1.0, Color32::from_rgb(10, 40, 90));
+    visuals.hyperlink_color = Color32::from_rgb(20, 92, 200);
+    visuals.error_fg_color = Color32::from_rgb(178, 30, 30);
+    visuals.warn_fg_color = Color32::from_rgb(150, 88, 0);
+    let text = |level: u8| Stroke::new(1.0, Color32::from_gray(level));
+    let widgets = &mut visuals.widgets;
+    widgets.noninteractive.fg_stroke = text(45);
+    widgets.inactive.fg_stroke = text(40);
+    widgets.hovered.fg_stroke = text(10);
     visuals
 }
 

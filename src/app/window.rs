@@ -11,6 +11,7 @@ use super::tasks::save_png;
 use super::theme::apply_theme;
 use crate::render::RenderError;
 use crate::sequence::Sequence;
+use egui_winit::accesskit_winit;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,7 +19,7 @@ use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
 use winit::event::WindowEvent;
-use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
 /// Size of a new window, logical pixels.
@@ -84,7 +85,7 @@ pub fn run(options: Options) -> Result<(), AppError> {
     let no_window = |reason: &dyn std::fmt::Display| AppError::NoWindow {
         reason: reason.to_string(),
     };
-    let event_loop = EventLoop::<Wakened>::with_user_event()
+    let event_loop = EventLoop::<Message>::with_user_event()
         .build()
         .map_err(|error| no_window(&error))?;
     let mut app = App::new(options, &event_loop);
@@ -94,9 +95,20 @@ pub fn run(options: Options) -> Result<(), AppError> {
     app.end
 }
 
-/// Sent by workers and tasks.
-#[derive(Debug, Clone, Copy)]
-struct Wakened;
+/// What comes to the event loop from elsewhere.
+#[derive(Debug)]
+enum Message {
+    /// Workers or tasks have something new.
+    Wake,
+    /// A screen reader, or another program that helps people, wants to know or to do something.
+    Accessibility(accesskit_winit::Event),
+}
+
+impl From<accesskit_winit::Event> for Message {
+    fn from(event: accesskit_winit::Event) -> Self {
+        Self::Accessibility(event)
+    }
+}
 
 /// What exists while there is a window.
 struct Screen {
@@ -107,10 +119,20 @@ struct Screen {
     title: String,
 }
 
+/// What stays of egui when a device is lost.
+struct EguiBefore {
+    context: egui::Context,
+    /// The window's, which has one for good.
+    accessibility: Option<accesskit_winit::Adapter>,
+}
+
 struct App {
     state: State,
     options: Options,
     screen: Option<Screen>,
+    messages: EventLoopProxy<Message>,
+    /// A screen reader asks what is in the window.
+    is_read_aloud: bool,
     begin: Instant,
     /// Set by the first wake since the last look, so that a busy loader does not fill the queue.
     wake_is_queued: Arc<AtomicBool>,
@@ -139,12 +161,13 @@ struct Wanted {
 }
 
 impl App {
-    fn new(mut options: Options, event_loop: &EventLoop<Wakened>) -> Self {
-        let proxy = event_loop.create_proxy();
+    fn new(mut options: Options, event_loop: &EventLoop<Message>) -> Self {
+        let messages = event_loop.create_proxy();
+        let proxy = messages.clone();
         let wake_is_queued = Arc::new(AtomicBool::new(false));
         let queued = Arc::clone(&wake_is_queued);
         options.state.wake = Arc::new(move || {
-            if !queued.swap(true, Ordering::AcqRel) && proxy.send_event(Wakened).is_err() {
+            if !queued.swap(true, Ordering::AcqRel) && proxy.send_event(Message::Wake).is_err() {
                 log::debug!("a wake after the window was closed");
             }
         });
@@ -161,6 +184,8 @@ impl App {
             state,
             options,
             screen: None,
+            messages,
+            is_read_aloud: false,
             begin: Instant::now(),
             wake_is_queued,
             woken: false,
@@ -183,6 +208,8 @@ impl App {
         let attributes = Window::default_attributes()
             .with_title("pointreel")
             .with_min_inner_size(MIN_SIZE)
+            // Screen readers have to know of a window before it is seen.
+            .with_visible(false)
             // An alpha visual stays black on software adapters under a bare X server.
             .with_transparent(false);
         let left = self
@@ -206,25 +233,34 @@ impl App {
     /// The GPU's side and egui's for `window`; what is open in egui stays as it was in `before`.
     fn open_screen(
         &mut self,
+        event_loop: &ActiveEventLoop,
         window: Arc<Window>,
-        before: Option<&egui::Context>,
+        before: Option<EguiBefore>,
     ) -> Result<Screen, AppError> {
         let graphics = Graphics::new(Arc::clone(&window))?;
         let egui = egui::Context::default();
         apply_theme(&egui);
-        if let Some(before) = before {
-            let memory = before.memory(Clone::clone);
+        if let Some(before) = &before {
+            let memory = before.context.memory(Clone::clone);
             egui.memory_mut(|new| *new = memory);
         }
+        if self.is_read_aloud {
+            egui.enable_accesskit();
+        }
         let max_edge_px = graphics.context().max_edge_px();
-        let input = egui_winit::State::new(
+        let mut input = egui_winit::State::new(
             egui.clone(),
             egui::ViewportId::ROOT,
             &window,
             Some(window.scale_factor() as f32),
-            None,
+            window.theme(),
             Some(max_edge_px as usize),
         );
+        match before {
+            None => input.init_accesskit(event_loop, &window, self.messages.clone()),
+            Some(before) => input.accesskit = before.accessibility,
+        }
+        window.set_visible(true);
         self.state.viewport.texture = Some(graphics.texture());
         self.state.viewport.other_texture = None;
         self.state.viewport.max_edge_px = Some(max_edge_px);
@@ -241,6 +277,26 @@ impl App {
         })
     }
 
+    fn serve_screen_reader(&mut self, event: accesskit_winit::WindowEvent) {
+        let Some(screen) = &mut self.screen else {
+            return;
+        };
+        match event {
+            accesskit_winit::WindowEvent::InitialTreeRequested => {
+                self.is_read_aloud = true;
+                screen.egui.enable_accesskit();
+            }
+            accesskit_winit::WindowEvent::ActionRequested(request) => {
+                screen.input.on_accesskit_action_request(request);
+            }
+            accesskit_winit::WindowEvent::AccessibilityDeactivated => {
+                self.is_read_aloud = false;
+                screen.egui.disable_accesskit();
+            }
+        }
+        screen.window.request_redraw();
+    }
+
     fn fail(&mut self, event_loop: &ActiveEventLoop, error: AppError) {
         self.end = Err(error);
         event_loop.exit();
@@ -255,6 +311,14 @@ impl App {
         self.screen = match result {
             Ok(()) => Some(screen),
             Err(error @ RenderError::DeviceLost { .. }) => self.rebuild(event_loop, screen, error),
+            Err(error @ RenderError::OutOfMemory { .. }) if screen.graphics.was_drawn_by_gpu() => {
+                self.state.draw_without_gpu();
+                self.state.notices.post(
+                    Severity::Warning,
+                    format!("{error}. The processor draws now; choose a renderer in the settings to try again."),
+                );
+                Some(screen)
+            }
             Err(error) => {
                 self.state.notices.error(error.to_string());
                 Some(screen)
@@ -331,6 +395,8 @@ impl App {
     }
 
     fn draw_picture(&mut self, screen: &mut Screen) -> Result<(), RenderError> {
+        let budget_bytes = self.state.graphics.budget_bytes;
+        screen.graphics.set_resident_budget_bytes(budget_bytes);
         if let Some(packet) = self.state.next_packet() {
             if self.options.lose_device_after == Some(self.state.counters.pictures) {
                 screen.graphics.context().simulate_loss();
@@ -460,11 +526,16 @@ impl App {
             window,
             graphics,
             egui,
+            input,
             ..
         } = screen;
         // The window can have one surface at a time.
         drop(graphics);
-        match self.open_screen(Arc::clone(&window), Some(&egui)) {
+        let before = EguiBefore {
+            context: egui,
+            accessibility: input.accesskit,
+        };
+        match self.open_screen(event_loop, Arc::clone(&window), Some(before)) {
             Ok(screen) => {
                 window.request_redraw();
                 Some(screen)
@@ -477,14 +548,14 @@ impl App {
     }
 }
 
-impl ApplicationHandler<Wakened> for App {
+impl ApplicationHandler<Message> for App {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if self.screen.is_some() {
             return;
         }
         let opened = self
             .open_window(event_loop)
-            .and_then(|window| self.open_screen(window, None));
+            .and_then(|window| self.open_screen(event_loop, window, None));
         match opened {
             Ok(screen) => {
                 screen.window.request_redraw();
@@ -494,9 +565,14 @@ impl ApplicationHandler<Wakened> for App {
         }
     }
 
-    fn user_event(&mut self, _event_loop: &ActiveEventLoop, _event: Wakened) {
-        self.wake_is_queued.store(false, Ordering::Release);
-        self.woken = true;
+    fn user_event(&mut self, _event_loop: &ActiveEventLoop, message: Message) {
+        match message {
+            Message::Wake => {
+                self.wake_is_queued.store(false, Ordering::Release);
+                self.woken = true;
+            }
+            Message::Accessibility(event) => self.serve_screen_reader(event.window_event),
+        }
     }
 
     fn window_event(

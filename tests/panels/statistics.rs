@@ -36,4 +36,9 @@ fn statistics_tell_points_octree_and_budget() {
     harness.run();
     let stats = harness.state().player.as_ref().unwrap().loader().stats();
     assert_eq!(stats.budget_bytes, 64 << 20);
+    harness
+        .get_by_role_and_label(Role::SpinButton, "GPU budget")
+        .set_value_accesskit(32.0);
+    harness.run();
+    assert_eq!(harness.state().graphics.budget_bytes, 32 << 20);
 }

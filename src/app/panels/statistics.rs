@@ -108,7 +108,7 @@ fn frame_times(ui: &mut Ui, state: &State) {
     });
 }
 
-fn picture(ui: &mut Ui, state: &State) {
+fn picture(ui: &mut Ui, state: &mut State) {
     let render = &state.graphics.render;
     let [width, height] = state.viewport.size_px;
     section(ui, "Picture", |ui| {
@@ -160,6 +160,11 @@ fn picture(ui: &mut Ui, state: &State) {
             bytes(render.resident_bytes),
             "Points and voxels in GPU memory now",
         );
+        let mut budget_mib = state.graphics.budget_bytes as f64 / f64::from(1 << 20);
+        let tooltip = "Most memory of the graphics card for points and voxels, MiB. What was not drawn for longest makes room";
+        if budget_row(ui, "GPU budget", &mut budget_mib, tooltip) {
+            state.graphics.budget_bytes = (budget_mib * f64::from(1 << 20)) as u64;
+        }
         row(
             ui,
             "Redraws",
@@ -289,20 +294,12 @@ fn memory(ui: &mut Ui, state: &mut State) {
             bytes(stats.resident_bytes as u64),
             "Prepared frames in main memory",
         );
-        let tooltip =
-            "Most memory for prepared frames, MiB. Frames that the playhead needs last make room";
-        let label = ui.label("Budget").on_hover_text(tooltip);
-        let drag = DragValue::new(&mut budget_mib)
-            .range(16.0..=1_048_576.0)
-            .speed(8.0)
-            .max_decimals(0)
-            .suffix(" MiB");
-        changed = ui
-            .add(drag)
-            .labelled_by(label.id)
-            .on_hover_text(tooltip)
-            .changed();
-        ui.end_row();
+        changed = budget_row(
+            ui,
+            "Budget",
+            &mut budget_mib,
+            "Most memory for prepared frames, MiB. Frames that the playhead needs last make room",
+        );
         row(
             ui,
             "Frames",
@@ -343,4 +340,21 @@ fn memory(ui: &mut Ui, state: &mut State) {
     if changed {
         state.set_budget_bytes((budget_mib * f64::from(1 << 20)) as usize);
     }
+}
+
+/// A budget that can be changed; true if it was.
+fn budget_row(ui: &mut Ui, name: &str, budget_mib: &mut f64, tooltip: &str) -> bool {
+    let label = ui.label(name).on_hover_text(tooltip);
+    let drag = DragValue::new(budget_mib)
+        .range(16.0..=1_048_576.0)
+        .speed(8.0)
+        .max_decimals(0)
+        .suffix(" MiB");
+    let changed = ui
+        .add(drag)
+        .labelled_by(label.id)
+        .on_hover_text(tooltip)
+        .changed();
+    ui.end_row();
+    changed
 }

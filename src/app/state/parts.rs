@@ -5,6 +5,7 @@ use crate::app::presets::Presets;
 use crate::app::recent::Recent;
 use crate::app::tasks::Wake;
 use crate::render::RenderStats;
+use crate::render::gpu::DEFAULT_RESIDENT_BUDGET_BYTES;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::OpenOptions;
 use std::path::PathBuf;
@@ -138,9 +139,11 @@ impl Default for Viewport {
     }
 }
 
-/// What the statistics panel says of the graphics card.
-#[derive(Debug, Clone, Default)]
+/// What the statistics panel says of the graphics card, and how much of it may be used.
+#[derive(Debug, Clone)]
 pub struct GraphicsInfo {
+    /// Most bytes of points and voxels that stay in its memory for pictures to come.
+    pub budget_bytes: u64,
     /// Name, type and driver.
     pub adapter: String,
     /// Whether the adapter is a program that draws on the processor.
@@ -151,6 +154,19 @@ pub struct GraphicsInfo {
     pub render: RenderStats,
     /// CPU time of the last redraw: panels, picture and painting, without waiting for the screen.
     pub frame_ms: f64,
+}
+
+impl Default for GraphicsInfo {
+    fn default() -> Self {
+        Self {
+            budget_bytes: DEFAULT_RESIDENT_BUDGET_BYTES,
+            adapter: String::new(),
+            is_software: false,
+            has_timestamps: false,
+            render: RenderStats::default(),
+            frame_ms: 0.0,
+        }
+    }
 }
 
 impl GraphicsInfo {

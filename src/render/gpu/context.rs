@@ -1,6 +1,7 @@
 //! The adapter and device: opened once, shared by every renderer.
 
 use crate::render::RenderError;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// How to choose and limit the adapter.
@@ -31,6 +32,8 @@ pub struct Context {
     pub has_timestamps: bool,
     pub(super) max_chunk_records: Option<usize>,
     lost: Arc<Mutex<Option<String>>>,
+    /// Allocations that will fail as if there was no memory, for tests.
+    allocations_to_fail: AtomicU32,
 }
 
 impl Context {
@@ -110,6 +113,7 @@ impl Context {
             has_timestamps,
             max_chunk_records: options.max_chunk_records,
             lost,
+            allocations_to_fail: AtomicU32::new(0),
         }))
     }
 
@@ -121,6 +125,11 @@ impl Context {
             }),
             None => Ok(()),
         }
+    }
+
+    /// Lets the next `count` allocations for pictures fail as if the GPU had no memory left.
+    pub fn simulate_out_of_memory(&self, count: u32) {
+        self.allocations_to_fail.store(count, Ordering::Relaxed);
     }
 
     /// Ends the device as a crashed driver would: every later picture fails with [`RenderError::DeviceLost`].
@@ -193,10 +202,16 @@ impl Context {
     ) -> Result<T, RenderError> {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let result = allocate();
-        match pollster::block_on(scope.pop()) {
-            Some(_) => Err(RenderError::OutOfMemory { what }),
-            None => Ok(result),
+        let failed = pollster::block_on(scope.pop()).is_some();
+        let to_fail = |left: u32| left.checked_sub(1);
+        let is_simulated = self
+            .allocations_to_fail
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, to_fail)
+            .is_ok();
+        if failed || is_simulated {
+            return Err(RenderError::OutOfMemory { what });
         }
+        Ok(result)
     }
 }
 

@@ -17,4 +17,4 @@ mod targets;
 mod timer;
 
 pub use context::{Context, ContextOptions};
-pub use renderer::GpuRenderer;
+pub use renderer::{DEFAULT_RESIDENT_BUDGET_BYTES, GpuRenderer};

@@ -15,8 +15,8 @@ use crate::scene::ScenePacket;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// How many bytes of record streams stay on the GPU for pictures to come.
-const DEFAULT_RESIDENT_BUDGET_BYTES: u64 = 1 << 30;
+/// How many bytes of record streams stay on the GPU for pictures to come, unless somebody says otherwise.
+pub const DEFAULT_RESIDENT_BUDGET_BYTES: u64 = 1 << 30;
 
 /// Views a picture can need: one for each pass over geometry.
 pub(super) const VIEWS: u32 = 2;
@@ -112,6 +112,12 @@ impl GpuRenderer {
         gpu_ms
     }
 
+    /// Sets how many bytes of points and voxels stay on the GPU for pictures to come. Those of the picture that is drawn stay
+    /// whatever the budget.
+    pub fn set_resident_budget_bytes(&mut self, budget_bytes: u64) {
+        self.residency.set_budget_bytes(budget_bytes);
+    }
+
     /// Forgets what was drawn, so that the same packet is drawn again: benchmarks measure that.
     pub fn invalidate(&mut self) {
         self.drawn = None;
@@ -141,8 +147,26 @@ impl GpuRenderer {
         Ok(())
     }
 
-    /// Uploads what `plan` draws and is not resident; keeps the residency within its budget.
+    /// Uploads what `plan` draws and is not resident; keeps the residency within its budget. Where that does not fit into the memory
+    /// of the GPU, all else makes room for it.
     fn ensure_streams(&mut self, packet: &ScenePacket, plan: &Plan) -> Result<(), RenderError> {
+        let has_others = self.residency.resident_bytes() > 0;
+        let mut result = self.upload_streams(packet, plan);
+        if has_others && matches!(result, Err(RenderError::OutOfMemory { .. })) {
+            log::warn!("the GPU is out of memory: frames that were kept there make room");
+            self.residency.clear();
+            result = self.upload_streams(packet, plan);
+        }
+        if result.is_err() {
+            // What was made of the streams cannot be drawn.
+            self.residency.clear();
+        }
+        self.residency.trim(&plan.streams);
+        self.stats.resident_bytes = self.residency.resident_bytes();
+        result
+    }
+
+    fn upload_streams(&mut self, packet: &ScenePacket, plan: &Plan) -> Result<(), RenderError> {
         let Self {
             context,
             instancing,
@@ -180,10 +204,7 @@ impl GpuRenderer {
                     instancing::upload(instancing.as_ref(), context, Amplification::Surfel, bytes)
                 }));
             }
-        })?;
-        residency.trim(&plan.streams);
-        stats.resident_bytes = residency.resident_bytes();
-        Ok(())
+        })
     }
 
     fn ensure_quad_indices(&mut self, plan: &Plan) -> Result<(), RenderError> {

@@ -46,6 +46,11 @@ impl Residency {
         }
     }
 
+    /// Sets how many bytes stay; what is more is dropped when the next picture is prepared.
+    pub(super) fn set_budget_bytes(&mut self, budget_bytes: u64) {
+        self.budget_bytes = budget_bytes;
+    }
+
     /// Makes sure that `records` are resident. Returns the bytes uploaded, 0 when they were.
     pub(super) fn ensure<T: Send + Sync + 'static>(
         &mut self,
@@ -103,7 +108,7 @@ impl Residency {
         }
     }
 
-    /// Drops everything: another strategy lays records out otherwise.
+    /// Drops everything: another strategy lays records out otherwise, or nothing more fits.
     pub(super) fn clear(&mut self) {
         self.streams.clear();
         self.resident_bytes = 0;
