@@ -1,8 +1,12 @@
 //! The event loop: winit's events to egui, deadlines and wakes to redraws, redraws to the GPU.
 
+mod accessibility;
+mod lost;
+
+use self::accessibility::Message;
+use self::lost::EguiBefore;
 use super::focus;
 use super::graphics::Graphics;
-use super::notices::Severity;
 use super::pacing::{Agenda, Sight};
 use super::panels::window_ui;
 use super::preferences::{Preferences, PreferencesFile};
@@ -11,7 +15,6 @@ use super::tasks::save_png;
 use super::theme::apply_theme;
 use crate::render::RenderError;
 use crate::sequence::Sequence;
-use egui_winit::accesskit_winit;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,12 +33,6 @@ const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(720.0, 420.0);
 
 /// News from workers that only move marks and figures are shown this often.
 const NEWS_INTERVAL: Duration = Duration::from_millis(100);
-
-/// A device that is lost again within this time will not come back.
-const RELOSS_WINDOW: Duration = Duration::from_secs(10);
-
-/// Attempts to rebuild a device within [`RELOSS_WINDOW`].
-const MAX_REBUILDS: usize = 3;
 
 /// How the window is opened.
 #[derive(Debug, Clone, Default)]
@@ -95,21 +92,6 @@ pub fn run(options: Options) -> Result<(), AppError> {
     app.end
 }
 
-/// What comes to the event loop from elsewhere.
-#[derive(Debug)]
-enum Message {
-    /// Workers or tasks have something new.
-    Wake,
-    /// A screen reader, or another program that helps people, wants to know or to do something.
-    Accessibility(accesskit_winit::Event),
-}
-
-impl From<accesskit_winit::Event> for Message {
-    fn from(event: accesskit_winit::Event) -> Self {
-        Self::Accessibility(event)
-    }
-}
-
 /// What exists while there is a window.
 struct Screen {
     window: Arc<Window>,
@@ -117,13 +99,6 @@ struct Screen {
     egui: egui::Context,
     input: egui_winit::State,
     title: String,
-}
-
-/// What stays of egui when a device is lost.
-struct EguiBefore {
-    context: egui::Context,
-    /// The window's, which has one for good.
-    accessibility: Option<accesskit_winit::Adapter>,
 }
 
 struct App {
@@ -277,26 +252,6 @@ impl App {
         })
     }
 
-    fn serve_screen_reader(&mut self, event: accesskit_winit::WindowEvent) {
-        let Some(screen) = &mut self.screen else {
-            return;
-        };
-        match event {
-            accesskit_winit::WindowEvent::InitialTreeRequested => {
-                self.is_read_aloud = true;
-                screen.egui.enable_accesskit();
-            }
-            accesskit_winit::WindowEvent::ActionRequested(request) => {
-                screen.input.on_accesskit_action_request(request);
-            }
-            accesskit_winit::WindowEvent::AccessibilityDeactivated => {
-                self.is_read_aloud = false;
-                screen.egui.disable_accesskit();
-            }
-        }
-        screen.window.request_redraw();
-    }
-
     fn fail(&mut self, event_loop: &ActiveEventLoop, error: AppError) {
         self.end = Err(error);
         event_loop.exit();
@@ -312,11 +267,7 @@ impl App {
             Ok(()) => Some(screen),
             Err(error @ RenderError::DeviceLost { .. }) => self.rebuild(event_loop, screen, error),
             Err(error @ RenderError::OutOfMemory { .. }) if screen.graphics.was_drawn_by_gpu() => {
-                self.state.draw_without_gpu();
-                self.state.notices.post(
-                    Severity::Warning,
-                    format!("{error}. The processor draws now; choose a renderer in the settings to try again."),
-                );
+                self.go_on_without_gpu(&error);
                 Some(screen)
             }
             Err(error) => {
@@ -495,56 +446,6 @@ impl App {
             self.fail(event_loop, AppError::Screenshot(why));
         }
         Ok(())
-    }
-
-    /// After a lost device: says so and opens another, unless that was tried too often lately.
-    fn rebuild(
-        &mut self,
-        event_loop: &ActiveEventLoop,
-        screen: Screen,
-        error: RenderError,
-    ) -> Option<Screen> {
-        let now = self.now();
-        self.rebuilt_at
-            .retain(|&at| now.saturating_sub(at) < RELOSS_WINDOW);
-        if self.rebuilt_at.len() >= MAX_REBUILDS {
-            self.fail(event_loop, error.into());
-            return None;
-        }
-        self.rebuilt_at.push(now);
-        let what_now = if screen.graphics.was_drawn_by_gpu() {
-            self.state.draw_without_gpu();
-            "The processor draws now; choose a renderer in the settings to try again"
-        } else {
-            "It was opened again"
-        };
-        self.state.notices.post(
-            Severity::Warning,
-            format!("{error}. {what_now}; nothing is lost."),
-        );
-        let Screen {
-            window,
-            graphics,
-            egui,
-            input,
-            ..
-        } = screen;
-        // The window can have one surface at a time.
-        drop(graphics);
-        let before = EguiBefore {
-            context: egui,
-            accessibility: input.accesskit,
-        };
-        match self.open_screen(event_loop, Arc::clone(&window), Some(before)) {
-            Ok(screen) => {
-                window.request_redraw();
-                Some(screen)
-            }
-            Err(error) => {
-                self.fail(event_loop, error);
-                None
-            }
-        }
     }
 }
 
