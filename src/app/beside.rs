@@ -116,6 +116,23 @@ impl Beside {
         [of_a, of_b]
     }
 
+    /// Takes notice that one of the pictures is another one. They are compared where they are one over the other.
+    pub(super) fn note_change(&mut self, now: Duration) {
+        if self.layout == Layout::Wipe && self.companion.shown().is_some() {
+            self.pictures.note_change(now);
+        } else {
+            self.pictures.forget_difference();
+        }
+    }
+
+    /// Chooses how both are laid out.
+    pub(super) fn lay_out(&mut self, layout: Layout) {
+        self.layout = layout;
+        let range = self.line_range();
+        self.pictures.split = self.pictures.split.clamp(*range.start(), *range.end());
+        self.pictures.forget_difference();
+    }
+
     /// Where the pictures of A and of B are within `rect`: the same place, or a half each.
     pub(super) fn places(&self, rect: Rect, line: f32) -> [Rect; 2] {
         match self.layout {
@@ -136,9 +153,7 @@ impl Beside {
     pub(super) fn is_of_b(&self, place: Pos2, places: [Rect; 2]) -> bool {
         match self.layout {
             Layout::SideBySide => places[1].contains(place) && !places[0].contains(place),
-            Layout::Wipe => {
-                place.x >= places[0].left() + self.pictures.split * places[0].width()
-            }
+            Layout::Wipe => place.x >= places[0].left() + self.pictures.split * places[0].width(),
         }
     }
 
@@ -165,7 +180,9 @@ impl Beside {
     /// The distances of the shown frames, if they were measured.
     pub fn distances(&self, player: &Player) -> Option<&FrameDistances> {
         let ids = self.ids(player);
-        self.distances.as_ref().filter(|known| ids == Some(known.ids))
+        self.distances
+            .as_ref()
+            .filter(|known| ids == Some(known.ids))
     }
 
     /// Whether distances are being measured.
@@ -173,13 +190,16 @@ impl Beside {
         self.measuring.is_some()
     }
 
-    /// The frames to measure: both are here, with all their points.
+    /// The frames to measure: both are here, have points, and all that their files have.
     pub(super) fn whole_frames<'a>(
         &'a self,
         player: &'a Player,
     ) -> Option<[&'a Arc<PreparedFrame>; 2]> {
         let frames = [player.shown()?, self.companion.shown()?];
-        frames.iter().all(|frame| !frame.is_sample()).then_some(frames)
+        frames
+            .iter()
+            .all(|frame| !frame.is_sample() && !frame.frame.is_empty())
+            .then_some(frames)
     }
 
     /// Measures the distances of the shown frames on a thread; nothing happens while they are not whole.
@@ -271,7 +291,13 @@ mod tests {
         places.extend(outlier.map(|z| [0.0, height, z]));
         let raw = RawCloud::from_positions(Positions::F64(places));
         let frame = Arc::new(Frame::from_raw(raw, origin).unwrap());
-        prepare(0, frame, 0.0, &Needs::default(), &PrepareCounters::default())
+        prepare(
+            0,
+            frame,
+            0.0,
+            &Needs::default(),
+            &PrepareCounters::default(),
+        )
     }
 
     #[test]
@@ -292,7 +318,10 @@ mod tests {
 
     #[test]
     fn what_only_one_has_is_far_from_the_other_one_way() {
-        let (a, b) = (row(0.0, DVec3::ZERO, None), row(0.0, DVec3::ZERO, Some(101.0)));
+        let (a, b) = (
+            row(0.0, DVec3::ZERO, None),
+            row(0.0, DVec3::ZERO, Some(101.0)),
+        );
         let found = between(&a, &b, DVec3::ZERO, || true).unwrap();
         assert_eq!((found.from_a.mean, found.from_a.largest), (0.0, 0.0));
         assert_eq!(found.from_b.mean, 1.0, "one of 101 is 101 away");

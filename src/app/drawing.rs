@@ -85,9 +85,9 @@ impl Drawing {
                 Primitive::Point
             };
         }
-        let packet =
-            self.scene
-                .packet(&drawn.frame, drawn.origin, camera, &settings, viewport_px);
+        let packet = self
+            .scene
+            .packet(&drawn.frame, drawn.origin, camera, &settings, viewport_px);
         if self.packet.as_ref() == Some(&packet) {
             return None;
         }

@@ -1,5 +1,6 @@
 //! Lengths, angles and heights between points, in f64.
 
+use super::comparison::Side;
 use super::inspection::Anchor;
 use glam::DVec3;
 use std::fmt::Write as _;
@@ -122,7 +123,11 @@ impl Measurement {
         for point in &self.points {
             let DVec3 { x, y, z } = point.place;
             let (frame, index) = (point.frame + 1, point.index_in_file);
-            _ = write!(line, "\tframe {frame} point {index} at {x} {y} {z}");
+            let of = match point.side {
+                Side::A => "",
+                Side::B => " of B",
+            };
+            _ = write!(line, "\tframe {frame}{of} point {index} at {x} {y} {z}");
         }
         line
     }

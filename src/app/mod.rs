@@ -12,8 +12,10 @@
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.
 
 mod benchmark;
+mod beside;
 mod command;
 mod comparison;
+mod drawing;
 mod fly;
 mod focus;
 mod graphics;
@@ -39,8 +41,9 @@ mod timeline;
 mod window;
 
 pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable, Progress};
+pub use beside::{Beside, FrameDistances, Layout, OneWay};
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
-pub use comparison::{Comparison, PictureDifference, Side};
+pub use comparison::{Comparison, PictureDifference, PicturePair, Side};
 pub use fly::Fly;
 pub use history::History;
 pub use inspection::{Anchor, Inspected, Inspection, Tool};

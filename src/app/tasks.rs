@@ -3,7 +3,8 @@
 //! Each task sends one [`Outcome`] through a bounded channel and wakes the event loop. A dialog is one at a time.
 
 use super::benchmark::BenchmarkTable;
-use super::comparison::PictureDifference;
+use super::beside::FrameDistances;
+use super::comparison::{PictureDifference, Side};
 use super::temporal::Made;
 use crate::io;
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
@@ -31,6 +32,10 @@ pub enum DialogKind {
     OpenFiles,
     /// A folder to open as a sequence.
     OpenFolder,
+    /// Files to open as a second sequence.
+    CompareFiles,
+    /// A folder to open as a second sequence.
+    CompareFolder,
     /// Where to write the picture.
     SavePicture,
     /// Where to write the benchmark.
@@ -77,6 +82,8 @@ pub enum Outcome {
         inputs: Vec<PathBuf>,
         /// The frames.
         sequence: Result<Arc<Sequence>, SequenceError>,
+        /// Whether it is to be opened, or beside what is open.
+        side: Side,
     },
     /// A dialog was closed with an answer.
     Chosen {
@@ -93,6 +100,8 @@ pub enum Outcome {
     Saved(PathBuf),
     /// Two pictures were compared.
     Compared(PictureDifference),
+    /// The points of two frames were compared; `None` if one has none, or nobody waits for it any more.
+    Distances(Option<FrameDistances>),
     /// A frame was made of several poses; `None` if nobody waits for it any more.
     MadeFrame(Option<Box<Made>>),
     /// A benchmark ended; `Err` is a text for the person.
@@ -163,11 +172,12 @@ impl Tasks {
         outcomes
     }
 
-    /// Finds the frames of `inputs`.
-    pub(super) fn find(&self, inputs: Vec<PathBuf>, options: OpenOptions) {
+    /// Finds the frames of `inputs`, to be opened as A or as B.
+    pub(super) fn find(&self, inputs: Vec<PathBuf>, options: OpenOptions, side: Side) {
         self.start("find frames", move || Outcome::Found {
             sequence: Sequence::open(&inputs, &options).map(Arc::new),
             inputs,
+            side,
         });
     }
 
@@ -276,22 +286,26 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         dialog = dialog.set_file_name(file_name);
     }
     let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
+    let title = match kind {
+        DialogKind::OpenFiles => "Open point clouds",
+        DialogKind::OpenFolder => "Open a folder of frames",
+        DialogKind::CompareFiles => "Compare with point clouds",
+        DialogKind::CompareFolder => "Compare with a folder of frames",
+        DialogKind::SavePicture => "Save the picture",
+        DialogKind::SaveReport(_) => "Save the benchmark",
+    };
+    dialog = dialog.set_title(title);
     match kind {
-        DialogKind::OpenFiles => dialog
-            .set_title("Open point clouds")
+        DialogKind::OpenFiles | DialogKind::CompareFiles => dialog
             .add_filter(
                 "Point clouds",
                 &io::supported_extensions().collect::<Vec<_>>(),
             )
             .add_filter("All files", &["*"])
             .pick_files(),
-        DialogKind::OpenFolder => one(dialog.set_title("Open a folder of frames").pick_folder()),
-        DialogKind::SavePicture => one(dialog
-            .set_title("Save the picture")
-            .add_filter("PNG image", &["png"])
-            .save_file()),
+        DialogKind::OpenFolder | DialogKind::CompareFolder => one(dialog.pick_folder()),
+        DialogKind::SavePicture => one(dialog.add_filter("PNG image", &["png"]).save_file()),
         DialogKind::SaveReport(format) => one(dialog
-            .set_title("Save the benchmark")
             .add_filter(format.name(), &[format.extension()])
             .save_file()),
     }
@@ -326,11 +340,12 @@ mod tests {
     fn outcomes_come_back_with_a_wake() {
         let (woken, wakes) = sync_channel(1);
         let mut tasks = Tasks::new(Arc::new(move || woken.send(()).unwrap()));
-        tasks.find(vec!["/nowhere/at/all.ply".into()], OpenOptions::default());
+        let inputs = vec!["/nowhere/at/all.ply".into()];
+        tasks.find(inputs, OpenOptions::default(), Side::A);
         wakes.recv().unwrap();
         let outcomes = tasks.take();
         assert!(
-            matches!(&outcomes[..], [Outcome::Found { sequence: Err(_), inputs }] if inputs.len() == 1),
+            matches!(&outcomes[..], [Outcome::Found { sequence: Err(_), inputs, side: Side::A }] if inputs.len() == 1),
             "{outcomes:?}"
         );
     }

@@ -197,7 +197,11 @@ fn without_times_of_both_the_index_decides() {
 fn a_broken_frame_of_b_stops_nobody_and_is_told_once() {
     let sequences = [sequence(4, None, &[]), sequence(4, None, &[2])];
     let mut theatre = Theatre::new(sequences, [FAST; 2], 1 << 30);
-    let shown_by_a: Vec<_> = theatre.play(300).iter().map(|&(ms, a, _)| (ms, a)).collect();
+    let shown_by_a: Vec<_> = theatre
+        .play(300)
+        .iter()
+        .map(|&(ms, a, _)| (ms, a))
+        .collect();
     let each_40_ms: Vec<_> = (0..8)
         .map(|frame| (2 + 40 * frame, Some(frame as usize % 4)))
         .collect();

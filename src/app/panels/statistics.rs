@@ -280,7 +280,7 @@ fn memory(ui: &mut Ui, state: &mut State) {
     let Some(stats) = state.player.as_ref().map(|player| player.loader().stats()) else {
         return;
     };
-    let mut budget_mib = stats.budget_bytes as f64 / f64::from(1 << 20);
+    let mut budget_mib = state.budget_bytes() as f64 / f64::from(1 << 20);
     let mut changed = false;
     section(ui, "Memory for frames", |ui| {
         row(
@@ -289,6 +289,15 @@ fn memory(ui: &mut Ui, state: &mut State) {
             bytes(stats.resident_bytes as u64),
             "Prepared frames in main memory",
         );
+        if let Some(beside) = &state.beside {
+            let stats = beside.companion.loader().stats();
+            row(
+                ui,
+                "  of B",
+                bytes(stats.resident_bytes as u64),
+                "Prepared frames of the other sequence, which has half of the budget",
+            );
+        }
         let tooltip =
             "Most memory for prepared frames, MiB. Frames that the playhead needs last make room";
         let label = ui.label("Budget").on_hover_text(tooltip);
