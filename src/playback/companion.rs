@@ -235,9 +235,7 @@ impl Companion {
         if counts == self.known_counts {
             return;
         }
-        if self.known_counts[1] > 0 && counts[1] > self.known_counts[1] {
-            self.loader.grow();
-        }
+        self.loader.grow();
         self.known_counts = counts;
         let times = |sequence: &Sequence| -> Vec<_> {
             let sources = sequence.sources();

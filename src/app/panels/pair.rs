@@ -3,9 +3,9 @@
 use super::viewport::picture;
 use crate::app::{Beside, Layout, Side, State};
 use egui::{
-    Align2, Color32, ColorImage, CursorIcon, FontId, Frame, Id, Label, Margin, Rect, RichText,
-    Role, Sense, Stroke, TextWrapMode, TextureHandle, TextureId, TextureOptions, Ui, UiBuilder,
-    WidgetInfo, pos2,
+    Align2, Color32, ColorImage, CursorIcon, FontId, Frame, Id, Label, Margin, Pos2, Rect,
+    RichText, Role, Sense, Stroke, TextWrapMode, TextureHandle, TextureId, TextureOptions, Ui,
+    UiBuilder, WidgetInfo, pos2,
 };
 use image::RgbaImage;
 use std::sync::Arc;
@@ -15,6 +15,9 @@ const NOTHING: Color32 = Color32::from_gray(16);
 
 /// Half the width of what takes hold of the line, points.
 const GRAB: f32 = 6.0;
+
+/// Half the size of the cross where the pointer is in the other half, points.
+const CROSS: f32 = 7.0;
 
 /// Says where the pictures are within `rect`, whose corners are on physical pixels.
 pub(super) fn lay_out(state: &mut State, rect: Rect, scale: f32) {
@@ -94,6 +97,9 @@ pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     }
     ui.painter_at(rect)
         .vline(x, rect.y_range(), Stroke::new(1.5, Color32::WHITE));
+    if is_side_by_side && let Some(pointer) = viewport.pointer {
+        same_place(ui, pointer, places);
+    }
     match names {
         Some([a, b]) => {
             name_ui(ui, parts[0], Align2::LEFT_TOP, &a);
@@ -106,6 +112,19 @@ pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
 fn is_side_by_side(state: &State) -> bool {
     let beside = state.beside.as_ref();
     beside.is_some_and(|beside| beside.layout == Layout::SideBySide)
+}
+
+/// Marks in the other half what the pointer is over: both are seen by one camera, with its axis in the middle of each.
+fn same_place(ui: &Ui, pointer: Pos2, places: [Rect; 2]) {
+    let here = usize::from(!places[0].contains(pointer));
+    let [here, there] = [places[here], places[1 - here]];
+    let place = there.center() + (pointer - here.center());
+    let painter = ui.painter_at(there);
+    for (width, color) in [(3.0, Color32::from_black_alpha(160)), (1.0, Color32::WHITE)] {
+        let stroke = Stroke::new(width, color);
+        painter.hline(place.x - CROSS..=place.x + CROSS, place.y, stroke);
+        painter.vline(place.x, place.y - CROSS..=place.y + CROSS, stroke);
+    }
 }
 
 /// The sides of two ways to draw.
