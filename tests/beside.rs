@@ -92,9 +92,9 @@ fn drawn_by_each(packets: &[ScenePacket; 2]) -> [[RgbaImage; 2]; 2] {
 
 #[test]
 fn a_sequence_beside_itself_has_equal_halves_and_no_error() {
-    let here: &[(DVec3, f64)] = &[(SURVEY, 1.0)];
+    const HERE: &[(DVec3, f64)] = &[(SURVEY, 1.0)];
     for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
-        let (a, b) = (tori(here), tori(here));
+        let (a, b) = (tori(HERE), tori(HERE));
         let mut state = window(&a, &b, primitive, 0);
         state.beside.as_mut().unwrap().layout = Layout::Wipe;
         let packets = packets(&mut state);
@@ -142,12 +142,12 @@ fn on_picture(packet: &ScenePacket) -> Vec<DVec2> {
 #[test]
 fn the_same_coordinates_are_the_same_place_whatever_a_sequence_begins_with() {
     // The first frame decides the origin: B begins as a smaller cloud nearby, whose own would be another one.
-    let a = tori(&[(SURVEY, 1.0), (SURVEY, 1.0)]);
-    let near: &[(DVec3, f64)] = &[
+    let a = tori(const { &[(SURVEY, 1.0), (SURVEY, 1.0)] });
+    const NEAR: &[(DVec3, f64)] = &[
         (DVec3::new(4_510_731.25, -3_911_168.0, 2_207_744.5), 0.25),
         (SURVEY, 1.0),
     ];
-    let (b, alone) = (tori(near), tori(near));
+    let (b, alone) = (tori(NEAR), tori(NEAR));
     let mut state = window(&a, &b, Primitive::Point, 1);
     assert_ne!(alone.origin(), a.origin());
     assert_eq!(b.origin(), a.origin());
@@ -157,7 +157,7 @@ fn the_same_coordinates_are_the_same_place_whatever_a_sequence_begins_with() {
         assert_eq!(difference(&left, &right), (0, 0));
     }
     // B begins at zero and keeps its origin there, f32 of which are half a unit apart at the survey: to that they coincide.
-    let b = tori(&[(DVec3::ZERO, 1.0), (SURVEY, 1.0)]);
+    let b = tori(const { &[(DVec3::ZERO, 1.0), (SURVEY, 1.0)] });
     let mut state = window(&a, &b, Primitive::Point, 1);
     assert_eq!(b.origin(), DVec3::ZERO);
     let [a, b] = packets(&mut state);
@@ -178,8 +178,8 @@ fn the_same_coordinates_are_the_same_place_whatever_a_sequence_begins_with() {
 
 #[test]
 fn what_is_saved_is_what_is_seen() {
-    let here: &[(DVec3, f64)] = &[(DVec3::ZERO, 1.0)];
-    let mut state = window(&tori(here), &tori(here), Primitive::Point, 0);
+    const HERE: &[(DVec3, f64)] = &[(DVec3::ZERO, 1.0)];
+    let mut state = window(&tori(HERE), &tori(HERE), Primitive::Point, 0);
     let [red, blue] = [[200, 0, 0, 255], [0, 0, 200, 255]].map(image::Rgba);
     let picture = |width, color| RgbaImage::from_pixel(width, 4, color);
     let joined = state.joined(picture(3, red), Some(picture(5, blue)));

@@ -27,6 +27,7 @@ use super::tasks::{Tasks, Wake};
 use super::temporal::{Made, Temporal};
 use super::timeline::Timeline;
 use crate::bench::{Quality, QualityKey};
+use crate::math::Aabb;
 use crate::playback::Player;
 use crate::scene::{Camera, RendererChoice, ScenePacket, SceneStats, Settings};
 use crate::sequence::{Clock, OpenOptions, Sequence, watch};
@@ -114,7 +115,7 @@ pub(super) struct Scrubbing {
 impl State {
     /// Nothing open.
     pub fn new(options: StateOptions) -> Self {
-        let nothing = crate::math::Aabb::EMPTY;
+        let nothing = Aabb::EMPTY;
         Self {
             player: None,
             camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
@@ -299,7 +300,8 @@ impl State {
             self.inspection
                 .follow(Side::A, frame, player.sequence().origin());
             if !self.framed {
-                self.frame_cloud();
+                // What stands beside it may be here already, or not: the view is the same.
+                self.frame_with(&Aabb::EMPTY);
                 self.framed = true;
             }
         }

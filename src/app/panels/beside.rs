@@ -36,8 +36,7 @@ pub(super) fn beside_ui(ui: &mut Ui, state: &mut State) {
         }
         let distances = beside.distances(player);
         if beside.is_measuring() {
-            ui.spinner();
-            ui.weak("Measuring distances");
+            ui.weak("Measuring distances…");
         } else if distances.is_none() {
             let button = Button::new("Measure distances");
             let is_possible = beside.whole_frames(player).is_some();

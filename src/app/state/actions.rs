@@ -7,6 +7,7 @@ use crate::app::comparison::{Comparison, Side};
 use crate::app::palette::Palette;
 use crate::app::tasks::{DialogKind, Outcome, PicturePlace, ReportFormat};
 use crate::bench::{LabPoint, Quality, QualityKey, Suite};
+use crate::math::Aabb;
 use crate::playback::Player;
 use crate::scene::{Camera, Primitive, Settings, UpAxis};
 use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange, Sequence};
@@ -101,12 +102,18 @@ impl State {
         }
     }
 
-    /// Puts the camera so that all of the shown frame is seen, keeping its direction once the person has chosen one.
+    /// Puts the camera so that all of the shown frame is seen, and of that beside it, keeping its direction once the person has chosen
+    /// one.
     pub fn frame_cloud(&mut self) {
+        self.frame_with(&self.bounds_beside());
+    }
+
+    /// [`State::frame_cloud`] with what is within `beside`, relative to the origin of the open sequence.
+    pub(super) fn frame_with(&mut self, beside: &Aabb) {
         let Some(player) = &self.player else { return };
         let Some(frame) = player.shown() else { return };
         let origin = player.sequence().origin();
-        let bounds = frame.frame.bounds().union(&self.bounds_beside());
+        let bounds = frame.frame.bounds().union(beside);
         if self.framed {
             self.camera.frame_bounds(&bounds, origin);
         } else if let Some(view) = self.options.view.take() {
