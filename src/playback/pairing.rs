@@ -65,9 +65,10 @@ impl PairTimes {
         let ([a_first, a_last], [b_first, b_last]) = (ends(&a)?, ends(&b)?);
         let counts_from_first = a_last < b_first || b_last < a_first;
         let begin = a_first.min(b_first);
-        let [a_begin, b_begin] = match counts_from_first {
-            true => [a_first, b_first],
-            false => [begin, begin],
+        let [a_begin, b_begin] = if counts_from_first {
+            [a_first, b_first]
+        } else {
+            [begin; 2]
         };
         let (a_secs, b_secs) = (secs_since(a_begin, &a), secs_since(b_begin, &b));
         let b_spacing_secs = median_spacing(&b_secs)

@@ -509,3 +509,55 @@ fn pictures_are_compared_over_each_other_alone() {
     assert_eq!(companion_frame(&harness), None);
     assert!(!compares_at(&mut harness, 4000));
 }
+
+/// A file as the window system hands it over.
+#[derive(Debug)]
+struct Dropped(std::path::PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &std::path::Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("nobody asks for them".to_owned())
+    }
+}
+
+#[test]
+fn a_drop_opens_and_with_shift_compares() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("dropped.xyz");
+    std::fs::write(&path, "0 0 0\n1 0 0\n0 1 0\n").unwrap();
+    let mut harness = window_on(cubes("left", DVec3::ZERO, FRAMES, None, &[]), options());
+    let drop_with = |harness: &mut Harness<'_, State>, modifiers: Modifiers| {
+        let name = |state: &State| {
+            [
+                state.sequence_name(),
+                state.beside.as_ref().map(|b| b.name.clone()),
+            ]
+        };
+        let before = name(harness.state());
+        let input = harness.input_mut();
+        let changed = egui::Event::ModifiersChanged;
+        input.events.push(changed(modifiers));
+        input.dropped_files.push(Arc::new(Dropped(path.clone())));
+        harness.step();
+        let released = changed(Modifiers::NONE);
+        harness.input_mut().events.push(released);
+        harness.step();
+        let begin = Instant::now();
+        while name(harness.state()) == before {
+            assert!(begin.elapsed() < Duration::from_secs(20), "no answer");
+            harness.state_mut().update(Duration::ZERO);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        name(harness.state())
+    };
+    let (left, dropped) = (Some("left".to_owned()), Some("dropped.xyz".to_owned()));
+    let names = drop_with(&mut harness, Modifiers::SHIFT);
+    assert_eq!(names, [left, dropped.clone()]);
+    // Opened alone, in place of both.
+    let names = drop_with(&mut harness, Modifiers::NONE);
+    assert_eq!(names, [dropped, None]);
+}

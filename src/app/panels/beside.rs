@@ -1,7 +1,7 @@
 //! The bar of a second sequence: how it is laid out, which of its frames are shown, and how far it is from the first.
 
 use super::comparison::{difference_ui, error_map_ui};
-use crate::app::measuring::significant;
+use crate::app::measuring::rounded_to;
 use crate::app::{Beside, Command, FrameDistances, Layout, OneWay, State};
 use crate::playback::PairBy;
 use egui::{Button, DragValue, RichText, Ui};
@@ -103,6 +103,8 @@ fn pairing_ui(ui: &mut Ui, beside: &mut Beside) {
     }
     if by != companion.paired_by() {
         companion.pair_by(by);
+        // Other frames are shown from the next pass on.
+        ui.ctx().request_repaint();
     }
     let mut offset = companion.offset_frames();
     let tooltip = "So many frames later are those of B; negative for earlier";
@@ -118,28 +120,28 @@ fn pairing_ui(ui: &mut Ui, beside: &mut Beside) {
         .changed();
     if is_changed {
         companion.set_offset_frames(offset);
+        ui.ctx().request_repaint();
     }
 }
 
 fn distances_ui(ui: &mut Ui, distances: &FrameDistances) {
-    let way = |name: &str, way: &OneWay| {
-        format!(
-            "{name}  mean {}  RMS {}  largest {}",
-            significant(way.mean),
-            significant(way.root_mean_squared),
-            significant(way.largest)
-        )
-    };
-    let text = format!(
-        "{}   {}   Hausdorff {}",
-        way("A→B", &distances.from_a),
-        way("B→A", &distances.from_b),
-        significant(distances.hausdorff())
-    );
-    ui.label(RichText::new(&text).monospace()).on_hover_text(
+    let shown = text_of(distances, |value| rounded_to(value, 4));
+    ui.label(RichText::new(shown).monospace()).on_hover_text(
         "From each point of one frame to the nearest of the other, scene units. Hausdorff: the larger of both largest",
     );
-    if ui.small_button("Copy numbers").clicked() {
-        ui.copy_text(text);
+    let copy = ui.small_button("Copy numbers");
+    if copy.on_hover_text("With all digits").clicked() {
+        ui.copy_text(text_of(distances, |value| value.to_string()));
     }
+}
+
+/// All distances in a line.
+fn text_of(distances: &FrameDistances, number: impl Fn(f64) -> String) -> String {
+    let way = |way: &OneWay| {
+        let [mean, rms, largest] = [way.mean, way.root_mean_squared, way.largest].map(&number);
+        format!("mean {mean}  RMS {rms}  largest {largest}")
+    };
+    let (a, b) = (way(&distances.from_a), way(&distances.from_b));
+    let hausdorff = number(distances.hausdorff());
+    format!("A→B  {a}   B→A  {b}   Hausdorff {hausdorff}")
 }

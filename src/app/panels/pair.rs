@@ -79,12 +79,11 @@ pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     } else {
         [rect; 2]
     };
-    for side in 0..2 {
-        if textures[side].is_none() {
-            ui.painter_at(parts[side])
-                .rect_filled(parts[side], 0.0, NOTHING);
+    for ((part, place), texture) in parts.into_iter().zip(places).zip(textures) {
+        if texture.is_none() {
+            ui.painter_at(part).rect_filled(part, 0.0, NOTHING);
         }
-        picture(ui, places[side], textures[side], parts[side]);
+        picture(ui, place, texture, part);
     }
     let grab = Rect::from_x_y_ranges(x - GRAB..=x + GRAB, rect.y_range());
     let handle = ui
