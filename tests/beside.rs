@@ -19,6 +19,12 @@ use std::time::{Duration, Instant};
 /// Where surveys are.
 const SURVEY: DVec3 = DVec3::new(4_510_731.25, -3_911_168.5, 2_207_744.75);
 
+/// A sequence that begins as a smaller cloud nearby.
+const NEAR: &[(DVec3, f64)] = &[
+    (DVec3::new(4_510_731.25, -3_911_168.0, 2_207_744.5), 0.25),
+    (SURVEY, 1.0),
+];
+
 /// Points of a torus of radius 1 and a bit around `places`, a frame each; `sizes` are factors of it.
 fn tori(frames: &'static [(DVec3, f64)]) -> Arc<Sequence> {
     let source = |number: u64| Source {
@@ -143,10 +149,6 @@ fn on_picture(packet: &ScenePacket) -> Vec<DVec2> {
 fn the_same_coordinates_are_the_same_place_whatever_a_sequence_begins_with() {
     // The first frame decides the origin: B begins as a smaller cloud nearby, whose own would be another one.
     let a = tori(const { &[(SURVEY, 1.0), (SURVEY, 1.0)] });
-    const NEAR: &[(DVec3, f64)] = &[
-        (DVec3::new(4_510_731.25, -3_911_168.0, 2_207_744.5), 0.25),
-        (SURVEY, 1.0),
-    ];
     let (b, alone) = (tori(NEAR), tori(NEAR));
     let mut state = window(&a, &b, Primitive::Point, 1);
     assert_ne!(alone.origin(), a.origin());

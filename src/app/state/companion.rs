@@ -27,14 +27,15 @@ impl State {
         self.comparison = None;
         let [_, share] = Companion::shares(self.budget_bytes());
         let options = self.loader_options(share);
-        let companion = match Companion::new(&leader, Arc::clone(&sequence), options) {
+        let companion = match Companion::new(&leader, sequence, options) {
             Ok(companion) => companion,
             Err(error) => return self.notices.error(error.to_string()),
         };
-        if let Err(error) = watch(&sequence, self.wake()) {
+        let sequence = companion.sequence();
+        if let Err(error) = watch(sequence, self.wake()) {
             self.notices.error(error.to_string());
         }
-        let name = name_of(&sequence).unwrap_or_default();
+        let name = name_of(sequence).unwrap_or_default();
         self.beside = Some(Beside::new(companion, name));
         self.share_budget();
     }
