@@ -25,7 +25,7 @@ const NEAR: &[(DVec3, f64)] = &[
     (SURVEY, 1.0),
 ];
 
-/// Points of a torus of radius 1 and a bit around `places`, a frame each; `sizes` are factors of it.
+/// Points of a torus, a frame for each place and factor of its size.
 fn tori(frames: &'static [(DVec3, f64)]) -> Arc<Sequence> {
     let source = |number: u64| Source {
         number: Some(number),

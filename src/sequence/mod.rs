@@ -250,7 +250,7 @@ impl Sequence {
         self.origin.origin(self)
     }
 
-    /// Takes the origin of `other` where that keeps as much detail as an own one, so that the same coordinates of both files become
+    /// Takes the origin of `other` where f32 from there keep the detail, so that the same coordinates of both files become
     /// the same f32. To be said before the origin is asked for; later it changes nothing.
     pub fn share_origin_with(self: &Arc<Self>, other: &Arc<Self>) {
         if !Arc::ptr_eq(self, other) {

@@ -5,7 +5,7 @@
 //! that the origin becomes the centre, rounded to a grid whose step is a power of two near the extent. Rounding keeps
 //! the origin short in binary, so that subtracting it from f32 coordinates is exact.
 //!
-//! **Beside another sequence** its origin is taken where it keeps as much: the same coordinates of two files are then the same f32,
+//! **Beside another sequence** its origin is taken where that keeps enough: the same coordinates of two files are then the same f32,
 //! and equal clouds have no distance.
 //!
 //! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. What it decoded is
@@ -19,6 +19,10 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 /// The centre may be this many extents away from zero before the origin moves.
 const FAR_IN_EXTENTS: f64 = 4.0;
+
+/// As many for the origin of another sequence: 18 bits are left, finer than points are apart, and a part of a cloud has the same f32
+/// as the whole.
+const FAR_BESIDE_IN_EXTENTS: f64 = 64.0;
 
 /// A decoded frame with its time in milliseconds, or why there is none.
 type Kept = Result<(RawCloud, f32), FrameError>;
@@ -54,7 +58,8 @@ impl OriginFinder {
                 Ok(Some((min, max))) => {
                     lock(&self.kept).insert(index, decoded);
                     let beside = self.beside.get().map(|other| other.origin());
-                    let shared = beside.filter(|&origin| keeps_detail(origin, min, max));
+                    let shared =
+                        beside.filter(|&origin| is_near(origin, min, max, FAR_BESIDE_IN_EXTENTS));
                     return shared.unwrap_or_else(|| origin_of_bounds(min, max));
                 }
                 // A frame without a finite point decides nothing; keeping many of them could fill the memory.
@@ -109,21 +114,21 @@ fn center_and_extent(min: DVec3, max: DVec3) -> (DVec3, f64) {
     (min * 0.5 + max * 0.5, extent)
 }
 
-/// Whether f32 from `origin` keep the detail of coordinates between `min` and `max`.
-fn keeps_detail(origin: DVec3, min: DVec3, max: DVec3) -> bool {
+/// Whether coordinates between `min` and `max` are no more than so many extents away from `origin`, so that f32 keep their detail.
+fn is_near(origin: DVec3, min: DVec3, max: DVec3, far_in_extents: f64) -> bool {
     let (center, extent) = center_and_extent(min, max);
     let away = center - origin;
     if extent == 0.0 {
         // All points are one: f32 can say where it is, or not.
         return away.as_vec3().as_dvec3() == away;
     }
-    away.length() <= FAR_IN_EXTENTS * extent
+    away.length() <= far_in_extents * extent
 }
 
 /// The origin for finite coordinates between `min` and `max`.
 fn origin_of_bounds(min: DVec3, max: DVec3) -> DVec3 {
     let (center, extent) = center_and_extent(min, max);
-    if !extent.is_finite() || keeps_detail(DVec3::ZERO, min, max) {
+    if !extent.is_finite() || is_near(DVec3::ZERO, min, max, FAR_IN_EXTENTS) {
         return DVec3::ZERO;
     }
     if extent == 0.0 {
