@@ -51,7 +51,7 @@ fn options(budget_bytes: usize) -> LoaderOptions {
 }
 
 impl Theatre {
-    fn new(sequences: [Arc<Sequence>; 2], costs: [Cost; 2], budget_bytes: usize) -> Self {
+    fn new(sequences: &[Arc<Sequence>; 2], costs: [Cost; 2], budget_bytes: usize) -> Self {
         let shares = Companion::shares(budget_bytes);
         let (a, a_workers) =
             Simulation::new(&sequences[0], options(shares[0]), POINTS, move |_| costs[0]);
@@ -120,7 +120,7 @@ fn both_change_together_and_the_slower_disk_sets_the_pace() {
     };
     for costs in [[FAST, slow], [slow, FAST]] {
         let sequences = [sequence(6, None, &[]), sequence(6, None, &[])];
-        let mut theatre = Theatre::new(sequences, costs, 1 << 30);
+        let mut theatre = Theatre::new(&sequences, costs, 1 << 30);
         // A frame each 60 ms from the disk; then all are there, and the loop holds its 40 ms.
         let expected = [
             (60, Some(0), Some(0)),
@@ -141,7 +141,7 @@ fn both_change_together_and_the_slower_disk_sets_the_pace() {
 fn frames_belong_together_by_time_by_index_and_with_an_offset() {
     // B: half the rate, and it ends before A.
     let sequences = [sequence(6, Some(40), &[]), sequence(2, Some(80), &[])];
-    let mut theatre = Theatre::new(sequences, [FAST; 2], 1 << 30);
+    let mut theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
     assert_eq!(
         theatre.companion.paired_by(),
         PairBy::Time,
@@ -187,7 +187,7 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
 fn without_times_of_both_the_index_decides() {
     for (a, b) in [(None, Some(40)), (Some(40), None), (None, None)] {
         let sequences = [sequence(3, a, &[]), sequence(3, b, &[])];
-        let theatre = Theatre::new(sequences, [FAST; 2], 1 << 30);
+        let theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
         assert_eq!(theatre.companion.paired_by(), PairBy::Index);
         assert!(theatre.companion.times().is_none());
     }
@@ -196,7 +196,7 @@ fn without_times_of_both_the_index_decides() {
 #[test]
 fn a_broken_frame_of_b_stops_nobody_and_is_told_once() {
     let sequences = [sequence(4, None, &[]), sequence(4, None, &[2])];
-    let mut theatre = Theatre::new(sequences, [FAST; 2], 1 << 30);
+    let mut theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
     let shown_by_a: Vec<_> = theatre
         .play(300)
         .iter()
@@ -224,7 +224,7 @@ fn scrubbing_shows_what_is_there_and_does_not_wait() {
         ns_per_point: 0.0,
     };
     let sequences = [sequence(6, None, &[]), sequence(6, None, &[])];
-    let mut theatre = Theatre::new(sequences, [FAST, slow], 1 << 30);
+    let mut theatre = Theatre::new(&sequences, [FAST, slow], 1 << 30);
     theatre.play(70);
     theatre.player.toggle(theatre.now());
     theatre.player.seek(4, theatre.now());
@@ -241,7 +241,7 @@ fn frames_ahead_are_prepared_in_the_direction_of_the_clock() {
     let sequences = [sequence(40, None, &[]), sequence(40, None, &[])];
     // Memory for ten frames of each.
     let frame_bytes = frame_bytes();
-    let mut theatre = Theatre::new(sequences, [FAST; 2], 20 * frame_bytes);
+    let mut theatre = Theatre::new(&sequences, [FAST; 2], 20 * frame_bytes);
     theatre.player.set_loop_mode(LoopMode::Off, theatre.now());
     theatre.player.seek(20, theatre.now());
     theatre.play(30);
@@ -266,7 +266,7 @@ fn frames_ahead_are_prepared_in_the_direction_of_the_clock() {
 /// What a prepared frame takes.
 fn frame_bytes() -> usize {
     let sequences = [sequence(1, None, &[]), sequence(1, None, &[])];
-    let mut theatre = Theatre::new(sequences, [FAST; 2], 1 << 30);
+    let mut theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
     theatre.play(10);
     theatre.companion.shown().unwrap().byte_size()
 }
@@ -297,7 +297,7 @@ proptest! {
         let costs = decode_ms.map(|ms| Cost { decode_ms: f64::from(ms), ns_per_point: 0.0 });
         let sequences = counts.map(|count| sequence(count, None, &[]));
         let budget_bytes = 2 * frames * frame_bytes;
-        let mut theatre = Theatre::new(sequences, costs, budget_bytes);
+        let mut theatre = Theatre::new(&sequences, costs, budget_bytes);
         // Alone at first.
         theatre.player.loader().set_budget_bytes(budget_bytes);
         for _ in 0..500 {
