@@ -6,6 +6,8 @@
 
 #[path = "panels/benchmark.rs"]
 mod benchmark;
+#[path = "panels/beside.rs"]
+mod beside;
 #[path = "panels/camera.rs"]
 mod camera;
 #[path = "panels/camera_path.rs"]

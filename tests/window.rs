@@ -181,6 +181,31 @@ fn a_screenshot_of_either_renderer_is_written_and_the_window_ends() {
 }
 
 #[test]
+fn a_sequence_beside_itself_is_two_equal_halves() {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    for renderer in ["gpu", "cpu"] {
+        let file = home.path().join(format!("{renderer}.png"));
+        let status = server
+            .program(home.path())
+            .args(["view", "--compare", "demo:", "--paused"])
+            .args(["--renderer", renderer, "--primitive", "point"])
+            .args(["--size", "800x600", "--screenshot"])
+            .arg(&file)
+            .status()
+            .unwrap();
+        assert!(status.success(), "{renderer}");
+        let picture = image::open(file).unwrap().to_rgba8();
+        let (width, height) = picture.dimensions();
+        assert_eq!(width % 2, 0, "no halves");
+        let half = |left| image::imageops::crop_imm(&picture, left, 0, width / 2, height);
+        let halves = [0, width / 2].map(|left| half(left).to_image());
+        assert!(has_a_cloud(halves[0].as_raw()), "{renderer}");
+        assert_eq!(halves[0], halves[1], "{renderer}");
+    }
+}
+
+#[test]
 fn a_lost_device_is_opened_again() {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();

@@ -65,6 +65,14 @@ pub enum Command {
     OpenFiles,
     /// Open a folder with a dialog.
     OpenFolder,
+    /// Open files beside the open sequence, with a dialog.
+    CompareFiles,
+    /// Open a folder beside the open sequence, with a dialog.
+    CompareFolder,
+    /// Back to one sequence and one way to draw.
+    CloseComparison,
+    /// Two sequences side by side, or with a line over the same view.
+    NextLayout,
     /// Open the demo sequence.
     OpenDemo,
     /// Write the picture to a new file.

@@ -12,10 +12,14 @@ use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use glam::DVec3;
 use image::RgbaImage;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 /// How long both pictures must have been the same before they are compared.
 const REST: Duration = Duration::from_millis(250);
+
+/// Pairs of pictures so far, so that the answer for one that has gone is known as such.
+static PAIRS: AtomicU64 = AtomicU64::new(0);
 
 /// Left or right of the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,20 +37,39 @@ pub struct Comparison {
     pub other: Settings,
     /// The side that the settings of the window are of.
     pub edited: Side,
-    /// Where the line is, as a share of the picture's width from the left.
+    /// Both pictures.
+    pub pictures: PicturePair,
+    scene: Scene,
+    /// Completed for the other side.
+    frame: Option<PreparedFrame>,
+    packet: Option<ScenePacket>,
+}
+
+/// Two pictures beside each other.
+#[derive(Debug)]
+pub struct PicturePair {
+    /// Where the line between them is, as a share of the width from the left.
     pub split: f32,
     /// Shows where the pictures differ instead of them.
     pub shows_difference: bool,
     /// How far apart the pictures are, once they have been compared.
     pub difference: Option<PictureDifference>,
-    scene: Scene,
-    /// Completed for the other side.
-    frame: Option<PreparedFrame>,
-    packet: Option<ScenePacket>,
     /// When the pictures are to be compared.
     due: Option<Duration>,
-    /// Counts the pairs of pictures, so that the answer for one that has gone is known as such.
+    /// Which pair of pictures it is.
     pair: u64,
+}
+
+impl Default for PicturePair {
+    fn default() -> Self {
+        Self {
+            split: 0.5,
+            shows_difference: false,
+            difference: None,
+            due: None,
+            pair: 0,
+        }
+    }
 }
 
 /// How far B is from A.
@@ -69,14 +92,10 @@ impl Comparison {
         Self {
             other: settings,
             edited: Side::B,
-            split: 0.5,
-            shows_difference: false,
-            difference: None,
+            pictures: PicturePair::default(),
             scene: Scene::that_remembers(),
             frame: None,
             packet: None,
-            due: None,
-            pair: 0,
         }
     }
 
@@ -109,16 +128,25 @@ impl Comparison {
         Some(packet)
     }
 
+    /// Forgets what was drawn.
+    pub(super) fn forget_picture(&mut self) {
+        self.packet = None;
+    }
+}
+
+impl PicturePair {
     /// Takes notice that one of the pictures is another one at `now`.
     pub(super) fn note_change(&mut self, now: Duration) {
-        self.pair += 1;
+        self.pair = 1 + PAIRS.fetch_add(1, Ordering::Relaxed);
         self.difference = None;
         self.due = Some(now + REST);
     }
 
-    /// Forgets what was drawn.
-    pub(super) fn forget_picture(&mut self) {
-        self.packet = None;
+    /// Knows no difference any more: the pictures are of different places, or there is only one.
+    pub(super) fn forget_difference(&mut self) {
+        self.pair = 1 + PAIRS.fetch_add(1, Ordering::Relaxed);
+        self.difference = None;
+        self.due = None;
     }
 
     /// When the pictures are to be compared.
@@ -135,12 +163,8 @@ impl Comparison {
         is_due
     }
 
-    /// Compares the picture of the edited side with that of the other on a thread. They may be of different sizes.
-    pub(super) fn compare(&self, edited: RgbaImage, other: RgbaImage, tasks: &Tasks) {
-        let [a, b] = match self.edited {
-            Side::A => [edited, other],
-            Side::B => [other, edited],
-        };
+    /// Compares both pictures on a thread. They may be of different sizes.
+    pub(super) fn compare(&self, [a, b]: [RgbaImage; 2], tasks: &Tasks) {
         let pair = self.pair;
         tasks.start("comparison", move || match difference(&a, b, pair) {
             Ok(difference) => Outcome::Compared(difference),
@@ -174,32 +198,32 @@ mod tests {
 
     #[test]
     fn pictures_are_compared_once_they_rest() {
-        let mut comparison = Comparison::new(Settings::default());
+        let mut pictures = PicturePair::default();
         let at = Duration::from_millis;
-        assert!(!comparison.is_due(at(0)));
-        comparison.note_change(at(100));
-        comparison.note_change(at(200));
-        assert_eq!(comparison.next_deadline(), Some(at(450)));
-        assert!(!comparison.is_due(at(449)));
-        assert!(comparison.is_due(at(450)));
-        assert!(!comparison.is_due(at(900)), "once");
+        assert!(!pictures.is_due(at(0)));
+        pictures.note_change(at(100));
+        pictures.note_change(at(200));
+        assert_eq!(pictures.next_deadline(), Some(at(450)));
+        assert!(!pictures.is_due(at(449)));
+        assert!(pictures.is_due(at(450)));
+        assert!(!pictures.is_due(at(900)), "once");
     }
 
     #[test]
     fn the_answer_for_a_picture_that_has_gone_is_not_taken() {
-        let mut comparison = Comparison::new(Settings::default());
-        comparison.note_change(Duration::ZERO);
+        let mut pictures = PicturePair::default();
+        pictures.note_change(Duration::ZERO);
         let picture = RgbaImage::from_pixel(16, 16, image::Rgba([10, 20, 30, 255]));
-        let answer = difference(&picture, picture.clone(), 1).unwrap();
+        let answer = difference(&picture, picture.clone(), pictures.pair).unwrap();
         assert_eq!(
             (answer.flip, answer.psnr_db, answer.ssim),
             (0.0, f64::INFINITY, Some(1.0))
         );
-        comparison.take_in(answer.clone());
-        assert!(comparison.difference.is_some());
-        comparison.note_change(Duration::ZERO);
-        assert!(comparison.difference.is_none());
-        comparison.take_in(answer);
-        assert!(comparison.difference.is_none());
+        pictures.take_in(answer.clone());
+        assert!(pictures.difference.is_some());
+        pictures.note_change(Duration::ZERO);
+        assert!(pictures.difference.is_none());
+        pictures.take_in(answer);
+        assert!(pictures.difference.is_none());
     }
 }

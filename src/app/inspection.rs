@@ -1,5 +1,6 @@
 //! Points that a person has clicked on: which they are, and where they are in the frame that is shown.
 
+use super::comparison::Side;
 use super::measuring::{Gauge, Measurement};
 use crate::scene::Pick;
 use crate::sequence::PreparedFrame;
@@ -20,6 +21,8 @@ pub enum Tool {
 /// A point that was clicked on. In frames of as many points it is the one with the same index in the file; in others, the place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor {
+    /// Which of two sequences it is of.
+    pub side: Side,
     /// Index in the file.
     pub index_in_file: u32,
     /// Index of the frame that it was last found in.
@@ -32,8 +35,9 @@ pub struct Anchor {
 }
 
 impl Anchor {
-    fn new(pick: &Pick, frame: &PreparedFrame) -> Self {
+    fn new(side: Side, pick: &Pick, frame: &PreparedFrame) -> Self {
         Self {
+            side,
             index_in_file: pick.index_in_file,
             frame: pick.frame,
             place: pick.position,
@@ -79,8 +83,8 @@ pub struct Inspection {
     pub begun: Vec<Anchor>,
     /// Finished measurements, oldest first.
     pub measurements: Vec<Measurement>,
-    /// The content that points were last looked up in, as [`PreparedFrame::id`].
-    followed: Option<u64>,
+    /// The content of A and of B that points were last looked up in, as [`PreparedFrame::id`].
+    followed: [Option<u64>; 2],
 }
 
 impl Inspection {
@@ -116,11 +120,21 @@ impl Inspection {
         };
     }
 
-    /// Takes a click on a point of `frame`.
-    pub(super) fn take(&mut self, pick: Pick, frame: &PreparedFrame) {
-        let anchor = Anchor::new(&pick, frame);
+    /// Forgets the points of B, which is closed.
+    pub(super) fn forget_points_of_b(&mut self) {
+        let is_of_b = |anchor: &Anchor| anchor.side == Side::B;
+        self.point.take_if(|point| is_of_b(&point.anchor));
+        self.begun.retain(|anchor| !is_of_b(anchor));
+        self.measurements
+            .retain(|measurement| !measurement.points.iter().any(is_of_b));
+        self.followed[Side::B as usize] = None;
+    }
+
+    /// Takes a click on a point of `frame`, which is of the sequence `side`.
+    pub(super) fn take(&mut self, side: Side, pick: Pick, frame: &PreparedFrame) {
+        let anchor = Anchor::new(side, &pick, frame);
         // The picture that was clicked on may be of the frame before the one that is shown next.
-        self.followed = Some(frame.id);
+        self.followed[side as usize] = Some(frame.id);
         match self.tool {
             Tool::Camera => {}
             Tool::Point => {
@@ -141,12 +155,17 @@ impl Inspection {
         }
     }
 
-    /// Looks for the points in a frame, if it is another one. Costs a look at the indices of the frame for each.
-    pub(super) fn follow(&mut self, frame: &PreparedFrame, origin: DVec3) {
-        if self.followed.replace(frame.id) == Some(frame.id) {
+    /// Looks for the points of the sequence `side` in a frame of it, if it is another one. Costs a look at the indices of the frame
+    /// for each.
+    pub(super) fn follow(&mut self, side: Side, frame: &PreparedFrame, origin: DVec3) {
+        if self.followed[side as usize].replace(frame.id) == Some(frame.id) {
             return;
         }
-        if let Some(point) = &mut self.point {
+        if let Some(point) = self
+            .point
+            .as_mut()
+            .filter(|point| point.anchor.side == side)
+        {
             let slot = point.anchor.follow(frame, origin);
             if let Some(values) = slot.and_then(|slot| Pick::of(frame, origin, slot)) {
                 point.values = values;
@@ -154,7 +173,8 @@ impl Inspection {
         }
         let measured = self.measurements.iter_mut();
         let measured = measured.flat_map(|measurement| &mut measurement.points);
-        for anchor in self.begun.iter_mut().chain(measured) {
+        let all = self.begun.iter_mut().chain(measured);
+        for anchor in all.filter(|anchor| anchor.side == side) {
             anchor.follow(frame, origin);
         }
     }
@@ -207,24 +227,52 @@ mod tests {
             tool: Tool::Point,
             ..Inspection::default()
         };
-        inspection.take(pick, &first);
+        inspection.take(Side::A, pick, &first);
         // In another order of places, with a hole in the file.
         let moved = frame(
             1,
             &[[f32::NAN; 3], [-5.0, 2.0, 0.0], [9.0, 0.0, 0.0]],
             origin,
         );
-        inspection.follow(&moved, origin);
+        inspection.follow(Side::A, &moved, origin);
         let point = inspection.point.clone().unwrap();
         assert_eq!(point.values.position, origin + DVec3::new(-5.0, 2.0, 0.0));
         assert_eq!((point.anchor.frame, point.values.index_in_file), (1, 1));
         // Fewer points: nobody knows which it is.
-        inspection.follow(&frame(2, &[[3.0; 3]], origin), origin);
+        inspection.follow(Side::A, &frame(2, &[[3.0; 3]], origin), origin);
         assert_eq!(inspection.point.clone().unwrap(), point);
         // The point itself is a hole.
         let hole = frame(3, &[[0.0; 3], [f32::INFINITY; 3], [9.0, 0.0, 0.0]], origin);
-        inspection.follow(&hole, origin);
+        inspection.follow(Side::A, &hole, origin);
         assert_eq!(inspection.point.unwrap().anchor.place, point.anchor.place);
+    }
+
+    #[test]
+    fn points_of_b_follow_their_own_frames_and_go_with_them() {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+        let (a, b) = (
+            frame(0, &corners, DVec3::ZERO),
+            frame(0, &corners, DVec3::ZERO),
+        );
+        let mut inspection = Inspection {
+            tool: Tool::Measure,
+            ..Inspection::default()
+        };
+        let pick = |frame: &PreparedFrame| Pick::of(frame, DVec3::ZERO, 0).unwrap();
+        inspection.take(Side::A, pick(&a), &a);
+        inspection.take(Side::B, pick(&b), &b);
+        inspection.take(Side::A, pick(&a), &a);
+        let line = inspection.measurements[0].line(DVec3::Y);
+        assert!(
+            line.starts_with("distance\t0\tframe 1 point 0 at 0 0 0\tframe 1 of B point 0"),
+            "{line}"
+        );
+        let moved = frame(1, &[[0.0, 0.0, 7.0]; 3], DVec3::ZERO);
+        inspection.follow(Side::B, &moved, DVec3::ZERO);
+        assert_eq!(inspection.measurements[0].value(DVec3::Y), Some(7.0));
+        inspection.forget_points_of_b();
+        assert_eq!(inspection.measurements, [], "a half of it is gone");
+        assert_eq!(inspection.begun.len(), 1);
     }
 
     #[test]
@@ -243,7 +291,7 @@ mod tests {
             Pick::of(&shown, DVec3::ZERO, slot.unwrap()).unwrap()
         };
         let mut inspection = Inspection::default();
-        inspection.take(pick(0), &shown);
+        inspection.take(Side::A, pick(0), &shown);
         assert!(
             inspection.point.is_none(),
             "without a tool a click picks nothing"
@@ -251,7 +299,7 @@ mod tests {
         inspection.toggle(Tool::Measure);
         inspection.measure(Gauge::Angle);
         for index in [1, 0, 2] {
-            inspection.take(pick(index), &shown);
+            inspection.take(Side::A, pick(index), &shown);
         }
         assert_eq!(inspection.begun, []);
         assert_eq!(inspection.measurements[0].value(DVec3::Y), Some(90.0));
@@ -260,7 +308,7 @@ mod tests {
             line.starts_with("angle\t90\tframe 1 point 1 at 1 0 0\t"),
             "{line}"
         );
-        inspection.take(pick(1), &shown);
+        inspection.take(Side::A, pick(1), &shown);
         assert!(inspection.escape());
         assert_eq!(
             (inspection.begun.len(), inspection.tool),

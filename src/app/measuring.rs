@@ -1,5 +1,6 @@
 //! Lengths, angles and heights between points, in f64.
 
+use super::comparison::Side;
 use super::inspection::Anchor;
 use glam::DVec3;
 use std::fmt::Write as _;
@@ -78,16 +79,20 @@ fn angle_deg(a: DVec3, b: DVec3) -> Option<f64> {
 
 /// Nine digits, which is more than f32 positions hold.
 pub(super) fn significant(value: f64) -> String {
-    const DIGITS: i32 = 9;
+    rounded_to(value, 9)
+}
+
+/// A number as so many digits tell it, at least 1.
+pub(super) fn rounded_to(value: f64, digits: i32) -> String {
     let magnitude = value.abs().log10().floor();
     if !(-6.0..12.0).contains(&magnitude) {
         return if value == 0.0 {
             "0".to_owned()
         } else {
-            format!("{value:.8e}")
+            format!("{value:.0$e}", (digits - 1) as usize)
         };
     }
-    let decimals = (DIGITS - 1 - magnitude as i32).max(0) as usize;
+    let decimals = (digits - 1 - magnitude as i32).max(0) as usize;
     let text = format!("{value:.decimals$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -122,7 +127,11 @@ impl Measurement {
         for point in &self.points {
             let DVec3 { x, y, z } = point.place;
             let (frame, index) = (point.frame + 1, point.index_in_file);
-            _ = write!(line, "\tframe {frame} point {index} at {x} {y} {z}");
+            let of = match point.side {
+                Side::A => "",
+                Side::B => " of B",
+            };
+            _ = write!(line, "\tframe {frame}{of} point {index} at {x} {y} {z}");
         }
         line
     }
@@ -195,6 +204,13 @@ mod tests {
             (100.0, "100"),
         ] {
             assert_eq!(significant(value), text);
+        }
+        for (value, text) in [
+            (2.0 / 3.0, "0.6667"),
+            (12_345.6, "12346"),
+            (1.5e-9, "1.500e-9"),
+        ] {
+            assert_eq!(rounded_to(value, 4), text);
         }
     }
 }

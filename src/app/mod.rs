@@ -12,9 +12,11 @@
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.
 
 mod benchmark;
+mod beside;
 mod camera_path;
 mod command;
 mod comparison;
+mod drawing;
 mod export;
 mod fly;
 mod focus;
@@ -44,9 +46,10 @@ mod trails;
 mod window;
 
 pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkStep, BenchmarkTable};
+pub use beside::{Beside, FrameDistances, Layout, OneWay};
 pub use camera_path::{Draft, PathEditor};
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
-pub use comparison::{Comparison, PictureDifference, Side};
+pub use comparison::{Comparison, PictureDifference, PicturePair, Side};
 pub use export::{Export, Exported, Subject};
 pub use fly::Fly;
 pub use history::{Edited, History};

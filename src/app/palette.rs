@@ -6,6 +6,8 @@ use super::command::{BINDINGS, Command};
 const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Open a folder", Command::OpenFolder),
     ("Open the demo", Command::OpenDemo),
+    ("Compare with a folder", Command::CompareFolder),
+    ("Close comparison", Command::CloseComparison),
     (
         "Show or hide thumbnails over the timeline",
         Command::ToggleThumbnails,

@@ -1,6 +1,7 @@
 //! Everything the window shows and what a person can change, without a window: tests drive it with a clock of their own.
 
 mod actions;
+mod companion;
 mod inspecting;
 mod parts;
 
@@ -8,8 +9,10 @@ pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE, picture_folder}
 pub use parts::{Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest};
 
 use super::benchmark::Benchmark;
+use super::beside::Beside;
 use super::camera_path::PathEditor;
-use super::comparison::Comparison;
+use super::comparison::{Comparison, PicturePair, Side};
+use super::drawing::{Drawing, DrawnFrame};
 use super::export::Export;
 use super::fly::Fly;
 use super::grip::Grip;
@@ -29,9 +32,10 @@ use super::thumbnails::Thumbnails;
 use super::timeline::Timeline;
 use super::trails::Trails;
 use crate::bench::{Quality, QualityKey};
-use crate::playback::{Player, can_draw};
-use crate::scene::{Camera, Primitive, RendererChoice, Scene, ScenePacket, SceneStats, Settings};
-use crate::sequence::{Clock, LoaderOptions, OpenOptions, PreparedFrame, Sequence, watch};
+use crate::math::Aabb;
+use crate::playback::Player;
+use crate::scene::{Camera, RendererChoice, ScenePacket, SceneStats, Settings};
+use crate::sequence::{Clock, OpenOptions, Sequence, watch};
 use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -54,6 +58,8 @@ pub struct State {
     pub comparison: Option<Comparison>,
     /// Long work with a bar, but for the benchmark.
     pub works: Works,
+    /// Another sequence beside the open one; never together with `comparison`.
+    pub beside: Option<Beside>,
     /// The benchmark window's content.
     pub benchmark: Benchmark,
     /// What is known of the open sequence's ways to draw, from fast to exact.
@@ -107,39 +113,11 @@ pub struct State {
     /// True once the camera was set for the open sequence.
     framed: bool,
     requests: Vec<WindowRequest>,
-    scene: Scene,
-    packet: Option<ScenePacket>,
-    drawn_frame: Option<DrawnFrame>,
-    drawn_primitive: Primitive,
-    /// The last redraw had a new picture, whose time has not been looked at.
-    picture_is_new: bool,
-    /// Points of the frame in it.
-    picture_points: usize,
+    drawing: Drawing,
     /// Who was chosen to draw when the graphics card's device was lost: the processor draws until that is chosen anew.
     without_gpu: Option<RendererChoice>,
     /// Where [`State::quality`] is kept; known once sequence and adapter are.
     quality_key: Option<QualityKey>,
-}
-
-/// What the packet was made of.
-#[derive(Debug)]
-struct DrawnFrame {
-    frame: Arc<PreparedFrame>,
-    /// The pose in it: the same, or what it was made from.
-    pose: Arc<PreparedFrame>,
-    /// Of their positions.
-    origin: DVec3,
-}
-
-impl DrawnFrame {
-    /// The slot in the pose of a point of the frame; `None` for points of ghosts.
-    fn slot_in_pose(&self, slot: usize) -> Option<usize> {
-        if Arc::ptr_eq(&self.frame.frame, &self.pose.frame) {
-            return Some(slot);
-        }
-        let index = *self.frame.frame.file_index().get(slot)? as usize;
-        (index < self.pose.points.len()).then_some(index)
-    }
 }
 
 /// The playhead in the hand.
@@ -152,7 +130,7 @@ pub(super) struct Scrubbing {
 impl State {
     /// Nothing open.
     pub fn new(options: StateOptions) -> Self {
-        let nothing = crate::math::Aabb::EMPTY;
+        let nothing = Aabb::EMPTY;
         Self {
             player: None,
             camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
@@ -161,6 +139,7 @@ impl State {
             panels: options.preferences.panels,
             comparison: None,
             works: Works::default(),
+            beside: None,
             benchmark: Benchmark::default(),
             quality: None,
             quality_limits: QualityLimits::default(),
@@ -189,12 +168,7 @@ impl State {
             glide: None,
             framed: false,
             requests: Vec::new(),
-            scene: Scene::that_remembers(),
-            packet: None,
-            drawn_frame: None,
-            drawn_primitive: Primitive::Point,
-            picture_is_new: false,
-            picture_points: 0,
+            drawing: Drawing::default(),
             without_gpu: None,
             quality_key: None,
             options,
@@ -213,7 +187,7 @@ impl State {
 
     /// Counters of the traversal.
     pub fn scene_stats(&self) -> SceneStats {
-        self.scene.stats()
+        self.drawing.stats()
     }
 
     /// What is kept between runs; the window adds its size.
@@ -237,16 +211,10 @@ impl State {
     }
 
     /// Shows `sequence` in place of what was open. Settings, loop mode and speed stay: they are choices of the person, not of
-    /// the sequence.
+    /// the sequence. What it was compared with is closed.
     pub fn open(&mut self, sequence: Arc<Sequence>) {
-        let mut loader_options = LoaderOptions {
-            wake: self.wake(),
-            keeps_coarse_frames: true,
-            ..LoaderOptions::default()
-        };
-        if let Some(budget_bytes) = self.options.budget_bytes {
-            loader_options.budget_bytes = budget_bytes;
-        }
+        self.close_beside();
+        let loader_options = self.loader_options(self.budget_bytes());
         let mut player = match Player::new(sequence, loader_options, !self.options.paused) {
             Ok(player) => player,
             Err(error) => return self.notices.error(error.to_string()),
@@ -274,7 +242,7 @@ impl State {
         }
         self.framed = false;
         self.glide = None;
-        self.drawn_frame = None;
+        self.drawing.forget_frame();
         self.temporal.forget_frames();
         self.thumbnails.forget_frames();
         self.trails.forget_points();
@@ -300,6 +268,12 @@ impl State {
 
     /// A topic is a choice for one recording: what is opened next has others.
     fn open_with_topic(&mut self, inputs: Vec<PathBuf>, topic: Option<Arc<str>>) {
+        let open = self.options.open.clone();
+        self.find(inputs, OpenOptions { topic, ..open }, Side::A);
+    }
+
+    /// Finds the frames of `inputs` on a thread.
+    fn find(&mut self, inputs: Vec<PathBuf>, open: OpenOptions, side: Side) {
         if inputs.is_empty() {
             return;
         }
@@ -307,17 +281,13 @@ impl State {
         self.works.cancel(WorkKind::Open);
         let name = format!("Opening {}", entry_name(&inputs));
         let progress = self.works.begin(WorkKind::Open, name, self.now);
-        let open = self.options.open.clone();
-        self.tasks
-            .find(inputs, OpenOptions { topic, ..open }, progress);
+        self.tasks.find(inputs, open, side, progress);
     }
 
     /// Sets the memory for prepared frames, now and for what is opened later.
     pub fn set_budget_bytes(&mut self, budget_bytes: usize) {
         self.options.budget_bytes = Some(budget_bytes);
-        if let Some(player) = &self.player {
-            player.loader().set_budget_bytes(budget_bytes);
-        }
+        self.share_budget();
     }
 
     /// Moves on to `now`: takes in what threads finished, moves the playhead. True if something can be seen to change.
@@ -335,16 +305,20 @@ impl State {
         visible |= self.notices.expire(now);
         visible |= self.look_for_quality();
         visible |= self.move_camera_on();
-        if let Some(comparison) = &mut self.comparison
-            && comparison.is_due(now)
-        {
+        if self.pictures_mut().is_some_and(|pair| pair.is_due(now)) {
             self.requests.push(WindowRequest::Compare);
             visible = true;
         }
         let Some(player) = &mut self.player else {
             return visible;
         };
-        let change = player.update(now, &self.settings);
+        let (change, of_b) = match &mut self.beside {
+            Some(beside) => {
+                let [of_a, of_b] = beside.update(player, now, &self.settings);
+                (of_a, Some(of_b))
+            }
+            None => (player.update(now, &self.settings), None),
+        };
         visible |= change.visible;
         if let Some(failure) = change.new_failure {
             let place = failure.index() + 1;
@@ -359,14 +333,19 @@ impl State {
             .temporal
             .follow(player, &self.settings, &self.tasks, now);
         if let Some(frame) = player.shown() {
-            self.inspection.follow(frame, player.sequence().origin());
+            self.inspection
+                .follow(Side::A, frame, player.sequence().origin());
             visible |= self.trails.follow(player, &self.inspection, &self.tasks);
             if !self.framed {
-                self.frame_cloud();
+                // What stands beside it may be here already, or not: the view is the same.
+                self.frame_with(&Aabb::EMPTY);
                 self.framed = true;
             }
         }
         self.follow_thumbnails();
+        if let Some(of_b) = of_b {
+            visible |= self.follow_beside(of_b);
+        }
         visible
     }
 
@@ -413,6 +392,12 @@ impl State {
         if self.viewport.size_px.contains(&0) {
             return None;
         }
+        let origin = player.sequence().origin();
+        let drawn = DrawnFrame {
+            frame: Arc::clone(frame),
+            pose: Arc::clone(made.map_or(pose, Made::pose)),
+            origin,
+        };
         let mut settings = self.settings;
         if self.without_gpu == Some(settings.renderer) {
             settings.renderer = RendererChoice::Cpu;
@@ -420,49 +405,25 @@ impl State {
             // Somebody has chosen anew.
             self.without_gpu = None;
         }
-        // Until the frame has what the primitive needs, it is shown as before.
-        if !can_draw(frame, settings.primitive) {
-            settings.primitive = if can_draw(frame, self.drawn_primitive) {
-                self.drawn_primitive
-            } else {
-                Primitive::Point
-            };
+        let draw_ms = self.graphics.picture_ms();
+        if let Some(points) = self.drawing.note_draw_ms(&settings, draw_ms) {
+            player.note_picture_ms(points, draw_ms);
         }
-        let origin = player.sequence().origin();
-        if std::mem::take(&mut self.picture_is_new) {
-            let draw_ms = self.graphics.picture_ms();
-            self.scene.note_draw_ms(&settings, draw_ms);
-            player.note_picture_ms(self.picture_points, draw_ms);
-        }
-        let packet = self.scene.packet(
-            frame,
-            origin,
-            &self.camera,
-            &settings,
-            self.viewport.size_px,
-        );
-        if self.packet.as_ref() == Some(&packet) {
-            return None;
-        }
-        self.drawn_primitive = settings.primitive;
-        let pose = Arc::clone(made.map_or(pose, Made::pose));
-        self.drawn_frame = Some(DrawnFrame {
-            frame: Arc::clone(frame),
-            pose,
-            origin,
-        });
-        self.packet = Some(packet.clone());
-        self.picture_is_new = true;
-        self.picture_points = frame.frame.len();
+        let size_px = self.viewport.size_px;
+        let packet = self
+            .drawing
+            .next_packet(drawn, &self.camera, &settings, size_px)?;
         self.counters.pictures += 1;
-        if let Some(comparison) = &mut self.comparison {
-            comparison.note_change(self.now);
-        }
+        self.note_picture();
         Some(packet)
     }
 
-    /// The packet of the other side of a comparison, if it differs from the last one.
+    /// The packet of the other side of a comparison, or of the other sequence, if it differs from the last one. To be asked for after
+    /// [`State::next_packet`].
     pub fn next_other_packet(&mut self) -> Option<ScenePacket> {
+        if self.beside.is_some() {
+            return self.next_packet_beside();
+        }
         let comparison = self.comparison.as_mut()?;
         let player = self.player.as_ref()?;
         let frame = player.shown()?;
@@ -473,30 +434,46 @@ impl State {
         let size_px = self.viewport.size_px;
         comparison.other.clip = self.settings.clip;
         let packet = comparison.next_packet(frame, origin, &self.camera, size_px)?;
-        comparison.note_change(self.now);
+        comparison.pictures.note_change(self.now);
         Some(packet)
     }
 
     /// Forgets what was drawn: after a new GPU device everything is drawn again.
     pub fn forget_picture(&mut self) {
-        self.packet = None;
+        self.drawing.forget_picture();
         self.thumbnails.forget_textures();
         if let Some(comparison) = &mut self.comparison {
             comparison.forget_picture();
         }
+        if let Some(beside) = &mut self.beside {
+            beside.drawing.forget_picture();
+        }
+    }
+
+    /// The two pictures beside each other, if there are two.
+    pub fn pictures(&self) -> Option<&PicturePair> {
+        let beside = self.beside.as_ref().map(|beside| &beside.pictures);
+        let comparison = self.comparison.as_ref();
+        beside.or(comparison.map(|comparison| &comparison.pictures))
+    }
+
+    pub(super) fn pictures_mut(&mut self) -> Option<&mut PicturePair> {
+        let beside = self.beside.as_mut().map(|beside| &mut beside.pictures);
+        let comparison = self.comparison.as_mut();
+        beside.or(comparison.map(|comparison| &mut comparison.pictures))
     }
 
     /// When [`State::update`] has something to do by itself.
     pub fn next_deadline(&self) -> Option<Duration> {
         let player = self.player.as_ref().and_then(Player::next_deadline);
-        let comparison = self.comparison.as_ref().and_then(Comparison::next_deadline);
+        let pictures = self.pictures().and_then(PicturePair::next_deadline);
         let camera = self.camera_moves().then_some(self.now);
         let held = self.temporal.next_deadline();
         [
             player,
             self.notices.next_deadline(),
             self.works.next_deadline(self.now),
-            comparison,
+            pictures,
             camera,
             held,
         ]

@@ -3,8 +3,9 @@
 //! Each task sends one [`Outcome`] through a bounded channel and wakes the event loop. A dialog is one at a time.
 
 use super::benchmark::BenchmarkTable;
+use super::beside::FrameDistances;
 use super::camera_path::Draft;
-use super::comparison::PictureDifference;
+use super::comparison::{PictureDifference, Side};
 use super::export::Exported;
 use super::progress::Progress;
 use super::temporal::Made;
@@ -38,6 +39,10 @@ pub enum DialogKind {
     OpenFiles,
     /// A folder to open as a sequence.
     OpenFolder,
+    /// Files to open as a second sequence.
+    CompareFiles,
+    /// A folder to open as a second sequence.
+    CompareFolder,
     /// Where to write the picture.
     SavePicture,
     /// A camera path to open.
@@ -92,6 +97,8 @@ pub enum Outcome {
         inputs: Vec<PathBuf>,
         /// The frames.
         sequence: Result<Arc<Sequence>, SequenceError>,
+        /// Whether it is to be opened, or beside what is open.
+        side: Side,
     },
     /// A dialog was closed with an answer.
     Chosen {
@@ -124,6 +131,8 @@ pub enum Outcome {
     Exported(Result<Exported, ExportError>),
     /// Two pictures were compared.
     Compared(PictureDifference),
+    /// The points of two frames were compared; `None` if one has none, or nobody waits for it any more.
+    Distances(Option<FrameDistances>),
     /// A frame was made of several poses; `None` if nobody waits for it any more.
     MadeFrame(Option<Box<Made>>),
     /// A small picture of a frame was made.
@@ -218,8 +227,14 @@ impl Tasks {
         outcomes
     }
 
-    /// Finds the frames of `inputs`, as far as `progress` is not cancelled.
-    pub(super) fn find(&self, inputs: Vec<PathBuf>, options: OpenOptions, progress: Progress) {
+    /// Finds the frames of `inputs`, to be opened as A or as B, as far as `progress` is not cancelled.
+    pub(super) fn find(
+        &self,
+        inputs: Vec<PathBuf>,
+        options: OpenOptions,
+        side: Side,
+        progress: Progress,
+    ) {
         let wake = Arc::clone(&self.wake);
         self.start("find frames", move || {
             let sequence = Sequence::open_observed(&inputs, &options, &mut |done, of| {
@@ -232,7 +247,11 @@ impl Tasks {
                 Ok(_) if progress.is_cancelled() => Err(SequenceError::Cancelled),
                 found => found.map(Arc::new),
             };
-            Outcome::Found { inputs, sequence }
+            Outcome::Found {
+                inputs,
+                sequence,
+                side,
+            }
         });
     }
 
@@ -350,35 +369,36 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         dialog = dialog.set_file_name(file_name);
     }
     let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
+    let title = match kind {
+        DialogKind::OpenFiles => "Open point clouds",
+        DialogKind::OpenFolder => "Open a folder of frames",
+        DialogKind::CompareFiles => "Compare with point clouds",
+        DialogKind::CompareFolder => "Compare with a folder of frames",
+        DialogKind::SavePicture => "Save the picture",
+        DialogKind::OpenPath => "Open a camera path",
+        DialogKind::SavePath => "Save the camera path",
+        DialogKind::ExportTo(_) => "Export to",
+        DialogKind::ExportFolder => "Folder of the pictures",
+        DialogKind::SaveReport(_) => "Save the benchmark",
+    };
+    dialog = dialog.set_title(title);
     match kind {
-        DialogKind::OpenFiles => dialog
-            .set_title("Open point clouds")
+        DialogKind::OpenFiles | DialogKind::CompareFiles => dialog
             .add_filter(
                 "Point clouds",
                 &io::supported_extensions().collect::<Vec<_>>(),
             )
             .add_filter("All files", &["*"])
             .pick_files(),
-        DialogKind::OpenFolder => one(dialog.set_title("Open a folder of frames").pick_folder()),
-        DialogKind::SavePicture => one(dialog
-            .set_title("Save the picture")
-            .add_filter("PNG image", &["png"])
-            .save_file()),
-        DialogKind::OpenPath => one(dialog
-            .set_title("Open a camera path")
-            .add_filter("Camera path", &["json"])
-            .pick_file()),
-        DialogKind::SavePath => one(dialog
-            .set_title("Save the camera path")
-            .add_filter("Camera path", &["json"])
-            .save_file()),
+        DialogKind::OpenFolder | DialogKind::CompareFolder => one(dialog.pick_folder()),
+        DialogKind::SavePicture => one(dialog.add_filter("PNG image", &["png"]).save_file()),
+        DialogKind::OpenPath => one(dialog.add_filter("Camera path", &["json"]).pick_file()),
+        DialogKind::SavePath => one(dialog.add_filter("Camera path", &["json"]).save_file()),
         DialogKind::ExportTo(extension) => one(dialog
-            .set_title("Export to")
             .add_filter(extension.to_uppercase(), &[extension])
             .save_file()),
-        DialogKind::ExportFolder => one(dialog.set_title("Folder of the pictures").pick_folder()),
+        DialogKind::ExportFolder => one(dialog.pick_folder()),
         DialogKind::SaveReport(format) => one(dialog
-            .set_title("Save the benchmark")
             .add_filter(format.name(), &[format.extension()])
             .save_file()),
     }
@@ -414,11 +434,11 @@ mod tests {
         let (woken, wakes) = sync_channel(1);
         let mut tasks = Tasks::new(Arc::new(move || woken.send(()).unwrap()));
         let inputs = vec!["/nowhere/at/all.ply".into()];
-        tasks.find(inputs, OpenOptions::default(), Progress::default());
+        tasks.find(inputs, OpenOptions::default(), Side::A, Progress::default());
         wakes.recv().unwrap();
         let outcomes = tasks.take();
         assert!(
-            matches!(&outcomes[..], [Outcome::Found { sequence: Err(_), inputs }] if inputs.len() == 1),
+            matches!(&outcomes[..], [Outcome::Found { sequence: Err(_), inputs, side: Side::A }] if inputs.len() == 1),
             "{outcomes:?}"
         );
     }

@@ -41,7 +41,9 @@ pub struct Options {
     pub state: StateOptions,
     /// What to show first; the demo if `None`.
     pub sequence: Option<Arc<Sequence>>,
-    /// What it was found by, for the list of recent files.
+    /// What to show beside it.
+    pub compare: Option<Arc<Sequence>>,
+    /// What the first was found by, for the list of recent files.
     pub inputs: Vec<PathBuf>,
     /// What went wrong before there was a window to say it in.
     pub warnings: Vec<String>,
@@ -149,6 +151,9 @@ impl App {
         let mut state = State::new(options.state.clone());
         let demo = || Arc::new(Sequence::demo());
         state.open(options.sequence.take().unwrap_or_else(demo));
+        if let Some(sequence) = options.compare.take() {
+            state.compare_with(sequence);
+        }
         options
             .warnings
             .extend(state.recent.add(&options.inputs).err());
@@ -328,13 +333,13 @@ impl App {
         if comparison
             && let Some(other) = screen
                 .graphics
-                .read_other_picture(self.state.viewport.size_px)?
+                .read_other_picture(self.state.viewport.other_size_px)?
         {
             let edited = screen.graphics.read_picture(self.state.viewport.size_px)?;
             self.state.compare_pictures(edited, other);
         }
         for path in files {
-            let image = screen.graphics.read_picture(self.state.viewport.size_px)?;
+            let image = self.read_joined(screen)?;
             self.state.save_picture(image, path);
         }
         self.set_title(screen);
@@ -356,9 +361,24 @@ impl App {
         }
         if let Some(packet) = self.state.next_other_packet() {
             screen.graphics.draw_other(&packet)?;
-            self.state.viewport.other_texture = screen.graphics.other_texture();
+            let texture = screen.graphics.other_texture();
+            if std::mem::replace(&mut self.state.viewport.other_texture, texture) != texture {
+                // The panels did not know it yet.
+                self.repaint_at = Some(self.last_redraw);
+            }
         }
         Ok(())
+    }
+
+    /// What is seen of the 3-D pictures.
+    fn read_joined(&self, screen: &mut Screen) -> Result<image::RgbaImage, RenderError> {
+        let viewport = &self.state.viewport;
+        let image = screen.graphics.read_picture(viewport.size_px)?;
+        let other = match self.state.beside {
+            Some(_) => screen.graphics.read_other_picture(viewport.other_size_px)?,
+            None => None,
+        };
+        Ok(self.state.joined(image, other))
     }
 
     /// Does what only the window can do; returns what pictures are to be read back for.
@@ -431,11 +451,8 @@ impl App {
         } else {
             1
         };
-        if player.shown().is_some()
-            && player.frames_shown() >= wanted
-            && self.state.counters.pictures > 0
-        {
-            let image = screen.graphics.read_picture(self.state.viewport.size_px)?;
+        if player.shown().is_some() && player.frames_shown() >= wanted && self.state.is_drawn() {
+            let image = self.read_joined(screen)?;
             self.end = save_png(&image, path).map_err(AppError::Screenshot);
             event_loop.exit();
         } else if let Some(failure) = player.failure()

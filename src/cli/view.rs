@@ -19,6 +19,10 @@ pub(super) struct ViewArgs {
     #[arg(value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
+    /// Folder, file or glob pattern to show beside it by the same camera and clock; may be given more than once
+    #[arg(long, value_name = "INPUT")]
+    compare: Vec<PathBuf>,
+
     #[command(flatten)]
     read: ReadArgs,
 
@@ -76,6 +80,10 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         ..args.read.picture_options()
     };
     let sequence = open_sequence(&args.inputs, &open)?;
+    let compare = match args.compare.as_slice() {
+        [] => None,
+        inputs => Some(Arc::new(open_sequence(inputs, &open)?)),
+    };
     let (recent, problem) = Recent::load();
     // A picture that a script asks for does not depend on who looked at what before.
     let (preferences_file, preferences) = if args.screenshot.is_some() {
@@ -107,6 +115,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             ..StateOptions::default()
         },
         sequence: Some(Arc::new(sequence)),
+        compare,
         // The demo is in the menu, not among the recent files.
         inputs: args
             .inputs

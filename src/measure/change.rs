@@ -74,6 +74,12 @@ impl Change {
         self.sorted.last().copied().unwrap_or(0.0)
     }
 
+    /// Root of the mean of the squares, scene units; 0 without points.
+    pub fn root_mean_squared(&self) -> f64 {
+        let squares = self.distances.iter().map(|&d| f64::from(d) * f64::from(d));
+        (squares.sum::<f64>() / self.distances.len().max(1) as f64).sqrt()
+    }
+
     /// The share of the points that are farther away than `threshold`, scene units; 0 without points.
     pub fn share_above(&self, threshold: f64) -> f64 {
         let within = self
@@ -134,6 +140,9 @@ mod tests {
             prop_assert_eq!(change.largest(), narrow.iter().copied().fold(0.0, f32::max));
             let mean = expected.iter().sum::<f64>() / a.len().max(1) as f64;
             prop_assert!((change.mean - mean).abs() <= 1e-12);
+            let squares = expected.iter().map(|distance| distance * distance).sum::<f64>();
+            let root = (squares / a.len().max(1) as f64).sqrt();
+            prop_assert!((change.root_mean_squared() - root).abs() <= 1e-6);
             for share in [0.0, 0.5, 0.95, 1.0] {
                 let quantile = change.quantile(share);
                 let within = narrow.iter().filter(|&&distance| distance <= quantile).count();

@@ -71,7 +71,7 @@ impl Player {
         Ok(Self::with_loader(loader, play))
     }
 
-    fn with_loader(loader: Loader, play: bool) -> Self {
+    pub(super) fn with_loader(loader: Loader, play: bool) -> Self {
         let sequence = Arc::clone(loader.sequence());
         let mut clock = Clock::new(sequence.len());
         clock.set_fps(sequence.fps(), Duration::ZERO);
@@ -262,6 +262,17 @@ impl Player {
 
     /// Moves the playhead to where it is at `now` and shows its frame if it is there.
     pub fn update(&mut self, now: Duration, settings: &Settings) -> PlayerChange {
+        self.update_beside(now, settings, |_, _| true)
+    }
+
+    /// [`Player::update`] beside something else that goes by the same clock: `prepare` is told where the clock will be, and whether
+    /// it plays, and says whether what belongs there is at hand. Playing waits for it.
+    pub fn update_beside(
+        &mut self,
+        now: Duration,
+        settings: &Settings,
+        prepare: impl FnOnce(&Clock, bool) -> bool,
+    ) -> PlayerChange {
         let has_grown = self.grow(now);
         let needs = Scene::needs(settings);
         let playhead_before = self.clock.frame();
@@ -271,6 +282,7 @@ impl Player {
         self.request(target, ahead.direction(), needs);
         let interval = playing_before.then(|| ahead.frame_interval());
         self.loader.set_interval(interval);
+        let must_wait = !prepare(&ahead, playing_before) && playing_before;
 
         let mut change = PlayerChange {
             visible: has_grown,
@@ -299,7 +311,7 @@ impl Player {
                 return change;
             }
         };
-        if let Some(frame) = frame {
+        if let Some(frame) = frame.filter(|_| !must_wait) {
             self.arrive(ahead, now);
             change.other_attributes = self.attributes.note(frame.index, &frame.frame);
             let was_broken = self.failure.take().is_some();

@@ -266,6 +266,14 @@ impl Sequence {
         self.origin.origin(self)
     }
 
+    /// Takes the origin of `other` where f32 from there keep the detail, so that the same coordinates of both files become
+    /// the same f32. To be said before the origin is asked for; later it changes nothing.
+    pub fn share_origin_with(self: &Arc<Self>, other: &Arc<Self>) {
+        if !Arc::ptr_eq(self, other) {
+            self.origin.share(Arc::clone(other));
+        }
+    }
+
     /// Decodes frame `index` in file coordinates. A panic of the decoder is an error like any other.
     pub fn decode(&self, index: usize) -> Result<RawCloud, FrameError> {
         let source = read(&self.sources).get(index).map(Arc::clone);

@@ -5,6 +5,9 @@
 //! that the origin becomes the centre, rounded to a grid whose step is a power of two near the extent. Rounding keeps
 //! the origin short in binary, so that subtracting it from f32 coordinates is exact.
 //!
+//! **Beside another sequence** its origin is taken where that keeps enough: the same coordinates of two files are then the same f32,
+//! and equal clouds have no distance.
+//!
 //! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. What it decoded is
 //! kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice.
 
@@ -12,10 +15,14 @@ use super::{FrameError, Sequence, lock};
 use crate::cloud::RawCloud;
 use glam::DVec3;
 use std::collections::BTreeMap;
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// The centre may be this many extents away from zero before the origin moves.
 const FAR_IN_EXTENTS: f64 = 4.0;
+
+/// As many for the origin of another sequence: 18 bits are left, finer than points are apart, and a part of a cloud has the same f32
+/// as the whole.
+const FAR_BESIDE_IN_EXTENTS: f64 = 64.0;
 
 /// A decoded frame with its time in milliseconds, or why there is none.
 type Kept = Result<(RawCloud, f32), FrameError>;
@@ -24,12 +31,21 @@ type Kept = Result<(RawCloud, f32), FrameError>;
 #[derive(Default)]
 pub(super) struct OriginFinder {
     origin: OnceLock<DVec3>,
+    /// Whose origin is taken if it can be.
+    beside: OnceLock<Arc<Sequence>>,
     kept: Mutex<BTreeMap<usize, Kept>>,
 }
 
 impl OriginFinder {
     pub(super) fn origin(&self, sequence: &Sequence) -> DVec3 {
         *self.origin.get_or_init(|| self.decide(sequence))
+    }
+
+    /// Takes the origin of `other` if that keeps the detail. Says nothing any more once the origin is decided, or for the second time.
+    pub(super) fn share(&self, other: Arc<Sequence>) {
+        if self.beside.set(other).is_err() {
+            log::debug!("an origin is shared with one other sequence");
+        }
     }
 
     fn decide(&self, sequence: &Sequence) -> DVec3 {
@@ -41,7 +57,10 @@ impl OriginFinder {
             match bounds {
                 Ok(Some((min, max))) => {
                     lock(&self.kept).insert(index, decoded);
-                    return origin_of_bounds(min, max);
+                    let beside = self.beside.get().map(|other| other.origin());
+                    let shared =
+                        beside.filter(|&origin| is_near(origin, min, max, FAR_BESIDE_IN_EXTENTS));
+                    return shared.unwrap_or_else(|| origin_of_bounds(min, max));
                 }
                 // A frame without a finite point decides nothing; keeping many of them could fill the memory.
                 Ok(None) => {}
@@ -89,20 +108,31 @@ fn raw_byte_size(raw: &RawCloud) -> usize {
     raw.positions.len() * per_point + size_of_val(raw.faces.as_slice())
 }
 
+/// Middle and diagonal of finite coordinates between `min` and `max`.
+fn center_and_extent(min: DVec3, max: DVec3) -> (DVec3, f64) {
+    let extent = (max * 0.5 - min * 0.5).length() * 2.0;
+    (min * 0.5 + max * 0.5, extent)
+}
+
+/// Whether coordinates between `min` and `max` are no more than so many extents away from `origin`, so that f32 keep their detail.
+fn is_near(origin: DVec3, min: DVec3, max: DVec3, far_in_extents: f64) -> bool {
+    let (center, extent) = center_and_extent(min, max);
+    let away = center - origin;
+    if extent == 0.0 {
+        // All points are one: f32 can say where it is, or not.
+        return away.as_vec3().as_dvec3() == away;
+    }
+    away.length() <= far_in_extents * extent
+}
+
 /// The origin for finite coordinates between `min` and `max`.
 fn origin_of_bounds(min: DVec3, max: DVec3) -> DVec3 {
-    let center = min * 0.5 + max * 0.5;
-    let extent = (max * 0.5 - min * 0.5).length() * 2.0;
-    if !extent.is_finite() || center.length() <= FAR_IN_EXTENTS * extent {
+    let (center, extent) = center_and_extent(min, max);
+    if !extent.is_finite() || is_near(DVec3::ZERO, min, max, FAR_IN_EXTENTS) {
         return DVec3::ZERO;
     }
     if extent == 0.0 {
-        // All points are one: it needs no origin if f32 can say where it is.
-        return if center.as_vec3().as_dvec3() == center {
-            DVec3::ZERO
-        } else {
-            center
-        };
+        return center;
     }
     let step = extent.log2().ceil().exp2();
     let rounded = (center / step).round() * step;
@@ -138,6 +168,38 @@ mod tests {
         assert_eq!(origin_of_bounds(short, short), DVec3::ZERO);
         let long = DVec3::splat(4_194_304.001);
         assert_eq!(origin_of_bounds(long, long), long);
+    }
+
+    #[test]
+    fn an_origin_is_shared_where_it_keeps_the_detail() {
+        use crate::cloud::Positions;
+        use crate::sequence::Source;
+        let corners = |min: DVec3, edge: f64| {
+            let positions = vec![min.to_array(), (min + DVec3::splat(edge)).to_array()];
+            Arc::new(Sequence::with_decoder(
+                vec![Source::file("corners")],
+                move |_| {
+                    let positions = Positions::F64(positions.clone());
+                    Ok(RawCloud::from_positions(positions))
+                },
+            ))
+        };
+        let survey = DVec3::new(4.5e6, 5.0e5, 100.0);
+        let a = corners(survey, 64.0);
+        // A part of it has an origin of its own, on a finer grid, and takes that of the whole.
+        let part = corners(survey + DVec3::splat(9.0), 10.0);
+        let alone = corners(survey + DVec3::splat(9.0), 10.0);
+        part.share_origin_with(&a);
+        assert_ne!(alone.origin(), a.origin());
+        assert_eq!(part.origin(), a.origin());
+        // As f32 from there, millimetres would be lost.
+        let far = corners(survey + DVec3::new(1e5, 0.0, 0.0), 10.0);
+        far.share_origin_with(&a);
+        assert_ne!(far.origin(), a.origin());
+        // With itself: nobody waits for an answer of its own.
+        a.share_origin_with(&a);
+        part.share_origin_with(&part);
+        assert_eq!(part.origin(), a.origin());
     }
 
     #[test]

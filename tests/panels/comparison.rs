@@ -86,14 +86,7 @@ fn pictures_that_rest_are_compared() {
         [40, 90].map(|level| RgbaImage::from_pixel(32, 24, Rgba([level, level, level, 255])));
     harness.state_mut().compare_pictures(edited, other);
     let begin = Instant::now();
-    while harness
-        .state()
-        .comparison
-        .as_ref()
-        .unwrap()
-        .difference
-        .is_none()
-    {
+    while harness.state().pictures().unwrap().difference.is_none() {
         assert!(begin.elapsed() < Duration::from_secs(20), "no answer");
         harness.state_mut().update(at(400));
         std::thread::sleep(Duration::from_millis(2));
@@ -105,14 +98,7 @@ fn pictures_that_rest_are_compared() {
     );
     harness.get_by_label("Error map").click();
     harness.run();
-    assert!(
-        harness
-            .state()
-            .comparison
-            .as_ref()
-            .unwrap()
-            .shows_difference
-    );
+    assert!(harness.state().pictures().unwrap().shows_difference);
     // The next change makes the numbers old.
     harness.state_mut().settings.splat_scale = 2.0;
     assert!(harness.state_mut().next_packet().is_some());
@@ -141,7 +127,7 @@ fn the_line_is_dragged_and_the_camera_stays() {
     harness.run();
     harness.drop_at(to);
     harness.run();
-    let split = harness.state().comparison.as_ref().unwrap().split;
+    let split = harness.state().pictures().unwrap().split;
     assert!((split - 0.25).abs() < 0.01, "{split}");
     assert_eq!(harness.state().camera, camera);
 }

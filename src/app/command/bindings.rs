@@ -342,6 +342,13 @@ pub const BINDINGS: &[Binding] = &[
     ),
     binding(
         VIEW,
+        "Shift+C",
+        "Two sequences: side by side, or a line over the same view",
+        Command::NextLayout,
+        &[Chord::shift(Key::C)],
+    ),
+    binding(
+        VIEW,
         "F2",
         "Settings",
         Command::ToggleSettings,
@@ -412,6 +419,13 @@ pub const BINDINGS: &[Binding] = &[
     ),
     binding(
         FILE,
+        "Ctrl+Shift+O",
+        "Compare with files",
+        Command::CompareFiles,
+        &[Chord::ctrl_shift(Key::O)],
+    ),
+    binding(
+        FILE,
         "P",
         "Save a picture",
         Command::Screenshot,
@@ -474,6 +488,10 @@ pub const GESTURES: &[(&str, &str)] = &[
     ("Middle or right drag, Shift + left drag", "Pan"),
     ("Ctrl + left drag", "Look around"),
     ("Wheel, pinch", "Zoom"),
+    (
+        "Drop files or a folder",
+        "Open them; with Shift, compare with them",
+    ),
     ("Double click", "Focus on a point, or frame the cloud"),
     ("W A S D", "Fly forward, left, back, right"),
     ("E Q", "Fly up, down"),

@@ -1,7 +1,7 @@
 //! The bar of an A/B view: which side the settings are of, the numbers, and where the pictures differ.
 
 use crate::app::State;
-use crate::app::comparison::Side;
+use crate::app::comparison::{PicturePair, Side};
 use egui::{Checkbox, Ui};
 
 /// The bar while two ways to draw are compared.
@@ -14,28 +14,28 @@ pub(super) fn comparison_ui(ui: &mut Ui, state: &mut State) {
     ui.horizontal_wrapped(|ui| {
         ui.label("Settings of");
         for (side, text, tooltip) in [
-            (Side::A, "A (left)", "The panel shows and changes the settings of the left side"),
-            (Side::B, "B (right)", "The panel shows and changes the settings of the right side"),
+            (
+                Side::A,
+                "A (left)",
+                "The panel shows and changes the settings of the left side",
+            ),
+            (
+                Side::B,
+                "B (right)",
+                "The panel shows and changes the settings of the right side",
+            ),
         ] {
-            ui.selectable_value(&mut edited, side, text).on_hover_text(tooltip);
+            ui.selectable_value(&mut edited, side, text)
+                .on_hover_text(tooltip);
         }
         ui.separator();
-        ui.add(Checkbox::new(&mut comparison.shows_difference, "Error map")).on_hover_text(
-            "FLIP of each pixel, A being the truth: black where nobody sees a difference, pale where it is largest",
-        );
+        error_map_ui(ui, &mut comparison.pictures);
+        difference_ui(ui, &comparison.pictures);
         ui.separator();
-        match &comparison.difference {
-            Some(difference) => {
-                ui.monospace(numbers(difference.flip, difference.psnr_db, difference.ssim)).on_hover_text(
-                    "Of the whole pictures. FLIP: 0 equal, 1 as different as can be. PSNR: infinite for equal pictures. SSIM: 1 for \
-                     equal pictures",
-                );
-            }
-            None => {
-                ui.weak("Compared when the pictures rest");
-            }
-        }
-        close = ui.button("Close").on_hover_text("Back to one picture (C)").clicked();
+        close = ui
+            .button("Close")
+            .on_hover_text("Back to one picture (C)")
+            .clicked();
     });
     if edited != comparison.edited {
         comparison.edited = edited;
@@ -43,6 +43,30 @@ pub(super) fn comparison_ui(ui: &mut Ui, state: &mut State) {
     }
     if close {
         state.comparison = None;
+    }
+}
+
+/// Whether the pictures are shown, or where they differ.
+pub(super) fn error_map_ui(ui: &mut Ui, pictures: &mut PicturePair) {
+    ui.add(Checkbox::new(&mut pictures.shows_difference, "Error map")).on_hover_text(
+        "FLIP of each pixel, A being the truth: black where nobody sees a difference, pale where it is largest",
+    );
+}
+
+/// How far the pictures are from each other.
+pub(super) fn difference_ui(ui: &mut Ui, pictures: &PicturePair) {
+    ui.separator();
+    match &pictures.difference {
+        Some(difference) => {
+            let numbers = numbers(difference.flip, difference.psnr_db, difference.ssim);
+            ui.monospace(numbers).on_hover_text(
+                "Of the whole pictures. FLIP: 0 equal, 1 as different as can be. PSNR: infinite for equal pictures. SSIM: 1 for \
+                 equal pictures",
+            );
+        }
+        None => {
+            ui.weak("Compared when the pictures rest");
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::trails::paint_trails;
 use crate::app::theme::{ACCENT, ODD};
 use crate::app::{Anchor, Gauge, State};
 use crate::scene::{Camera, CameraPath};
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui, pos2, vec2};
 use glam::{DVec2, DVec3};
 
 /// A camera path is painted in so many pieces.
@@ -13,12 +13,20 @@ const PATH_PIECES: usize = 256;
 /// Radius of a ring around a point, points.
 const RING: f32 = 6.0;
 
-/// Paints the marks of the clicked points, where they are in the picture that is drawn next.
-pub(super) fn marks_ui(painter: &Painter, state: &State) {
+/// Paints the marks of the clicked points, where they are in the picture that is drawn next, or in both.
+pub(super) fn marks_ui(ui: &Ui, state: &State) {
+    let viewport = &state.viewport;
+    marks(ui, state, viewport.rect, viewport.size_px);
+    if viewport.other_rect != viewport.rect {
+        marks(ui, state, viewport.other_rect, viewport.other_size_px);
+    }
+}
+
+fn marks(ui: &Ui, state: &State, rect: Rect, size_px: [u32; 2]) {
     let canvas = Canvas {
-        painter,
-        rect: state.viewport.rect,
-        size_px: state.viewport.size_px,
+        painter: &ui.painter_at(rect),
+        rect,
+        size_px,
         camera: &state.camera,
     };
     if let Some(path) = state.path.draft.path()

@@ -7,6 +7,7 @@ use crate::app::{Benchmark, State, Tool};
 use crate::bench::Suite;
 use crate::scene::{Projection, ViewPreset};
 use egui::{Button, MenuBar, Ui};
+use std::path::PathBuf;
 
 /// File, Playback, View, Presets, Tools, Benchmark, Help.
 pub fn menu_ui(ui: &mut Ui, state: &mut State) {
@@ -48,6 +49,13 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     item(ui, state, "Demo", Command::OpenDemo);
     ui.separator();
     ui.add_enabled_ui(state.player.is_some(), |ui| {
+        ui.menu_button("Compare with…", |ui| compare_menu(ui, state));
+    });
+    ui.add_enabled_ui(state.pictures().is_some(), |ui| {
+        item(ui, state, "Close comparison", Command::CloseComparison);
+    });
+    ui.separator();
+    ui.add_enabled_ui(state.player.is_some(), |ui| {
         item(ui, state, "Save picture", Command::Screenshot);
         item(ui, state, "Save picture as…", Command::SaveScreenshotAs);
         let export = Command::ToggleExport;
@@ -60,6 +68,16 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     });
     ui.separator();
     item(ui, state, "Quit", Command::Quit);
+}
+
+/// What to open beside the open sequence.
+fn compare_menu(ui: &mut Ui, state: &mut State) {
+    item(ui, state, "Files…", Command::CompareFiles);
+    item(ui, state, "Folder…", Command::CompareFolder);
+    ui.separator();
+    if let Some(inputs) = recent_items(ui, state) {
+        state.compare_paths(inputs);
+    }
 }
 
 /// Which of a recording's topics is the sequence, where there are several.
@@ -92,13 +110,7 @@ fn recent_menu(ui: &mut Ui, state: &mut State) {
         ui.weak("Nothing yet");
         return;
     }
-    let mut chosen = None;
-    for inputs in state.recent.entries() {
-        if ui.button(entry_name(inputs)).clicked() {
-            chosen = Some(inputs.clone());
-            ui.close();
-        }
-    }
+    let chosen = recent_items(ui, state);
     ui.separator();
     if ui.button("Clear the list").clicked() {
         if let Err(problem) = state.recent.clear() {
@@ -109,6 +121,18 @@ fn recent_menu(ui: &mut Ui, state: &mut State) {
     if let Some(inputs) = chosen {
         state.open_paths(inputs);
     }
+}
+
+/// What was opened lately; what was chosen of it.
+fn recent_items(ui: &mut Ui, state: &State) -> Option<Vec<PathBuf>> {
+    let mut chosen = None;
+    for inputs in state.recent.entries() {
+        if ui.button(entry_name(inputs)).clicked() {
+            chosen = Some(inputs.clone());
+            ui.close();
+        }
+    }
+    chosen
 }
 
 /// What the timeline's own buttons have no room for.

@@ -1,6 +1,7 @@
 //! The panels, one file each: `fn timeline_ui(ui, &mut State)`. They read and change [`State`] and know no GPU.
 
 mod benchmark;
+mod beside;
 mod camera_path;
 mod clip;
 mod comparison;
@@ -12,6 +13,7 @@ mod marks;
 mod measuring;
 mod menu;
 mod notices;
+mod pair;
 mod palette;
 mod point;
 mod presets;
@@ -42,6 +44,7 @@ pub use timeline::timeline_ui;
 pub use viewport::viewport_ui;
 
 use super::State;
+use beside::beside_ui;
 use comparison::comparison_ui;
 use egui::{CentralPanel, Frame, Id, InnerResponse, Margin, Panel, Ui, Vec2};
 use palette::palette_ui;
@@ -56,11 +59,12 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     Panel::top("menu")
         .frame(bar)
         .show(ui, |ui| menu_ui(ui, state));
-    if state.comparison.is_some() {
+    if state.pictures().is_some() {
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
-        Panel::top("comparison")
-            .frame(bar)
-            .show(ui, |ui| comparison_ui(ui, state));
+        Panel::top("comparison").frame(bar).show(ui, |ui| {
+            comparison_ui(ui, state);
+            beside_ui(ui, state);
+        });
     }
     let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
     Panel::bottom("timeline")

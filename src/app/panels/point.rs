@@ -3,7 +3,7 @@
 use super::grouped;
 use super::trails::trail_ui;
 use crate::app::measuring::significant;
-use crate::app::{Inspected, State, Tool};
+use crate::app::{Inspected, Side, State, Tool};
 use crate::scene::{PickedNormal, Projection};
 use egui::{Button, Grid, RichText, ScrollArea, Ui, Window, vec2};
 use glam::DVec3;
@@ -40,7 +40,19 @@ pub fn point_ui(ui: &mut Ui, state: &mut State) {
 
 fn values(ui: &mut Ui, state: &State, point: &Inspected) {
     let values = &point.values;
-    let mut rows = vec![
+    let mut rows = Vec::new();
+    if let Some(beside) = &state.beside {
+        let name = match point.anchor.side {
+            Side::A => format!("A {}", state.sequence_name().unwrap_or_default()),
+            Side::B => format!("B {}", beside.name),
+        };
+        rows.push(Row::new(
+            "Sequence",
+            name,
+            "Which of the two sequences the point is of",
+        ));
+    }
+    rows.extend([
         Row::new(
             "Frame",
             (values.frame + 1).to_string(),
@@ -54,7 +66,7 @@ fn values(ui: &mut Ui, state: &State, point: &Inspected) {
                 "Which point of the file it is, counted from 0",
             )
         },
-    ];
+    ]);
     let DVec3 { x, y, z } = values.position;
     let tooltip = format!(
         "Coordinate of the file, scene units; at most {:.1e} off, as frames hold f32 from the sequence's origin",

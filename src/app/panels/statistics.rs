@@ -285,7 +285,7 @@ fn memory(ui: &mut Ui, state: &mut State) {
     let Some(stats) = state.player.as_ref().map(|player| player.loader().stats()) else {
         return;
     };
-    let mut budget_mib = stats.budget_bytes as f64 / f64::from(1 << 20);
+    let mut budget_mib = state.budget_bytes() as f64 / f64::from(1 << 20);
     let mut changed = false;
     section(ui, "Memory for frames", |ui| {
         row(
@@ -294,6 +294,15 @@ fn memory(ui: &mut Ui, state: &mut State) {
             bytes(stats.resident_bytes as u64),
             "Prepared frames in main memory",
         );
+        if let Some(beside) = &state.beside {
+            let stats = beside.companion.loader().stats();
+            row(
+                ui,
+                "  of B",
+                bytes(stats.resident_bytes as u64),
+                "Prepared frames of the other sequence, which has half of the budget",
+            );
+        }
         changed = budget_row(
             ui,
             "Budget",

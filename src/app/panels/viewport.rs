@@ -1,18 +1,16 @@
 //! The 3-D picture and the mouse on it. The panels are other widgets, so that nothing done to them moves the camera.
 
 use super::marks::marks_ui;
+use super::pair::{lay_out, pair_ui};
 use crate::app::command::Command;
 use crate::app::grip::{Grip, Pull};
-use crate::app::state::Viewport;
 use crate::app::theme::{ACCENT, ODD};
-use crate::app::{Comparison, Side, State, Tool};
+use crate::app::{State, Tool};
 use egui::{
-    Align2, Color32, ColorImage, CursorIcon, FontId, Id, PointerButton, Pos2, Rect, Response, Role,
-    Sense, Stroke, TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke,
+    TextureId, Ui, WidgetInfo, pos2, vec2,
 };
 use glam::Vec3;
-use image::RgbaImage;
-use std::sync::Arc;
 
 /// Degrees of orbit for a drag over the height of the picture.
 const ORBIT_DEG_PER_HEIGHT: f64 = 270.0;
@@ -32,84 +30,25 @@ pub fn viewport_ui(ui: &mut Ui, state: &mut State) {
     let rect = on_pixels(ui.available_rect_before_wrap(), scale);
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "3-D picture"));
-    state.viewport.rect = rect;
-    let max_edge_px = state.viewport.max_edge_px.unwrap_or(u32::MAX);
-    state.viewport.size_px = [rect.width(), rect.height()]
-        .map(|edge| ((edge * scale).round().max(0.0) as u32).min(max_edge_px));
+    lay_out(state, rect, scale);
     state.viewport.pointer = response.hover_pos();
     move_camera(ui, &response, state);
     click(&response, state);
-    match &mut state.comparison {
-        Some(comparison) => sides(ui, rect, &state.viewport, comparison),
-        None => picture(ui, rect, state.viewport.texture, rect),
+    if state.pictures().is_some() {
+        pair_ui(ui, rect, state);
+    } else {
+        picture(ui, rect, state.viewport.texture, rect);
     }
     overlays(ui, rect, state);
 }
 
 /// The part of a picture over `rect` that is in `part`.
-fn picture(ui: &Ui, rect: Rect, texture: Option<TextureId>, part: Rect) {
+pub(super) fn picture(ui: &Ui, rect: Rect, texture: Option<TextureId>, part: Rect) {
     if let Some(texture) = texture {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         let painter = ui.painter_at(part);
         painter.image(texture, rect, whole, Color32::WHITE);
     }
-}
-
-/// Both sides of a comparison with a line between them that can be dragged, or where they differ.
-fn sides(ui: &mut Ui, rect: Rect, viewport: &Viewport, comparison: &mut Comparison) {
-    if let (true, Some(difference)) = (comparison.shows_difference, &comparison.difference) {
-        picture(ui, rect, Some(error_map(ui, &difference.map)), rect);
-        return;
-    }
-    let scale = ui.ctx().pixels_per_point();
-    let line = |split: f32| ((rect.left() + split * rect.width()) * scale).round() / scale;
-    let x = line(comparison.split);
-    let (edited, other) = (viewport.texture, viewport.other_texture);
-    let [left, right] = match comparison.edited {
-        Side::A => [edited, other],
-        Side::B => [other, edited],
-    };
-    picture(ui, rect, left, rect.with_max_x(x));
-    picture(ui, rect, right, rect.with_min_x(x));
-    let grab = Rect::from_x_y_ranges(x - 6.0..=x + 6.0, rect.y_range());
-    let handle = ui
-        .interact(grab, ui.scope_id().with("split"), Sense::drag())
-        .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
-    handle.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Line between A and B"));
-    if let Some(pointer) = handle.interact_pointer_pos().filter(|_| handle.dragged()) {
-        comparison.split = ((pointer.x - rect.left()) / rect.width().max(1.0)).clamp(0.0, 1.0);
-    }
-    let painter = ui.painter_at(rect);
-    painter.vline(x, rect.y_range(), Stroke::new(1.5, Color32::WHITE));
-    for (text, place, align) in [
-        ("A", pos2(x - 8.0, rect.top() + 8.0), Align2::RIGHT_TOP),
-        ("B", pos2(x + 8.0, rect.top() + 8.0), Align2::LEFT_TOP),
-    ] {
-        painter.text(
-            place,
-            align,
-            text,
-            FontId::proportional(18.0),
-            Color32::WHITE,
-        );
-    }
-}
-
-/// The texture of an error map, made when it is first shown; the last one goes then.
-fn error_map(ui: &Ui, map: &Arc<RgbaImage>) -> TextureId {
-    let id = Id::unique("error map");
-    let known: Option<(Arc<RgbaImage>, TextureHandle)> = ui.data(|data| data.get_temp(id));
-    if let Some((_, texture)) = known.filter(|(of, _)| Arc::ptr_eq(of, map)) {
-        return texture.id();
-    }
-    let size = [map.width() as usize, map.height() as usize];
-    let pixels = ColorImage::from_rgba_unmultiplied(size, map);
-    let texture = ui
-        .ctx()
-        .load_texture("error map", pixels, TextureOptions::NEAREST);
-    let shown = texture.id();
-    ui.data_mut(|data| data.insert_temp(id, (Arc::clone(map), texture)));
-    shown
 }
 
 /// `rect` with corners on physical pixels: the picture is then copied pixel by pixel.
@@ -222,31 +161,34 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
         painter.text(
             rect.center(),
             Align2::CENTER_CENTER,
-            "Drop files or a folder to open",
+            "Drop files or a folder to open, with Shift to compare",
             FontId::proportional(22.0),
             Color32::WHITE,
         );
     }
-    let dropped: Vec<_> = ui.input(|input| {
-        input
-            .raw
-            .dropped_files
-            .iter()
-            .map(|file| file.path().to_path_buf())
-            .collect()
+    let (dropped, is_beside) = ui.input(|input| {
+        let files = input.raw.dropped_files.iter();
+        let paths: Vec<_> = files.map(|file| file.path().to_path_buf()).collect();
+        (paths, input.modifiers.shift)
     });
-    state.open_paths(dropped);
+    if is_beside && state.player.is_some() {
+        state.compare_paths(dropped);
+    } else {
+        state.open_paths(dropped);
+    }
 
     match &state.player {
         None => nothing_open(ui, rect, state),
         Some(player) => {
+            // With two, that of A.
+            let place = state.viewport.rect;
             if let Some(failure) = player.failure() {
                 let text = format!("Frame {} cannot be shown", failure.index() + 1);
-                banner(&painter, rect, &text, ODD);
+                banner(&painter, place, &text, ODD);
             } else if player.shown().is_none() {
-                banner(&painter, rect, "Loading the first frame…", Color32::WHITE);
+                banner(&painter, place, "Loading the first frame…", Color32::WHITE);
             }
-            marks_ui(&painter, state);
+            marks_ui(ui, state);
             axes(&painter, rect, state);
         }
     }

@@ -4,12 +4,13 @@ use super::{State, WindowRequest};
 use crate::app::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
 use crate::app::camera_path::Question;
 use crate::app::command::{self, Command};
-use crate::app::comparison::Comparison;
+use crate::app::comparison::{Comparison, Side};
 use crate::app::export::Subject;
 use crate::app::history::Edited;
 use crate::app::palette::Palette;
 use crate::app::tasks::{DialogKind, Outcome, PicturePlace, ReportFormat};
 use crate::bench::{LabPoint, Quality, QualityKey, Suite};
+use crate::math::Aabb;
 use crate::playback::Player;
 use crate::scene::{Camera, Primitive, RendererChoice, Settings, UpAxis};
 use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange, Sequence, SequenceError};
@@ -30,9 +31,16 @@ pub(in crate::app) const POINT_SIZE_RANGE_PX: std::ops::RangeInclusive<f32> = 1.
 impl State {
     pub(super) fn take_in(&mut self, outcome: Outcome) {
         match outcome {
-            Outcome::Found { inputs, sequence } => match sequence {
+            Outcome::Found {
+                inputs,
+                sequence,
+                side,
+            } => match sequence {
                 Ok(sequence) => {
-                    self.open(sequence);
+                    match side {
+                        Side::A => self.open(sequence),
+                        Side::B => self.compare_with(sequence),
+                    }
                     if let Err(problem) = self.recent.add(&inputs) {
                         self.notices.warn(problem);
                     }
@@ -55,8 +63,13 @@ impl State {
                 self.learn_quality();
             }
             Outcome::Compared(difference) => {
-                if let Some(comparison) = &mut self.comparison {
-                    comparison.take_in(difference);
+                if let Some(pictures) = self.pictures_mut() {
+                    pictures.take_in(difference);
+                }
+            }
+            Outcome::Distances(distances) => {
+                if let (Some(beside), Some(distances)) = (&mut self.beside, distances) {
+                    beside.take_in(distances);
                 }
             }
             Outcome::MadeFrame(made) => {
@@ -76,6 +89,7 @@ impl State {
             DialogKind::OpenFiles | DialogKind::OpenFolder => {
                 self.open_paths(paths);
             }
+            DialogKind::CompareFiles | DialogKind::CompareFolder => self.compare_paths(paths),
             DialogKind::SavePicture => {
                 self.requests
                     .push(WindowRequest::Screenshot(Some(with_extension(
@@ -100,12 +114,18 @@ impl State {
         }
     }
 
-    /// Puts the camera so that all of the shown frame is seen, keeping its direction once the person has chosen one.
+    /// Puts the camera so that all of the shown frame is seen, and of that beside it, keeping its direction once the person has chosen
+    /// one.
     pub fn frame_cloud(&mut self) {
+        self.frame_with(&self.bounds_beside());
+    }
+
+    /// [`State::frame_cloud`] with what is within `beside`, relative to the origin of the open sequence.
+    pub(super) fn frame_with(&mut self, beside: &Aabb) {
         let Some(player) = &self.player else { return };
         let Some(frame) = player.shown() else { return };
-        let bounds = frame.frame.bounds();
         let origin = player.sequence().origin();
+        let bounds = frame.frame.bounds().union(beside);
         if self.framed {
             self.camera.frame_bounds(&bounds, origin);
         } else if let Some(view) = self.options.view.take() {
@@ -163,6 +183,13 @@ impl State {
             Command::Larger => self.scale_size(SIZE_STEP),
             Command::OpenFiles => self.tasks.ask(DialogKind::OpenFiles, None),
             Command::OpenFolder => self.tasks.ask(DialogKind::OpenFolder, None),
+            Command::CompareFiles => self.tasks.ask(DialogKind::CompareFiles, None),
+            Command::CompareFolder => self.tasks.ask(DialogKind::CompareFolder, None),
+            Command::CloseComparison => {
+                self.close_beside();
+                self.comparison = None;
+            }
+            Command::NextLayout => self.next_layout(),
             Command::OpenDemo => self.open(Arc::new(Sequence::demo())),
             Command::Screenshot => self.requests.push(WindowRequest::Screenshot(None)),
             Command::SaveScreenshotAs => {
@@ -181,12 +208,7 @@ impl State {
             Command::FullScreen => self.requests.push(WindowRequest::FullScreen),
             Command::ToggleSettings => self.panels.settings ^= true,
             Command::ToggleStatistics => self.panels.statistics ^= true,
-            Command::ToggleComparison => {
-                self.comparison = match self.comparison.take() {
-                    Some(_) => None,
-                    None => Some(Comparison::new(self.settings)),
-                };
-            }
+            Command::ToggleComparison => self.toggle_comparison(),
             Command::Undo => {
                 let before = self.history.undo();
                 self.take_edited(before);
@@ -216,6 +238,17 @@ impl State {
             self.notices
                 .info("Pick a point (I and a click): its trail is shown");
         }
+    }
+
+    fn toggle_comparison(&mut self) {
+        if self.beside.is_some() {
+            let text = "Two sequences are compared: File, Close comparison ends that";
+            return self.notices.info(text);
+        }
+        self.comparison = match self.comparison.take() {
+            Some(_) => None,
+            None => Some(Comparison::new(self.settings)),
+        };
     }
 
     /// The camera as for a sequence that was just opened; the up axis stays as it was chosen.
@@ -416,20 +449,7 @@ impl State {
 
     /// What is open, for the title and for names of files.
     pub fn sequence_name(&self) -> Option<String> {
-        let sequence = self.player.as_ref()?.sequence();
-        let last = sequence.len().checked_sub(1)?;
-        let source = sequence.source(0);
-        // Frames of one file stand together, so the ends tell. Asked for in every pass: nothing here may grow with the sequence.
-        let is_one_file = sequence.source(last).path == source.path;
-        let of_all = if is_one_file {
-            source.path.file_name()
-        } else {
-            source.path.parent().and_then(|folder| folder.file_name())
-        };
-        Some(of_all.map_or_else(
-            || source.name.clone(),
-            |name| name.to_string_lossy().into_owned(),
-        ))
+        name_of(self.player.as_ref()?.sequence())
     }
 
     fn picture_stem(&self) -> String {
@@ -448,10 +468,15 @@ impl State {
             .map_or(name.clone(), |(stem, _)| stem.to_owned())
     }
 
-    /// Compares the picture of the window's settings with that of the other side.
+    /// Compares the picture of the window's settings, or of the open sequence, with the other one.
     pub fn compare_pictures(&self, edited: image::RgbaImage, other: image::RgbaImage) {
-        if let Some(comparison) = &self.comparison {
-            comparison.compare(edited, other, &self.tasks);
+        let edited_side = self.comparison.as_ref().map(|comparison| comparison.edited);
+        let pair = match edited_side {
+            Some(Side::B) => [other, edited],
+            Some(Side::A) | None => [edited, other],
+        };
+        if let Some(pictures) = self.pictures() {
+            pictures.compare(pair, &self.tasks);
         }
     }
 
@@ -472,6 +497,23 @@ impl State {
         };
         self.tasks.save_picture(image, place);
     }
+}
+
+/// The name of the file or folder that a sequence is from; `None` of an empty one.
+pub(super) fn name_of(sequence: &Sequence) -> Option<String> {
+    let last = sequence.len().checked_sub(1)?;
+    let source = sequence.source(0);
+    // Frames of one file stand together, so the ends tell. Asked for in every pass: nothing here may grow with the sequence.
+    let is_one_file = sequence.source(last).path == source.path;
+    let of_all = if is_one_file {
+        source.path.file_name()
+    } else {
+        source.path.parent().and_then(|folder| folder.file_name())
+    };
+    Some(of_all.map_or_else(
+        || source.name.clone(),
+        |name| name.to_string_lossy().into_owned(),
+    ))
 }
 
 /// Off, loop, ping-pong, off …

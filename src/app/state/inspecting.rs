@@ -1,40 +1,32 @@
 //! What clicks on the picture do, and the camera moving by itself.
 
 use super::{State, WindowRequest};
+use crate::app::comparison::Side;
 use crate::app::inspection::Tool;
 use crate::app::motion::Glide;
-use crate::scene::{Camera, Pick, Projection, pick};
+use crate::scene::{Camera, Pick, Projection};
 use crate::sequence::PreparedFrame;
-use egui::{Pos2, Vec2};
+use egui::Pos2;
 use std::sync::Arc;
-
-/// A click may be so far beside what it is meant for, points.
-const PICK_RADIUS: f32 = 6.0;
 
 /// Focusing on a point comes so much closer.
 const FOCUS_CLOSER: f64 = 0.5;
 
 impl State {
-    /// The point under a place of the window, and the frame that it is of, as they were drawn last.
-    fn point_at(&self, place: Pos2) -> Option<(Pick, Arc<PreparedFrame>)> {
-        let (packet, drawn) = self.packet.as_ref().zip(self.drawn_frame.as_ref())?;
-        let rect = self.viewport.rect;
-        if !rect.contains(place) || rect.area() == 0.0 {
-            return None;
-        }
-        let [width, height] = packet.viewport_px.map(|edge| edge as f32);
-        let px_per_point = Vec2::new(width, height) / rect.size();
-        let place_px = (place - rect.min) * px_per_point;
-        let radius_px = f64::from(PICK_RADIUS * px_per_point.y);
-        let place_px = [place_px.x, place_px.y].map(f64::from);
-        let slot = pick(packet, &drawn.frame, place_px, radius_px)?;
-        let [red, green, blue, _] = drawn.frame.points[slot].color;
-        let slot = drawn.slot_in_pose(slot)?;
-        let pick = Pick {
-            drawn_color: [red, green, blue],
-            ..Pick::of(&drawn.pose, drawn.origin, slot)?
+    /// The point under a place of the window, the frame that it is of, and the sequence of that, as they were drawn last.
+    fn point_at(&self, place: Pos2) -> Option<(Pick, Arc<PreparedFrame>, Side)> {
+        let [rect, other_rect] = [self.viewport.rect, self.viewport.other_rect];
+        let beside = self.beside.as_ref();
+        let of_b = beside.filter(|beside| beside.is_of_b(place, [rect, other_rect]));
+        let (found, side) = match of_b {
+            // Where there is no frame, the one before is not to be seen.
+            Some(beside) => {
+                beside.companion.shown()?;
+                (beside.drawing.point_at(place, other_rect), Side::B)
+            }
+            None => (self.drawing.point_at(place, rect), Side::A),
         };
-        Some((pick, Arc::clone(&drawn.pose)))
+        found.map(|(pick, frame)| (pick, frame, side))
     }
 
     /// Gives the point under a place of the window to the chosen tool; nothing if there is none.
@@ -42,14 +34,14 @@ impl State {
         if self.inspection.tool == Tool::Camera {
             return;
         }
-        if let Some((pick, frame)) = self.point_at(place) {
-            self.inspection.take(pick, &frame);
+        if let Some((pick, frame, side)) = self.point_at(place) {
+            self.inspection.take(side, pick, &frame);
         }
     }
 
     /// Brings the point under a place of the window into the middle, and closer; false if there is none.
     pub fn focus_at(&mut self, place: Pos2) -> bool {
-        let Some((pick, _)) = self.point_at(place) else {
+        let Some((pick, ..)) = self.point_at(place) else {
             return false;
         };
         let camera = &self.camera;

@@ -116,6 +116,10 @@ pub struct Viewport {
     pub rect: egui::Rect,
     /// Its size in physical pixels.
     pub size_px: [u32; 2],
+    /// The place of the other one, where there are two: the same, or beside it.
+    pub other_rect: egui::Rect,
+    /// The size of the other one in physical pixels.
+    pub other_size_px: [u32; 2],
     /// Where the pointer is, if it is on the picture.
     pub pointer: Option<egui::Pos2>,
     /// The texture that holds it; `None` without a GPU.
@@ -131,6 +135,8 @@ impl Default for Viewport {
         Self {
             rect: egui::Rect::ZERO,
             size_px: [0; 2],
+            other_rect: egui::Rect::ZERO,
+            other_size_px: [0; 2],
             pointer: None,
             texture: None,
             other_texture: None,

@@ -1,0 +1,136 @@
+//! A picture of a pose in the window: the packet that it is drawn from, and what that was made of.
+
+use crate::playback::can_draw;
+use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, Settings, pick};
+use crate::sequence::PreparedFrame;
+use egui::{Pos2, Rect, Vec2};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A click may be so far beside what it is meant for, points.
+const PICK_RADIUS: f32 = 6.0;
+
+/// A picture that follows frame, camera and settings.
+#[derive(Debug)]
+pub(super) struct Drawing {
+    scene: Scene,
+    packet: Option<ScenePacket>,
+    frame: Option<DrawnFrame>,
+    primitive: Primitive,
+    /// The last redraw had a new picture, whose time has not been looked at.
+    is_new: bool,
+}
+
+/// What a packet is made of.
+#[derive(Debug, Clone)]
+pub(super) struct DrawnFrame {
+    pub(super) frame: Arc<PreparedFrame>,
+    /// The pose in it: the same, or what it was made from.
+    pub(super) pose: Arc<PreparedFrame>,
+    /// Of their positions.
+    pub(super) origin: DVec3,
+}
+
+impl DrawnFrame {
+    /// The slot in the pose of a point of the frame; `None` for points of ghosts.
+    fn slot_in_pose(&self, slot: usize) -> Option<usize> {
+        if Arc::ptr_eq(&self.frame.frame, &self.pose.frame) {
+            return Some(slot);
+        }
+        let index = *self.frame.frame.file_index().get(slot)? as usize;
+        (index < self.pose.points.len()).then_some(index)
+    }
+}
+
+impl Default for Drawing {
+    fn default() -> Self {
+        Self {
+            scene: Scene::that_remembers(),
+            packet: None,
+            frame: None,
+            primitive: Primitive::Point,
+            is_new: false,
+        }
+    }
+}
+
+impl Drawing {
+    /// Counters of the traversal.
+    pub(super) fn stats(&self) -> SceneStats {
+        self.scene.stats()
+    }
+
+    /// Takes notice of how long the last picture took, if that was not said yet; the points of the frame in it then.
+    pub(super) fn note_draw_ms(&mut self, settings: &Settings, draw_ms: f64) -> Option<usize> {
+        if !std::mem::take(&mut self.is_new) {
+            return None;
+        }
+        self.scene.note_draw_ms(settings, draw_ms);
+        self.frame.as_ref().map(|drawn| drawn.frame.frame.len())
+    }
+
+    /// The packet to draw, if it differs from the last one. Until the frame has what the primitive needs, it is shown as before.
+    pub(super) fn next_packet(
+        &mut self,
+        drawn: DrawnFrame,
+        camera: &Camera,
+        settings: &Settings,
+        viewport_px: [u32; 2],
+    ) -> Option<ScenePacket> {
+        let mut settings = *settings;
+        if !can_draw(&drawn.frame, settings.primitive) {
+            settings.primitive = if can_draw(&drawn.frame, self.primitive) {
+                self.primitive
+            } else {
+                Primitive::Point
+            };
+        }
+        let packet = self
+            .scene
+            .packet(&drawn.frame, drawn.origin, camera, &settings, viewport_px);
+        if self.packet.as_ref() == Some(&packet) {
+            return None;
+        }
+        self.primitive = settings.primitive;
+        self.frame = Some(drawn);
+        self.packet = Some(packet.clone());
+        self.is_new = true;
+        Some(packet)
+    }
+
+    /// Whether there is a picture.
+    pub(super) fn is_drawn(&self) -> bool {
+        self.packet.is_some()
+    }
+
+    /// Forgets what was drawn: it is drawn again.
+    pub(super) fn forget_picture(&mut self) {
+        self.packet = None;
+    }
+
+    /// Forgets what can be picked.
+    pub(super) fn forget_frame(&mut self) {
+        self.frame = None;
+    }
+
+    /// The point under `place` of the picture over `rect`, and the pose that it is of, as they were drawn last.
+    pub(super) fn point_at(&self, place: Pos2, rect: Rect) -> Option<(Pick, Arc<PreparedFrame>)> {
+        let (packet, drawn) = self.packet.as_ref().zip(self.frame.as_ref())?;
+        if !rect.contains(place) || rect.area() == 0.0 {
+            return None;
+        }
+        let [width, height] = packet.viewport_px.map(|edge| edge as f32);
+        let px_per_point = Vec2::new(width, height) / rect.size();
+        let place_px = (place - rect.min) * px_per_point;
+        let radius_px = f64::from(PICK_RADIUS * px_per_point.y);
+        let place_px = [place_px.x, place_px.y].map(f64::from);
+        let slot = pick(packet, &drawn.frame, place_px, radius_px)?;
+        let [red, green, blue, _] = drawn.frame.points[slot].color;
+        let slot = drawn.slot_in_pose(slot)?;
+        let pick = Pick {
+            drawn_color: [red, green, blue],
+            ..Pick::of(&drawn.pose, drawn.origin, slot)?
+        };
+        Some((pick, Arc::clone(&drawn.pose)))
+    }
+}

@@ -1,0 +1,212 @@
+//! Two pictures: side by side or on both sides of a line, with their names; or where they differ.
+
+use super::viewport::picture;
+use crate::app::{Beside, Layout, Side, State};
+use egui::{
+    Align2, Color32, ColorImage, CursorIcon, FontId, Frame, Id, Label, Margin, Pos2, Rect,
+    RichText, Role, Sense, Stroke, TextWrapMode, TextureHandle, TextureId, TextureOptions, Ui,
+    UiBuilder, WidgetInfo, pos2,
+};
+use image::RgbaImage;
+use std::sync::Arc;
+
+/// Behind where there is no picture.
+const NOTHING: Color32 = Color32::from_gray(16);
+
+/// Half the width of what takes hold of the line, points.
+const GRAB: f32 = 6.0;
+
+/// Half the size of the cross where the pointer is in the other half, points.
+const CROSS: f32 = 7.0;
+
+/// Says where the pictures are within `rect`, whose corners are on physical pixels.
+pub(super) fn lay_out(state: &mut State, rect: Rect, scale: f32) {
+    let places = match &state.beside {
+        Some(beside) => beside.places(rect, line(rect, beside.pictures.split, scale)),
+        None => [rect; 2],
+    };
+    let max_edge_px = state.viewport.max_edge_px.unwrap_or(u32::MAX);
+    let size_px = |place: Rect| {
+        [place.width(), place.height()]
+            .map(|edge| ((edge * scale).round().max(0.0) as u32).min(max_edge_px))
+    };
+    let viewport = &mut state.viewport;
+    [viewport.rect, viewport.other_rect] = places;
+    [viewport.size_px, viewport.other_size_px] = places.map(size_px);
+}
+
+/// The place of the line, on a border of pixels.
+fn line(rect: Rect, split: f32, scale: f32) -> f32 {
+    ((rect.left() + split * rect.width()) * scale).round() / scale
+}
+
+/// Both pictures of a comparison, or where they differ.
+pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
+    let viewport = state.viewport;
+    let is_b_edited = state
+        .comparison
+        .as_ref()
+        .is_some_and(|comparison| comparison.edited == Side::B);
+    let mut textures = [viewport.texture, viewport.other_texture];
+    if is_b_edited {
+        textures.reverse();
+    }
+    let names = names(state);
+    let is_side_by_side = is_side_by_side(state);
+    let range = state.beside.as_ref().map_or(0.0..=1.0, Beside::line_range);
+    if state
+        .beside
+        .as_ref()
+        .is_some_and(|beside| beside.companion.shown().is_none())
+    {
+        textures[1] = None;
+    }
+    let Some(pictures) = state.pictures_mut() else {
+        return;
+    };
+    if let (true, false, Some(difference)) = (
+        pictures.shows_difference,
+        is_side_by_side,
+        &pictures.difference,
+    ) {
+        picture(ui, rect, Some(error_map(ui, &difference.map)), rect);
+        return;
+    }
+    let x = line(rect, pictures.split, ui.ctx().pixels_per_point());
+    let parts = [rect.with_max_x(x), rect.with_min_x(x)];
+    let places = if is_side_by_side {
+        [viewport.rect, viewport.other_rect]
+    } else {
+        [rect; 2]
+    };
+    for ((part, place), texture) in parts.into_iter().zip(places).zip(textures) {
+        if texture.is_none() {
+            ui.painter_at(part).rect_filled(part, 0.0, NOTHING);
+        }
+        picture(ui, place, texture, part);
+    }
+    let grab = Rect::from_x_y_ranges(x - GRAB..=x + GRAB, rect.y_range());
+    let handle = ui
+        .interact(grab, ui.scope_id().with("split"), Sense::drag())
+        .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+    handle.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Line between A and B"));
+    if let Some(pointer) = handle.interact_pointer_pos().filter(|_| handle.dragged()) {
+        let split = (pointer.x - rect.left()) / rect.width().max(1.0);
+        pictures.split = split.clamp(*range.start(), *range.end());
+    }
+    ui.painter_at(rect)
+        .vline(x, rect.y_range(), Stroke::new(1.5, Color32::WHITE));
+    if is_side_by_side && let Some(pointer) = viewport.pointer {
+        same_place(ui, pointer, places);
+    }
+    match names {
+        Some([a, b]) => {
+            name_ui(ui, parts[0], Align2::LEFT_TOP, &a);
+            name_ui(ui, parts[1], Align2::RIGHT_TOP, &b);
+        }
+        None => letters(ui, rect, x),
+    }
+}
+
+fn is_side_by_side(state: &State) -> bool {
+    let beside = state.beside.as_ref();
+    beside.is_some_and(|beside| beside.layout == Layout::SideBySide)
+}
+
+/// Marks in the other half what the pointer is over: both are seen by one camera, with its axis in the middle of each.
+fn same_place(ui: &Ui, pointer: Pos2, places: [Rect; 2]) {
+    let here = usize::from(!places[0].contains(pointer));
+    let [here, there] = [places[here], places[1 - here]];
+    let place = there.center() + (pointer - here.center());
+    let painter = ui.painter_at(there);
+    for (width, color) in [(3.0, Color32::from_black_alpha(160)), (1.0, Color32::WHITE)] {
+        let stroke = Stroke::new(width, color);
+        painter.hline(place.x - CROSS..=place.x + CROSS, place.y, stroke);
+        painter.vline(place.x, place.y - CROSS..=place.y + CROSS, stroke);
+    }
+}
+
+/// The sides of two ways to draw.
+fn letters(ui: &Ui, rect: Rect, x: f32) {
+    for (text, place, align) in [
+        ("A", pos2(x - 8.0, rect.top() + 8.0), Align2::RIGHT_TOP),
+        ("B", pos2(x + 8.0, rect.top() + 8.0), Align2::LEFT_TOP),
+    ] {
+        let font = FontId::proportional(18.0);
+        ui.painter_at(rect)
+            .text(place, align, text, font, Color32::WHITE);
+    }
+}
+
+/// What is seen of two sequences.
+fn names(state: &State) -> Option<[String; 2]> {
+    let beside = state.beside.as_ref()?;
+    let player = state.player.as_ref()?;
+    let named = |side: &str, sequence: &str, frame: String| {
+        // A file that holds all frames has their name already.
+        if frame.starts_with(sequence) {
+            format!("{side}  {frame}")
+        } else {
+            format!("{side}  {sequence}: {frame}")
+        }
+    };
+    let frame = player.shown().map_or_else(
+        || "loading".to_owned(),
+        |frame| player.sequence().source(frame.index).name.clone(),
+    );
+    let a = named("A", &state.sequence_name().unwrap_or_default(), frame);
+    let companion = &beside.companion;
+    let frame = match (
+        companion.frame(),
+        companion.waiting_for(),
+        companion.failure(),
+    ) {
+        (None, ..) => "no frame at this time".to_owned(),
+        (_, _, Some(failure)) => format!("frame {} cannot be shown", failure.index() + 1),
+        (_, Some(frame), _) => format!("loading frame {}", frame + 1),
+        (Some(frame), None, None) => companion.sequence().source(frame).name.clone(),
+    };
+    Some([a, named("B", &beside.name, frame)])
+}
+
+/// A name in a corner of its part of the picture.
+fn name_ui(ui: &mut Ui, part: Rect, align: Align2, name: &str) {
+    let inner = part.shrink(8.0);
+    if inner.width() < 24.0 {
+        return;
+    }
+    let layout = if align == Align2::LEFT_TOP {
+        egui::Layout::left_to_right(egui::Align::Min)
+    } else {
+        egui::Layout::right_to_left(egui::Align::Min)
+    };
+    ui.scope_builder(UiBuilder::new().max_rect(inner).layout(layout), |ui| {
+        ui.shrink_clip_rect(part);
+        Frame::new()
+            .fill(Color32::from_black_alpha(170))
+            .corner_radius(4.0)
+            .inner_margin(Margin::symmetric(8, 3))
+            .show(ui, |ui| {
+                let text = RichText::new(name).color(Color32::WHITE);
+                let label = Label::new(text).selectable(false);
+                ui.add(label.wrap_mode(TextWrapMode::Truncate));
+            });
+    });
+}
+
+/// The texture of an error map, made when it is first shown; the last one goes then.
+fn error_map(ui: &Ui, map: &Arc<RgbaImage>) -> TextureId {
+    let id = Id::unique("error map");
+    let known: Option<(Arc<RgbaImage>, TextureHandle)> = ui.data(|data| data.get_temp(id));
+    if let Some((_, texture)) = known.filter(|(of, _)| Arc::ptr_eq(of, map)) {
+        return texture.id();
+    }
+    let size = [map.width() as usize, map.height() as usize];
+    let pixels = ColorImage::from_rgba_unmultiplied(size, map);
+    let texture = ui
+        .ctx()
+        .load_texture("error map", pixels, TextureOptions::NEAREST);
+    let shown = texture.id();
+    ui.data_mut(|data| data.insert_temp(id, (Arc::clone(map), texture)));
+    shown
+}

@@ -1,0 +1,232 @@
+//! A second sequence beside the open one: opening and closing it, its pictures, its share of the memory.
+
+use super::State;
+use super::actions::name_of;
+use crate::app::beside::{Beside, Layout};
+use crate::app::comparison::Side;
+use crate::app::drawing::DrawnFrame;
+use crate::app::measuring::significant;
+use crate::app::tasks::close;
+use crate::math::Aabb;
+use crate::playback::{Companion, PlayerChange};
+use crate::scene::{RendererChoice, ScenePacket};
+use crate::sequence::{LoaderOptions, Sequence, watch};
+use image::{RgbaImage, imageops};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+impl State {
+    /// Shows `sequence` beside the open one, in place of what that was compared with before. The camera stays.
+    pub fn compare_with(&mut self, sequence: Arc<Sequence>) {
+        let Some(player) = &self.player else {
+            let text = "There is nothing to compare with yet: open a sequence first";
+            return self.notices.error(text);
+        };
+        let leader = Arc::clone(player.sequence());
+        self.close_beside();
+        self.comparison = None;
+        let [_, share] = Companion::shares(self.budget_bytes());
+        let options = self.loader_options(share);
+        let companion = match Companion::new(&leader, sequence, options) {
+            Ok(companion) => companion,
+            Err(error) => return self.notices.error(error.to_string()),
+        };
+        let sequence = companion.sequence();
+        if let Err(error) = watch(sequence, self.wake()) {
+            self.notices.error(error.to_string());
+        }
+        let name = name_of(sequence).unwrap_or_default();
+        self.beside = Some(Beside::new(companion, name));
+        self.share_budget();
+    }
+
+    /// Finds the frames of `inputs` on a thread and shows them beside the open sequence.
+    pub fn compare_paths(&mut self, inputs: Vec<PathBuf>) {
+        self.find(inputs, self.options.open.clone(), Side::B);
+    }
+
+    /// Shows the open sequence alone. Its memory is all its own again.
+    pub(super) fn close_beside(&mut self) {
+        if let Some(beside) = self.beside.take() {
+            // Its threads end after the frame they are on; nobody waits for that here.
+            close(beside);
+            self.inspection.forget_points_of_b();
+            self.share_budget();
+        }
+    }
+
+    /// Side by side, or one over the other.
+    pub(super) fn next_layout(&mut self) {
+        match &mut self.beside {
+            Some(beside) => {
+                let layout = match beside.layout {
+                    Layout::SideBySide => Layout::Wipe,
+                    Layout::Wipe => Layout::SideBySide,
+                };
+                beside.lay_out(layout);
+            }
+            None => self
+                .notices
+                .info("One sequence is open: File, Compare with… opens another beside it"),
+        }
+    }
+
+    /// Takes notice that the first of two pictures is another one.
+    pub(super) fn note_picture(&mut self) {
+        if let Some(beside) = &mut self.beside {
+            beside.note_change(self.now);
+        }
+        if let Some(comparison) = &mut self.comparison {
+            comparison.pictures.note_change(self.now);
+        }
+    }
+
+    /// Measures the distances of the two shown frames.
+    pub(in crate::app) fn measure_distances(&mut self) {
+        if let (Some(beside), Some(player)) = (&mut self.beside, &self.player) {
+            beside.measure(player, &self.tasks);
+        }
+    }
+
+    /// Memory for the prepared frames of all that is open.
+    pub fn budget_bytes(&self) -> usize {
+        let default = || LoaderOptions::default().budget_bytes;
+        self.options.budget_bytes.unwrap_or_else(default)
+    }
+
+    pub(super) fn loader_options(&self, budget_bytes: usize) -> LoaderOptions {
+        LoaderOptions {
+            wake: self.wake(),
+            keeps_coarse_frames: true,
+            budget_bytes,
+            ..LoaderOptions::default()
+        }
+    }
+
+    /// Divides the memory between what is open.
+    pub(super) fn share_budget(&self) {
+        let whole = self.budget_bytes();
+        let [a, b] = match self.beside {
+            Some(_) => Companion::shares(whole),
+            None => [whole, 0],
+        };
+        if let Some(player) = &self.player {
+            player.loader().set_budget_bytes(a);
+        }
+        if let Some(beside) = &self.beside {
+            beside.companion.loader().set_budget_bytes(b);
+        }
+    }
+
+    /// Takes in what has changed about the other sequence. True if something can be seen.
+    pub(super) fn follow_beside(&mut self, change: PlayerChange) -> bool {
+        let (Some(beside), Some(player)) = (&mut self.beside, &self.player) else {
+            return false;
+        };
+        let sequence = beside.companion.sequence();
+        if let Some(failure) = change.new_failure {
+            let place = failure.index() + 1;
+            let (count, name) = (sequence.len(), &beside.name);
+            self.notices.error(format!(
+                "Frame {place} of {count} of B ({name}) is left out. {failure}"
+            ));
+        }
+        if let Some(frame) = beside.companion.shown() {
+            self.inspection.follow(Side::B, frame, sequence.origin());
+        }
+        if let Some(gap) = beside.take_gap(player) {
+            let a = name_of(player.sequence()).unwrap_or_default();
+            self.notices.warn(format!(
+                "B ({}) is {} away from A ({a}): both are drawn where their files say. R shows both; \
+                 `pointreel convert --transform` moves the points of one",
+                beside.name,
+                significant(gap),
+            ));
+        }
+        change.visible
+    }
+
+    /// The box around the shown frame of the other sequence, relative to the origin of the open one; empty without any.
+    pub(super) fn bounds_beside(&self) -> Aabb {
+        let (Some(beside), Some(player)) = (&self.beside, &self.player) else {
+            return Aabb::EMPTY;
+        };
+        let Some(frame) = beside.companion.shown() else {
+            return Aabb::EMPTY;
+        };
+        let shift = beside.shift_from(player).as_vec3();
+        let Aabb { min, max } = frame.frame.bounds();
+        Aabb {
+            min: min + shift,
+            max: max + shift,
+        }
+    }
+
+    /// The packet of the other sequence, if it differs from the last one.
+    pub(super) fn next_packet_beside(&mut self) -> Option<ScenePacket> {
+        let beside = self.beside.as_mut()?;
+        let Some(frame) = beside.companion.shown() else {
+            beside.pictures.forget_difference();
+            return None;
+        };
+        if self.viewport.other_size_px.contains(&0) {
+            return None;
+        }
+        let mut settings = self.settings;
+        if self.without_gpu == Some(settings.renderer) {
+            settings.renderer = RendererChoice::Cpu;
+        }
+        let draw_ms = self.graphics.picture_ms();
+        if let Some(points) = beside.drawing.note_draw_ms(&settings, draw_ms) {
+            beside.companion.note_picture_ms(points, draw_ms);
+        }
+        let drawn = DrawnFrame {
+            frame: Arc::clone(frame),
+            pose: Arc::clone(frame),
+            origin: beside.companion.sequence().origin(),
+        };
+        let size_px = self.viewport.other_size_px;
+        let packet = beside
+            .drawing
+            .next_packet(drawn, &self.camera, &settings, size_px)?;
+        beside.note_change(self.now);
+        Some(packet)
+    }
+
+    /// Whether all pictures that are to be seen have been drawn of frames that are due.
+    pub(in crate::app) fn is_drawn(&self) -> bool {
+        let is_drawn_beside = |beside: &Beside| {
+            beside.companion.waiting_for().is_none()
+                && (beside.drawing.is_drawn() || beside.companion.shown().is_none())
+        };
+        self.drawing.is_drawn() && self.beside.as_ref().is_none_or(is_drawn_beside)
+    }
+
+    /// What is seen of both pictures, as one: side by side, or on both sides of the line. The first one alone if there is no other
+    /// sequence, or no frame of it.
+    pub fn joined(&self, a: RgbaImage, b: Option<RgbaImage>) -> RgbaImage {
+        let Some((beside, b)) = self.beside.as_ref().zip(b) else {
+            return a;
+        };
+        if beside.companion.shown().is_none() {
+            return a;
+        }
+        match beside.layout {
+            Layout::SideBySide => {
+                let size = (a.width() + b.width(), a.height().max(b.height()));
+                let mut joined = RgbaImage::new(size.0, size.1);
+                imageops::replace(&mut joined, &a, 0, 0);
+                imageops::replace(&mut joined, &b, i64::from(a.width()), 0);
+                joined
+            }
+            Layout::Wipe => {
+                let mut joined = a;
+                let width = joined.width().min(b.width());
+                let line = (beside.pictures.split * width as f32).round() as u32;
+                let right = imageops::crop_imm(&b, line, 0, width - line, b.height());
+                imageops::replace(&mut joined, &right.to_image(), i64::from(line), 0);
+                joined
+            }
+        }
+    }
+}

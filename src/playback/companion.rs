@@ -1,0 +1,250 @@
+//! A second sequence that goes along with a first one: its frames are those that belong to the first one's, by one clock.
+//!
+//! **How it works.** The clock is that of the first sequence's [`Player`](super::Player). Before it moves, the companion is told where to; it
+//! asks its own loader for the frame that belongs there and says whether it is at hand: playing waits for it as for the player's own.
+//! The loader prepares ahead in the clock's direction, between the frames that belong to the ends of what plays, and is told how
+//! long one of *its* frames lasts, which is another time where the sequences have other rates.
+
+use super::can_draw;
+use super::pairing::{Pair, PairBy, PairTimes};
+use super::player::PlayerChange;
+use crate::scene::{Scene, Settings};
+use crate::sequence::{
+    Clock, Direction, FrameError, Loader, LoaderOptions, LoopMode, Needs, PlayRange, PreparedFrame,
+    Sequence, SequenceError, Slot,
+};
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// A sequence beside another one.
+#[derive(Debug)]
+pub struct Companion {
+    leader: Arc<Sequence>,
+    sequence: Arc<Sequence>,
+    loader: Loader,
+    by: PairBy,
+    offset_frames: i64,
+    times: Option<PairTimes>,
+    /// Frames of leader and companion that `times` is of.
+    known_counts: [usize; 2],
+    pair: Pair,
+    shown: Option<Arc<PreparedFrame>>,
+    failure: Option<Arc<FrameError>>,
+    /// Broken frames that were told of.
+    told: HashSet<usize>,
+    requested: Option<(usize, Direction, Needs)>,
+    way: Option<(LoopMode, PlayRange)>,
+    is_playing: bool,
+}
+
+impl Companion {
+    /// Opens `sequence` beside `leader`, whose origin it takes if that keeps its detail. Paired by time where both have times.
+    pub fn new(
+        leader: &Arc<Sequence>,
+        sequence: Arc<Sequence>,
+        options: LoaderOptions,
+    ) -> Result<Self, SequenceError> {
+        sequence.share_origin_with(leader);
+        Ok(Self::with_loader(leader, Loader::new(sequence, options)?))
+    }
+
+    pub(super) fn with_loader(leader: &Arc<Sequence>, loader: Loader) -> Self {
+        let mut companion = Self {
+            leader: Arc::clone(leader),
+            sequence: Arc::clone(loader.sequence()),
+            loader,
+            by: PairBy::Index,
+            offset_frames: 0,
+            times: None,
+            known_counts: [0; 2],
+            pair: Pair {
+                nearest: 0,
+                is_there: false,
+            },
+            shown: None,
+            failure: None,
+            told: HashSet::new(),
+            requested: None,
+            way: None,
+            is_playing: false,
+        };
+        companion.look_at_times();
+        if companion.times.is_some() {
+            companion.by = PairBy::Time;
+        }
+        companion
+    }
+
+    /// How much of `budget_bytes` is for the frames of the leader and how much for those of its companion: all of it together.
+    pub fn shares(budget_bytes: usize) -> [usize; 2] {
+        let of_companion = budget_bytes / 2;
+        [budget_bytes - of_companion, of_companion]
+    }
+
+    /// The sequence.
+    pub fn sequence(&self) -> &Arc<Sequence> {
+        &self.sequence
+    }
+
+    /// Its loader.
+    pub fn loader(&self) -> &Loader {
+        &self.loader
+    }
+
+    /// The frame in the picture; `None` also where there is no frame at that time.
+    pub fn shown(&self) -> Option<&Arc<PreparedFrame>> {
+        self.shown.as_ref()
+    }
+
+    /// The frame that belongs to the clock's.
+    pub fn frame(&self) -> Option<usize> {
+        self.pair.frame()
+    }
+
+    /// Why that is not in the picture, if it cannot be read.
+    pub fn failure(&self) -> Option<&Arc<FrameError>> {
+        self.failure.as_ref()
+    }
+
+    /// The frame that is waited for.
+    pub fn waiting_for(&self) -> Option<usize> {
+        let is_shown = |frame: &usize| self.shown.as_ref().is_some_and(|s| s.index == *frame);
+        let frame = self.frame().filter(|frame| !is_shown(frame));
+        frame.filter(|_| self.failure.is_none())
+    }
+
+    /// By what frames belong together.
+    pub fn paired_by(&self) -> PairBy {
+        self.by
+    }
+
+    /// The times by which they can; `None` where not all frames of both have one.
+    pub fn times(&self) -> Option<&PairTimes> {
+        self.times.as_ref()
+    }
+
+    /// How many of its frames later the companion is.
+    pub fn offset_frames(&self) -> i64 {
+        self.offset_frames
+    }
+
+    /// Chooses by what frames belong together; without times it stays the index.
+    pub fn pair_by(&mut self, by: PairBy) {
+        self.by = by;
+    }
+
+    /// Shows frames so much later, or earlier if it is negative.
+    pub fn set_offset_frames(&mut self, offset_frames: i64) {
+        self.offset_frames = offset_frames;
+    }
+
+    /// Takes notice of how long the picture of a frame of so many points took, milliseconds.
+    pub fn note_picture_ms(&self, points: usize, picture_ms: f64) {
+        if self.is_playing {
+            self.loader.note_drawn(points, picture_ms);
+        }
+    }
+
+    /// Asks for the frame that belongs to that of `clock`, and for those that come then. True if nothing is to be waited for: it is
+    /// here, cannot be read, or there is none.
+    pub fn prepare(&mut self, clock: &Clock, is_playing: bool, settings: &Settings) -> bool {
+        self.look_at_times();
+        if self.sequence.is_empty() {
+            return true;
+        }
+        self.is_playing = is_playing;
+        let frames = clock.range().of(clock.frame_count());
+        let ends = [frames.start, frames.end.saturating_sub(1)].map(|frame| self.pair_of(frame));
+        let range = PlayRange::default()
+            .beginning_at(ends[0].nearest)
+            .ending_at(ends[1].nearest);
+        let way = (clock.loop_mode(), range);
+        if self.way != Some(way) {
+            self.loader.set_loop_mode(way.0);
+            self.loader.set_range(range);
+            self.way = Some(way);
+        }
+        let interval = clock.frame_interval().div_f64(self.frames_per_frame());
+        self.loader.set_interval(is_playing.then_some(interval));
+        let needs = Scene::needs(settings);
+        self.pair = self.pair_of(clock.frame());
+        let request = (self.pair.nearest, clock.direction(), needs);
+        if self.requested != Some(request) {
+            self.loader.request(request.0, request.1, &needs);
+            self.requested = Some(request);
+        }
+        let Some(frame) = self.frame() else {
+            return true;
+        };
+        match self.loader.get(frame, &needs) {
+            Slot::Ready(_) | Slot::Coarse(_) | Slot::Failed(_) => true,
+            Slot::Stale(frame) => can_draw(&frame, settings.primitive),
+            Slot::Pending => false,
+        }
+    }
+
+    /// Shows the frame that [`Companion::prepare`] has asked for, if it is here. What was shown before stays until then.
+    pub fn show(&mut self, settings: &Settings) -> PlayerChange {
+        let mut change = PlayerChange::default();
+        let before = self.shown.as_ref().map(Arc::as_ptr);
+        let was_waiting = self.waiting_for();
+        let failed_before = self.failure.take().map(|error| error.index());
+        match self.frame() {
+            None => self.shown = None,
+            Some(index) => match self.loader.get(index, &Scene::needs(settings)) {
+                Slot::Ready(frame) | Slot::Coarse(frame) => self.shown = Some(frame),
+                Slot::Stale(frame)
+                    if can_draw(&frame, settings.primitive)
+                        || self.shown.as_ref().is_some_and(|s| s.index == index) =>
+                {
+                    self.shown = Some(frame);
+                }
+                Slot::Stale(_) | Slot::Pending => {}
+                Slot::Failed(error) => {
+                    if self.told.insert(index) {
+                        change.new_failure = Some(Arc::clone(&error));
+                    }
+                    self.failure = Some(error);
+                }
+            },
+        }
+        change.visible = before != self.shown.as_ref().map(Arc::as_ptr)
+            || was_waiting != self.waiting_for()
+            || failed_before != self.failure.as_ref().map(|error| error.index());
+        change
+    }
+
+    fn pair_of(&self, index: usize) -> Pair {
+        match &self.times {
+            Some(times) if self.by == PairBy::Time => times.pair(index, self.offset_frames),
+            _ => Pair::by_index(index, self.offset_frames, self.sequence.len()),
+        }
+    }
+
+    fn frames_per_frame(&self) -> f64 {
+        match &self.times {
+            // Beyond that it is no rate to prepare frames for, and durations have an end.
+            Some(times) if self.by == PairBy::Time => times.frames_per_frame().clamp(1e-3, 1e3),
+            _ => 1.0,
+        }
+    }
+
+    /// Both may have grown.
+    fn look_at_times(&mut self) {
+        let counts = [self.leader.len(), self.sequence.len()];
+        if counts == self.known_counts {
+            return;
+        }
+        self.loader.grow();
+        self.known_counts = counts;
+        let times = |sequence: &Sequence| -> Vec<_> {
+            let sources = sequence.sources();
+            sources.iter().map(|source| source.time).collect()
+        };
+        self.times = PairTimes::of(&times(&self.leader), &times(&self.sequence));
+    }
+}
+
+#[cfg(test)]
+#[path = "companion_tests.rs"]
+mod tests;
