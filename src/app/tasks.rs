@@ -390,14 +390,15 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
             )
             .add_filter("All files", &["*"])
             .pick_files(),
-        DialogKind::OpenFolder | DialogKind::CompareFolder => one(dialog.pick_folder()),
+        DialogKind::OpenFolder | DialogKind::CompareFolder | DialogKind::ExportFolder => {
+            one(dialog.pick_folder())
+        }
         DialogKind::SavePicture => one(dialog.add_filter("PNG image", &["png"]).save_file()),
         DialogKind::OpenPath => one(dialog.add_filter("Camera path", &["json"]).pick_file()),
         DialogKind::SavePath => one(dialog.add_filter("Camera path", &["json"]).save_file()),
         DialogKind::ExportTo(extension) => one(dialog
             .add_filter(extension.to_uppercase(), &[extension])
             .save_file()),
-        DialogKind::ExportFolder => one(dialog.pick_folder()),
         DialogKind::SaveReport(format) => one(dialog
             .add_filter(format.name(), &[format.extension()])
             .save_file()),
