@@ -6,6 +6,7 @@
 #![allow(dead_code, reason = "no test needs all of it")]
 
 use std::io::Read as _;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -16,6 +17,10 @@ use x11rb::rust_connection::RustConnection;
 
 /// Software adapters compile their shaders for the first picture; machines of continuous integration are slow.
 pub(crate) const PATIENCE: Duration = Duration::from_mins(1);
+
+/// Where [`Screen::picture`] looks: in the middle of the 3-D picture of the smallest window that tests open.
+pub(crate) const PICTURE_COLUMNS: Range<usize> = 50..600;
+pub(crate) const PICTURE_ROWS: Range<usize> = 100..480;
 
 /// A process that ends with the test.
 pub(crate) struct Process(pub(crate) Child);
@@ -125,8 +130,9 @@ impl Screen {
     pub(crate) fn picture(&self) -> Vec<u8> {
         let pixels = self.pixels();
         let stride = usize::from(self.size[0]) * 4;
-        (100..480)
-            .flat_map(|row| pixels[row * stride + 200..row * stride + 2400].to_vec())
+        let columns = 4 * PICTURE_COLUMNS.start..4 * PICTURE_COLUMNS.end;
+        PICTURE_ROWS
+            .flat_map(|row| pixels[row * stride..][columns.clone()].to_vec())
             .collect()
     }
 
@@ -310,18 +316,10 @@ impl Screen {
             .unwrap();
     }
 
-    /// Holds Ctrl while a key is pressed.
-    pub(crate) fn ctrl_key(&self, keysym: u32) {
-        const LEFT_CTRL: u32 = 0xffe3;
-        self.key_event(xproto::KEY_PRESS_EVENT, LEFT_CTRL);
+    /// Holds a modifier, by its keysym, while a key is pressed.
+    pub(crate) fn key_with(&self, modifier: u32, keysym: u32) {
+        self.key_event(xproto::KEY_PRESS_EVENT, modifier);
         self.key(keysym);
-        self.key_event(xproto::KEY_RELEASE_EVENT, LEFT_CTRL);
-    }
-
-    /// Types lower-case letters and spaces, whose keysyms are their ASCII codes.
-    pub(crate) fn type_text(&self, text: &str) {
-        for letter in text.bytes() {
-            self.key(u32::from(letter));
-        }
+        self.key_event(xproto::KEY_RELEASE_EVENT, modifier);
     }
 }
