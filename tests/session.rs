@@ -26,6 +26,8 @@ const VOXELS: [i16; 2] = [822, 154];
 const BODY: [[i16; 2]; 2] = [[345, 260], [345, 330]];
 /// Over the menu, where nothing lights up.
 const ASIDE: [i16; 2] = [640, 16];
+/// In the window of what was measured.
+const DELETE_ALL: [i16; 2] = [149, 541];
 /// In the window that *Export* opens.
 const EXPORT: [i16; 2] = [128, 395];
 /// Height of the menu above the 3-D picture.
@@ -80,11 +82,13 @@ fn open_play_scrub_draw_otherwise_measure_and_export() {
     screen.wait_for("undo does not bring surfels back", is_as_opened);
 
     screen.key(M);
-    BODY.map(|place| screen.click(place));
+    for place in BODY {
+        screen.click(place);
+    }
     screen.move_to(ASIDE);
     screen.wait_for("what is measured is not marked", is_other);
+    screen.click(DELETE_ALL);
     screen.key(ESCAPE);
-    screen.key(M);
     screen.wait_for("marks stay", is_as_opened);
 
     screen.key(P);

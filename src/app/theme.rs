@@ -166,3 +166,48 @@ pub(super) fn paint_icon(painter: &Painter, icon: Icon, center: Pos2, size: f32,
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::Rgba;
+
+    /// How far apart two colours are in brightness (WCAG 2.1, contrast ratio): 1 to 21.
+    fn contrast(one: Color32, other: Color32) -> f32 {
+        let luminance = |color: Color32| {
+            let linear = Rgba::from(color);
+            0.2126 * linear.r() + 0.7152 * linear.g() + 0.0722 * linear.b()
+        };
+        let [one, other] = [luminance(one), luminance(other)];
+        (one.max(other) + 0.05) / (one.min(other) + 0.05)
+    }
+
+    #[test]
+    fn text_can_be_read_on_everything_in_light_and_dark() {
+        let ctx = Context::default();
+        apply_theme(&ctx);
+        for theme in [Theme::Dark, Theme::Light] {
+            let visuals = ctx.style_of(theme).visuals.clone();
+            assert_eq!(visuals.dark_mode, theme == Theme::Dark);
+            let widgets = &visuals.widgets;
+            let texts = [
+                ("plain text", widgets.noninteractive.text_color()),
+                ("errors", visuals.error_fg_color),
+                ("warnings", visuals.warn_fg_color),
+                ("links", visuals.hyperlink_color),
+            ];
+            for (what, color) in texts {
+                for fill in [visuals.panel_fill, visuals.window_fill] {
+                    let contrast = contrast(color, fill);
+                    assert!(contrast >= 4.5, "{theme:?}: {what} {contrast}");
+                }
+            }
+            for widget in [&widgets.inactive, &widgets.hovered, &widgets.active] {
+                let contrast = contrast(widget.text_color(), widget.weak_bg_fill);
+                assert!(contrast >= 4.5, "{theme:?}: a button {contrast}");
+            }
+            let chosen = contrast(visuals.selection.stroke.color, visuals.selection.bg_fill);
+            assert!(chosen >= 4.5, "{theme:?}: what is chosen {chosen}");
+        }
+    }
+}
