@@ -4,7 +4,7 @@
 //! with its last time and the step between two pulses. A symbol says how a time follows from the sequence in use: as many steps
 //! further and a difference from that (in a coder that depends on how many), not at all, as the first time of a new sequence, or
 //! that it belongs to another sequence, and what is said about that one follows. Sequences without a step have symbols of their own.
-//! A factor that is beyond what symbols can say, or none at all, four times in a row makes the difference the new step.
+//! The fourth factor that is beyond what symbols can say, or 0, since a step last fitted makes its difference the new step.
 //!
 //! The crate `laz` calls itself for each change of the sequence. A writer looks for the sequence that it changes to and changes once;
 //! changed bytes can ask for it without end, within a byte, until the stack overflows, and nobody catches that. This is why the
@@ -33,7 +33,7 @@ const SYMBOLS: u32 = NEW_SEQUENCE + SEQUENCES as u32;
 /// Symbols of a sequence without a step: unchanged, a first step, a new sequence, three other sequences.
 const SYMBOLS_WITHOUT_STEP: u32 = 6;
 
-/// In a row, before the step becomes another.
+/// Since the step last fitted, before it becomes another.
 const MAX_MISFITS: u8 = 3;
 
 /// One of the interleaved sequences.
@@ -42,7 +42,7 @@ struct Sequence {
     /// Bits of the last time.
     time: i64,
     step: i32,
-    /// Times in a row whose factor was beyond what symbols can say.
+    /// Times with a factor beyond what symbols can say since the step last fitted.
     misfits: u8,
 }
 

@@ -1,8 +1,8 @@
 //! Compressed points (LAZ). They are in chunks, each of which is unpacked alone: in parallel, and in any order.
 //!
-//! The crate `laz` unpacks most of it (see [`super::fields`]). It trusts its input: it allocates the sizes of layers that a chunk claims
-//! and may overflow, so sizes are checked here before it sees them, and a panic within it becomes an error. The table of the chunks may be missing
-//! or wrong; the chunks are then found one behind the other, as far as that goes.
+//! The crate `laz` unpacks most of it (see [`super::fields`]). It trusts its input: it allocates the sizes of layers that a chunk
+//! claims and may overflow, so sizes are checked here before it sees them, and a panic within it becomes an error. The table of the
+//! chunks may be missing or wrong; the chunks are then found one behind the other, as far as that goes.
 
 use super::fields::{self, LAYERED_VERSION};
 use super::header::{Header, take};

@@ -10,7 +10,9 @@ mod gps_times;
 mod header;
 mod layered_point;
 mod laz;
+mod median;
 mod points;
+mod scanner_channel;
 #[cfg(test)]
 mod tests;
 pub(in crate::io) mod write;
