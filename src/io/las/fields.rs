@@ -48,7 +48,7 @@ pub(super) fn unpack(
 }
 
 /// Bytes of a field of a point. Only fields of extra bytes have the size that the file says.
-pub(super) fn bytes(item: &LazItem) -> usize {
+pub(super) fn bytes(item: LazItem) -> usize {
     match item.item_type() {
         LazItemType::Point10 => 20,
         LazItemType::GpsTime | LazItemType::RGBNIR14 => 8,
@@ -60,7 +60,7 @@ pub(super) fn bytes(item: &LazItem) -> usize {
 }
 
 /// Layers that a field is in.
-pub(super) fn layers(item: &LazItem) -> usize {
+pub(super) fn layers(item: LazItem) -> usize {
     match item.item_type() {
         LazItemType::Point14 => 9,
         LazItemType::RGBNIR14 => 2,

@@ -48,7 +48,7 @@ impl Compression {
         };
         let record = LazVlr::read_from(data).map_err(|error| unknown(error.to_string()))?;
         let items = record.items();
-        let bytes: usize = items.iter().map(fields::bytes).sum();
+        let bytes: usize = items.iter().copied().map(fields::bytes).sum();
         let first = items.first().map(laz::LazItem::item_type);
         if !matches!(first, Some(LazItemType::Point10 | LazItemType::Point14))
             || bytes != header.point_bytes
@@ -184,7 +184,13 @@ impl Compression {
     fn layered_bytes(&self, bytes: &[u8]) -> Option<usize> {
         /// How many points there are, behind the first of them.
         const COUNT_BYTES: usize = 4;
-        let sizes: usize = self.record.items().iter().map(fields::layers).sum();
+        let sizes: usize = self
+            .record
+            .items()
+            .iter()
+            .copied()
+            .map(fields::layers)
+            .sum();
         let sizes_start = self.point_bytes + COUNT_BYTES;
         let sizes = bytes.get(sizes_start..sizes_start + 4 * sizes)?;
         let layers = sizes.as_chunks::<4>().0;

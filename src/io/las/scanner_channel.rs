@@ -176,7 +176,7 @@ impl Channel {
             }
             _ => last + 2 + layer.decode_symbol(&mut self.returns_of_pulse)? as usize,
         };
-        self.point[RETURNS] = (count << 4 | number % 16) as u8;
+        self.point[RETURNS] = ((count << 4) | (number % 16)) as u8;
         Ok(())
     }
 

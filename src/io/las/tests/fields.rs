@@ -33,7 +33,7 @@ fn is_layered(items: &[LazItem]) -> bool {
 }
 
 fn point_bytes(items: &[LazItem]) -> usize {
-    items.iter().map(super::super::fields::bytes).sum()
+    items.iter().copied().map(super::super::fields::bytes).sum()
 }
 
 fn packed(items: &Vec<LazItem>, rows: &[u8]) -> Vec<u8> {
@@ -146,7 +146,7 @@ fn rows((items, time_at): &(Vec<LazItem>, usize), points: &[Next], range: (i64, 
             (noise >> 56) as u8
         };
         if *is_other {
-            row.iter_mut().for_each(|byte| *byte = random());
+            row.fill_with(&mut random);
         } else {
             for axis in 0..3 {
                 row[4 * axis] = row[4 * axis].wrapping_add(random() & 15);
@@ -245,6 +245,9 @@ impl<W: Write> FieldCompressor<W> for Changing {
 
 const FIRST_TIME: i64 = 77;
 
+/// Where the size of the layer of times is, the last of nine: behind the first point, the count and the other sizes.
+const LAST_SIZE: usize = 34 + 4 * 8;
+
 /// Chunks of two points, the second of which has a time that changes so often, with their fields, format and place of the time.
 fn changing(changes: usize) -> [(Vec<LazItem>, u8, usize, Vec<u8>); 2] {
     let mut rows = vec![0; 56];
@@ -264,8 +267,6 @@ fn changing(changes: usize) -> [(Vec<LazItem>, u8, usize, Vec<u8>); 2] {
     changing_time(&mut encoder, changes, true);
     encoder.done().unwrap();
     let layer = encoder.into_inner();
-    // The times are the last of nine layers, whose sizes are behind the first point and the count.
-    const LAST_SIZE: usize = 34 + 4 * 8;
     let size = u32::from_le_bytes(take(&layered, LAST_SIZE)) as usize;
     layered.truncate(layered.len() - size);
     layered[LAST_SIZE..LAST_SIZE + 4].copy_from_slice(&(layer.len() as u32).to_le_bytes());
