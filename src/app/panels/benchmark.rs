@@ -2,7 +2,7 @@
 
 use super::lab::lab_ui;
 use super::works::{bar, cancel_button};
-use crate::app::theme::{ACCENT, BAD, ODD};
+use crate::app::theme::ACCENT;
 use crate::app::{Benchmark, BenchmarkTable, DialogKind, ReportFormat, State};
 use crate::bench::Table;
 use egui::{Align2, Grid, RichText, ScrollArea, Ui, Window};
@@ -58,7 +58,7 @@ fn contents(ui: &mut Ui, state: &mut State) -> Option<DialogKind> {
             ui.label("The benchmark was cancelled.");
         }
         Benchmark::Failed(text) => {
-            ui.label(RichText::new(text).color(BAD));
+            ui.label(RichText::new(text).color(ui.visuals().error_fg_color));
             if ui.button("Copy").clicked() {
                 ui.ctx().copy_text(text.clone());
             }
@@ -88,7 +88,7 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<DialogKind> {
             }
         });
     for note in &table.notes {
-        ui.label(RichText::new(note).color(ODD));
+        ui.label(RichText::new(note).color(ui.visuals().warn_fg_color));
     }
     // Ways by time and error have a plot of their own.
     if !table.bars.is_empty() && table.points.is_empty() {

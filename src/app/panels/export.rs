@@ -3,7 +3,6 @@
 use super::settings::{choice, row, rows};
 use super::settle;
 use crate::app::export::Subject;
-use crate::app::theme::{BAD, ODD};
 use crate::app::{Export, State};
 use crate::export::VideoFormat;
 use egui::{
@@ -253,11 +252,14 @@ fn place(ui: &mut Ui, state: &mut State) {
 fn start(ui: &mut Ui, state: &mut State) {
     let problem = state.export_problem();
     if let Some(problem) = &problem {
-        ui.label(RichText::new(problem).color(BAD));
+        ui.label(RichText::new(problem).color(ui.visuals().error_fg_color));
     } else {
         ui.weak(summary(state));
         if state.export_replaces() {
-            ui.label(RichText::new("A file of this name is there: it is replaced").color(ODD));
+            ui.label(
+                RichText::new("A file of this name is there: it is replaced")
+                    .color(ui.visuals().warn_fg_color),
+            );
         }
     }
     let button = ui.add_enabled(problem.is_none(), Button::new("Export"));

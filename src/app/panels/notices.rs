@@ -1,7 +1,7 @@
 //! Messages over the picture, at its lower left, and bars of long work below them.
 
 use super::works::{shown_works, work_ui};
-use crate::app::theme::{BAD, GOOD, ODD};
+use crate::app::theme::GOOD;
 use crate::app::{Notice, Severity, State};
 use egui::{Align2, Area, Frame, Id, RichText, ScrollArea, Stroke, Ui, vec2};
 
@@ -42,8 +42,8 @@ pub fn notices_ui(ui: &mut Ui, state: &mut State) {
 fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
     let (color, word) = match notice.severity {
         Severity::Info => (GOOD, "Done"),
-        Severity::Warning => (ODD, "Note"),
-        Severity::Error => (BAD, "Error"),
+        Severity::Warning => (ui.visuals().warn_fg_color, "Note"),
+        Severity::Error => (ui.visuals().error_fg_color, "Error"),
     };
     let frame = Frame::window(ui.style()).stroke(Stroke::new(1.0, color.gamma_multiply(0.7)));
     frame

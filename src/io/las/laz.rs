@@ -1,16 +1,14 @@
 //! Compressed points (LAZ). They are in chunks, each of which is unpacked alone: in parallel, and in any order.
 //!
-//! The crate `laz` unpacks. It trusts its input: it allocates the sizes of layers that a chunk claims and may overflow, so
-//! sizes are checked here before it sees them, and a panic within it becomes an error. The table of the chunks may be missing
-//! or wrong; the chunks are then found one behind the other, as far as that goes.
+//! The crate `laz` unpacks most of it (see [`super::fields`]). It trusts its input: it allocates the sizes of layers that a chunk
+//! claims and may overflow, so sizes are checked here before it sees them, and a panic within it becomes an error. The table of the
+//! chunks may be missing or wrong; the chunks are then found one behind the other, as far as that goes.
 
+use super::fields::{self, LAYERED_VERSION};
 use super::header::{Header, take};
 use crate::io::error::{Fault, Place};
 use laz::laszip::ChunkTable;
-use laz::record::{
-    LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor,
-};
-use laz::{DecompressionSelection, LazItemType, LazVlr};
+use laz::{LazItemType, LazVlr};
 use rayon::prelude::*;
 use std::io::Cursor;
 use std::ops::Range;
@@ -50,10 +48,7 @@ impl Compression {
         };
         let record = LazVlr::read_from(data).map_err(|error| unknown(error.to_string()))?;
         let items = record.items();
-        let bytes: usize = items
-            .iter()
-            .map(|item| item_bytes(item.item_type(), item.size()))
-            .sum();
+        let bytes: usize = items.iter().copied().map(fields::bytes).sum();
         let first = items.first().map(laz::LazItem::item_type);
         if !matches!(first, Some(LazItemType::Point10 | LazItemType::Point14))
             || bytes != header.point_bytes
@@ -64,7 +59,7 @@ impl Compression {
             )));
         }
         Ok(Self {
-            is_layered: items[0].version() >= 3,
+            is_layered: items[0].version() >= LAYERED_VERSION,
             // The first number says how the points are divided, 1 not at all.
             is_single: data.starts_with(&[1, 0]),
             point_bytes: header.point_bytes,
@@ -193,7 +188,8 @@ impl Compression {
             .record
             .items()
             .iter()
-            .map(|item| layers(item.item_type()))
+            .copied()
+            .map(fields::layers)
             .sum();
         let sizes_start = self.point_bytes + COUNT_BYTES;
         let sizes = bytes.get(sizes_start..sizes_start + 4 * sizes)?;
@@ -232,7 +228,7 @@ impl Compression {
             {
                 return Err(damaged());
             }
-            let unpack = || self.unpack_chunk(&mut Cursor::new(packed), rows);
+            let unpack = || fields::unpack(self.record.items(), &mut Cursor::new(packed), rows);
             match catch_unwind(AssertUnwindSafe(unpack)) {
                 Ok(Ok(())) => Ok(()),
                 Ok(Err(_)) | Err(_) => Err(damaged()),
@@ -258,58 +254,13 @@ impl Compression {
         let chunk_bytes = chunk_points.min(count) * self.point_bytes;
         for (index, rows) in rows.chunks_mut(chunk_bytes).enumerate() {
             let chunk_start = start + cursor.position() as usize;
-            let unpack = || self.unpack_chunk(&mut cursor, rows);
+            let unpack = || fields::unpack(self.record.items(), &mut cursor, rows);
             match catch_unwind(AssertUnwindSafe(unpack)) {
                 Ok(Ok(())) => {}
                 Ok(Err(_)) | Err(_) => return Err(damaged(index, chunk_start)),
             }
         }
         Ok(rows)
-    }
-
-    fn unpack_chunk(&self, packed: &mut Cursor<&[u8]>, rows: &mut [u8]) -> laz::Result<()> {
-        let items = self.record.items();
-        if self.is_layered {
-            let mut chunk = LayeredPointRecordDecompressor::new(packed);
-            chunk.set_fields_from(items)?;
-            // What no cloud has a place for.
-            chunk.set_selection(
-                DecompressionSelection::all()
-                    .skip_flags()
-                    .skip_scan_angle()
-                    .skip_user_data()
-                    .skip_point_source_id()
-                    .skip_wavepacket(),
-            );
-            chunk.decompress_many(rows)?;
-        } else {
-            let mut chunk = SequentialPointRecordDecompressor::new(packed);
-            chunk.set_fields_from(items)?;
-            chunk.decompress_many(rows)?;
-        }
-        Ok(())
-    }
-}
-
-/// Bytes of a field of a point. Only fields of extra bytes have the size that the file says.
-fn item_bytes(kind: LazItemType, size: u16) -> usize {
-    match kind {
-        LazItemType::Point10 => 20,
-        LazItemType::GpsTime | LazItemType::RGBNIR14 => 8,
-        LazItemType::RGB12 | LazItemType::RGB14 => 6,
-        LazItemType::WavePacket13 | LazItemType::WavePacket14 => 29,
-        LazItemType::Point14 => 30,
-        LazItemType::Byte(_) | LazItemType::Byte14(_) => usize::from(size),
-    }
-}
-
-/// Layers that a field is in.
-fn layers(kind: LazItemType) -> usize {
-    match kind {
-        LazItemType::Point14 => 9,
-        LazItemType::RGBNIR14 => 2,
-        LazItemType::Byte14(bytes) => usize::from(bytes),
-        _ => 1,
     }
 }
 

@@ -1,13 +1,18 @@
 //! ASPRS LAS 1.0 to 1.4 with point formats 0 to 10, compressed (LAZ) and cloud-optimised (COPC).
 //!
 //! Header and points have a fixed layout and are read here: it takes one pass over the bytes, and what is wrong in them but not
-//! needed (bounding boxes, counts of records) does no harm. The compression is the crate's, see [`laz`].
+//! needed (bounding boxes, counts of records) does no harm. The compression is the crate's but for some fields, see [`laz`].
 
 mod copc;
 mod extra;
+mod fields;
+mod gps_times;
 mod header;
+mod layered_point;
 mod laz;
+mod median;
 mod points;
+mod scanner_channel;
 #[cfg(test)]
 mod tests;
 pub(in crate::io) mod write;

@@ -5,7 +5,6 @@ mod keyframes;
 use crate::app::State;
 use crate::app::command::{Command, keys_of};
 use crate::app::panels::settle;
-use crate::app::theme::ODD;
 use egui::{Align2, Button, Checkbox, DragValue, Response, RichText, Slider, Ui, Window, vec2};
 use keyframes::keyframes_ui;
 
@@ -125,7 +124,7 @@ fn file_ui(ui: &mut Ui, state: &mut State) {
     ui.horizontal(|ui| {
         ui.weak(format!("{count} keyframes, {duration_s:.2} s, {name}"));
         if state.path.is_unsaved() {
-            ui.label(RichText::new("not saved").color(ODD));
+            ui.label(RichText::new("not saved").color(ui.visuals().warn_fg_color));
         }
     });
     let has_path = draft.path().is_some();
