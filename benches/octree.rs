@@ -107,9 +107,9 @@ fn take_turns(positions: &[Vec3], colors: &[[u8; 4]], codes: &[u64]) {
     let mut sorts = [(); 2].map(|()| (codes.to_vec(), codes.to_vec()));
     let mut times_ms = [const { Vec::new() }; 4];
     for _ in 0..ROUNDS {
-        sorts
-            .iter_mut()
-            .for_each(|(items, _)| items.copy_from_slice(codes));
+        for (items, _) in &mut sorts {
+            items.copy_from_slice(codes);
+        }
         let sort = |(items, scratch): &mut (Vec<u64>, Vec<u64>)| {
             let begin = Instant::now();
             radix_sort(items, scratch, |&code| code);

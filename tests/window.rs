@@ -1,13 +1,15 @@
 //! The real window of the real program under Xvfb: real keys go in, the root window's pixels come out.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a helper of a test that cannot go on fails the test"
+)]
 #![cfg(all(unix, not(target_os = "macos")))]
 
 #[path = "common/xvfb.rs"]
 mod xvfb;
 
-use std::path::PathBuf;
-use std::process::{Child, Stdio};
+use std::process::Child;
 use std::time::{Duration, Instant};
-use x11rb::protocol::xproto;
 use xvfb::{PATIENCE, Process, Screen, Xvfb, has_a_cloud, pngs};
 
 /// Keysyms of X11.

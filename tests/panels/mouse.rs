@@ -97,7 +97,7 @@ fn a_drag_between_two_passes_moves_the_camera_as_a_slow_one_does() {
         PointerButton::Middle,
         PointerButton::Secondary,
     ] {
-        let [mut slow, mut fast] = [window(), window()];
+        let (mut slow, mut fast) = (window(), window());
         let from = slow.state().viewport.rect.center();
         drag(&mut slow, button, Modifiers::NONE, from, by);
 
