@@ -29,6 +29,10 @@ use laz::{Chunk, Compression};
 const COMPRESSION_USER: &[u8] = b"laszip encoded";
 const COMPRESSION_ID: u16 = 22204;
 
+/// What the crate `laz` keeps for each extra byte of a point, on each thread, while it unpacks: four models of 256 symbols in layers,
+/// one in the older stream.
+const EXTRA_MODEL_BYTES: u64 = 4 * 2400;
+
 pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
     let header = Header::read(bytes)?;
     let extra = extra::fields(&header, header.records(bytes));
@@ -59,6 +63,12 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fa
             Fault::header("the points are compressed, but no record says how: the file is damaged")
         })?;
     let compression = Compression::new(&header, record.data)?;
+    let extra_bytes = header.point_bytes - header.extra_start();
+    let model_bytes = EXTRA_MODEL_BYTES * extra_bytes as u64 * rayon::current_num_threads() as u64;
+    if model_bytes > options.max_memory_bytes {
+        let what = format!("the unpacking of points with {extra_bytes} extra bytes each");
+        return Err(Fault::too_large(&what, model_bytes, options));
+    }
     // Unpacked points and the cloud are there at the same time.
     let point_bytes = cloud_bytes + header.point_bytes as u64;
     let levels = copc::levels(&header, header.records(bytes), bytes);

@@ -158,3 +158,25 @@ fn claims_are_held_against_the_file_and_the_memory() {
         .problem;
     assert!(problem.contains("raise --max-memory"), "{problem}");
 }
+
+/// The crate would allocate 9,600 bytes for each of them on each thread, whatever the file has.
+#[test]
+fn extra_bytes_are_held_against_the_memory() {
+    let problem = |extra_bytes: u16| {
+        let compression = LazVlrBuilder::default().with_point_format(6, extra_bytes);
+        let mut described = Vec::new();
+        let compression = compression.unwrap().build();
+        compression.write_to(&mut described).unwrap();
+        let described = record(b"laszip encoded", 22204, &described);
+        let start = 375 + described.len();
+        let mut file = header(0x80 | 6, 30 + extra_bytes, 1, 1, start);
+        file.extend(described);
+        file.extend([0; 100]);
+        decode(&file, &options()).unwrap_err().problem
+    };
+    let refusal = problem(60_000);
+    assert!(refusal.contains("60000 extra bytes each"), "{refusal}");
+    assert!(refusal.contains("raise --max-memory"), "{refusal}");
+    let damage = problem(10);
+    assert!(!damage.contains("extra bytes"), "{damage}");
+}
