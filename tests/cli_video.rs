@@ -317,8 +317,9 @@ fn an_interrupt_leaves_nothing_that_looks_finished() {
         assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
+    // Not SIGINT, which is ignored in whatever a shell has started in the background.
     let interrupt = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
+        .args(["-TERM", &child.id().to_string()])
         .status();
     assert!(interrupt.unwrap().success());
     assert!(!child.wait().unwrap().success());
