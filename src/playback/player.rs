@@ -164,9 +164,7 @@ impl Player {
 
     /// Takes notice of how long the picture of a frame of so many points took, milliseconds.
     pub fn note_picture_ms(&self, points: usize, picture_ms: f64) {
-        if self.is_playing() {
-            self.loader.note_drawn(points, picture_ms);
-        }
+        self.loader.note_drawn(points, picture_ms);
     }
 
     /// Frames a second that were really shown lately; `None` while paused or too early to say.

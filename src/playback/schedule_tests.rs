@@ -219,3 +219,19 @@ fn broken_frames_are_passed_over_in_their_time() {
     assert_eq!(schedule[2..], expected);
     assert_eq!(theatre.counted(), [0, 0, 1]);
 }
+
+/// What was drawn before, paused, is known: nobody sees few points first.
+#[test]
+fn playing_after_a_look_at_a_frame_begins_with_all_points() {
+    let mut theatre = Theatre::new(|_| FAST, &[]);
+    theatre.player.toggle(Duration::ZERO);
+    let paused = theatre.play(1000);
+    assert_eq!(paused, [(2, 0, POINTS)]);
+    theatre.player.toggle(theatre.now);
+    let schedule = theatre.play(1500);
+    assert!(schedule.len() > 10, "{schedule:?}");
+    assert!(
+        schedule.iter().all(|&(_, _, points)| points == POINTS),
+        "{schedule:?}"
+    );
+}
