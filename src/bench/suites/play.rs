@@ -44,7 +44,7 @@ pub(in crate::bench) const HEADLINE: &str = "fps_held";
 
 const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primitive::Voxel];
 
-/// Frames between two looks at memory and the person's patience.
+/// Frames between two looks at memory.
 const LOOK_EVERY: u64 = 64;
 
 pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
@@ -123,6 +123,7 @@ fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Settings) -> Result<Pla
     let mut last: Option<Arc<PreparedFrame>> = None;
     let mut looked_at = 0;
     while player.frames_shown() < wanted {
+        run.check_cancelled()?;
         player.update(begin.elapsed(), settings);
         if let Some(failure) = player.failure()
             && player.loader().stats().failed_frames + 1 >= subject.sequence.len()
@@ -146,7 +147,6 @@ fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Settings) -> Result<Pla
         }
         if player.frames_shown() >= looked_at + LOOK_EVERY || last.is_none() {
             looked_at = player.frames_shown();
-            run.check_cancelled()?;
             memory.look();
         }
     }
