@@ -8,6 +8,8 @@
 #[path = "common/xvfb.rs"]
 mod xvfb;
 
+use image::RgbaImage;
+use std::path::Path;
 use std::process::Child;
 use std::time::{Duration, Instant};
 use xvfb::{PATIENCE, Process, Screen, Xvfb, has_a_cloud, pngs};
@@ -162,22 +164,28 @@ fn settings_are_kept_for_the_next_window() {
     }
 }
 
+/// The picture of a window of 800 × 600 pixels that shows points drawn by `renderer`.
+fn screenshot(server: &Xvfb, home: &Path, renderer: &str, arguments: &[&str]) -> RgbaImage {
+    let file = home.join(format!("{renderer}.png"));
+    let status = server
+        .program(home)
+        .arg("view")
+        .args(arguments)
+        .args(["--renderer", renderer, "--primitive", "point"])
+        .args(["--size", "800x600", "--screenshot"])
+        .arg(&file)
+        .status()
+        .unwrap();
+    assert!(status.success(), "{renderer}");
+    image::open(file).unwrap().to_rgba8()
+}
+
 #[test]
 fn a_screenshot_of_either_renderer_is_written_and_the_window_ends() {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     for renderer in ["gpu", "cpu"] {
-        let file = home.path().join(format!("{renderer}.png"));
-        let status = server
-            .program(home.path())
-            .args(["view", "--renderer", renderer, "--primitive", "point"])
-            .args(["--size", "800x600", "--screenshot"])
-            .arg(&file)
-            .args(["--after-frames", "3"])
-            .status()
-            .unwrap();
-        assert!(status.success(), "{renderer}");
-        let picture = image::open(file).unwrap().to_rgba8();
+        let picture = screenshot(&server, home.path(), renderer, &["--after-frames", "3"]);
         assert!(has_a_cloud(picture.as_raw()), "{renderer}");
     }
 }
@@ -187,17 +195,8 @@ fn a_sequence_beside_itself_is_two_equal_halves() {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     for renderer in ["gpu", "cpu"] {
-        let file = home.path().join(format!("{renderer}.png"));
-        let status = server
-            .program(home.path())
-            .args(["view", "--compare", "demo:", "--paused"])
-            .args(["--renderer", renderer, "--primitive", "point"])
-            .args(["--size", "800x600", "--screenshot"])
-            .arg(&file)
-            .status()
-            .unwrap();
-        assert!(status.success(), "{renderer}");
-        let picture = image::open(file).unwrap().to_rgba8();
+        let arguments = ["--compare", "demo:", "--paused"];
+        let picture = screenshot(&server, home.path(), renderer, &arguments);
         let (width, height) = picture.dimensions();
         assert_eq!(width % 2, 0, "no halves");
         let half = |left| image::imageops::crop_imm(&picture, left, 0, width / 2, height);
