@@ -110,10 +110,20 @@ proptest! {
     }
 
     #[test]
-    fn tables_hold_positions_colors_and_unit_normals(mut cloud in clouds(), angle in 0.1f32..1.5) {
+    fn tables_hold_positions_colors_and_unit_normals(
+        mut cloud in clouds(),
+        normal in prop_oneof![
+            (0.1f32..1.5).prop_map(|angle| [angle.cos(), -angle.sin(), 0.0]),
+            Just([0.0, 0.0, 1.0]),
+        ],
+        whole in prop::option::of(0u8..=255),
+    ) {
         let wide = cloud.scalars.iter().any(|field| field.offset != 0.0);
         if let Some(normals) = &mut cloud.normals {
-            normals.fill([angle.cos(), -angle.sin(), 0.0]);
+            normals.fill(normal);
+        }
+        if let (Some(field), Some(whole), false) = (cloud.scalars.first_mut(), whole, wide) {
+            field.values.fill(f32::from(whole));
         }
         let read = read_back(WriteFormat::Npy, "a.npy", &cloud);
         let first = cloud.scalars.first().filter(|_| cloud.normals.is_none());

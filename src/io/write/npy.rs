@@ -1,8 +1,10 @@
 //! A table of numpy: all columns are of one type, and nothing names them.
 //!
 //! So only those are written that their number tells (see the reader of text): a colour, a normal, both, or a scalar alone or before
-//! a colour. Alpha, radii and further scalars are left out.
+//! a colour. Alpha, radii and further scalars are left out. Where the values would tell something else (normals that are all
+//! upright look like a dark colour), rows are records with the names of their fields.
 
+use super::super::xyz;
 use super::columns::{CHUNK_BYTES, Colors, Column, Type, columns};
 use crate::cloud::RawCloud;
 use std::io::Write;
@@ -12,9 +14,20 @@ pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<(
     let columns = told_by_number(columns, cloud);
     let is_double = columns.iter().any(|column| column.kind() == Type::F64);
     let (kind, bytes) = if is_double { ("<f8", 8) } else { ("<f4", 4) };
-    out.write_all(&header(kind, cloud.positions.len(), columns.len()))?;
+    let rows = cloud.positions.len();
+    let layout = if are_told(&columns, rows) {
+        let width = columns.len();
+        format!("'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {width})")
+    } else {
+        let fields: String = columns
+            .iter()
+            .map(|column| format!("('{}', '{kind}'), ", quoted(&column.name)))
+            .collect();
+        format!("'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},)")
+    };
+    out.write_all(&header(&layout))?;
     let mut chunk = Vec::new();
-    for row in 0..cloud.positions.len() {
+    for row in 0..rows {
         for column in &columns {
             let value = column.value(row);
             if bytes == 8 {
@@ -57,12 +70,34 @@ fn told_by_number<'a>(columns: Vec<Column<'a>>, cloud: &RawCloud) -> Vec<Column<
     kept
 }
 
+/// Whether readers that know nothing but the values take each column for what it is.
+fn are_told(columns: &[Column<'_>], rows: usize) -> bool {
+    // Fewer columns are told by their number, and these by the first behind the coordinates.
+    let values = columns.iter().enumerate().map(|(index, column)| {
+        let is_looked_at = columns.len() >= 6 && (3..7).contains(&index);
+        let rows = if is_looked_at { rows } else { 0 };
+        (0..rows).map(|row| column.value(row)).collect()
+    });
+    let guessed = xyz::guessed_names(&values.collect::<Vec<Vec<f64>>>());
+    let is_vector = |name: &str| VECTORS.contains(&name);
+    columns.iter().zip(&guessed).all(|(column, guessed)| {
+        column.name == *guessed || !is_vector(&column.name) && !is_vector(guessed)
+    })
+}
+
+/// Columns that are components of something.
+const VECTORS: [&str; 9] = ["x", "y", "z", "red", "green", "blue", "nx", "ny", "nz"];
+
+/// A name as a string of Python holds it.
+fn quoted(name: &str) -> String {
+    name.replace('\\', "\\\\").replace('\'', "\\'")
+}
+
 /// Padded so that the numbers begin at a multiple of 64 bytes.
-fn header(kind: &str, rows: usize, columns: usize) -> Vec<u8> {
+fn header(layout: &str) -> Vec<u8> {
     const START: usize = 10;
     const ALIGNMENT: usize = 64;
-    let mut text =
-        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    let mut text = format!("{{{layout}, }}");
     let end = (START + text.len() + 1).next_multiple_of(ALIGNMENT);
     text.extend(std::iter::repeat_n(' ', end - START - text.len() - 1));
     text.push('\n');
