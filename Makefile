@@ -71,9 +71,17 @@ soak: ## play 10,000 frames that do not fit into the memory for them, and record
 fmt-check:
 	$(CARGO) fmt --check
 
+# Properties are tried on the same random cases every time, so that a commit which has passed goes on passing; others are
+# looked for by `make properties`.
 .PHONY: tests
+tests: export PROPTEST_RNG_SEED ?= 4
 tests:
 	$(CARGO) test --locked --lib --bins --tests
+
+.PHONY: properties
+properties: export PROPTEST_CASES ?= 2000
+properties: ## try properties on many new random cases (PROPTEST_CASES=20000 for more)
+	$(CARGO) test --locked --lib --tests --no-fail-fast
 
 .PHONY: doctests
 doctests:

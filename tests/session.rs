@@ -87,6 +87,8 @@ fn open_play_scrub_draw_otherwise_measure_and_export() {
     }
     screen.move_to(ASIDE);
     screen.wait_for("what is measured is not marked", is_other);
+    // The first of the two marks is another picture already.
+    screen.wait_for_rest("measuring does not end");
     screen.click(DELETE_ALL);
     screen.key(ESCAPE);
     screen.wait_for("marks stay", is_as_opened);
@@ -96,6 +98,7 @@ fn open_play_scrub_draw_otherwise_measure_and_export() {
     assert_is_on_screen(&photographed, &opened);
     screen.key_with(SHIFT, P);
     screen.wait_for("no window to export from", is_other);
+    screen.wait_for_rest("the window to export from does not settle");
     screen.click(EXPORT);
     let exported = new_picture(home.path(), 2);
     assert!(

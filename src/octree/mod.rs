@@ -24,6 +24,7 @@ pub mod coded;
 mod cut;
 #[cfg(test)]
 mod cut_tests;
+mod kept_levels;
 mod node_surfel;
 mod select;
 mod small_subtrees;
@@ -136,7 +137,7 @@ impl Octree {
         &self.level_counts
     }
 
-    /// Bytes held in memory, those that are shared with other trees included.
+    /// Most bytes held in memory, voxels that may be kept and what is shared with other trees included.
     pub fn byte_size(&self) -> usize {
         size_of::<Self>() + self.points.byte_size() + size_of_val(self.level_counts.as_slice())
     }

@@ -1,7 +1,9 @@
 //! What all trees of one cloud share: its points in Morton order, and what one scan over them tells of every level.
 
+use super::kept_levels::KeptLevels;
 use super::stop::OccupiedCells;
 use super::voxels::{self, ColorSum};
+use crate::cloud::VoxelRecord;
 use crate::math::{
     Cube, few_codes,
     morton::{LEVELS, PackedCell},
@@ -23,6 +25,8 @@ pub(super) struct SortedPoints {
     pub(super) occupied: OccupiedCells,
     /// Colours summed over the points before each, and over all of them.
     pub(super) colors_before: Vec<ColorSum>,
+    /// Voxels of coarse levels that are drawn again and again.
+    pub(super) voxels: KeptLevels<VoxelRecord>,
     /// Whether the points were given in this order.
     pub(super) are_as_given: bool,
 }
@@ -79,13 +83,20 @@ impl SortedPoints {
             partings,
             occupied,
             colors_before,
+            voxels: KeptLevels::default(),
             are_as_given: true,
         }
     }
 
-    /// Bytes held in memory.
+    /// Number of points.
+    pub(super) fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Most bytes held in memory, with all voxels that may be kept.
     pub(super) fn byte_size(&self) -> usize {
         size_of::<Self>()
+            + KeptLevels::<VoxelRecord>::most_bytes(self.coarse_levels(), self.len())
             + size_of_val(self.cells.as_slice())
             + size_of_val(self.partings.as_slice())
             + size_of_val(self.colors_before.as_slice())

@@ -4,7 +4,8 @@
 //! colour the difference of two running sums over all points, divided by their number.
 //!
 //! When it wins: of all nodes, one view shows a third (leaves only) or less, so a frame that is played and gone never pays
-//! for the others, and they need no memory.
+//! for the others, and they need no memory. Of levels that are coarse enough for it, what is drawn again is kept
+//! (`kept_levels.rs`): reading the points of cells that have several each takes longer than copying.
 
 use super::sorted_points::SortedPoints;
 use super::write::{BATCH, NodeWriter, Nodes};
@@ -138,9 +139,28 @@ impl Octree {
             min: self.cube.min,
             edge: self.cube.edge,
         };
-        self.points.write_nodes(ranges, &writer, out);
+        let coarse = self.points.coarse_levels().len() as u32;
+        let may_be_kept = ranges.iter().filter(|range| range.level < coarse);
+        let kept = self.points.voxels.kept(may_be_kept, &self.points, &writer);
+        self.points.write_nodes(ranges, &writer, &kept, out);
     }
 }
+
+impl SortedPoints {
+    /// The numbers of nodes of the levels whose voxels are worth keeping, from the root's on.
+    pub(super) fn coarse_levels(&self) -> &[usize] {
+        let is_coarse = |&count: &usize| count * POINTS_PER_KEPT_VOXEL <= self.len();
+        let count = self
+            .occupied
+            .iter()
+            .take_while(|&count| is_coarse(count))
+            .count();
+        &self.occupied[..count]
+    }
+}
+
+/// Where nodes have fewer points on average, a voxel is worked out from hardly more bytes than it has.
+const POINTS_PER_KEPT_VOXEL: usize = 3;
 
 struct VoxelWriter<'a> {
     points: &'a SortedPoints,

@@ -2,10 +2,12 @@
 //!
 //! How it works: the nodes of a range begin where parting levels say so. Sixty-four nodes of any levels are handed to a
 //! [`NodeWriter`] at a time, so that taking codes apart and dividing are SIMD instructions. Long lists of ranges are shared out
-//! among threads by their points; each part knows from a count of its nodes where its records go.
+//! among threads by their points; each part knows from a count of its nodes where its records go. Of levels that are kept, records
+//! are copied.
 
 use super::NodeRange;
 use super::cells::write_beginnings;
+use super::kept_levels::Kept;
 use super::sorted_points::SortedPoints;
 use bytemuck::Zeroable;
 use fearless_simd::{Level, dispatch};
@@ -27,7 +29,7 @@ pub(super) struct Nodes<'a> {
 /// Works out what stands for nodes.
 pub(super) trait NodeWriter: Sync {
     /// What stands for one node.
-    type Record: Copy + Send + Zeroable;
+    type Record: Copy + Send + Sync + Zeroable;
 
     /// Writes the records of the first `out.len()` of `nodes`. To be inlined, so that it is compiled for each level of SIMD.
     fn write(&self, nodes: &Nodes<'_>, out: &mut [Self::Record]);
@@ -39,12 +41,13 @@ impl SortedPoints {
         &self,
         ranges: &[NodeRange],
         writer: &W,
+        kept: &Kept<'_, W::Record>,
         out: &mut Vec<W::Record>,
     ) {
         let pieces = self.pieces(ranges);
         if let [piece] = pieces.as_slice() {
             out.resize(self.count_nodes(piece), W::Record::zeroed());
-            self.write_piece(piece, writer, out);
+            self.write_piece(piece, writer, kept, out);
             return;
         }
         let count = |piece: &Vec<NodeRange>| self.count_nodes(piece);
@@ -58,12 +61,18 @@ impl SortedPoints {
         pieces
             .par_iter()
             .zip(places)
-            .for_each(|(piece, out)| self.write_piece(piece, writer, out));
+            .for_each(|(piece, out)| self.write_piece(piece, writer, kept, out));
     }
 
     /// Writes to as many places as there are nodes.
-    fn write_piece<W: NodeWriter>(&self, piece: &[NodeRange], writer: &W, out: &mut [W::Record]) {
-        dispatch!(Level::new(), _simd => Batch::new().write_ranges(self, piece, writer, out));
+    fn write_piece<W: NodeWriter>(
+        &self,
+        piece: &[NodeRange],
+        writer: &W,
+        kept: &Kept<'_, W::Record>,
+        out: &mut [W::Record],
+    ) {
+        dispatch!(Level::new(), _simd => Batch::new().write_ranges(self, piece, writer, kept, out));
     }
 
     /// The same nodes in pieces of about [`PIECE_POINTS`] points.
@@ -129,13 +138,22 @@ impl Batch {
         points: &SortedPoints,
         ranges: &[NodeRange],
         writer: &W,
+        kept: &Kept<'_, W::Record>,
         mut out: &mut [W::Record],
     ) {
-        for NodeRange {
-            level,
-            points: range,
-        } in ranges
-        {
+        for nodes in ranges {
+            let NodeRange {
+                level,
+                points: range,
+            } = nodes;
+            if let Some(kept) = kept[*level as usize] {
+                out = self.write(self.count, writer, out);
+                let records = kept.of_nodes(nodes, points);
+                let (now, left) = out.split_at_mut(records.len());
+                now.copy_from_slice(records);
+                out = left;
+                continue;
+            }
             let mut first_of_range = self.count;
             for first in range.clone().step_by(BLOCK) {
                 let partings = &points.partings[first..range.end.min(first + BLOCK)];
@@ -258,7 +276,7 @@ mod tests {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
                 let mut found = Vec::new();
                 pool.unwrap()
-                    .install(|| points.write_nodes(ranges, &Names, &mut found));
+                    .install(|| points.write_nodes(ranges, &Names, &Kept::default(), &mut found));
                 assert!(found == expected, "{} nodes", expected.len());
             }
             assert!(ranges.len() != 1 || expected.len() > PIECE_POINTS);

@@ -404,8 +404,9 @@ fn every_byte_is_counted() {
     );
     // Position 12, file index 4, colour 4, normal 12, radius 4; a point record and a shape record of 16.
     let octree = prepared.octree.as_ref().unwrap();
-    // Surfels of nodes are counted before they are worked out: a node above the leaves has 40 bytes.
-    let nodes = octree.internal_count() * 40;
+    // Surfels of nodes are counted before they are worked out: a node above the leaves has 40 bytes, and of each level two
+    // numbers of 4 bytes tell where the nodes of each 64 points are.
+    let nodes = octree.internal_count() * 40 + octree.depth() as usize * 8;
     let expected = 100 * (36 + 16 + 16) + octree.byte_size() + nodes;
     assert_eq!(prepared.byte_size(), expected);
 }

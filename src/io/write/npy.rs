@@ -19,10 +19,11 @@ pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<(
         let width = columns.len();
         format!("'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {width})")
     } else {
-        let fields: String = columns
+        let fields: Vec<String> = columns
             .iter()
-            .map(|column| format!("('{}', '{kind}'), ", quoted(&column.name)))
+            .map(|column| format!("('{}', '{kind}')", quoted(&column.name)))
             .collect();
+        let fields = fields.join(", ");
         format!("'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},)")
     };
     out.write_all(&header(&layout))?;

@@ -1,0 +1,218 @@
+//! What stands for all nodes of a level, kept where it is drawn again and again.
+//!
+//! How it works: a level of which as many points were read as there are is worked out whole and kept, and what is drawn of it are
+//! contiguous pieces. So a frame that is seen once reads each point once, and a view that moves about copies, having paid at most
+//! twice for what it copies.
+//!
+//! When it wins: where nodes have several points each, and a camera moves about a frame or a loop comes back to it.
+
+use super::NodeRange;
+use super::sorted_points::SortedPoints;
+use super::write::NodeWriter;
+use crate::math::morton::LEVELS;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+const LEVEL_COUNT: usize = LEVELS as usize + 1;
+
+/// Points whose beginnings are counted one by one.
+const RANK_POINTS: usize = 64;
+
+/// The levels of a tree, each once it is worth keeping.
+#[derive(Debug)]
+pub(super) struct KeptLevels<R> {
+    levels: [KeptLevel<R>; LEVEL_COUNT],
+}
+
+#[derive(Debug)]
+struct KeptLevel<R> {
+    /// Points read for nodes of the level that were not kept.
+    points_read: AtomicUsize,
+    records: OnceLock<LevelRecords<R>>,
+}
+
+/// What stands for each node of a level, in Morton order.
+#[derive(Debug)]
+pub(super) struct LevelRecords<R> {
+    pub(super) records: Vec<R>,
+    level: u32,
+    /// Nodes that begin before each [`RANK_POINTS`] points.
+    nodes_before: Vec<u32>,
+}
+
+/// The levels that are kept, by their number.
+pub(super) type Kept<'a, R> = [Option<&'a LevelRecords<R>>; LEVEL_COUNT];
+
+impl<R> Default for KeptLevels<R> {
+    fn default() -> Self {
+        let none = || KeptLevel {
+            points_read: AtomicUsize::new(0),
+            records: OnceLock::new(),
+        };
+        Self {
+            levels: std::array::from_fn(|_| none()),
+        }
+    }
+}
+
+impl<R> KeptLevels<R> {
+    /// Most bytes that levels of so many nodes can come to.
+    pub(super) fn most_bytes(node_counts: &[usize], point_count: usize) -> usize {
+        let ranks = point_count / RANK_POINTS + 1;
+        let bytes = |count: &usize| count * size_of::<R>() + ranks * size_of::<u32>();
+        node_counts.iter().map(bytes).sum()
+    }
+
+    /// The levels that are kept of those that some nodes, which are about to be written, are on; this may be the time to begin
+    /// with one.
+    pub(super) fn kept<'r, W: NodeWriter<Record = R>>(
+        &self,
+        ranges: impl Iterator<Item = &'r NodeRange>,
+        points: &SortedPoints,
+        writer: &W,
+    ) -> Kept<'_, R> {
+        let mut to_be_read = [0; LEVEL_COUNT];
+        for range in ranges {
+            to_be_read[range.level as usize] += range.points.len();
+        }
+        std::array::from_fn(|level| {
+            let kept = &self.levels[level];
+            if to_be_read[level] == 0 || kept.records.get().is_some() {
+                return kept.records.get();
+            }
+            let read = kept
+                .points_read
+                .fetch_add(to_be_read[level], Ordering::Relaxed);
+            (read >= points.len()).then(|| self.level(level as u32, points, writer))
+        })
+    }
+
+    /// A level, worked out if it is not kept yet.
+    pub(super) fn level<W: NodeWriter<Record = R>>(
+        &self,
+        level: u32,
+        points: &SortedPoints,
+        writer: &W,
+    ) -> &LevelRecords<R> {
+        let kept = &self.levels[level as usize].records;
+        if let Some(records) = kept.get() {
+            return records;
+        }
+        // Not inside of `get_or_init`: a thread that waits for its share of the level may take up other work, and come by here
+        // again. If two work out the same, one of them is dropped.
+        let worked_out = LevelRecords::work_out(level, points, writer);
+        kept.get_or_init(|| worked_out)
+    }
+}
+
+impl<R> LevelRecords<R> {
+    fn work_out<W: NodeWriter<Record = R>>(level: u32, points: &SortedPoints, writer: &W) -> Self {
+        let mut before = 0;
+        let nodes_before = (0..=points.len() / RANK_POINTS)
+            .map(|group| {
+                let first = RANK_POINTS * group;
+                let end = points.len().min(first + RANK_POINTS);
+                let here = before;
+                before += points.count_beginnings(level, first..end) as u32;
+                here
+            })
+            .collect();
+        let whole = NodeRange {
+            level,
+            points: 0..points.len(),
+        };
+        let mut records = Vec::new();
+        if !whole.points.is_empty() {
+            points.write_nodes(&[whole], writer, &Kept::default(), &mut records);
+        }
+        Self {
+            records,
+            level,
+            nodes_before,
+        }
+    }
+
+    /// What stands for consecutive nodes of the level.
+    pub(super) fn of_nodes(&self, range: &NodeRange, points: &SortedPoints) -> &[R] {
+        let first = self.rank(range.points.start, points);
+        let end = self.rank(range.points.end, points);
+        &self.records[first..end]
+    }
+
+    /// Number of nodes that begin before a point.
+    pub(super) fn rank(&self, point: usize, points: &SortedPoints) -> usize {
+        let group = point / RANK_POINTS;
+        let before = self.nodes_before[group] as usize;
+        before + points.count_beginnings(self.level, RANK_POINTS * group..point)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_shapes::{self, Random};
+    use crate::cloud::VoxelRecord;
+    use crate::octree::tests::{random_colors, view_from};
+    use crate::octree::{Octree, SelectView, StopCriterion};
+    use glam::Vec3;
+
+    /// The voxels of `view`, from the tree and from one that keeps nothing.
+    fn drawn(tree: &Octree, positions: &[Vec3], colors: &[[u8; 4]], view: &SelectView) {
+        let (mut voxels, mut expected) = (Vec::new(), Vec::new());
+        tree.select(view, &mut voxels);
+        Octree::build(positions, colors, StopCriterion::Loss(0.02)).select(view, &mut expected);
+        assert!(voxels == expected, "{} px", view.lod_px);
+    }
+
+    #[test]
+    fn kept_voxels_are_those_that_are_worked_out() {
+        let mut random = Random(31);
+        let positions = test_shapes::torus(60_000, 0.4, &mut random).positions;
+        let colors = random_colors(positions.len(), &mut random);
+        let tree = Octree::build(&positions, &colors, StopCriterion::Loss(0.02));
+        let kept = |tree: &Octree| -> Vec<u32> {
+            let levels = tree.points.voxels.levels.iter().zip(0..);
+            let kept = levels.filter(|(level, _)| level.records.get().is_some());
+            kept.map(|(_, number)| number).collect()
+        };
+        let at = |distance: f32, lod_px| {
+            view_from(Vec3::new(0.3, 0.5, 0.81) * distance, Vec3::ZERO, lod_px)
+        };
+        // All that is in view once reads each point once.
+        drawn(&tree, &positions, &colors, &at(4.0, 6.0));
+        assert_eq!(kept(&tree), [0; 0]);
+        for turn in 0..6 {
+            // From within, part of it is seen: pieces of levels, between those of others.
+            for (distance, lod_px) in [(4.0, 6.0), (0.9, 6.0), (2.0, 24.0), (2.0, 0.0)] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(1 + turn % 3);
+                pool.build().unwrap().install(|| {
+                    drawn(&tree, &positions, &colors, &at(distance, lod_px));
+                });
+            }
+        }
+        let (kept, coarse) = (kept(&tree), tree.points.coarse_levels().len() as u32);
+        assert!(
+            kept.len() > 1 && kept.iter().all(|&level| level < coarse),
+            "{kept:?} of {coarse}"
+        );
+        // Trees of the same points share them.
+        let divided = tree.with_stop(StopCriterion::Loss(0.5));
+        assert!(
+            divided.points.voxels.levels[kept[0] as usize]
+                .records
+                .get()
+                .is_some()
+        );
+        let held: usize = kept
+            .iter()
+            .filter_map(|&level| tree.points.voxels.levels[level as usize].records.get())
+            .map(|level| size_of_val(&level.records[..]) + size_of_val(&level.nodes_before[..]))
+            .sum();
+        let most =
+            KeptLevels::<VoxelRecord>::most_bytes(tree.points.coarse_levels(), positions.len());
+        assert!(
+            held > 0 && held <= most && most < 8 * positions.len(),
+            "{held} of {most} bytes"
+        );
+    }
+}
