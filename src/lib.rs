@@ -40,6 +40,7 @@ pub mod measure;
 pub mod memory;
 pub mod octree;
 pub mod playback;
+mod priority;
 pub mod render;
 pub mod scene;
 pub mod sequence;

@@ -196,10 +196,11 @@ impl Average {
 
 /// How many points can be drawn in the time of a frame.
 ///
-/// A picture of fewer points takes less time, but never less than in proportion to them, since some of it is spent whatever there is to
-/// draw: what fits by that rule fits. So playing begins with few points, or with what pictures drawn before tell, and goes to as many as
-/// fit by the rule at once. More are found by trying. A number that was tried without success is not tried again at once: the next
-/// attempt waits twice as long as the last, since the workers, which are busiest at the beginning, slow drawing as well.
+/// Part of the time of a picture is spent whatever there is to draw, the rest goes with the points. How it goes with them is learned where
+/// their number changes; until then what fits in proportion to them surely fits. So playing begins with few points, or with what
+/// pictures drawn before tell, and goes to as many as fit at once. Where that says that no more fit, more are tried all the same, since
+/// the workers, which are busiest at the beginning, slow drawing as well: after each attempt without success, the next waits twice
+/// as long.
 #[derive(Debug, Clone, Copy)]
 struct Drawing {
     most_points: Option<u32>,
@@ -208,6 +209,10 @@ struct Drawing {
     of_points: usize,
     /// Pictures since the number was changed.
     pictures: u32,
+    /// How many points pictures had before that, and what they took, milliseconds.
+    before: Option<(usize, f64)>,
+    /// What a point more takes, milliseconds.
+    slope_ms: Option<f64>,
     attempt: Attempt,
     /// Pictures to wait for before something is tried again.
     patience: u32,
@@ -235,6 +240,8 @@ impl Default for Drawing {
             picture_ms: Average::default(),
             of_points: 0,
             pictures: 0,
+            before: None,
+            slope_ms: None,
             attempt: Attempt::None,
             patience: Self::LOOKED_AT,
             is_known: false,
@@ -250,12 +257,18 @@ impl Drawing {
     const MOST_PATIENCE: u32 = 1 << 11;
     /// Part of the time of a frame that pictures may take if it is to be held.
     const PLANNED: f64 = 0.8;
+    /// Part of the time of a frame beyond which pictures do not hold it: some take longer than the mean.
+    const LATE: f64 = 0.9;
+    /// Part of the time of a picture that goes with its points, at least: measured slopes may be anything where little changed.
+    const LEAST_SLOPE: f64 = 0.25;
 
     /// Playing begins.
     fn begin(&mut self, interval_ms: f64) {
         let is_late = |mean_ms: f64| mean_ms > Self::PLANNED * interval_ms;
-        if self.most_points.is_none() && self.picture_ms.mean.is_some_and(is_late) {
-            self.most_points = Some(self.fitting_points(interval_ms));
+        if self.most_points.is_none()
+            && let Some(mean_ms) = self.picture_ms.mean.filter(|&mean_ms| is_late(mean_ms))
+        {
+            self.most_points = Some(self.fitting_points(mean_ms, interval_ms));
         }
         self.is_known |= self.picture_ms.mean.is_some();
         self.change(self.most_points, Attempt::None);
@@ -279,52 +292,57 @@ impl Drawing {
         let (Some(mean_ms), Some(interval_ms)) = (self.picture_ms.mean, interval_ms) else {
             return;
         };
-        let fitting = self.fitting_points(interval_ms);
+        if self.pictures < Self::LOOKED_AT_IF_CLEAR || !self.is_telling(points, points_in_file) {
+            return;
+        }
+        self.learn_slope(mean_ms);
+        let fitting = self.fitting_points(mean_ms, interval_ms);
         let fits_twice = fitting as usize >= 2 * points;
         let is_clear = fits_twice || mean_ms > 1.5 * interval_ms;
-        let looked_at = if is_clear {
-            Self::LOOKED_AT_IF_CLEAR
-        } else {
-            Self::LOOKED_AT
-        };
-        if self.pictures < looked_at || !self.is_telling(points, points_in_file) {
+        if self.pictures < Self::LOOKED_AT && !is_clear {
             return;
         }
         self.is_known = true;
-        let is_late = mean_ms > 0.95 * interval_ms;
-        let is_patient = self.pictures < self.patience;
+        let is_patient = self.pictures < self.patience && !is_clear;
+        if mean_ms > Self::LATE * interval_ms {
+            // Where pictures have just become slower, the mean is not there yet.
+            self.draw_fewer(mean_ms, mean_ms.max(picture_ms), fitting, is_patient);
+            return;
+        }
+        self.attempt = Attempt::None;
+        match self.most_points {
+            Some(most_points) if fits_twice && fitting > most_points => {
+                self.change(Some(fitting), Attempt::None);
+            }
+            Some(most_points) if mean_ms < Self::PLANNED * interval_ms && !is_patient => {
+                self.change(most_points.checked_mul(2), Attempt::More);
+            }
+            // The first pictures, of few points.
+            None if (fitting as usize) < points_in_file && points < points_in_file => {
+                self.change(Some(fitting), Attempt::None);
+            }
+            _ => {}
+        }
+    }
+
+    /// Pictures take longer than a frame lasts.
+    fn draw_fewer(&mut self, mean_ms: f64, before_ms: f64, fitting: u32, is_patient: bool) {
         let attempt = std::mem::replace(&mut self.attempt, Attempt::None);
         match (attempt, self.most_points) {
-            (Attempt::Fewer { before, before_ms }, _) if is_late && mean_ms > 0.9 * before_ms => {
+            (Attempt::Fewer { before, before_ms }, _) if mean_ms > 0.9 * before_ms => {
                 self.try_later();
                 self.change(before, Attempt::None);
             }
-            (Attempt::More, Some(more)) if is_late => {
+            (Attempt::More, Some(more)) => {
                 self.try_later();
                 self.change(Some((more / 2).max(FEWEST_POINTS)), Attempt::None);
             }
-            _ if is_late => {
-                // A quarter less is the least that is worth a copy.
-                let is_less = 4 * fitting as usize <= 3 * points;
-                if is_less && (!is_patient || is_clear) {
-                    let before = self.most_points;
-                    // Where pictures have just become slower, the mean is not there yet.
-                    let before_ms = mean_ms.max(picture_ms);
-                    self.change(Some(fitting), Attempt::Fewer { before, before_ms });
-                }
+            // A quarter less is the least that is worth a copy.
+            _ if 4 * fitting as usize <= 3 * self.of_points && !is_patient => {
+                let before = self.most_points;
+                self.change(Some(fitting), Attempt::Fewer { before, before_ms });
             }
-            (_, Some(most_points)) => {
-                if fits_twice && fitting > most_points {
-                    self.change(Some(fitting), Attempt::None);
-                } else if mean_ms < Self::PLANNED * interval_ms && !is_patient {
-                    self.change(most_points.checked_mul(2), Attempt::More);
-                }
-            }
-            // The first pictures, of few points.
-            (_, None) if (fitting as usize) < points_in_file && points < points_in_file => {
-                self.change(Some(fitting), Attempt::None);
-            }
-            (_, None) => {}
+            _ => {}
         }
     }
 
@@ -340,10 +358,25 @@ impl Drawing {
         }
     }
 
-    /// As many points as surely can be drawn in the time of a frame. Precondition: a picture was drawn.
-    fn fitting_points(&self, interval_ms: f64) -> u32 {
-        let mean_ms = self.picture_ms.mean.unwrap_or(0.0).max(1e-3);
-        power_of_two(self.of_points as f64 * Self::PLANNED * interval_ms / mean_ms)
+    /// What a point more takes, from the first of these pictures and the last ones before the number was changed: later, other things
+    /// may have changed as well.
+    fn learn_slope(&mut self, mean_ms: f64) {
+        if let Some((points, before_ms)) = self.before
+            && points != self.of_points
+            && self.pictures <= Self::LOOKED_AT
+        {
+            self.slope_ms = Some((mean_ms - before_ms) / (self.of_points as f64 - points as f64));
+        }
+    }
+
+    /// How many points fit into the time of a frame, from what pictures take now.
+    fn fitting_points(&self, mean_ms: f64, interval_ms: f64) -> u32 {
+        let of_points = self.of_points as f64;
+        let in_proportion_ms = mean_ms.max(1e-3) / of_points;
+        let slope_ms = self.slope_ms.map_or(in_proportion_ms, |slope_ms| {
+            slope_ms.clamp(Self::LEAST_SLOPE * in_proportion_ms, in_proportion_ms)
+        });
+        power_of_two(of_points + (Self::PLANNED * interval_ms - mean_ms) / slope_ms)
     }
 
     fn try_later(&mut self) {
@@ -351,6 +384,10 @@ impl Drawing {
     }
 
     fn change(&mut self, most_points: Option<u32>, attempt: Attempt) {
+        let is_settled = self.pictures >= Self::LOOKED_AT_IF_CLEAR;
+        if let Some(mean_ms) = self.picture_ms.mean.filter(|_| is_settled) {
+            self.before = Some((self.of_points, mean_ms));
+        }
         self.most_points = most_points;
         self.attempt = attempt;
         self.pictures = 0;
@@ -529,6 +566,28 @@ mod tests {
             effort.note_drawn(points, picture_ms);
         }
         assert!(late < 100, "{late} of 2000 pictures were late");
+    }
+
+    #[test]
+    fn what_does_not_go_with_the_points_is_learned() {
+        let mut effort = Effort::new(2);
+        effort.set_interval(Some(Duration::from_secs_f64(1.0 / 60.0)));
+        effort.note_made(&made(0.1, 0.1, MILLION));
+        // Most of a picture is the same for any points. While workers are busy, everything takes longer.
+        let mut drawn = |pictures, factor: f64| {
+            for _ in 0..pictures {
+                let points = effort.at_best().most_points().min(MILLION);
+                effort.note_drawn(points, factor * (8.0 + points as f64 / 16_000.0));
+            }
+            effort.at_best()
+        };
+        assert_eq!(
+            drawn(200, 1.3),
+            Detail::at_most(1 << 15),
+            "13.1 of 16.7 ms, and 15.7 for twice the points"
+        );
+        // They are tried again when they fit, 12.1 ms, not when it is their turn.
+        assert_eq!(drawn(12, 1.0), Detail::at_most(1 << 16));
     }
 
     #[test]

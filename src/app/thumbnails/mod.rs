@@ -18,6 +18,7 @@ pub(in crate::app) use store::{Look, MAX_CELLS};
 use super::tasks::{Outcome, Tasks};
 use crate::math::Aabb;
 use crate::playback::Player;
+use crate::priority;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::{ColorSource, Needs, Slot};
 use draw::{Job, Made, Material, Task};
@@ -245,6 +246,7 @@ impl Thumbnails {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(1)
                 .thread_name(|_| "thumbnails".to_owned())
+                .start_handler(|_| priority::go_behind_drawing())
                 .build();
             match pool {
                 Ok(pool) => self.pool = Some(pool),

@@ -2,6 +2,7 @@
 
 use super::queue::{Job, Queue};
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::priority;
 use crate::sequence::effort::Made;
 use crate::sequence::error::catch_panic;
 use crate::sequence::prepare::prepare_sample;
@@ -53,11 +54,12 @@ impl Shared {
     }
 }
 
-/// Threads for the stages of frames.
+/// Threads for the stages of frames, which are behind those that draw: what they make is due later.
 pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool, SequenceError> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|number| format!("frame stages {number}"))
+        .start_handler(|_| priority::go_behind_drawing())
         .build()
         .map_err(|error| SequenceError::NoThread {
             reason: std::io::Error::other(error),
