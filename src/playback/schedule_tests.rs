@@ -235,3 +235,23 @@ fn playing_after_a_look_at_a_frame_begins_with_all_points() {
         "{schedule:?}"
     );
 }
+
+/// Frames that are there with all points are not shown with them for want of a copy with more than before.
+#[test]
+fn whole_frames_are_not_drawn_where_that_takes_too_long() {
+    let mut theatre = Theatre::new(|_| FAST, &[]);
+    // 118 ms for all points, 60 for half of them, 30 for a quarter.
+    theatre.picture_ms = |points| 1.0 + points as f64 / 560.0;
+    theatre.player.toggle(Duration::ZERO);
+    theatre.play(1000);
+    assert_eq!(theatre.player.loader.stats().resident_frames, 12, "whole");
+    theatre.player.toggle(theatre.now);
+    theatre.play(2000);
+    let schedule = theatre.play(12_000);
+    let points: HashSet<usize> = schedule.iter().map(|&(_, _, points)| points).collect();
+    assert_eq!(
+        points,
+        HashSet::from([POINTS / 4, POINTS / 2]),
+        "twice as many are tried"
+    );
+}

@@ -32,4 +32,9 @@ impl Detail {
         let points = frame.len() + frame.dropped_points();
         !frame.is_sample() || points >= self.most_points() / 4 * 3
     }
+
+    /// Whether `frame` has so many more points that it is worth making one of fewer.
+    pub(super) fn is_exceeded_by(self, frame: &Frame) -> bool {
+        frame.len() > self.most_points().saturating_mul(3) / 2
+    }
 }

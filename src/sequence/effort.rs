@@ -274,7 +274,8 @@ impl Drawing {
         self.change(self.most_points, Attempt::None);
     }
 
-    /// Takes notice of a picture, and of how long a frame lasts while playing.
+    /// Takes notice of a picture, and of how long a frame lasts while playing. While frames of before are shown, since others are not
+    /// made yet, or files have fewer points, pictures say nothing of what is tried, unless they are late with few points.
     fn note(
         &mut self,
         points: usize,
@@ -282,6 +283,13 @@ impl Drawing {
         interval_ms: Option<f64>,
         points_in_file: usize,
     ) {
+        if interval_ms.is_some_and(|interval_ms| {
+            let wanted = self.wanted_points(points, points_in_file);
+            let are_few = 4 * points < 3 * wanted;
+            2 * points > 3 * wanted || are_few && picture_ms < Self::LATE * interval_ms
+        }) {
+            return;
+        }
         if points > 2 * self.of_points || 2 * points < self.of_points {
             self.picture_ms = Average::default();
             self.pictures = 0;
@@ -292,7 +300,7 @@ impl Drawing {
         let (Some(mean_ms), Some(interval_ms)) = (self.picture_ms.mean, interval_ms) else {
             return;
         };
-        if self.pictures < Self::LOOKED_AT_IF_CLEAR || !self.is_telling(points, points_in_file) {
+        if self.pictures < Self::LOOKED_AT_IF_CLEAR {
             return;
         }
         self.learn_slope(mean_ms);
@@ -346,16 +354,10 @@ impl Drawing {
         }
     }
 
-    /// Whether a picture of so many points says anything of what is tried: frames of before are shown until others are made.
-    fn is_telling(&self, points: usize, points_in_file: usize) -> bool {
-        let most_points = self
-            .most_points
-            .map_or(usize::MAX, |points| points as usize);
-        match self.attempt {
-            Attempt::Fewer { .. } => points <= most_points,
-            Attempt::More => 4 * points > 3 * most_points.min(points_in_file),
-            Attempt::None => true,
-        }
+    /// Points of the largest frames as they are wanted; those of the frame that is shown while all are.
+    fn wanted_points(&self, points: usize, points_in_file: usize) -> usize {
+        let most_points = self.most_points.map(|most| most as usize);
+        most_points.map_or(points, |most| most.min(points_in_file.max(points)))
     }
 
     /// What a point more takes, from the first of these pictures and the last ones before the number was changed: later, other things
@@ -369,14 +371,19 @@ impl Drawing {
         }
     }
 
-    /// How many points fit into the time of a frame, from what pictures take now.
+    /// How many points fit into the time of a frame, from what pictures take now. Fewer are chosen in proportion: what has just become
+    /// slower need not go with the points as it did.
     fn fitting_points(&self, mean_ms: f64, interval_ms: f64) -> u32 {
         let of_points = self.of_points as f64;
+        let left_ms = Self::PLANNED * interval_ms - mean_ms;
         let in_proportion_ms = mean_ms.max(1e-3) / of_points;
-        let slope_ms = self.slope_ms.map_or(in_proportion_ms, |slope_ms| {
-            slope_ms.clamp(Self::LEAST_SLOPE * in_proportion_ms, in_proportion_ms)
-        });
-        power_of_two(of_points + (Self::PLANNED * interval_ms - mean_ms) / slope_ms)
+        let slope_ms = match self.slope_ms {
+            Some(slope_ms) if left_ms > 0.0 => {
+                slope_ms.clamp(Self::LEAST_SLOPE * in_proportion_ms, in_proportion_ms)
+            }
+            _ => in_proportion_ms,
+        };
+        power_of_two(of_points + left_ms / slope_ms)
     }
 
     fn try_later(&mut self) {
@@ -588,6 +595,29 @@ mod tests {
         );
         // They are tried again when they fit, 12.1 ms, not when it is their turn.
         assert_eq!(drawn(12, 1.0), Detail::at_most(1 << 16));
+    }
+
+    #[test]
+    fn frames_of_before_say_nothing_of_what_is_tried() {
+        let mut effort = played_at(25.0);
+        let ms = |points: usize| 3.0 + points as f64 / 8_700.0;
+        assert_eq!(
+            drawn(&mut effort, ms),
+            Detail::at_most(1 << 18),
+            "33 of 40 ms"
+        );
+        for _ in 0..100 {
+            effort.note_drawn(1 << 17, ms(1 << 17));
+            effort.note_drawn(1 << 18, ms(1 << 18));
+            effort.note_drawn(1 << 19, ms(1 << 19));
+            assert_eq!(effort.at_best(), Detail::at_most(1 << 18));
+        }
+        // Few points that are late say enough.
+        for _ in 0..30 {
+            let points = effort.at_best().most_points().min(1 << 17);
+            effort.note_drawn(points, points as f64 / 2_000.0);
+        }
+        assert_eq!(effort.at_best(), Detail::at_most(1 << 16), "33 ms");
     }
 
     #[test]

@@ -147,15 +147,16 @@ impl Queue {
             .cache
             .full(index)
             .filter(|frame| frame.satisfies(needs));
-        // Where all points are too many to be drawn, fewer of them are made even of frames that are here.
-        let may_be_full = detail != self.effort.at_best()
-            || full.is_some_and(|frame| frame.frame.len() <= detail.most_points());
+        // Where points are too many to be drawn, fewer of them are made even of frames that are here.
+        let is_of_use = |frame: &PreparedFrame| {
+            detail != self.effort.at_best() || !detail.is_exceeded_by(&frame.frame)
+        };
         let coarse = self
             .cache
             .coarse(index)
             .filter(|frame| frame.satisfies(needs));
-        full.is_some_and(|_| may_be_full)
-            || coarse.is_some_and(|frame| detail.is_met_by(&frame.frame))
+        full.is_some_and(|frame| is_of_use(frame))
+            || coarse.is_some_and(|frame| detail.is_met_by(&frame.frame) && is_of_use(frame))
     }
 
     /// The frame to show of those that are there and have what is needed.
@@ -170,10 +171,16 @@ impl Queue {
             .filter(|frame| frame.satisfies(needs));
         match self.effort.at_best() {
             Detail::Full => full.or(coarse),
-            detail @ Detail::AtMost(_) => coarse
-                .filter(|frame| detail.is_met_by(&frame.frame))
-                .or(full)
-                .or(coarse),
+            detail @ Detail::AtMost(_) => {
+                let is_drawn_in_time =
+                    |frame: &&Arc<PreparedFrame>| !detail.is_exceeded_by(&frame.frame);
+                coarse
+                    .filter(|frame| detail.is_met_by(&frame.frame))
+                    .filter(is_drawn_in_time)
+                    .or(full.filter(is_drawn_in_time))
+                    .or(coarse)
+                    .or(full)
+            }
         }
     }
 

@@ -162,7 +162,7 @@ fn from_existing(
     job: &Job,
 ) -> Result<PreparedFrame, FrameError> {
     let most_points = job.detail.most_points();
-    if existing.is_sample() || existing.frame.len() <= most_points {
+    if !job.detail.is_exceeded_by(&existing.frame) {
         return Ok(complete(existing, &job.needs, &shared.counters));
     }
     prepare_sample(existing, most_points, &job.needs, &shared.counters).map_err(|reason| {
