@@ -94,6 +94,8 @@ pub struct State {
     pub temporal: Temporal,
     /// Small pictures of the frames.
     pub thumbnails: Thumbnails,
+    /// Whether the window is light or dark.
+    pub theme: egui::ThemePreference,
     /// The ways of points through time.
     pub trails: Trails,
     /// What was clicked on.
@@ -157,6 +159,7 @@ impl State {
             export: Export::default(),
             temporal: Temporal::default(),
             thumbnails: Thumbnails::new(options.preferences.thumbnails),
+            theme: options.preferences.theme,
             trails: Trails::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),
@@ -206,6 +209,7 @@ impl State {
                 ..OpenPanels::default()
             },
             thumbnails: self.thumbnails.is_on,
+            theme: self.theme,
             window_size: None,
         }
     }

@@ -6,7 +6,7 @@ use crate::app::recent::entry_name;
 use crate::app::{Benchmark, State, Tool};
 use crate::bench::Suite;
 use crate::scene::{Projection, ViewPreset};
-use egui::{Button, MenuBar, Ui};
+use egui::{Button, MenuBar, ThemePreference, Ui};
 use std::path::PathBuf;
 
 /// File, Playback, View, Presets, Tools, Benchmark, Help.
@@ -190,6 +190,33 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
         let button = Button::selectable(open, text).shortcut_text(keys_of(command));
         if ui.add(button).clicked() {
             state.run(command);
+            ui.close();
+        }
+    }
+    ui.menu_button("Theme", |ui| theme_menu(ui, state));
+}
+
+fn theme_menu(ui: &mut Ui, state: &mut State) {
+    for (text, theme, tooltip) in [
+        (
+            "System",
+            ThemePreference::System,
+            "Light or dark as the system is; dark where it does not say",
+        ),
+        (
+            "Light",
+            ThemePreference::Light,
+            "Light, whatever the system is",
+        ),
+        (
+            "Dark",
+            ThemePreference::Dark,
+            "Dark, whatever the system is",
+        ),
+    ] {
+        let button = Button::selectable(state.theme == theme, text);
+        if ui.add(button).on_hover_text(tooltip).clicked() {
+            state.run(Command::Theme(theme));
             ui.close();
         }
     }
