@@ -32,6 +32,8 @@ mod mouse;
 mod notices;
 #[path = "panels/points.rs"]
 mod points;
+#[path = "panels/reading.rs"]
+mod reading;
 #[path = "panels/settings.rs"]
 mod settings;
 #[path = "panels/statistics.rs"]

@@ -4,6 +4,7 @@ mod actions;
 mod companion;
 mod inspecting;
 mod parts;
+mod reading;
 
 pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE, picture_folder};
 pub use parts::{Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest};
@@ -239,22 +240,9 @@ impl State {
         player.set_loop_mode(loop_mode, self.now);
         player.set_speed(speed, self.now);
         if let Some(before) = self.player.replace(player) {
-            // Its numbers are those of the sequence before.
-            self.settings.clip = None;
-            // Its threads end after the frame they are on; nobody waits for that here.
-            super::tasks::close(before);
+            self.leave(before);
         }
-        self.framed = false;
-        self.glide = None;
-        self.drawing.forget_frame();
-        self.temporal.forget_frames();
-        self.thumbnails.forget_frames();
-        self.trails.forget_points();
-        self.inspection.forget_points();
-        self.scrubbing = Scrubbing::default();
         self.read_timeline(self.options.timelines.clone().as_ref());
-        self.quality = None;
-        self.quality_key = None;
     }
 
     /// Finds the frames of `inputs` on a thread and opens them.
@@ -302,6 +290,7 @@ impl State {
         for outcome in outcomes {
             self.take_in(outcome);
         }
+        visible |= self.follow_readings();
         visible |= self.works.look(before, now);
         if let Benchmark::Running(running) = &mut self.benchmark {
             running.work.look(now);
@@ -477,6 +466,7 @@ impl State {
             player,
             self.notices.next_deadline(),
             self.works.next_deadline(self.now),
+            self.next_look_at_readings(),
             pictures,
             camera,
             held,

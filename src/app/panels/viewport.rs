@@ -36,7 +36,7 @@ pub fn viewport_ui(ui: &mut Ui, state: &mut State) {
     click(&response, state);
     if state.pictures().is_some() {
         pair_ui(ui, rect, state);
-    } else {
+    } else if state.player.is_some() {
         picture(ui, rect, state.viewport.texture, rect);
     }
     overlays(ui, rect, state);
