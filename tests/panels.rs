@@ -20,6 +20,8 @@ mod clip;
 mod comparison;
 #[path = "panels/export.rs"]
 mod export;
+#[path = "panels/idle.rs"]
+mod idle;
 #[path = "panels/keys.rs"]
 mod keys;
 #[path = "panels/marks.rs"]

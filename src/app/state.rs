@@ -216,9 +216,8 @@ impl State {
     }
 
     /// Shows `sequence` in place of what was open. Settings, loop mode and speed stay: they are choices of the person, not of
-    /// the sequence. What it was compared with is closed.
+    /// the sequence. What is beside it stays there.
     pub fn open(&mut self, sequence: Arc<Sequence>) {
-        self.close_beside();
         let loader_options = self.loader_options(self.budget_bytes());
         let mut player = match Player::new(sequence, loader_options, !self.options.paused) {
             Ok(player) => player,
@@ -243,6 +242,7 @@ impl State {
             self.leave(before);
         }
         self.read_timeline(self.options.timelines.clone().as_ref());
+        self.compare_again();
     }
 
     /// Finds the frames of `inputs` on a thread and opens them.
@@ -364,7 +364,7 @@ impl State {
     }
 
     /// True if something that is not the picture may have changed: marks on the timeline, progress.
-    pub(super) fn has_news(&self) -> bool {
+    pub fn has_news(&self) -> bool {
         matches!(self.benchmark, Benchmark::Running(_))
             || self.works.list().iter().any(|work| work.is_long(self.now))
             || self.trails.progress().is_some()

@@ -166,13 +166,35 @@ fn another_topic_of_a_recording_is_chosen_in_the_menu() {
             std::thread::sleep(Duration::from_millis(5));
         }
     };
-    harness.state_mut().open_paths(vec![path]);
+    harness.state_mut().open_paths(vec![path.clone()]);
     wait_for(&mut harness, 2);
     click(&mut harness, "File");
     click(&mut harness, "Topic");
     choose_item(&mut harness, "/rear");
     wait_for(&mut harness, 1);
     assert!(harness.state().notices.list().is_empty());
+
+    // The one beside it has a choice of its own.
+    let begin = Instant::now();
+    let wait_for_b = |harness: &mut Harness<'_, State>, count: usize| {
+        let count_of_b = |state: &State| {
+            let beside = state.beside.as_ref();
+            beside.map(|beside| beside.companion.sequence().len())
+        };
+        while count_of_b(harness.state()) != Some(count) {
+            assert!(begin.elapsed() < Duration::from_secs(20), "{count} of B");
+            harness.state_mut().update(Duration::ZERO);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    harness.state_mut().compare_paths(vec![path]);
+    wait_for_b(&mut harness, 2);
+    harness.run();
+    click(&mut harness, "File");
+    click(&mut harness, "Topic of B");
+    choose_item(&mut harness, "/rear");
+    wait_for_b(&mut harness, 1);
+    assert_eq!(frame_count(&harness), 1);
 }
 
 /// Clicks an item of the open menu; its label has the key after the text.
