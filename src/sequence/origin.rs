@@ -55,13 +55,10 @@ impl OriginFinder {
                     return None;
                 }
                 let origin = self.decide(sequence, progress);
-                match origin {
-                    Some(origin) => Some(*self.origin.get_or_init(|| origin)),
-                    None => {
-                        self.given_up.fetch_add(1, Ordering::Relaxed);
-                        None
-                    }
+                if origin.is_none() {
+                    self.given_up.fetch_add(1, Ordering::Relaxed);
                 }
+                origin.map(|origin| *self.origin.get_or_init(|| origin))
             })
         })
     }

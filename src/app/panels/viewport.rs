@@ -195,6 +195,9 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
 }
 
 fn nothing_open(ui: &mut Ui, rect: Rect, state: &mut State) {
+    // Text of a light theme is dark.
+    ui.painter_at(rect)
+        .rect_filled(rect, 0.0, ui.visuals().panel_fill);
     let middle = Rect::from_center_size(rect.center(), vec2(320.0, 120.0));
     ui.scope_builder(egui::UiBuilder::new().max_rect(middle), |ui| {
         ui.vertical_centered(|ui| {
