@@ -148,6 +148,15 @@ impl Headless {
         self.loader.wait(index, &needs)
     }
 
+    /// [`Headless::frame`] for a picture of another frame: what is prepared meanwhile stays as it was.
+    pub fn frame_beside(
+        &self,
+        index: usize,
+        settings: &Settings,
+    ) -> Result<Arc<PreparedFrame>, FrameError> {
+        self.loader.wait(index, &Scene::needs(settings))
+    }
+
     /// The frames.
     pub fn sequence(&self) -> &Arc<Sequence> {
         &self.sequence

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`memory`] | the allocator of the program, and how long it keeps what is freed |
 //! | `kept` | files that are kept between runs |
+//! | [`progress`] | how much of long work is done, and whether it is still wanted |
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
@@ -41,6 +42,7 @@ pub mod memory;
 pub mod octree;
 pub mod playback;
 mod priority;
+pub mod progress;
 pub mod render;
 pub mod scene;
 pub mod sequence;

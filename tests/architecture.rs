@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
-    &["math", "memory", "kept"],
+    &["math", "memory", "kept", "progress"],
     &["cloud"],
     &["io", "analysis"],
     &["measure"],

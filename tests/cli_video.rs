@@ -329,3 +329,46 @@ fn an_interrupt_leaves_nothing_that_looks_finished() {
         names()
     );
 }
+
+#[test]
+fn videos_show_of_other_poses_what_pictures_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let file = |name: &str, number: usize| {
+        let file = format!("{}/{number:04}.png", place(name));
+        image::open(file).unwrap().to_rgba8()
+    };
+    let mut plain = Vec::new();
+    for (name, poses) in [
+        ("plain", &[][..]),
+        ("change", &["--change", "-1", "--change-range", "0.05"]),
+        ("onion", &["--onion", "1", "--onion-step", "2"]),
+        ("trail", &["--trail", "0,100,2000"]),
+    ] {
+        let [video, pictures] = ["video", "pictures"].map(|kind| place(&format!("{name}-{kind}")));
+        let common = [&["--frame", "3..8"], poses].concat();
+        let [video, pictures] = [video, pictures].map(|folder| format!("{folder}/{{frame}}.png"));
+        succeeds(&[&common[..], &["--video", &video]].concat());
+        succeeds(&[&common[..], &["-o", &pictures]].concat());
+        let mut drawn = Vec::new();
+        for number in 0..6 {
+            let picture = file(&format!("{name}-pictures"), 3 + number);
+            let of_video = image::open(video.replace("{frame}", &format!("{number:04}"))).unwrap();
+            assert!(of_video.to_rgba8() == picture, "{name} {number}");
+            drawn.push(picture);
+        }
+        // From this side a trail may be hidden in one picture, not in all.
+        assert!(drawn != plain, "{name}: nothing is added");
+        if name == "plain" {
+            plain = drawn;
+        }
+    }
+    // Beyond the end there is nothing to compare with: said once a frame, however often a loop shows it.
+    let video = place("a.gif");
+    let arguments = ["--frame", "22..23", "--video", &video, "--change", "1"];
+    let output = render(&arguments);
+    assert!(output.status.success());
+    let said = stderr(&output);
+    let warnings = said.matches("keeps its colours: there is no frame 1 later");
+    assert_eq!(warnings.count(), 1, "{said}");
+}

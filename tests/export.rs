@@ -5,6 +5,8 @@
 mod common;
 #[path = "export/pictures.rs"]
 mod pictures;
+#[path = "export/poses.rs"]
+mod poses;
 #[path = "export/videos.rs"]
 mod videos;
 

@@ -20,6 +20,8 @@ mod clip;
 mod comparison;
 #[path = "panels/export.rs"]
 mod export;
+#[path = "panels/idle.rs"]
+mod idle;
 #[path = "panels/keys.rs"]
 mod keys;
 #[path = "panels/marks.rs"]
@@ -32,6 +34,8 @@ mod mouse;
 mod notices;
 #[path = "panels/points.rs"]
 mod points;
+#[path = "panels/reading.rs"]
+mod reading;
 #[path = "panels/settings.rs"]
 mod settings;
 #[path = "panels/statistics.rs"]

@@ -7,6 +7,9 @@ pub mod cloud;
 #[path = "../../src/io/mod.rs"]
 pub mod io;
 
+#[path = "../../src/progress.rs"]
+pub mod progress;
+
 /// Crates whose panics the readers catch.
 const CAUGHT: [&str; 2] = ["/laz-", "/draco-core-"];
 

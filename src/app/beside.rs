@@ -6,6 +6,7 @@
 
 use super::comparison::PicturePair;
 use super::drawing::Drawing;
+use super::progress::Progress;
 use super::tasks::{Outcome, Tasks};
 use crate::measure::Change;
 use crate::playback::{Companion, Player, PlayerChange};
@@ -14,7 +15,6 @@ use crate::sequence::PreparedFrame;
 use egui::{Pos2, Rect};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// The narrowest half, as a share of the width.
@@ -42,8 +42,8 @@ pub struct Beside {
     pub pictures: PicturePair,
     pub(super) drawing: Drawing,
     distances: Option<FrameDistances>,
-    /// Frames whose distances are being measured, and whether anybody still waits for them.
-    measuring: Option<([u64; 2], Arc<AtomicBool>)>,
+    /// Frames whose distances are being measured, and the work on that.
+    measuring: Option<([u64; 2], Progress)>,
     /// Where both are has been looked at.
     knows_gap: bool,
 }
@@ -210,11 +210,10 @@ impl Beside {
         let (a, b, ids) = (Arc::clone(a), Arc::clone(b), [a.id, b.id]);
         let shift = self.shift_from(player);
         self.cancel();
-        let is_wanted = Arc::new(AtomicBool::new(true));
-        self.measuring = Some((ids, Arc::clone(&is_wanted)));
+        let progress = Progress::default();
+        self.measuring = Some((ids, progress.clone()));
         tasks.start("distances", move || {
-            let is_wanted = || is_wanted.load(Ordering::Relaxed);
-            Outcome::Distances(between(&a, &b, shift, is_wanted))
+            Outcome::Distances(between(&a, &b, shift, || !progress.is_cancelled()))
         });
     }
 
@@ -230,8 +229,8 @@ impl Beside {
     }
 
     fn cancel(&mut self) {
-        if let Some((_, is_wanted)) = self.measuring.take() {
-            is_wanted.store(false, Ordering::Relaxed);
+        if let Some((_, progress)) = self.measuring.take() {
+            progress.cancel();
         }
     }
 

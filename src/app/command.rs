@@ -6,7 +6,7 @@ pub use bindings::{BINDINGS, Binding, Chord, GESTURES};
 
 use super::inspection::Tool;
 use crate::scene::ViewPreset;
-use egui::{Context, Event, Key, Modifiers};
+use egui::{Context, Event, Key, Modifiers, ThemePreference};
 
 /// Something a person asks for without a value to set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,6 +105,8 @@ pub enum Command {
     ToggleStatistics,
     /// Show or hide the ways of the picked points.
     ToggleTrails,
+    /// The window is light, dark, or as the system is.
+    Theme(ThemePreference),
     /// Show or hide small pictures over the timeline.
     ToggleThumbnails,
     /// Make them anew.

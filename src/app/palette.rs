@@ -1,6 +1,7 @@
 //! Commands by their names.
 
 use super::command::{BINDINGS, Command};
+use egui::ThemePreference;
 
 /// Commands that have no key.
 const WITHOUT_KEYS: &[(&str, Command)] = &[
@@ -13,6 +14,12 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
         Command::ToggleThumbnails,
     ),
     ("Make thumbnails anew", Command::RedoThumbnails),
+    (
+        "Theme of the system",
+        Command::Theme(ThemePreference::System),
+    ),
+    ("Light theme", Command::Theme(ThemePreference::Light)),
+    ("Dark theme", Command::Theme(ThemePreference::Dark)),
     (
         "Save a picture as a file of a name",
         Command::SaveScreenshotAs,

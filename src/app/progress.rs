@@ -4,62 +4,23 @@
 //! measures the pace between the first and the last time that it saw something done. What comes before, such as opening a
 //! graphics card, is no part of the pace. The work is over when its thread has let go of the [`Progress`].
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+pub use crate::progress::Progress;
+
 use std::time::Duration;
 
 /// Work that takes less shows no bar, which would only flash.
 const UNSEEN: Duration = Duration::from_millis(300);
 
-/// How much of some work is done, and whether it is still wanted. Clones are of the same work.
-#[derive(Debug, Clone, Default)]
-pub struct Progress(Arc<Shared>);
-
-#[derive(Debug, Default)]
-struct Shared {
-    done: AtomicUsize,
-    of: AtomicUsize,
-    is_cancelled: AtomicBool,
-}
-
-impl Progress {
-    /// Says that `done` steps of `of` are done; `of` is 0 while nobody knows.
-    pub fn set(&self, done: usize, of: usize) {
-        self.0.of.store(of, Ordering::Relaxed);
-        self.0.done.store(done, Ordering::Relaxed);
-    }
-
-    /// How many steps are done.
-    pub fn done(&self) -> usize {
-        self.0.done.load(Ordering::Relaxed)
-    }
-
-    /// How many steps there are; `None` while nobody knows.
-    pub fn of(&self) -> Option<usize> {
-        Some(self.0.of.load(Ordering::Relaxed)).filter(|&of| of > 0)
-    }
-
-    /// Asks whoever works to stop.
-    pub fn cancel(&self) {
-        self.0.is_cancelled.store(true, Ordering::Relaxed);
-    }
-
-    /// True after [`Progress::cancel`].
-    pub fn is_cancelled(&self) -> bool {
-        self.cancelled().load(Ordering::Relaxed)
-    }
-
-    /// Set by [`Progress::cancel`].
-    pub(super) fn cancelled(&self) -> &AtomicBool {
-        &self.0.is_cancelled
-    }
-}
+/// The same for a frame that is waited for: who steps through slow frames knows that they come.
+const UNSEEN_READING: Duration = Duration::from_secs(1);
 
 /// Kinds of long work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WorkKind {
     /// Frames are being found.
     Open,
+    /// A frame is being read.
+    Read,
     /// A picture or a video is being written.
     Export,
     /// A benchmark is running.
@@ -90,14 +51,18 @@ impl Work {
     /// Work that begins at `now`, and what its thread reports through.
     pub fn begin(kind: WorkKind, name: String, now: Duration) -> (Self, Progress) {
         let progress = Progress::default();
-        let work = Self {
+        (Self::of(kind, name, progress.clone(), now), progress)
+    }
+
+    /// Work that is first seen at `now`.
+    fn of(kind: WorkKind, name: String, progress: Progress, now: Duration) -> Self {
+        Self {
             kind,
             name,
-            progress: progress.clone(),
+            progress,
             begun: now,
             seen: None,
-        };
-        (work, progress)
+        }
     }
 
     /// How far it is.
@@ -141,12 +106,20 @@ impl Work {
 
     /// True once its thread has let go of it.
     fn has_ended(&self) -> bool {
-        Arc::strong_count(&self.progress.0) == 1
+        self.progress.is_alone()
     }
 
     /// Whether it takes long enough to be shown.
     pub fn is_long(&self, now: Duration) -> bool {
-        now >= self.begun + UNSEEN
+        now >= self.shown_at()
+    }
+
+    fn shown_at(&self) -> Duration {
+        self.begun
+            + match self.kind {
+                WorkKind::Read => UNSEEN_READING,
+                WorkKind::Open | WorkKind::Export | WorkKind::Benchmark => UNSEEN,
+            }
     }
 }
 
@@ -169,6 +142,21 @@ impl Works {
         let (work, progress) = Work::begin(kind, name, now);
         self.list.push(work);
         progress
+    }
+
+    /// Notes work that others have begun, unless it is known.
+    pub(super) fn watch(
+        &mut self,
+        kind: WorkKind,
+        name: impl FnOnce() -> String,
+        progress: &Progress,
+        now: Duration,
+    ) {
+        let is_known = |work: &Work| work.progress.is_same(progress);
+        if !self.list.iter().any(is_known) {
+            let progress = progress.clone();
+            self.list.push(Work::of(kind, name(), progress, now));
+        }
     }
 
     /// What is under way, oldest first.
@@ -202,7 +190,7 @@ impl Works {
     /// When work begins to be shown that is not yet.
     pub(super) fn next_deadline(&self, now: Duration) -> Option<Duration> {
         let hidden = self.list.iter().filter(|work| !work.is_long(now));
-        hidden.map(|work| work.begun + UNSEEN).min()
+        hidden.map(Work::shown_at).min()
     }
 }
 

@@ -4,6 +4,7 @@ mod actions;
 mod companion;
 mod inspecting;
 mod parts;
+mod reading;
 
 pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE, picture_folder};
 pub use parts::{Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest};
@@ -94,6 +95,8 @@ pub struct State {
     pub temporal: Temporal,
     /// Small pictures of the frames.
     pub thumbnails: Thumbnails,
+    /// Whether the window is light or dark.
+    pub theme: egui::ThemePreference,
     /// The ways of points through time.
     pub trails: Trails,
     /// What was clicked on.
@@ -157,6 +160,7 @@ impl State {
             export: Export::default(),
             temporal: Temporal::default(),
             thumbnails: Thumbnails::new(options.preferences.thumbnails),
+            theme: options.preferences.theme,
             trails: Trails::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),
@@ -206,14 +210,14 @@ impl State {
                 ..OpenPanels::default()
             },
             thumbnails: self.thumbnails.is_on,
+            theme: self.theme,
             window_size: None,
         }
     }
 
     /// Shows `sequence` in place of what was open. Settings, loop mode and speed stay: they are choices of the person, not of
-    /// the sequence. What it was compared with is closed.
+    /// the sequence. What is beside it stays there.
     pub fn open(&mut self, sequence: Arc<Sequence>) {
-        self.close_beside();
         let loader_options = self.loader_options(self.budget_bytes());
         let mut player = match Player::new(sequence, loader_options, !self.options.paused) {
             Ok(player) => player,
@@ -235,22 +239,10 @@ impl State {
         player.set_loop_mode(loop_mode, self.now);
         player.set_speed(speed, self.now);
         if let Some(before) = self.player.replace(player) {
-            // Its numbers are those of the sequence before.
-            self.settings.clip = None;
-            // Its threads end after the frame they are on; nobody waits for that here.
-            super::tasks::close(before);
+            self.leave(before);
         }
-        self.framed = false;
-        self.glide = None;
-        self.drawing.forget_frame();
-        self.temporal.forget_frames();
-        self.thumbnails.forget_frames();
-        self.trails.forget_points();
-        self.inspection.forget_points();
-        self.scrubbing = Scrubbing::default();
         self.read_timeline(self.options.timelines.clone().as_ref());
-        self.quality = None;
-        self.quality_key = None;
+        self.compare_again();
     }
 
     /// Finds the frames of `inputs` on a thread and opens them.
@@ -298,6 +290,7 @@ impl State {
         for outcome in outcomes {
             self.take_in(outcome);
         }
+        visible |= self.follow_readings();
         visible |= self.works.look(before, now);
         if let Benchmark::Running(running) = &mut self.benchmark {
             running.work.look(now);
@@ -371,7 +364,7 @@ impl State {
     }
 
     /// True if something that is not the picture may have changed: marks on the timeline, progress.
-    pub(super) fn has_news(&self) -> bool {
+    pub fn has_news(&self) -> bool {
         matches!(self.benchmark, Benchmark::Running(_))
             || self.works.list().iter().any(|work| work.is_long(self.now))
             || self.trails.progress().is_some()
@@ -473,6 +466,7 @@ impl State {
             player,
             self.notices.next_deadline(),
             self.works.next_deadline(self.now),
+            self.next_look_at_readings(),
             pictures,
             camera,
             held,

@@ -5,14 +5,15 @@
 //! for a moment the frame that was made of the pose before stays, so that the picture does not flicker while playing. What is under way for a pose that the
 //! playhead has left is cancelled. Distances are kept, as they take longest; colours follow from them.
 
+use super::progress::Progress;
 use super::tasks::{Outcome, Tasks};
 use crate::measure::Change;
 use crate::playback::Player;
 use crate::scene::{Scene, Settings};
+pub use crate::sequence::OnionSkin;
 use crate::sequence::{Ghost, Needs, PreparedFrame, Sequence, Slot, with_ghosts};
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// Bytes of distances that are kept.
@@ -20,10 +21,6 @@ const MAX_KEPT_BYTES: usize = 256 << 20;
 
 /// So long the picture of a pose that the playhead has left stays in place of one that is being made.
 const HOLD: Duration = Duration::from_millis(120);
-
-/// Past poses are warm, those to come are cool.
-const PAST_TINT: [u8; 3] = [255, 150, 60];
-const FUTURE_TINT: [u8; 3] = [70, 160, 255];
 
 /// The colours of a pose by how far each point is from another pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,56 +33,6 @@ pub struct ChangeMap {
     pub range: Option<f64>,
     /// The distance above which points are counted, scene units.
     pub threshold: f64,
-}
-
-/// Neighbouring poses in the same picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OnionSkin {
-    /// Whether they are shown.
-    pub is_on: bool,
-    /// How many earlier ones.
-    pub before: usize,
-    /// How many later ones.
-    pub after: usize,
-    /// Frames from one to the next.
-    pub step: usize,
-    /// The share of their points that is drawn of the nearest ones; it falls to the farthest.
-    pub strength: f32,
-}
-
-impl OnionSkin {
-    /// Most ghosts on either side.
-    pub const MAX_GHOSTS: usize = 8;
-
-    /// The poses of `frame_count` that are drawn around `index`: which, and as what share of their points in what colour.
-    pub fn around(&self, index: usize, frame_count: usize) -> Vec<(usize, f32, [u8; 3])> {
-        let side = |count: usize, tint, is_past: bool| {
-            (1..=count).filter_map(move |place| {
-                let away = place * self.step.max(1);
-                let other = if is_past {
-                    index.checked_sub(away)?
-                } else {
-                    index.checked_add(away)?
-                };
-                let share = self.strength * (count + 1 - place) as f32 / count as f32;
-                (other < frame_count).then_some((other, share, tint))
-            })
-        };
-        let past = side(self.before, PAST_TINT, true);
-        past.chain(side(self.after, FUTURE_TINT, false)).collect()
-    }
-}
-
-impl Default for OnionSkin {
-    fn default() -> Self {
-        Self {
-            is_on: false,
-            before: 2,
-            after: 2,
-            step: 1,
-            strength: 0.5,
-        }
-    }
 }
 
 /// All that a frame is made from.
@@ -151,7 +98,7 @@ pub struct Temporal {
     pub onion: OnionSkin,
     /// Oldest first.
     known: VecDeque<(ChangeKey, Arc<Change>)>,
-    running: Option<(Request, Arc<AtomicBool>)>,
+    running: Option<(Request, Progress)>,
     made: Option<Made>,
     /// Since when the pose of `made` is not that of the playhead.
     left_at: Option<Duration>,
@@ -249,8 +196,8 @@ impl Temporal {
     }
 
     fn start(&mut self, request: Request, player: &Player, tasks: &Tasks) {
-        let is_wanted = Arc::new(AtomicBool::new(true));
-        self.running = Some((request.clone(), Arc::clone(&is_wanted)));
+        let progress = Progress::default();
+        self.running = Some((request.clone(), progress.clone()));
         let known = self.known_change(&request);
         let sequence = Arc::clone(player.sequence());
         // The pose to compare with may be in memory; if not, the task reads it.
@@ -261,7 +208,7 @@ impl Temporal {
             }
         });
         tasks.start("poses", move || {
-            let made = make(request, known, other.as_deref(), &sequence, &is_wanted);
+            let made = make(request, known, other.as_deref(), &sequence, &progress);
             Outcome::MadeFrame(made.map(Box::new))
         });
     }
@@ -303,8 +250,8 @@ impl Temporal {
     }
 
     fn cancel(&mut self) {
-        if let Some((_, is_wanted)) = self.running.take() {
-            is_wanted.store(false, Ordering::Relaxed);
+        if let Some((_, progress)) = self.running.take() {
+            progress.cancel();
         }
     }
 
@@ -347,9 +294,9 @@ fn make(
     known: Option<Arc<Change>>,
     other: Option<&PreparedFrame>,
     sequence: &Sequence,
-    is_wanted: &AtomicBool,
+    progress: &Progress,
 ) -> Option<Made> {
-    let is_wanted = || is_wanted.load(Ordering::Relaxed);
+    let is_wanted = || !progress.is_cancelled();
     let (mut frame, mut change, mut problem) = (Arc::clone(&request.pose), known, None);
     if let Some(ChangeRequest { to, range }) = request.change {
         if change.is_none() {
@@ -400,27 +347,6 @@ fn make(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ghosts_fall_off_on_both_sides_and_end_with_the_sequence() {
-        let onion = OnionSkin {
-            before: 3,
-            after: 2,
-            step: 2,
-            strength: 0.6,
-            ..OnionSkin::default()
-        };
-        let found = onion.around(5, 8);
-        let shares: Vec<(usize, f32)> = found
-            .iter()
-            .map(|&(index, share, _)| (index, share))
-            .collect();
-        // The fourth, 11, and 9 are beyond the end.
-        assert_eq!(shares, [(3, 0.6), (1, 0.6 * 2.0 / 3.0), (7, 0.6)]);
-        assert_eq!(found[0].2, PAST_TINT);
-        assert_eq!(found[2].2, FUTURE_TINT);
-        assert_eq!(onion.around(0, 1), []);
-    }
 
     #[test]
     fn the_other_frame_is_one_of_the_sequence() {

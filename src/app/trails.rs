@@ -6,6 +6,8 @@
 
 use super::inspection::{Anchor, Inspection};
 use super::tasks::{Outcome, Tasks};
+use crate::analysis::map_color;
+use crate::export::TrailLook;
 use crate::playback::Player;
 use crate::sequence::{self, Needs, PreparedFrame, Slot, TrailMeasure, TrailRequest};
 use glam::DVec3;
@@ -119,6 +121,22 @@ impl Trails {
         let count = trails.trail_count();
         let picked = wish.picked.min(count);
         [0..picked, picked..count]
+    }
+
+    /// How all of them are drawn.
+    pub(super) fn looks(&self) -> Vec<TrailLook> {
+        let [picked, others] = self.parts();
+        let count = others.len();
+        let other = |(number, trail): (usize, usize)| {
+            let [red, green, blue, _] = map_color(field_place(number, count));
+            TrailLook {
+                trail,
+                tint: [red, green, blue],
+                length: Some(self.field.length),
+            }
+        };
+        let others = others.enumerate().map(other);
+        picked.map(TrailLook::picked).chain(others).collect()
     }
 
     /// Keeps the trail of a point, or lets it go.
@@ -252,6 +270,14 @@ impl Trails {
             self.found = Some((running.wish, trails));
         }
     }
+}
+
+/// Trails of a field have the colours of the map from here on: the first ones are as dark as the background.
+const FIRST_COLOR: f32 = 0.3;
+
+/// Where the colour of one of `count` trails of a field is on the map, 0 to 1.
+pub(super) fn field_place(number: usize, count: usize) -> f32 {
+    FIRST_COLOR + (1.0 - FIRST_COLOR) * (number as f32 + 0.5) / count as f32
 }
 
 /// Evenly chosen indices of the points of a file.

@@ -220,6 +220,7 @@ impl App {
         let graphics = Graphics::new(Arc::clone(&window))?;
         let egui = egui::Context::default();
         apply_theme(&egui);
+        egui.set_theme(self.state.theme);
         if let Some(before) = &before {
             let memory = before.context.memory(Clone::clone);
             egui.memory_mut(|new| *new = memory);

@@ -4,7 +4,7 @@ use super::arguments::{CameraArgs, FrameRange, PictureArgs, ReadArgs, open_seque
 use super::poses::PosesArgs;
 use super::say;
 use super::video::{VideoArgs, render_video};
-use crate::export::{FRAME_PLACEHOLDER, PictureSize, numbered, write_picture};
+use crate::export::{Dressed, FRAME_PLACEHOLDER, PictureSize, numbered, write_picture};
 use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, Settings};
@@ -50,7 +50,7 @@ pub(super) struct RenderArgs {
     picture: PictureArgs,
 
     #[command(flatten)]
-    poses: PosesArgs,
+    pub(super) poses: PosesArgs,
 
     #[command(flatten)]
     pub(super) camera: CameraArgs,
@@ -169,7 +169,7 @@ fn render_frames(
     let sequence = Arc::clone(headless.sequence());
     make_folder(output, sequence.len())?;
     let range = FrameRange { first, last };
-    let trails = arguments.poses.trails(range, headless, settings)?;
+    let poses = arguments.poses.poses(range, headless, settings)?;
     let mut failed = Vec::new();
     // One camera for the whole range: poses stay comparable.
     let mut camera: Option<Camera> = None;
@@ -186,9 +186,10 @@ fn render_frames(
         };
         let camera =
             camera.get_or_insert_with(|| arguments.camera.choice().camera(&frame, &sequence));
-        let frame = arguments
-            .poses
-            .with_others(frame, trails.as_ref(), headless, settings)?;
+        let Dressed { frame, problems } = poses.dress(&frame, headless, settings)?;
+        for problem in problems {
+            say(&format!("warning: {problem}"));
+        }
         let path = numbered(output, index, sequence.len());
         let size = arguments.picture_size();
         write_picture(headless, &frame, camera, settings, size, &path)?;

@@ -1,5 +1,6 @@
 //! `pointreel render --video`: a camera path, a turntable, or a camera that stands still while the sequence plays.
 
+use super::arguments::FrameRange;
 use super::progress::Bar;
 use super::render::RenderArgs;
 use super::{answer, say};
@@ -8,6 +9,7 @@ use crate::headless::{Headless, PictureStats};
 use crate::scene::{CameraPath, Settings};
 use anyhow::bail;
 use clap::Args;
+use std::collections::HashSet;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -57,17 +59,28 @@ pub(super) fn render_video(
         Some(file) => written_path(&arguments.video, &CameraPath::read(file)?)?,
         None => path_around(arguments, settings, headless)?,
     };
+    let last = headless.sequence().len() - 1;
+    let range = arguments.frame.unwrap_or(FrameRange { first: 0, last });
+    let poses = arguments.poses.poses(range, headless, settings)?;
     let video = Video {
         path: &path,
         settings,
+        poses: &poses,
         size: arguments.picture_size(),
         per_second,
         speed,
     };
+    let mut told = HashSet::new();
     let bar = Bar::new(video.picture_count());
     // An interrupt ends the process; what stands there then has a hidden name.
     let exported = export_video(headless, &video, output, &mut |picture: &PictureDone| {
         bar.set(picture.done);
+        for problem in &picture.problems {
+            // A loop shows a frame again.
+            if told.insert(problem.clone()) {
+                say(&format!("warning: {problem}"));
+            }
+        }
         stats.push(picture.stats.clone());
         ControlFlow::Continue(())
     });

@@ -23,6 +23,10 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "INPUT")]
     compare: Vec<PathBuf>,
 
+    /// The topic of a recording in --compare (usually that of --topic, else the one that has the most point clouds)
+    #[arg(long, value_name = "NAME", requires = "compare")]
+    compare_topic: Option<String>,
+
     #[command(flatten)]
     read: ReadArgs,
 
@@ -82,7 +86,14 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let sequence = open_sequence(&args.inputs, &open)?;
     let compare = match args.compare.as_slice() {
         [] => None,
-        inputs => Some(Arc::new(open_sequence(inputs, &open)?)),
+        inputs => {
+            let topic = args.compare_topic.as_deref().map(Arc::from);
+            let open = OpenOptions {
+                topic: topic.or_else(|| open.topic.clone()),
+                ..open.clone()
+            };
+            Some(Arc::new(open_sequence(inputs, &open)?))
+        }
     };
     let (recent, problem) = Recent::load();
     // A picture that a script asks for does not depend on who looked at what before.

@@ -12,6 +12,7 @@ mod gif;
 mod mp4;
 mod picture;
 mod png_files;
+mod poses;
 mod sink;
 mod video;
 mod webp;
@@ -23,5 +24,6 @@ pub use picture::{
     write_picture_observed,
 };
 pub use png_files::{FRAME_PLACEHOLDER, numbered};
+pub use poses::{ChangeColors, Dressed, Poses, TrailLook};
 pub use sink::{FrameSink, VideoFormat, VideoStream, open_sink};
 pub use video::{PictureDone, Video, export_video, render_path};

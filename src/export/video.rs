@@ -1,7 +1,7 @@
 //! A camera path drawn picture by picture, and encoded beside.
 
 use super::picture::{self, PictureSize, draw_picture};
-use super::{ExportError, FrameSink, VideoStream, open_sink};
+use super::{Dressed, ExportError, FrameSink, Poses, VideoStream, open_sink};
 use crate::headless::{Headless, HeadlessError, PictureStats};
 use crate::scene::{CameraPath, Settings};
 use crate::sequence::{Direction, FrameError, PreparedFrame};
@@ -26,6 +26,8 @@ pub struct Video<'a> {
     pub path: &'a CameraPath,
     /// How pictures are drawn.
     pub settings: &'a Settings,
+    /// What other poses add to each picture.
+    pub poses: &'a Poses,
     /// How large they are.
     pub size: PictureSize,
     /// How many there are a second.
@@ -60,6 +62,8 @@ pub struct PictureDone {
     pub total: usize,
     /// What the last one took.
     pub stats: PictureStats,
+    /// What other poses could not add to it; of pictures of one frame in a row only the first one tells.
+    pub problems: Vec<String>,
 }
 
 /// Draws a video to the file or files that `output` names; `observe` is told of each picture and may cancel. Frames that cannot be
@@ -144,6 +148,8 @@ fn draw_pictures(
     let total = video.picture_count();
     let mut failed: Vec<(usize, FrameError)> = Vec::new();
     let mut shown: Option<Arc<PreparedFrame>> = None;
+    // What is drawn of the shown frame: made once for all pictures that show it.
+    let mut dressed: Option<(Arc<PreparedFrame>, Dressed)> = None;
     let at = |picture: usize| {
         let seconds = picture as f64 * video.speed / video.per_second;
         video.path.at(seconds)
@@ -166,7 +172,17 @@ fn draw_pictures(
             }
             Err(_) => {}
         }
-        let Some(frame) = &shown else { continue };
+        let Some(pose) = &shown else { continue };
+        let (frame, problems) = match &mut dressed {
+            Some((of, dressed)) if Arc::ptr_eq(of, pose) => (&dressed.frame, Vec::new()),
+            _ => {
+                let new = video.poses.dress(pose, headless, video.settings);
+                let mut new = new.map_err(HeadlessError::from)?;
+                let problems = std::mem::take(&mut new.problems);
+                let (_, new) = dressed.insert((Arc::clone(pose), new));
+                (&new.frame, problems)
+            }
+        };
         let picture = draw_picture(headless, frame, &camera, video.settings, video.size)?;
         let stats = headless.stats(frame);
         if pictures.send(picture).is_err() {
@@ -176,6 +192,7 @@ fn draw_pictures(
             done: done + 1,
             total,
             stats,
+            problems,
         };
         if observe(&picture_done).is_break() {
             return Err(ExportError::Cancelled);

@@ -37,6 +37,12 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
     },
+    /// Somebody cancelled it.
+    #[error("{} was not read to its end, as that was cancelled: open it again to read it", path.display())]
+    Cancelled {
+        /// The file.
+        path: PathBuf,
+    },
     /// An archive or recording without a point cloud.
     #[error("{} holds no point cloud ({format} file): check that it is the right file", path.display())]
     NoFrame {
@@ -126,6 +132,11 @@ impl Fault {
             mebibytes(needed),
             mebibytes(options.max_memory_bytes)
         ))
+    }
+
+    /// What a decoder ends with that nobody waits for any more; who called it knows why.
+    pub(super) fn cancelled() -> Self {
+        Self::header("cancelled")
     }
 
     pub(super) fn header(problem: impl Into<String>) -> Self {

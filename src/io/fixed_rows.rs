@@ -13,7 +13,9 @@
 use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};
 use super::growing::{Growing, lock};
+use super::watched::cancelled;
 use crate::cloud::RawCloud;
+use crate::progress::Progress;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fs::File;
@@ -66,7 +68,7 @@ impl FixedRows {
     }
 
     /// The cloud in the file at `path`; `None` where it takes the whole file to tell what it means or what is wrong.
-    pub(super) fn read(&self, path: &Path) -> io::Result<Option<RawCloud>> {
+    pub(super) fn read(&self, path: &Path, progress: &Progress) -> io::Result<Option<RawCloud>> {
         let columns = self.columns(&[]);
         let roles = Roles::of(&columns).ok();
         let roles = roles.filter(|roles| roles.are_local(&columns));
@@ -85,7 +87,8 @@ impl FixedRows {
         }
         file.seek(SeekFrom::Start(self.start as u64))?;
         let growing = Growing::new(roles, &columns, self.count);
-        self.append_pieces(file, &growing, PIECE_BYTES)?;
+        progress.set(0, bytes);
+        self.append_pieces(file, &growing, PIECE_BYTES, progress)?;
         let mut cloud = growing.finish();
         cloud.sensor = self.sensor;
         Ok(Some(cloud))
@@ -97,12 +100,16 @@ impl FixedRows {
         reader: impl Read + Send,
         growing: &Growing,
         piece_bytes: usize,
+        progress: &Progress,
     ) -> io::Result<()> {
         let piece_rows = (piece_bytes / self.row_bytes).max(1);
         let source = Mutex::new((reader, self.count));
         let work = || {
             let mut piece = Vec::new();
             loop {
+                if progress.is_cancelled() {
+                    return Err(cancelled());
+                }
                 let mut turn = lock(&source);
                 let (reader, rows_left) = &mut *turn;
                 let rows = piece_rows.min(*rows_left);
@@ -115,6 +122,7 @@ impl FixedRows {
                 *rows_left = outcome.as_ref().map_or(0, |()| *rows_left - rows);
                 outcome?;
                 growing.append(&self.columns(&piece), rows, turn);
+                progress.advance(piece.len());
             }
         };
         if self.count <= piece_rows {
@@ -188,7 +196,7 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build()
             .unwrap()
-            .install(|| rows.append_pieces(reader, &growing, piece_bytes))
+            .install(|| rows.append_pieces(reader, &growing, piece_bytes, &Progress::default()))
             .map(|()| growing.finish())
     }
 
@@ -231,7 +239,9 @@ mod tests {
         let changed = |change: fn(&mut FixedRows)| {
             let mut rows = rows(false);
             change(&mut rows);
-            rows.read(file.path()).unwrap().is_some()
+            rows.read(file.path(), &Progress::default())
+                .unwrap()
+                .is_some()
         };
         assert!(changed(|_| ()));
         assert!(changed(|rows| rows.count -= 1));

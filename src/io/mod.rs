@@ -34,6 +34,7 @@ mod rows;
 mod stl;
 pub(crate) mod timestamps;
 mod unpack;
+mod watched;
 mod write;
 mod xyz;
 
@@ -47,6 +48,7 @@ pub use recording::Message;
 pub use write::{WriteFormat, write};
 
 use crate::cloud::RawCloud;
+use crate::progress::Progress;
 use error::Fault;
 use std::fs::File;
 use std::io::Read as _;
@@ -60,14 +62,43 @@ pub fn read(path: &Path) -> Result<RawCloud, IoError> {
 
 /// Reads one of the frames that [`list`] found in the file at `path`.
 pub fn read_part(path: &Path, part: &Part, options: &ReadOptions) -> Result<RawCloud, IoError> {
+    read_part_observed(path, part, options, &Progress::default())
+}
+
+/// [`read_part`], which tells `progress` how much of the file is read, then how much of it is decoded where the decoder can say so, and
+/// ends soon after it was cancelled.
+///
+/// # Errors
+/// As [`read_part`], and [`IoError::Cancelled`].
+pub fn read_part_observed(
+    path: &Path,
+    part: &Part,
+    options: &ReadOptions,
+    progress: &Progress,
+) -> Result<RawCloud, IoError> {
+    let cloud = read_watched(path, part, options, progress);
+    if progress.is_cancelled() {
+        return Err(IoError::Cancelled {
+            path: path.to_owned(),
+        });
+    }
+    cloud
+}
+
+fn read_watched(
+    path: &Path,
+    part: &Part,
+    options: &ReadOptions,
+    progress: &Progress,
+) -> Result<RawCloud, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
     };
     match part {
         Part::Member(member) => {
-            let (name, bytes) = archive::read(path, member, options)?;
-            return read_bytes_with(&name, &bytes, &Part::Whole, options);
+            let (name, bytes) = archive::read(path, member, options, progress)?;
+            return read_bytes_with(&name, &bytes, &Part::Whole, options, progress);
         }
         Part::Message(message) => return recording::read(path, message, options),
         Part::Whole | Part::Scan(_) | Part::Moment(_) => {}
@@ -80,7 +111,9 @@ pub fn read_part(path: &Path, part: &Part, options: &ReadOptions) -> Result<RawC
     {
         let entries = list_format(path, format, None, options)?.entries;
         return match entries.first() {
-            Some(first) if first.part != Part::Whole => read_part(path, &first.part, options),
+            Some(first) if first.part != Part::Whole => {
+                read_watched(path, &first.part, options, progress)
+            }
             _ => Err(IoError::NoFrame {
                 path: path.to_owned(),
                 format,
@@ -93,19 +126,19 @@ pub fn read_part(path: &Path, part: &Part, options: &ReadOptions) -> Result<RawC
         _ => None,
     };
     if let Some(rows) = rows
-        && let Some(cloud) = rows.read(path).map_err(failed)?
+        && let Some(cloud) = rows.read(path, progress).map_err(failed)?
     {
         return Ok(cloud);
     }
-    // One allocation of the file's length, refused by an error where there is no memory for it.
-    let bytes = std::fs::read(path).map_err(failed)?;
-    read_bytes_with(path, &bytes, part, options)
+    let bytes = watched::read_file(path, progress).map_err(failed)?;
+    read_bytes_with(path, &bytes, part, options, progress)
 }
 
 /// Reads the cloud in `bytes`; `name` stands in error messages, and its extension tells the format where the first
 /// bytes do not.
 pub fn read_bytes(name: &Path, bytes: &[u8]) -> Result<RawCloud, IoError> {
-    read_bytes_with(name, bytes, &Part::Whole, &ReadOptions::default())
+    let (options, progress) = (ReadOptions::default(), Progress::default());
+    read_bytes_with(name, bytes, &Part::Whole, &options, &progress)
 }
 
 fn read_bytes_with(
@@ -113,6 +146,7 @@ fn read_bytes_with(
     bytes: &[u8],
     part: &Part,
     options: &ReadOptions,
+    progress: &Progress,
 ) -> Result<RawCloud, IoError> {
     if bytes.is_empty() {
         return Err(IoError::Empty {
@@ -124,15 +158,15 @@ fn read_bytes_with(
     })?;
     let options = &options.of_format(format);
     let decoded = match format {
-        Format::Ply => ply::decode(bytes),
-        Format::Pcd => pcd::decode(bytes),
-        Format::Xyz => xyz::decode(bytes),
-        Format::Las => las::decode(bytes, options),
-        Format::E57 => e57::decode(bytes, part, options),
+        Format::Ply => ply::decode(bytes, progress),
+        Format::Pcd => pcd::decode(bytes, progress),
+        Format::Xyz => xyz::decode(bytes, progress),
+        Format::Las => las::decode(bytes, options, progress),
+        Format::E57 => e57::decode(bytes, part, options, progress),
         Format::Draco => draco::decode(bytes, options),
-        Format::Ptx => ptx::decode(bytes),
+        Format::Ptx => ptx::decode(bytes, progress),
         Format::Bin => bin::decode(name, bytes),
-        Format::Obj => obj::decode(bytes),
+        Format::Obj => obj::decode(bytes, progress),
         Format::Off => off::decode(bytes),
         Format::Stl => stl::decode(bytes),
         Format::Npy => npy::decode(bytes),

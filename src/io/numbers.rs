@@ -1,5 +1,8 @@
 //! Numbers written as text, token by token, without allocation.
 
+use super::error::Fault;
+use crate::progress::Progress;
+
 /// The tokens of a text, with the line each is on.
 #[derive(Debug, Clone)]
 pub(super) struct Tokens<'a> {
@@ -114,6 +117,20 @@ pub(super) fn quoted(token: &[u8]) -> String {
         shown.escape_default(),
         if token.len() > SHOWN_BYTES { "…" } else { "" }
     )
+}
+
+/// Rows of text between two looks at whether they are still wanted.
+const ROWS_AT_ONCE: usize = 1 << 14;
+
+/// Tells `progress` now and then, and when they are, that the first `row` of `rows` are read; fails once they are not wanted any more.
+pub(super) fn note_row(row: usize, rows: usize, progress: &Progress) -> Result<(), Fault> {
+    if row.is_multiple_of(ROWS_AT_ONCE) || row == rows {
+        if progress.is_cancelled() {
+            return Err(Fault::cancelled());
+        }
+        progress.set(row, rows);
+    }
+    Ok(())
 }
 
 #[cfg(test)]

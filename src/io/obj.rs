@@ -6,12 +6,25 @@
 use super::error::{Fault, Place};
 use super::numbers::{parse_number, quoted};
 use crate::cloud::{Positions, RawCloud};
+use crate::progress::Progress;
 
-pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+/// Lines between two looks at whether the model is still wanted.
+const LINES_AT_ONCE: usize = 1 << 14;
+
+pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+    progress.set(0, bytes.len());
+    let mut done = 0;
     let mut model = Model::default();
     // A backslash at the end of a line goes on in the next one.
     let mut joined: Vec<u8> = Vec::new();
     for (index, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
+        done += line.len() + 1;
+        if index % LINES_AT_ONCE == 0 {
+            if progress.is_cancelled() {
+                return Err(Fault::cancelled());
+            }
+            progress.set(done, bytes.len());
+        }
         let line = line.trim_ascii();
         if let Some(start) = line.strip_suffix(b"\\") {
             joined.extend(start);
@@ -24,6 +37,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
             joined.clear();
         }
     }
+    progress.set(bytes.len(), bytes.len());
     model.into_cloud()
 }
 

@@ -6,8 +6,9 @@ use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::fixed_rows::{self, FixedRows};
-use super::numbers::{Tokens, line_endings, quoted};
+use super::numbers::{Tokens, line_endings, note_row, quoted};
 use crate::cloud::RawCloud;
+use crate::progress::Progress;
 use glam::DVec3;
 use pcd_rs::{DataKind, PcdMeta, ValueKind};
 
@@ -20,14 +21,15 @@ const MAX_LZF_RATIO: usize = 88;
 /// The crate counts the bytes of a block in an i32.
 const MAX_LZF_BYTES: usize = i32::MAX as usize;
 
-pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
     let (header, payload_start) = parse_header(bytes)?;
     let table = Table::new(&header)?;
     let payload = &bytes[payload_start..];
     match header.data {
         DataKind::Ascii => {
             let header_lines = line_endings(&bytes[..payload_start]);
-            table.cloud(&table.ascii(payload, header_lines + 1)?, &header)
+            let columns = table.ascii(payload, header_lines + 1, progress)?;
+            table.cloud(&columns, &header)
         }
         DataKind::Binary => {
             table.check_claim(table.row_bytes, payload.len())?;
@@ -245,7 +247,12 @@ impl Table {
         Ok(block)
     }
 
-    fn ascii(&self, payload: &[u8], first_line: usize) -> Result<Vec<Column<'static>>, Fault> {
+    fn ascii(
+        &self,
+        payload: &[u8],
+        first_line: usize,
+        progress: &Progress,
+    ) -> Result<Vec<Column<'static>>, Fault> {
         /// A digit and a separator.
         const LEAST_NUMBER_BYTES: usize = 2;
         let row_numbers = self
@@ -259,6 +266,7 @@ impl Table {
         let mut columns = self.columns(|_, _| Values::Parsed(Vec::with_capacity(self.rows)));
         let mut tokens = Tokens::new(payload, first_line);
         for row in 0..self.rows {
+            note_row(row, self.rows, progress)?;
             let mut column = columns.iter_mut();
             for field in &self.fields {
                 let mut first = f64::NAN;
@@ -299,6 +307,7 @@ impl Table {
             // A point is a line: what follows its last field is of no field.
             tokens.skip_line();
         }
+        note_row(self.rows, self.rows, progress)?;
         Ok(columns)
     }
 

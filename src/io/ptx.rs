@@ -10,6 +10,7 @@ use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::rows::{self, Dialect};
 use crate::cloud::{Positions, RawCloud};
+use crate::progress::Progress;
 use glam::{DMat4, DVec3, DVec4};
 
 /// Numbers in the lines of a header.
@@ -37,7 +38,8 @@ pub(super) fn is_ptx(start: &[u8]) -> bool {
     Lines::new(start).header().is_ok()
 }
 
-pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+    progress.set(0, bytes.len());
     let mut lines = Lines::new(bytes);
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut sensors = Vec::new();
@@ -62,7 +64,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
                 ));
             }
         };
-        let mut rows = rows::parse(text, first_line, width, DIALECT)?;
+        let mut rows = rows::parse(text, first_line, width, DIALECT, progress)?;
         if rows.len() != count {
             let line = rows.lones.first().map_or(first_line, |lone| lone.line);
             return Err(Fault::new(

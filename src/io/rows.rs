@@ -5,6 +5,7 @@
 
 use super::error::{Fault, Place};
 use super::numbers::{parse_number, quoted};
+use crate::progress::Progress;
 use rayon::prelude::*;
 
 /// Large enough to be worth a task, small enough that the cores share a file evenly.
@@ -188,17 +189,29 @@ struct Block {
     fault: Option<(usize, String)>,
 }
 
-/// Parses `text`, whose first line is number `first_line` and whose lines have `width` numbers, or one, or none.
+/// Parses `text`, whose first line is number `first_line` and whose lines have `width` numbers, or one, or none. Its bytes are the
+/// steps that `progress` is told of.
 pub(super) fn parse(
     text: &[u8],
     first_line: usize,
     width: usize,
     dialect: Dialect,
+    progress: &Progress,
 ) -> Result<Rows, Fault> {
     let blocks: Vec<Block> = blocks(text)
         .into_par_iter()
-        .map(|block| parse_block(block, width, dialect))
+        .map(|block| {
+            if progress.is_cancelled() {
+                return Block::default();
+            }
+            let parsed = parse_block(block, width, dialect);
+            progress.advance(block.len());
+            parsed
+        })
         .collect();
+    if progress.is_cancelled() {
+        return Err(Fault::cancelled());
+    }
     let mut line = first_line;
     let mut row = 0;
     let mut lones = Vec::new();
@@ -331,13 +344,15 @@ mod tests {
         let dialect = Dialect {
             decimal_comma: false,
         };
-        let rows = parse(text.join("\n").as_bytes(), 1, 4, dialect).unwrap();
+        let progress = Progress::default();
+        let rows = parse(text.join("\n").as_bytes(), 1, 4, dialect, &progress).unwrap();
+        assert_eq!(progress.done(), text.join("\n").len());
         assert_eq!(rows.len(), 200_000);
         assert!((0..200_000).all(|i| rows.columns[2][i] == -(i as f64) - 0.5));
         assert!(text.join("\n").len() > 2 * BLOCK_BYTES);
         "1 2 oops 4".clone_into(&mut text[150_000]);
         "1 2".clone_into(&mut text[170_000]);
-        let fault = parse(text.join("\r\n").as_bytes(), 11, 4, dialect).unwrap_err();
+        let fault = parse(text.join("\r\n").as_bytes(), 11, 4, dialect, &progress).unwrap_err();
         assert_eq!(fault.place, Place::Line(150_011));
     }
 }

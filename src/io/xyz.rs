@@ -16,11 +16,12 @@ use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::rows::{self, Dialect, Rows};
 use crate::cloud::{Positions, RawCloud};
+use crate::progress::Progress;
 
 /// Columns that are looked at.
 const MAX_COLUMNS: usize = 64;
 
-pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut head = Head::read(bytes)?;
     let Some(width) = head.width else {
@@ -34,11 +35,13 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
             )),
         };
     };
+    progress.set(head.byte_count, bytes.len());
     let parsed = rows::parse(
         &bytes[head.byte_count..],
         head.line_count + 1,
         width,
         head.dialect,
+        progress,
     )?;
     let count = parsed.len();
     if let Some(claimed) =
@@ -307,8 +310,8 @@ mod tests {
             ("1\n1 2 3\n4 5 6\n", 2),
             ("1\n1 2 3\n2\n4 5 6\n7 8 9\n", 3),
         ] {
-            let cloud =
-                decode(text.as_bytes()).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"));
+            let cloud = decode(text.as_bytes(), &Progress::default())
+                .unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"));
             assert_eq!(cloud.positions.len(), points, "{text:?}");
         }
         for text in [
@@ -318,7 +321,10 @@ mod tests {
             "1.5\n1 2 3\n",
             "2\n1 2 3\n1\n",
         ] {
-            assert!(decode(text.as_bytes()).is_err(), "{text:?}");
+            assert!(
+                decode(text.as_bytes(), &Progress::default()).is_err(),
+                "{text:?}"
+            );
         }
     }
 }

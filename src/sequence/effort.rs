@@ -229,7 +229,7 @@ enum Attempt {
         before: Option<u32>,
         before_ms: f64,
     },
-    /// Twice the points.
+    /// Twice the points, or as many as should fit.
     More,
 }
 
@@ -306,7 +306,8 @@ impl Drawing {
         self.learn_slope(mean_ms);
         let fitting = self.fitting_points(mean_ms, interval_ms);
         let fits_twice = fitting as usize >= 2 * points;
-        let is_clear = fits_twice || mean_ms > 1.5 * interval_ms;
+        let is_tried = self.attempt == Attempt::More;
+        let is_clear = fits_twice || mean_ms > if is_tried { 1.0 } else { 1.5 } * interval_ms;
         if self.pictures < Self::LOOKED_AT && !is_clear {
             return;
         }
@@ -320,14 +321,14 @@ impl Drawing {
         self.attempt = Attempt::None;
         match self.most_points {
             Some(most_points) if fits_twice && fitting > most_points => {
-                self.change(Some(fitting), Attempt::None);
+                self.change(Some(fitting), Attempt::More);
             }
             Some(most_points) if mean_ms < Self::PLANNED * interval_ms && !is_patient => {
                 self.change(most_points.checked_mul(2), Attempt::More);
             }
             // The first pictures, of few points.
             None if (fitting as usize) < points_in_file && points < points_in_file => {
-                self.change(Some(fitting), Attempt::None);
+                self.change(Some(fitting), Attempt::More);
             }
             _ => {}
         }

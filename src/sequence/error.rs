@@ -100,6 +100,14 @@ pub enum FrameError {
         /// What does not fit.
         reason: CloudError,
     },
+    /// Somebody cancelled the reading of it.
+    #[error("{} was not read to its end, as that was cancelled: open it again to read it", path.display())]
+    Cancelled {
+        /// Index in the sequence.
+        index: usize,
+        /// The file.
+        path: PathBuf,
+    },
     /// The program's own fault, kept to this frame.
     #[error("{}: the program failed on this frame ({message}); the other frames still play, please report it with the file", path.display())]
     Panic {
@@ -126,6 +134,7 @@ impl FrameError {
         match self {
             Self::Decode { index, .. }
             | Self::Invalid { index, .. }
+            | Self::Cancelled { index, .. }
             | Self::Panic { index, .. }
             | Self::NoSuchFrame { index, .. } => *index,
         }
@@ -134,9 +143,10 @@ impl FrameError {
     /// The file, where there is one.
     pub fn path(&self) -> Option<&Path> {
         match self {
-            Self::Decode { path, .. } | Self::Invalid { path, .. } | Self::Panic { path, .. } => {
-                Some(path)
-            }
+            Self::Decode { path, .. }
+            | Self::Invalid { path, .. }
+            | Self::Cancelled { path, .. }
+            | Self::Panic { path, .. } => Some(path),
             Self::NoSuchFrame { .. } => None,
         }
     }

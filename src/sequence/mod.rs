@@ -26,6 +26,7 @@ mod error;
 mod ghosts;
 mod loader;
 mod needs;
+mod onion;
 mod origin;
 mod pace;
 mod play_range;
@@ -46,8 +47,9 @@ pub use error::{FrameError, SequenceError};
 pub use ghosts::{Ghost, with_ghosts};
 #[cfg(test)]
 pub(crate) use loader::simulation;
-pub use loader::{FrameFacts, FrameState, Loader, LoaderOptions, LoaderStats, Slot};
+pub use loader::{FrameFacts, FrameState, Loader, LoaderOptions, LoaderStats, Reading, Slot};
 pub use needs::{ColorSource, Needs};
+pub use onion::OnionSkin;
 pub use pace::Pace;
 pub use play_range::PlayRange;
 pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare};
@@ -62,6 +64,7 @@ pub use watch::watch;
 
 use crate::cloud::{Frame, RawCloud};
 use crate::io::{ReadOptions, Topic};
+use crate::progress::Progress;
 use glam::DVec3;
 use origin::OriginFinder;
 use std::ops::ControlFlow;
@@ -86,7 +89,7 @@ pub struct OpenOptions {
 /// Ordered sources of frames, their common origin and their pace. Shared between threads behind an [`Arc`]; may grow at its end.
 pub struct Sequence {
     sources: RwLock<Vec<Arc<Source>>>,
-    decode: Box<Decode>,
+    decode: Arc<Decode>,
     decode_count: AtomicU64,
     origin: OriginFinder,
     fps: Option<f64>,
@@ -129,7 +132,8 @@ impl Sequence {
     ) -> Result<Self, SequenceError> {
         let discovered = discover::discover(inputs, options, observe)?;
         let read = options.read;
-        let decode = move |source: &Source| source::decode(source, &read);
+        let decode =
+            move |source: &Source, progress: &Progress| source::decode(source, &read, progress);
         if options.topic.is_none() {
             recording::warn_of_unread(&discovered.recordings);
         }
@@ -137,7 +141,7 @@ impl Sequence {
             fps: options.fps,
             opened: Some((inputs.to_vec(), options.clone())),
             recordings: discovered.recordings,
-            ..Self::with_decoder(discovered.sources, decode)
+            ..Self::with_observed_decoder(discovered.sources, decode)
         })
     }
 
@@ -186,7 +190,9 @@ impl Sequence {
     /// The sequence embedded in the program: 24 poses of about 8,000 coloured points.
     pub fn demo() -> Self {
         let read = ReadOptions::default();
-        Self::with_decoder(demo::sources(), move |source| source::decode(source, &read))
+        Self::with_observed_decoder(demo::sources(), move |source, progress| {
+            source::decode(source, &read, progress)
+        })
     }
 
     /// A sequence whose frames come from `decode`: sensors, generators, slow or broken files in tests.
@@ -194,14 +200,36 @@ impl Sequence {
         sources: Vec<Source>,
         decode: impl Fn(&Source) -> Result<RawCloud, DecodeFailure> + Send + Sync + 'static,
     ) -> Self {
+        Self::with_observed_decoder(sources, move |source, _| decode(source))
+    }
+
+    /// [`Sequence::with_decoder`] for decoders that tell how far they are and look whether they are still wanted: see [`Decode`].
+    pub fn with_observed_decoder(
+        sources: Vec<Source>,
+        decode: impl Fn(&Source, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync + 'static,
+    ) -> Self {
         Self {
             sources: RwLock::new(sources.into_iter().map(Arc::new).collect()),
-            decode: Box::new(decode),
+            decode: Arc::new(decode),
             decode_count: AtomicU64::new(0),
             origin: OriginFinder::default(),
             fps: None,
             opened: None,
             recordings: Vec::new(),
+        }
+    }
+
+    /// The same frames, of which nothing is decoded yet and the origin is not decided.
+    #[must_use]
+    pub(crate) fn anew(&self) -> Self {
+        Self {
+            sources: RwLock::new(self.sources()),
+            decode: Arc::clone(&self.decode),
+            decode_count: AtomicU64::new(0),
+            origin: OriginFinder::default(),
+            fps: self.fps,
+            opened: self.opened.clone(),
+            recordings: self.recordings.clone(),
         }
     }
 
@@ -263,7 +291,9 @@ impl Sequence {
     /// Zero unless the coordinates are large against the extent of the cloud; decided by the first frame that can be
     /// read and has a finite point. The first call decodes that frame, and keeps it for whoever loads it next.
     pub fn origin(&self) -> DVec3 {
-        self.origin.origin(self)
+        // Nobody can cancel it.
+        let never = Progress::default();
+        self.origin.origin(self, &never).unwrap_or_default()
     }
 
     /// Takes the origin of `other` where f32 from there keep the detail, so that the same coordinates of both files become
@@ -276,19 +306,35 @@ impl Sequence {
 
     /// Decodes frame `index` in file coordinates. A panic of the decoder is an error like any other.
     pub fn decode(&self, index: usize) -> Result<RawCloud, FrameError> {
+        self.decode_observed(index, &Progress::default())
+    }
+
+    fn decode_observed(&self, index: usize, progress: &Progress) -> Result<RawCloud, FrameError> {
         let source = read(&self.sources).get(index).map(Arc::clone);
         let source = source.ok_or_else(|| FrameError::NoSuchFrame {
             index,
             count: self.len(),
         })?;
         self.decode_count.fetch_add(1, Ordering::Relaxed);
-        error::catch_panic(index, &source.path, || {
-            (self.decode)(&source).map_err(|reason| FrameError::Decode {
+        progress.set(0, 0);
+        let decoded = error::catch_panic(index, &source.path, || {
+            (self.decode)(&source, progress).map_err(|reason| FrameError::Decode {
                 index,
                 path: source.path.clone(),
                 reason: reason.into(),
             })
-        })
+        });
+        if progress.is_cancelled() {
+            return Err(self.cancelled(index));
+        }
+        progress.set(0, 0);
+        decoded
+    }
+
+    /// That the reading of frame `index` was cancelled.
+    pub(crate) fn cancelled(&self, index: usize) -> FrameError {
+        let path = self.source(index).path.clone();
+        FrameError::Cancelled { index, path }
     }
 
     /// [`Sequence::decode`], or what was decoded to decide the origin and nobody has asked for since.
@@ -301,7 +347,9 @@ impl Sequence {
 
     /// Frame `index`: decoded, validated and moved to [`Sequence::origin`].
     pub fn frame(&self, index: usize) -> Result<Frame, FrameError> {
-        self.load(index, Detail::Full).map(|loaded| loaded.frame)
+        let progress = Progress::default();
+        self.load(index, Detail::Full, &progress)
+            .map(|loaded| loaded.frame)
     }
 
     /// How often a decoder was called so far.
@@ -310,11 +358,20 @@ impl Sequence {
     }
 
     /// [`Sequence::frame`] in some detail, with its time; takes the frame that decided the origin if it is still kept.
-    pub(crate) fn load(&self, index: usize, detail: Detail) -> Result<LoadedFrame, FrameError> {
-        let origin = self.origin();
+    ///
+    /// # Errors
+    /// As [`Sequence::frame`], and [`FrameError::Cancelled`] once `progress` is.
+    pub(crate) fn load(
+        &self,
+        index: usize,
+        detail: Detail,
+        progress: &Progress,
+    ) -> Result<LoadedFrame, FrameError> {
+        let origin = self.origin.origin(self, progress);
+        let origin = origin.ok_or_else(|| self.cancelled(index))?;
         let (raw, decoder_ms) = match self.origin.take_kept(index) {
             Some(kept) => kept?,
-            None => self.decode_timed(index)?,
+            None => self.decode_timed(index, progress)?,
         };
         let start = Instant::now();
         let frame = Frame::from_raw_sample(raw, origin, detail.most_points());
@@ -340,9 +397,13 @@ impl Sequence {
         self.origin.drop_kept();
     }
 
-    fn decode_timed(&self, index: usize) -> Result<(RawCloud, f32), FrameError> {
+    fn decode_timed(
+        &self,
+        index: usize,
+        progress: &Progress,
+    ) -> Result<(RawCloud, f32), FrameError> {
         let start = Instant::now();
-        let raw = self.decode(index)?;
+        let raw = self.decode_observed(index, progress)?;
         Ok((raw, milliseconds_since(start)))
     }
 }

@@ -9,12 +9,14 @@
 //! and equal clouds have no distance.
 //!
 //! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. What it decoded is
-//! kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice.
+//! kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice, but for what was cancelled.
 
 use super::{FrameError, Sequence, lock};
 use crate::cloud::RawCloud;
+use crate::progress::Progress;
 use glam::DVec3;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// The centre may be this many extents away from zero before the origin moves.
@@ -31,14 +33,34 @@ type Kept = Result<(RawCloud, f32), FrameError>;
 #[derive(Default)]
 pub(super) struct OriginFinder {
     origin: OnceLock<DVec3>,
+    /// Held by whoever decides it, and how often that was cancelled.
+    deciding: Mutex<()>,
+    given_up: AtomicUsize,
     /// Whose origin is taken if it can be.
     beside: OnceLock<Arc<Sequence>>,
     kept: Mutex<BTreeMap<usize, Kept>>,
 }
 
 impl OriginFinder {
-    pub(super) fn origin(&self, sequence: &Sequence) -> DVec3 {
-        *self.origin.get_or_init(|| self.decide(sequence))
+    /// The origin; `None` if that took decoding, which was cancelled.
+    pub(super) fn origin(&self, sequence: &Sequence, progress: &Progress) -> Option<DVec3> {
+        let known = || self.origin.get().copied();
+        known().or_else(|| {
+            let given_up = || self.given_up.load(Ordering::Relaxed);
+            let before = given_up();
+            let _turn = lock(&self.deciding);
+            // Somebody else may have decided it meanwhile; what was cancelled is not done again by all who waited for it.
+            known().or_else(|| {
+                if given_up() != before {
+                    return None;
+                }
+                let origin = self.decide(sequence, progress);
+                if origin.is_none() {
+                    self.given_up.fetch_add(1, Ordering::Relaxed);
+                }
+                origin.map(|origin| *self.origin.get_or_init(|| origin))
+            })
+        })
     }
 
     /// Takes the origin of `other` if that keeps the detail. Says nothing any more once the origin is decided, or for the second time.
@@ -48,28 +70,35 @@ impl OriginFinder {
         }
     }
 
-    fn decide(&self, sequence: &Sequence) -> DVec3 {
+    fn decide(&self, sequence: &Sequence, progress: &Progress) -> Option<DVec3> {
         for index in 0..sequence.len() {
-            let decoded = sequence.decode_timed(index);
+            if progress.is_cancelled() {
+                return None;
+            }
+            let decoded = sequence.decode_timed(index, progress);
             let bounds = decoded
                 .as_ref()
                 .map(|(raw, _)| raw.positions.finite_bounds().1);
             match bounds {
                 Ok(Some((min, max))) => {
                     lock(&self.kept).insert(index, decoded);
-                    let beside = self.beside.get().map(|other| other.origin());
+                    let beside = match self.beside.get() {
+                        Some(other) => Some(other.origin.origin(other, progress)?),
+                        None => None,
+                    };
                     let shared =
                         beside.filter(|&origin| is_near(origin, min, max, FAR_BESIDE_IN_EXTENTS));
-                    return shared.unwrap_or_else(|| origin_of_bounds(min, max));
+                    return Some(shared.unwrap_or_else(|| origin_of_bounds(min, max)));
                 }
                 // A frame without a finite point decides nothing; keeping many of them could fill the memory.
                 Ok(None) => {}
+                Err(FrameError::Cancelled { .. }) => return None,
                 Err(_) => {
                     lock(&self.kept).insert(index, decoded);
                 }
             }
         }
-        DVec3::ZERO
+        Some(DVec3::ZERO)
     }
 
     /// What is known of frame `index` since the origin was decided; a decoded frame is handed out once, errors stay.

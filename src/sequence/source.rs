@@ -2,14 +2,16 @@
 
 use crate::cloud::RawCloud;
 use crate::io::{self, Part, ReadOptions};
+use crate::progress::Progress;
 use std::path::PathBuf;
 use std::time::Duration;
 
 /// Why a decoder failed; its message names the file, the place in it and what was expected.
 pub type DecodeFailure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Reads the point cloud of a source, in file coordinates. Called from several threads at once.
-pub type Decode = dyn Fn(&Source) -> Result<RawCloud, DecodeFailure> + Send + Sync;
+/// Reads the point cloud of a source, in file coordinates, and tells how far it is. Called from several threads at once. What it
+/// returns after it was cancelled is not looked at.
+pub type Decode = dyn Fn(&Source, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync;
 
 /// Where the bytes of a frame are.
 #[derive(Clone, PartialEq, Eq)]
@@ -81,9 +83,13 @@ impl Source {
 }
 
 /// The decoder of files and embedded bytes.
-pub(super) fn decode(source: &Source, options: &ReadOptions) -> Result<RawCloud, DecodeFailure> {
+pub(super) fn decode(
+    source: &Source,
+    options: &ReadOptions,
+    progress: &Progress,
+) -> Result<RawCloud, DecodeFailure> {
     let decoded = match &source.content {
-        Content::File(part) => io::read_part(&source.path, part, options),
+        Content::File(part) => io::read_part_observed(&source.path, part, options, progress),
         Content::Embedded(bytes) => io::read_bytes(&source.path, bytes),
     };
     Ok(decoded?)

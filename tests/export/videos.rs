@@ -4,7 +4,9 @@ use super::{headless, headless_of, near_by};
 use image::codecs::gif::GifDecoder;
 use image::codecs::webp::WebPDecoder;
 use image::{AnimationDecoder as _, Frame, RgbaImage};
-use pointreel::export::{ExportError, PictureSize, Video, draw_picture, export_video, open_sink};
+use pointreel::export::{
+    ExportError, PictureSize, Poses, Video, draw_picture, export_video, open_sink,
+};
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{CameraPath, Keyframe, Settings};
@@ -17,6 +19,12 @@ use std::process::Command;
 
 const SIZE_PX: [u32; 2] = [96, 64];
 
+static NO_POSES: Poses = Poses {
+    change: None,
+    onion: None,
+    trails: None,
+};
+
 /// Seven pictures around the demo, 30 a second, a frame of it each.
 fn turntable(settings: &Settings) -> CameraPath {
     let headless = headless(AnyRenderer::cpu());
@@ -28,6 +36,7 @@ fn video<'a>(path: &'a CameraPath, settings: &'a Settings) -> Video<'a> {
     Video {
         path,
         settings,
+        poses: &NO_POSES,
         size: PictureSize::opaque(SIZE_PX),
         per_second: 30.0,
         speed: 1.0,

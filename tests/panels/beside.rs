@@ -226,9 +226,7 @@ fn menus_and_keys_lead_there() {
         press(&mut harness, Modifiers::SHIFT, Key::C);
         assert_eq!(harness.state().beside.as_ref().unwrap().layout, layout);
     }
-    // What is opened next is alone.
-    let next = cubes("next", DVec3::ZERO, FRAMES, None, &[]);
-    harness.state_mut().open(next);
+    harness.state_mut().run(Command::CloseComparison);
     harness.run();
     assert!(harness.state().beside.is_none());
 }
@@ -557,7 +555,39 @@ fn a_drop_opens_and_with_shift_compares() {
     let (left, dropped) = (Some("left".to_owned()), Some("dropped.xyz".to_owned()));
     let names = drop_with(&mut harness, Modifiers::SHIFT);
     assert_eq!(names, [left, dropped.clone()]);
-    // Opened alone, in place of both.
+    // Opened in place of the first alone.
     let names = drop_with(&mut harness, Modifiers::NONE);
-    assert_eq!(names, [dropped, None]);
+    assert_eq!(names, [dropped.clone(), dropped]);
+}
+
+#[test]
+fn another_sequence_is_opened_in_place_of_a_and_b_stays() {
+    let far = DVec3::new(5e5, 0.0, 0.0);
+    let b = cubes("right", far + DVec3::X, FRAMES, Some(40), &[]);
+    let mut harness = beside(&b);
+    let beside_now = harness.state_mut().beside.as_mut().unwrap();
+    beside_now.companion.pair_by(PairBy::Index);
+    beside_now.companion.set_offset_frames(2);
+    beside_now.pictures.split = 0.3;
+    harness.state_mut().run(Command::NextLayout);
+    let whole = budgets(&harness).iter().sum::<usize>();
+
+    let other = cubes("other", far, FRAMES, Some(40), &[]);
+    harness.state_mut().open(other);
+    load_all(harness.state_mut());
+    load_both(&mut harness);
+    assert_eq!(harness.state().sequence_name().as_deref(), Some("other"));
+    let beside_now = harness.state().beside.as_ref().unwrap();
+    assert_eq!(beside_now.name, "right");
+    assert_eq!(beside_now.layout, Layout::Wipe);
+    assert_eq!(beside_now.pictures.split, 0.3);
+    assert_eq!(beside_now.companion.paired_by(), PairBy::Index);
+    assert_eq!(companion_frame(&harness), Some(2));
+    assert_eq!(budgets(&harness).iter().sum::<usize>(), whole);
+    // It has the origin of the new one: both are where f32 tell an edge from its neighbour.
+    let state = harness.state();
+    let origin = state.player.as_ref().unwrap().sequence().origin();
+    assert_ne!(origin, DVec3::ZERO);
+    let companion = &state.beside.as_ref().unwrap().companion;
+    assert_eq!(companion.sequence().origin(), origin);
 }

@@ -303,3 +303,40 @@ fn every_control_of_the_export_has_a_name() {
     assert!(!harness.state().panels.export);
     assert!(window().query_by_label("Browse…").is_none());
 }
+
+#[test]
+fn videos_show_the_ghosts_and_colours_that_the_picture_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = exporting(folder.path());
+    let state = harness.state_mut();
+    state.settings.primitive = Primitive::Point;
+    for (frame, command) in [(3, Command::SetIn), (5, Command::SetOut)] {
+        let now = state.now();
+        state.player.as_mut().unwrap().seek(frame, now);
+        state.run(command);
+    }
+    state.export.format = VideoFormat::PngFiles;
+    let mut export = |subject: Subject, name: &str, is_on: bool| {
+        let state = harness.state_mut();
+        state.temporal.onion.is_on = is_on;
+        state.temporal.change.is_on = is_on;
+        state.choose_export(subject);
+        state.export.name = Some(name.to_owned());
+        state.start_export();
+        let said = finish(&mut harness);
+        assert!(said.starts_with("Exported"), "{said}");
+        let id = harness.state().notices.list()[0].id;
+        harness.state_mut().notices.dismiss(id);
+    };
+    // The player is at the last frame that plays.
+    export(Subject::Picture, "single", true);
+    export(Subject::Sequence, "with", true);
+    export(Subject::Sequence, "without", false);
+    let open = |name: &str| image::open(folder.path().join(name)).unwrap().to_rgba8();
+    let single = open("single.png");
+    assert!(
+        open("with-0002.png") == single,
+        "the picture of the same frame"
+    );
+    assert!(open("without-0002.png") != single);
+}

@@ -2,9 +2,10 @@
 
 use super::{FRAMES, click, options, sequence, window_on};
 use egui::accesskit::Role;
+use egui::{Theme, ThemePreference};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use pointreel::app::{Recent, State, StateOptions, WindowRequest};
+use pointreel::app::{Command, Recent, State, StateOptions, WindowRequest};
 use std::time::{Duration, Instant};
 
 #[test]
@@ -51,6 +52,48 @@ fn menus_open_close_and_list_what_was_opened() {
     click(&mut harness, "File");
     choose_item(&mut harness, "Quit");
     assert_eq!(harness.state_mut().take_requests(), [WindowRequest::Quit]);
+}
+
+#[test]
+fn the_theme_is_chosen_and_kept() {
+    let mut harness = window_on(sequence(&[]), options());
+    let is_dark = |harness: &Harness<'_, State>| harness.ctx.global_style().visuals.dark_mode;
+    assert!(is_dark(&harness), "the system does not say");
+    for (name, theme, dark) in [
+        ("Light", ThemePreference::Light, false),
+        ("Dark", ThemePreference::Dark, true),
+        ("Light", ThemePreference::Light, false),
+        ("System", ThemePreference::System, true),
+    ] {
+        click(&mut harness, "View");
+        choose_item(&mut harness, "Theme");
+        choose_item(&mut harness, name);
+        assert_eq!(is_dark(&harness), dark, "{name}");
+        assert_eq!(harness.state().preferences().theme, theme);
+    }
+
+    // The next window begins as this one was left; that the system is light does not matter.
+    harness
+        .state_mut()
+        .run(Command::Theme(ThemePreference::Dark));
+    let preferences = harness.state().preferences();
+    let mut next = window_on(
+        sequence(&[]),
+        StateOptions {
+            preferences,
+            ..options()
+        },
+    );
+    let set_system = |harness: &mut Harness<'_, State>| {
+        harness.input_mut().system_theme = Some(Theme::Light);
+        harness.run();
+    };
+    set_system(&mut next);
+    assert!(is_dark(&next));
+    next.state_mut()
+        .run(Command::Theme(ThemePreference::System));
+    set_system(&mut next);
+    assert!(!is_dark(&next), "as the system is");
 }
 
 /// A recording with one cloud of one point on each of two topics, and a second one on the first.
@@ -123,13 +166,35 @@ fn another_topic_of_a_recording_is_chosen_in_the_menu() {
             std::thread::sleep(Duration::from_millis(5));
         }
     };
-    harness.state_mut().open_paths(vec![path]);
+    harness.state_mut().open_paths(vec![path.clone()]);
     wait_for(&mut harness, 2);
     click(&mut harness, "File");
     click(&mut harness, "Topic");
     choose_item(&mut harness, "/rear");
     wait_for(&mut harness, 1);
     assert!(harness.state().notices.list().is_empty());
+
+    // The one beside it has a choice of its own.
+    let begin = Instant::now();
+    let wait_for_b = |harness: &mut Harness<'_, State>, count: usize| {
+        let count_of_b = |state: &State| {
+            let beside = state.beside.as_ref();
+            beside.map(|beside| beside.companion.sequence().len())
+        };
+        while count_of_b(harness.state()) != Some(count) {
+            assert!(begin.elapsed() < Duration::from_secs(20), "{count} of B");
+            harness.state_mut().update(Duration::ZERO);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    harness.state_mut().compare_paths(vec![path]);
+    wait_for_b(&mut harness, 2);
+    harness.run();
+    click(&mut harness, "File");
+    click(&mut harness, "Topic of B");
+    choose_item(&mut harness, "/rear");
+    wait_for_b(&mut harness, 1);
+    assert_eq!(frame_count(&harness), 1);
 }
 
 /// Clicks an item of the open menu; its label has the key after the text.

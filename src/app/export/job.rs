@@ -4,12 +4,12 @@ use super::plan;
 use crate::app::progress::Progress;
 use crate::app::tasks::{Wake, go_on_unless};
 use crate::export::{
-    ExportError, ObserveParts, PictureSize, Video, export_video, write_picture_observed,
+    ExportError, ObserveParts, PictureSize, Poses, Video, export_video, write_picture_observed,
 };
-use crate::headless::Headless;
+use crate::headless::{Headless, HeadlessError};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, CameraPath, Settings};
-use crate::sequence::{Clock, Loader, LoaderOptions, PreparedFrame, Sequence};
+use crate::sequence::{Clock, Loader, LoaderOptions, Sequence};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,12 +18,7 @@ use std::time::Duration;
 #[derive(Debug)]
 pub(super) enum Shows {
     /// A frame as a picture.
-    Picture {
-        camera: Camera,
-        frame: usize,
-        /// What was made of that frame with other poses, if that is on the screen.
-        made: Option<Arc<PreparedFrame>>,
-    },
+    Picture { camera: Camera, frame: usize },
     /// A path with a frame of the sequence at each time.
     Path(CameraPath),
     /// Turns about the up axis in so many pictures while the sequence plays.
@@ -42,6 +37,8 @@ pub(super) enum Shows {
 pub(super) struct Job {
     pub(super) sequence: Arc<Sequence>,
     pub(super) settings: Settings,
+    /// What other poses add to each picture.
+    pub(super) poses: Poses,
     pub(super) shows: Shows,
     pub(super) per_second: f64,
     pub(super) size: PictureSize,
@@ -73,6 +70,7 @@ pub(super) fn run(job: Job, progress: &Progress, wake: &Wake) -> Result<Exported
     let Job {
         sequence,
         settings,
+        poses,
         shows,
         per_second,
         size,
@@ -91,12 +89,10 @@ pub(super) fn run(job: Job, progress: &Progress, wake: &Wake) -> Result<Exported
     let renderer = AnyRenderer::open(settings.renderer)?;
     let mut headless = Headless::new(sequence, loader, renderer);
     let path = match shows {
-        Shows::Picture {
-            camera,
-            frame,
-            made,
-        } => {
-            let shown = made.map_or_else(|| headless.frame(frame, &settings), Ok)?;
+        Shows::Picture { camera, frame } => {
+            let pose = headless.frame(frame, &settings);
+            let dressed = pose.and_then(|pose| poses.dress(&pose, &headless, &settings));
+            let shown = dressed.map_err(HeadlessError::from)?.frame;
             let mut note = note;
             let file = (output.as_path(), &mut note as ObserveParts<'_>);
             write_picture_observed(&mut headless, &shown, &camera, &settings, size, file)?;
@@ -118,6 +114,7 @@ pub(super) fn run(job: Job, progress: &Progress, wake: &Wake) -> Result<Exported
     let video = Video {
         path: &path,
         settings: &settings,
+        poses: &poses,
         size,
         per_second,
         speed: 1.0,

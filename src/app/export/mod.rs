@@ -12,8 +12,8 @@ use super::progress::WorkKind;
 use super::state::picture_folder;
 use super::tasks::{DialogKind, Outcome};
 use crate::export::{
-    ExportError, FRAME_PLACEHOLDER, PictureSize, VideoFormat, VideoStream, check_size, has_ffmpeg,
-    numbered,
+    ChangeColors, ExportError, FRAME_PLACEHOLDER, PictureSize, Poses, VideoFormat, VideoStream,
+    check_size, has_ffmpeg, numbered,
 };
 use crate::playback::Player;
 use crate::scene::CameraPath;
@@ -200,16 +200,8 @@ impl State {
         let camera = self.camera;
         let frame = player.waiting_for().unwrap_or(player.clock().frame());
         let clock = player.clock().clone();
-        let made = self.temporal.shown().filter(|made| {
-            let pose = made.pose();
-            pose.index == frame && !pose.is_sample()
-        });
         let shows = match export.subject {
-            Subject::Picture => Shows::Picture {
-                camera,
-                frame,
-                made: made.map(|made| Arc::clone(made.frame())),
-            },
+            Subject::Picture => Shows::Picture { camera, frame },
             Subject::Path => Shows::Path(self.path.draft.path()?.clone()),
             Subject::Turntable if export.holds_frame => {
                 let pictures = [export.pictures as f64, export.per_second];
@@ -228,6 +220,7 @@ impl State {
         Some(Job {
             sequence: Arc::clone(player.sequence()),
             settings: self.settings_of_export(),
+            poses: self.poses_of_export(),
             shows,
             per_second: export.per_second,
             size: PictureSize {
@@ -238,6 +231,22 @@ impl State {
             now: self.now(),
             budget_bytes: LoaderOptions::default().budget_bytes / 2,
         })
+    }
+
+    /// What other poses add to the picture on the screen. Trails that are still being found are not there yet.
+    fn poses_of_export(&self) -> Poses {
+        let change = Some(self.temporal.change).filter(|change| change.is_on);
+        Poses {
+            change: change.map(|change| ChangeColors {
+                step: change.step,
+                range: change.range,
+            }),
+            onion: Some(self.temporal.onion).filter(|onion| onion.is_on),
+            trails: self
+                .trails
+                .found()
+                .map(|trails| (trails.clone(), self.trails.looks())),
+        }
     }
 
     /// Cancels exports as the program ends, and waits a moment until what is not whole is removed.

@@ -3,10 +3,11 @@
 use super::presets::presets_menu;
 use crate::app::command::{Command, keys_of};
 use crate::app::recent::entry_name;
-use crate::app::{Benchmark, State, Tool};
+use crate::app::{Benchmark, Side, State, Tool};
 use crate::bench::Suite;
+use crate::playback::Player;
 use crate::scene::{Projection, ViewPreset};
-use egui::{Button, MenuBar, Ui};
+use egui::{Button, MenuBar, ThemePreference, Ui};
 use std::path::PathBuf;
 
 /// File, Playback, View, Presets, Tools, Benchmark, Help.
@@ -45,12 +46,13 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     item(ui, state, "Open files…", Command::OpenFiles);
     item(ui, state, "Open folder…", Command::OpenFolder);
     ui.menu_button("Recent", |ui| recent_menu(ui, state));
-    topic_menu(ui, state);
+    topic_menu(ui, state, Side::A);
     item(ui, state, "Demo", Command::OpenDemo);
     ui.separator();
     ui.add_enabled_ui(state.player.is_some(), |ui| {
         ui.menu_button("Compare with…", |ui| compare_menu(ui, state));
     });
+    topic_menu(ui, state, Side::B);
     ui.add_enabled_ui(state.pictures().is_some(), |ui| {
         item(ui, state, "Close comparison", Command::CloseComparison);
     });
@@ -80,17 +82,23 @@ fn compare_menu(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Which of a recording's topics is the sequence, where there are several.
-fn topic_menu(ui: &mut Ui, state: &mut State) {
-    let topics = state
-        .player
-        .as_ref()
-        .map_or_else(Vec::new, |player| player.sequence().topics());
+/// Which of a recording's topics is the sequence, or the one beside it, where there are several.
+fn topic_menu(ui: &mut Ui, state: &mut State, side: Side) {
+    let player = state.player.as_ref();
+    let beside = state.beside.as_ref();
+    let (name, sequence) = match side {
+        Side::A => ("Topic", player.map(Player::sequence)),
+        Side::B => (
+            "Topic of B",
+            beside.map(|beside| beside.companion.sequence()),
+        ),
+    };
+    let topics = sequence.map_or_else(Vec::new, |sequence| sequence.topics());
     if topics.len() < 2 {
         return;
     }
     let mut chosen = None;
-    ui.menu_button("Topic", |ui| {
+    ui.menu_button(name, |ui| {
         for topic in &topics {
             let button = Button::selectable(topic.is_read, topic.name.as_str())
                 .shortcut_text(format!("{} clouds", topic.cloud_count));
@@ -101,7 +109,10 @@ fn topic_menu(ui: &mut Ui, state: &mut State) {
         }
     });
     if let Some(topic) = chosen {
-        state.open_topic(&topic);
+        match side {
+            Side::A => state.open_topic(&topic),
+            Side::B => state.compare_topic(&topic),
+        }
     }
 }
 
@@ -190,6 +201,33 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
         let button = Button::selectable(open, text).shortcut_text(keys_of(command));
         if ui.add(button).clicked() {
             state.run(command);
+            ui.close();
+        }
+    }
+    ui.menu_button("Theme", |ui| theme_menu(ui, state));
+}
+
+fn theme_menu(ui: &mut Ui, state: &mut State) {
+    for (text, theme, tooltip) in [
+        (
+            "System",
+            ThemePreference::System,
+            "Light or dark as the system is; dark where it does not say",
+        ),
+        (
+            "Light",
+            ThemePreference::Light,
+            "Light, whatever the system is",
+        ),
+        (
+            "Dark",
+            ThemePreference::Dark,
+            "Dark, whatever the system is",
+        ),
+    ] {
+        let button = Button::selectable(state.theme == theme, text);
+        if ui.add(button).on_hover_text(tooltip).clicked() {
+            state.run(Command::Theme(theme));
             ui.close();
         }
     }

@@ -46,7 +46,9 @@ pub use viewport::viewport_ui;
 use super::State;
 use beside::beside_ui;
 use comparison::comparison_ui;
-use egui::{CentralPanel, Frame, Id, InnerResponse, Margin, Panel, Ui, Vec2};
+use egui::{
+    CentralPanel, Context, Frame, Id, InnerResponse, Margin, Panel, ThemePreference, Ui, Vec2,
+};
 use palette::palette_ui;
 use presets::preset_name_ui;
 use question::question_ui;
@@ -97,9 +99,18 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     preset_name_ui(ui, state);
     question_ui(ui, state);
     palette_ui(ui, state);
+    follow_theme(ui.ctx(), state.theme);
     state.note_settings(ui.ctx());
     state.follow_poses();
     state.follow_thumbnails();
+}
+
+/// Has the panels run again where another theme was chosen.
+fn follow_theme(ctx: &Context, theme: ThemePreference) {
+    if ctx.options(|options| options.theme_preference) != theme {
+        ctx.set_theme(theme);
+        ctx.request_repaint();
+    }
 }
 
 /// Has the panels run again when the window `name` has another size than in the last pass: what is in it takes its new places then.

@@ -4,7 +4,7 @@ use super::marks::Canvas;
 use crate::analysis::map_color;
 use crate::app::State;
 use crate::app::theme::ODD;
-use crate::app::trails::{TrailField, pieces};
+use crate::app::trails::{TrailField, field_place, pieces};
 use egui::{Button, Checkbox, Color32, RichText, Slider, Stroke, Ui};
 
 use super::settings::{row, rows};
@@ -14,9 +14,6 @@ const MAX_REASONS: usize = 3;
 
 /// How bright the part of a trail is that is still to come.
 const TO_COME: f32 = 0.6;
-
-/// Trails of a field have the colours of the map from here on: the first ones are as dark as the background.
-const FIRST_COLOR: f32 = 0.3;
 
 /// Below the values of a point.
 pub(super) fn trail_ui(ui: &mut Ui, state: &mut State) {
@@ -141,8 +138,7 @@ pub(super) fn paint_trails(canvas: &Canvas<'_>, state: &State) {
     let recent = (shown + 1).saturating_sub(state.trails.field.length + 1)..shown + 1;
     let count = others.len();
     for (number, trail) in others.enumerate() {
-        let part = (number as f32 + 0.5) / count as f32;
-        let [red, green, blue, _] = map_color(egui::lerp(FIRST_COLOR..=1.0, part));
+        let [red, green, blue, _] = map_color(field_place(number, count));
         let stroke = Stroke::new(1.2, Color32::from_rgb(red, green, blue));
         for piece in pieces(trails, trail, recent.clone(), origin) {
             canvas.polyline(&piece, stroke);

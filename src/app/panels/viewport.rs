@@ -36,7 +36,7 @@ pub fn viewport_ui(ui: &mut Ui, state: &mut State) {
     click(&response, state);
     if state.pictures().is_some() {
         pair_ui(ui, rect, state);
-    } else {
+    } else if state.player.is_some() {
         picture(ui, rect, state.viewport.texture, rect);
     }
     overlays(ui, rect, state);
@@ -195,6 +195,9 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
 }
 
 fn nothing_open(ui: &mut Ui, rect: Rect, state: &mut State) {
+    // Text of a light theme is dark.
+    ui.painter_at(rect)
+        .rect_filled(rect, 0.0, ui.visuals().panel_fill);
     let middle = Rect::from_center_size(rect.center(), vec2(320.0, 120.0));
     ui.scope_builder(egui::UiBuilder::new().max_rect(middle), |ui| {
         ui.vertical_centered(|ui| {

@@ -30,18 +30,21 @@ pub(super) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f32) {
 pub(super) fn bar(ui: &mut Ui, work: &Work, now: Duration) {
     let Some(share) = work.share() else {
         // Nothing moves here: a spinner would have the window drawn all the time.
-        ui.weak(left_text(None));
+        ui.weak(match work.kind {
+            WorkKind::Read => "Decoding and preparing…".to_owned(),
+            _ => left_text(None),
+        });
         return;
     };
     let progress = work.progress();
     let (done, of) = (progress.done(), progress.of().unwrap_or(0));
-    let unit = match work.kind {
-        WorkKind::Open => "files ",
-        WorkKind::Export => "pictures ",
-        WorkKind::Benchmark => "",
+    let so_far = match work.kind {
+        WorkKind::Open => format!("files {done} of {of}"),
+        WorkKind::Read => format!("{:.0} %", (100.0 * share).floor()),
+        WorkKind::Export => format!("pictures {done} of {of}"),
+        WorkKind::Benchmark => format!("{done} of {of}"),
     };
-    let left = left_text(work.time_left(now));
-    let text = format!("{unit}{done} of {of}, {left}");
+    let text = format!("{so_far}, {}", left_text(work.time_left(now)));
     let bar = ui.add(ProgressBar::new(share).text(&text));
     bar.widget_info(|| WidgetInfo::labeled(Role::ProgressIndicator, true, &text));
 }

@@ -218,6 +218,7 @@ impl State {
                 self.take_edited(after);
             }
             Command::ToggleTrails => self.toggle_trails(),
+            Command::Theme(theme) => self.theme = theme,
             Command::ToggleThumbnails => self.thumbnails.is_on ^= true,
             Command::RedoThumbnails => self.thumbnails.redo(),
             Command::TogglePalette => {

@@ -10,19 +10,21 @@ use crate::app::tasks::close;
 use crate::math::Aabb;
 use crate::playback::{Companion, PlayerChange};
 use crate::scene::{RendererChoice, ScenePacket};
-use crate::sequence::{LoaderOptions, Sequence, watch};
+use crate::sequence::{LoaderOptions, OpenOptions, Sequence, watch};
 use image::{RgbaImage, imageops};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 impl State {
-    /// Shows `sequence` beside the open one, in place of what that was compared with before. The camera stays.
+    /// Shows `sequence` beside the open one, in place of what that was compared with before, laid out like that. The camera stays.
     pub fn compare_with(&mut self, sequence: Arc<Sequence>) {
         let Some(player) = &self.player else {
             let text = "There is nothing to compare with yet: open a sequence first";
             return self.notices.error(text);
         };
         let leader = Arc::clone(player.sequence());
+        let before = self.beside.as_ref();
+        let laid_out = before.map(|before| (before.layout, before.pictures.split));
         self.close_beside();
         self.comparison = None;
         let [_, share] = Companion::shares(self.budget_bytes());
@@ -36,13 +38,46 @@ impl State {
             self.notices.error(error.to_string());
         }
         let name = name_of(sequence).unwrap_or_default();
-        self.beside = Some(Beside::new(companion, name));
+        let mut beside = Beside::new(companion, name);
+        if let Some((layout, split)) = laid_out {
+            beside.pictures.split = split;
+            beside.lay_out(layout);
+        }
+        self.beside = Some(beside);
         self.share_budget();
+    }
+
+    /// Shows what is beside the open sequence, which is another one now, beside that. Nothing that was read of it is kept: where its
+    /// points are held may have changed with the origin.
+    pub(super) fn compare_again(&mut self) {
+        let Some(before) = &self.beside else { return };
+        let before = &before.companion;
+        let sequence = Arc::new(before.sequence().anew());
+        let offset_frames = before.offset_frames();
+        // Where there was no choice, the person made none.
+        let by = before.times().map(|_| before.paired_by());
+        self.compare_with(sequence);
+        if let Some(beside) = &mut self.beside {
+            beside.companion.set_offset_frames(offset_frames);
+            if let Some(by) = by {
+                beside.companion.pair_by(by);
+            }
+        }
     }
 
     /// Finds the frames of `inputs` on a thread and shows them beside the open sequence.
     pub fn compare_paths(&mut self, inputs: Vec<PathBuf>) {
         self.find(inputs, self.options.open.clone(), Side::B);
+    }
+
+    /// Opens the recording beside the open sequence again, with the point clouds of another topic.
+    pub fn compare_topic(&mut self, topic: &str) {
+        if let Some(beside) = &self.beside {
+            let inputs = beside.companion.sequence().inputs().to_vec();
+            let topic = Some(topic.into());
+            let open = self.options.open.clone();
+            self.find(inputs, OpenOptions { topic, ..open }, Side::B);
+        }
     }
 
     /// Shows the open sequence alone. Its memory is all its own again.

@@ -3,6 +3,7 @@
 use super::PICTURE_PX;
 use crate::cloud::{PointRecord, even_places};
 use crate::math::Aabb;
+use crate::progress::Progress;
 use crate::render::cpu::CpuRenderer;
 use crate::render::{RenderError, Renderer as _};
 use crate::scene::{Background, Camera, Primitive, ScenePacket, Settings, UpAxis};
@@ -84,9 +85,11 @@ impl Job {
 
     /// As many points as a picture needs.
     fn read(&self, index: usize) -> Result<PreparedFrame, FrameError> {
-        let loaded = self
-            .sequence
-            .load(index, Detail::at_most(MAX_POINTS as u32))?;
+        let loaded = self.sequence.load(
+            index,
+            Detail::at_most(MAX_POINTS as u32),
+            &Progress::default(),
+        )?;
         let needs = Needs {
             colors: self.colors,
             ..Needs::default()

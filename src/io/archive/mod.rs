@@ -10,7 +10,9 @@ mod zip;
 use super::error::{Fault, Place};
 use super::natural::natural_order;
 use super::unpack::{Packing, reader, unpack, unpack_unknown};
+use super::watched::Watched;
 use super::{Entry, Format, IoError, Part, ReadOptions, timestamps};
+use crate::progress::Progress;
 use std::fmt;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
@@ -126,11 +128,12 @@ pub(super) fn list(
         .collect())
 }
 
-/// Name (the archive's path and the member's within it) and bytes of a member.
+/// Name (the archive's path and the member's within it) and bytes of a member; `progress` is told of the packed ones.
 pub(super) fn read(
     path: &Path,
     member: &Member,
     options: &ReadOptions,
+    progress: &Progress,
 ) -> Result<(PathBuf, Vec<u8>), IoError> {
     let failed = io_error(path);
     let name = path.join(&member.name);
@@ -151,7 +154,12 @@ pub(super) fn read(
         } => {
             let mut file = File::open(path).map_err(failed)?;
             file.seek(SeekFrom::Start(offset)).map_err(failed)?;
-            let bytes = unpack(packing, file.take(packed_bytes), unpacked_bytes, options)
+            progress.set(0, packed_bytes as usize);
+            let packed = Watched {
+                reader: file.take(packed_bytes),
+                progress,
+            };
+            let bytes = unpack(packing, packed, unpacked_bytes, options)
                 .map_err(|problem| invalid(offset, problem))?;
             if crc.is_some_and(|crc| crc32fast::hash(&bytes) != crc) {
                 return Err(invalid(
@@ -175,11 +183,17 @@ pub(super) fn read(
             }
         },
         MemberPlace::Gzip => {
-            unpack_unknown(Packing::Gzip, File::open(path).map_err(failed)?, options)
-                .map_err(|problem| invalid(0, problem))?
+            let file = File::open(path).map_err(failed)?;
+            progress.set(0, file.metadata().map_err(failed)?.len() as usize);
+            let packed = Watched {
+                reader: file,
+                progress,
+            };
+            unpack_unknown(Packing::Gzip, packed, options).map_err(|problem| invalid(0, problem))?
         }
         MemberPlace::Unreadable(problem) => return Err(invalid(0, problem.clone())),
     };
+    progress.set(0, 0);
     Ok((name, bytes))
 }
 

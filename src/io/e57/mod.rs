@@ -7,8 +7,10 @@ mod scan;
 mod streams;
 
 use super::error::Fault;
+use super::watched::Watched;
 use super::{Entry, Format, IoError, Part, ReadOptions};
 use crate::cloud::{Positions, RawCloud, ScalarField};
+use crate::progress::Progress;
 use ::e57::{E57Reader, PointCloud};
 use glam::DVec3;
 use scan::Scan;
@@ -19,9 +21,19 @@ use std::time::Duration;
 use streams::Pages;
 
 /// All scans, or the one that `part` names.
-pub(super) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions) -> Result<RawCloud, Fault> {
+pub(super) fn decode(
+    bytes: &[u8],
+    part: &Part,
+    options: &ReadOptions,
+    progress: &Progress,
+) -> Result<RawCloud, Fault> {
     let mut scans = open(Cursor::new(bytes), bytes.len() as u64)?.pointclouds();
-    let page_bytes = E57Reader::validate_crc(Cursor::new(bytes)).map_err(|error| {
+    progress.set(0, bytes.len());
+    let checked = Watched {
+        reader: Cursor::new(bytes),
+        progress,
+    };
+    let page_bytes = E57Reader::validate_crc(checked).map_err(|error| {
         Fault::header(format!(
             "{}: the file was changed or cut after it was written",
             reasons(&error)
@@ -42,6 +54,8 @@ pub(super) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions) -> Result
     scans.retain(|scan| scan.records > 0 || !has_points);
     scan::check_claims(&scans, bytes.len(), options)?;
     let pages = Pages::new(bytes, page_bytes);
+    let numbers = |scan: &PointCloud| scan.records as usize * scan.prototype.len();
+    progress.set(0, scans.iter().map(numbers).sum());
     let sensor = match scans.as_slice() {
         [scan] => scan.transform.as_ref().map(|pose| {
             let place = &pose.translation;
@@ -52,7 +66,7 @@ pub(super) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions) -> Result
     let scans = scans
         .iter()
         .enumerate()
-        .map(|(index, scan)| Scan::read(index, scan, &pages))
+        .map(|(index, scan)| Scan::read(index, scan, &pages, progress))
         .collect::<Result<Vec<Scan>, Fault>>()?;
     let mut cloud = merge(scans);
     cloud.sensor = sensor.filter(|place| place.is_finite());

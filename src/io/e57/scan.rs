@@ -3,6 +3,7 @@
 use super::streams::{self, Pages, Stream, bits};
 use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
+use crate::progress::Progress;
 use ::e57::{PointCloud, RecordDataType, RecordName, RecordValue};
 use glam::{DQuat, DVec3};
 
@@ -68,12 +69,17 @@ pub(super) fn check_claims(
 
 impl Scan {
     /// Scan `index` of the file. Precondition: [`check_claims`].
-    pub(super) fn read(index: usize, scan: &PointCloud, pages: &Pages) -> Result<Self, Fault> {
+    pub(super) fn read(
+        index: usize,
+        scan: &PointCloud,
+        pages: &Pages,
+        progress: &Progress,
+    ) -> Result<Self, Fault> {
         let count = scan.records as usize;
         let streams = if count == 0 {
             Vec::new()
         } else {
-            streams::read(index, scan, pages)?
+            streams::read(index, scan, pages, progress)?
         };
         let fields = Fields {
             scan,

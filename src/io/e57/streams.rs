@@ -2,6 +2,7 @@
 
 use crate::io::error::Fault;
 use crate::io::las::take;
+use crate::progress::Progress;
 use ::e57::{PointCloud, Record, RecordDataType};
 
 /// Bytes of the sum at the end of each page.
@@ -50,11 +51,16 @@ pub(super) struct Stream<'a> {
     pub(super) record: &'a Record,
     /// One behind the other, and [`PAD_BYTES`].
     bytes: Vec<u8>,
+    progress: Progress,
 }
 
 impl Stream<'_> {
-    /// Hands over the first `count` numbers with their indices. Precondition: [`read`] was asked for as many.
+    /// Hands over the first `count` numbers with their indices, none of them once nobody wants them. Precondition: [`read`] was asked
+    /// for as many.
     pub(super) fn for_each(&self, count: usize, mut each: impl FnMut(usize, f64)) {
+        if self.progress.is_cancelled() {
+            return;
+        }
         match self.record.data_type {
             RecordDataType::Single { .. } => {
                 for (index, raw) in self.bytes.as_chunks().0[..count].iter().enumerate() {
@@ -77,6 +83,7 @@ impl Stream<'_> {
                 });
             }
         }
+        self.progress.advance(count);
     }
 
     fn for_each_integer(&self, count: usize, min: i64, mut each: impl FnMut(usize, f64)) {
@@ -96,6 +103,7 @@ pub(super) fn read<'a>(
     index: usize,
     scan: &'a PointCloud,
     pages: &Pages,
+    progress: &Progress,
 ) -> Result<Vec<Stream<'a>>, Fault> {
     const SECTION_BYTES: usize = 32;
     /// Where the header of the section says where the packets begin.
@@ -122,6 +130,7 @@ pub(super) fn read<'a>(
         .map(|record| Stream {
             record,
             bytes: Vec::new(),
+            progress: progress.clone(),
         })
         .collect();
     let is_whole = |stream: &Stream<'_>| {
@@ -132,6 +141,9 @@ pub(super) fn read<'a>(
         .from(u64::from_le_bytes(take(section, PACKETS_AT)))
         .ok_or_else(cut)?;
     while !streams.iter().all(is_whole) {
+        if progress.is_cancelled() {
+            return Err(Fault::cancelled());
+        }
         let header = rest.get(..DATA_HEADER_BYTES).ok_or_else(cut)?;
         // Packets begin at multiples of four.
         let length = (usize::from(u16::from_le_bytes(take(header, 2))) + 1).next_multiple_of(4);

@@ -7,6 +7,7 @@
 use super::fields::{self, LAYERED_VERSION};
 use super::header::{Header, take};
 use crate::io::error::{Fault, Place};
+use crate::progress::Progress;
 use laz::laszip::ChunkTable;
 use laz::{LazItemType, LazVlr};
 use rayon::prelude::*;
@@ -68,7 +69,12 @@ impl Compression {
     }
 
     /// All points of the file, in its order.
-    pub(super) fn unpack_all(&self, header: &Header, bytes: &[u8]) -> Result<Vec<u8>, Fault> {
+    pub(super) fn unpack_all(
+        &self,
+        header: &Header,
+        bytes: &[u8],
+        progress: &Progress,
+    ) -> Result<Vec<u8>, Fault> {
         let count = header.count as usize;
         if count == 0 {
             return Ok(Vec::new());
@@ -80,12 +86,12 @@ impl Compression {
             )));
         }
         if self.is_single {
-            return self.unpack_running(bytes, header.points_start, count, count);
+            return self.unpack_running(bytes, header.points_start, [count, count], progress);
         }
         let start = header.points_start + TABLE_OFFSET_BYTES;
         let unpacked = self
             .chunks_of_table(header, bytes)
-            .map(|chunks| self.unpack(bytes, &chunks));
+            .map(|chunks| self.unpack(bytes, &chunks, progress));
         if let Some(Ok(rows)) = unpacked {
             return Ok(rows);
         }
@@ -101,9 +107,10 @@ impl Compression {
             self.unpack(
                 bytes,
                 &self.chunks_in_a_row(bytes, start, count, chunk_points)?,
+                progress,
             )
         } else {
-            self.unpack_running(bytes, start, count, chunk_points)
+            self.unpack_running(bytes, start, [count, chunk_points], progress)
         }
     }
 
@@ -201,9 +208,16 @@ impl Compression {
             })
     }
 
-    /// The points of `chunks`, in their order. The caller has checked that there is memory for them.
-    pub(super) fn unpack(&self, bytes: &[u8], chunks: &[Chunk]) -> Result<Vec<u8>, Fault> {
+    /// The points of `chunks`, in their order; they are the steps that `progress` is told of. The caller has checked that there is
+    /// memory for them.
+    pub(super) fn unpack(
+        &self,
+        bytes: &[u8],
+        chunks: &[Chunk],
+        progress: &Progress,
+    ) -> Result<Vec<u8>, Fault> {
         let points: usize = chunks.iter().map(|chunk| chunk.points).sum();
+        progress.set(0, points);
         let mut rows = vec![0; points * self.point_bytes];
         let mut rest = rows.as_mut_slice();
         let mut work = Vec::with_capacity(chunks.len());
@@ -213,6 +227,9 @@ impl Compression {
             rest = others;
         }
         work.into_par_iter().try_for_each(|(index, chunk, rows)| {
+            if progress.is_cancelled() {
+                return Err(Fault::cancelled());
+            }
             let packed = bytes
                 .get(chunk.bytes.clone())
                 .ok_or_else(|| cut_short(index, bytes.len()))?;
@@ -230,7 +247,10 @@ impl Compression {
             }
             let unpack = || fields::unpack(self.record.items(), &mut Cursor::new(packed), rows);
             match catch_unwind(AssertUnwindSafe(unpack)) {
-                Ok(Ok(())) => Ok(()),
+                Ok(Ok(())) => {
+                    progress.advance(chunk.points);
+                    Ok(())
+                }
                 Ok(Err(_)) | Err(_) => Err(damaged()),
             }
         })?;
@@ -242,9 +262,10 @@ impl Compression {
         &self,
         bytes: &[u8],
         start: usize,
-        count: usize,
-        chunk_points: usize,
+        [count, chunk_points]: [usize; 2],
+        progress: &Progress,
     ) -> Result<Vec<u8>, Fault> {
+        progress.set(0, count);
         let mut rows = vec![0; count * self.point_bytes];
         let packed = bytes.get(start..).unwrap_or_default();
         if self.is_layered {
@@ -253,10 +274,13 @@ impl Compression {
         let mut cursor = Cursor::new(packed);
         let chunk_bytes = chunk_points.min(count) * self.point_bytes;
         for (index, rows) in rows.chunks_mut(chunk_bytes).enumerate() {
+            if progress.is_cancelled() {
+                return Err(Fault::cancelled());
+            }
             let chunk_start = start + cursor.position() as usize;
             let unpack = || fields::unpack(self.record.items(), &mut cursor, rows);
             match catch_unwind(AssertUnwindSafe(unpack)) {
-                Ok(Ok(())) => {}
+                Ok(Ok(())) => progress.advance(rows.len() / self.point_bytes),
                 Ok(Err(_)) | Err(_) => return Err(damaged(index, chunk_start)),
             }
         }

@@ -22,6 +22,7 @@ pub(in crate::io) use header::take;
 use super::ReadOptions;
 use super::error::{Fault, mebibytes};
 use crate::cloud::RawCloud;
+use crate::progress::Progress;
 use header::Header;
 use laz::{Chunk, Compression};
 
@@ -33,7 +34,11 @@ const COMPRESSION_ID: u16 = 22204;
 /// one in the older stream.
 const EXTRA_MODEL_BYTES: u64 = 4 * 2400;
 
-pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
+pub(super) fn decode(
+    bytes: &[u8],
+    options: &ReadOptions,
+    progress: &Progress,
+) -> Result<RawCloud, Fault> {
     let header = Header::read(bytes)?;
     let extra = extra::fields(&header, header.records(bytes));
     let cloud_bytes = points::Layout::of(header.format).cloud_bytes(&extra) as u64;
@@ -84,13 +89,13 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fa
                 mebibytes(options.max_memory_bytes)
             );
         }
-        match compression.unpack(bytes, &chunks) {
-            Err(_) if points == header.count => compression.unpack_all(&header, bytes)?,
+        match compression.unpack(bytes, &chunks, progress) {
+            Err(_) if points == header.count => compression.unpack_all(&header, bytes, progress)?,
             unpacked => unpacked?,
         }
     } else {
         check(point_bytes)?;
-        compression.unpack_all(&header, bytes)?
+        compression.unpack_all(&header, bytes, progress)?
     };
     Ok(points::cloud(&header, &extra, &rows))
 }

@@ -4,17 +4,17 @@
 
 use super::super::column::Column;
 use super::super::error::{Fault, Place};
-use super::super::numbers::{Tokens, quoted};
+use super::super::numbers::{Tokens, note_row, quoted};
 use super::faces::{FaceList, Faces};
 use super::header::{Element, Header, Kind, Property};
 use super::{KeptColumns, POINTS};
+use crate::progress::Progress;
 
 /// The columns of `vertex` and the triangles in the file `bytes`, of whose elements the first are `elements`.
 pub(super) fn read(
     bytes: &[u8],
-    header: &Header,
-    elements: &[Element],
-    vertex: &Element,
+    (header, elements, vertex): (&Header, &[Element], &Element),
+    progress: &Progress,
 ) -> Result<(Vec<Column<'static>>, Faces), Fault> {
     let payload = &bytes[header.byte_size..];
     let mut tokens = Tokens::new(payload, header.line_count + 1);
@@ -23,7 +23,7 @@ pub(super) fn read(
     for element in elements {
         check_ascii_claim(element, payload)?;
         if element.name == POINTS {
-            columns = vertices(&mut tokens, element)?;
+            columns = vertices(&mut tokens, element, progress)?;
             if columns.is_empty() {
                 // Nothing is kept of these points, so there is no cloud to be made of them.
                 break;
@@ -38,6 +38,7 @@ pub(super) fn read(
         };
         let list = FaceList::of(element);
         for row in 0..rows {
+            note_row(row, rows, progress)?;
             for (index, property) in element.properties.iter().enumerate() {
                 match list.filter(|list| list.property == index) {
                     Some(list) => {
@@ -56,18 +57,24 @@ pub(super) fn read(
     Ok((columns, faces))
 }
 
-fn vertices(tokens: &mut Tokens<'_>, vertex: &Element) -> Result<Vec<Column<'static>>, Fault> {
+fn vertices(
+    tokens: &mut Tokens<'_>,
+    vertex: &Element,
+    progress: &Progress,
+) -> Result<Vec<Column<'static>>, Fault> {
     let mut kept = KeptColumns::new(vertex);
     if kept.columns.is_empty() {
         return Ok(kept.columns);
     }
     for row in 0..vertex.count {
+        note_row(row, vertex.count, progress)?;
         for (index, property) in vertex.properties.iter().enumerate() {
             if let Some(value) = ascii_step(tokens, property, POINTS, row, |_| Ok(()))? {
                 kept.push(index, value);
             }
         }
     }
+    note_row(vertex.count, vertex.count, progress)?;
     Ok(kept.columns)
 }
 

@@ -14,6 +14,7 @@ use super::column::{Column, Values};
 use super::error::Fault;
 use super::fixed_rows::FixedRows;
 use crate::cloud::RawCloud;
+use crate::progress::Progress;
 use faces::FaceList;
 use header::{Element, Header, Kind};
 use ply_rs_bw::ply::Encoding;
@@ -21,7 +22,7 @@ use ply_rs_bw::ply::Encoding;
 /// The element whose rows are points.
 const POINTS: &str = "vertex";
 
-pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
     let header = Header::parse(bytes)?;
     let Some(vertex) = header
         .elements
@@ -38,7 +39,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
         .rposition(|element| element.name == POINTS || FaceList::of(element).is_some());
     let elements = &header.elements[..last.map_or(0, |last| last + 1)];
     let (columns, faces) = match header.encoding {
-        Encoding::Ascii => ascii::read(bytes, &header, elements, vertex)?,
+        Encoding::Ascii => ascii::read(bytes, (&header, elements, vertex), progress)?,
         Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
             let big_endian = header.encoding == Encoding::BinaryBigEndian;
             binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?

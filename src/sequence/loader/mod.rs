@@ -8,12 +8,14 @@
 mod cache;
 mod facts;
 mod queue;
+mod readings;
 #[cfg(test)]
 pub(crate) mod simulation;
 mod stats;
 mod worker;
 
 pub use facts::FrameFacts;
+pub use readings::Reading;
 pub use stats::{FrameState, LoaderStats};
 
 use super::travel::Travel;
@@ -22,6 +24,7 @@ use super::{
 };
 use cache::Focus;
 use queue::{Queue, Waiter};
+use readings::Readings;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
@@ -88,7 +91,7 @@ pub enum Slot {
     Failed(Arc<FrameError>),
 }
 
-/// Prepares the frames of one sequence on its own threads. Dropping it stops them.
+/// Prepares the frames of one sequence on its own threads. Dropping it stops them, and what they read.
 pub struct Loader {
     shared: Arc<Shared>,
     threads: Vec<thread::JoinHandle<()>>,
@@ -137,6 +140,7 @@ impl Loader {
                 pool: worker::pool(options.workers.max(1))?,
                 queue: Mutex::new(Queue::new(Arc::clone(&sequence), focus, &options)),
                 sequence,
+                readings: Readings::default(),
                 work: Condvar::new(),
                 finished: Condvar::new(),
                 counters: super::PrepareCounters::default(),
@@ -304,6 +308,16 @@ impl Loader {
         self.shared.queue().cache.in_flight() > 0
     }
 
+    /// The frames that are being read. Each can be cancelled: its frame has failed then, as [`FrameError::Cancelled`].
+    pub fn readings(&self) -> Vec<Reading> {
+        self.shared.readings.list()
+    }
+
+    /// Whether somebody has cancelled the reading of a frame, be it over or not.
+    pub fn was_cancelled(&self) -> bool {
+        self.shared.readings.was_cancelled()
+    }
+
     /// A number that changes whenever [`Loader::states`] may have.
     pub fn revision(&self) -> u64 {
         self.shared.queue().revision
@@ -357,6 +371,7 @@ impl Loader {
 impl Drop for Loader {
     fn drop(&mut self) {
         self.shared.queue().shutdown = true;
+        self.shared.readings.end();
         self.shared.work.notify_all();
         for thread in self.threads.drain(..) {
             if thread.join().is_err() {

@@ -1,6 +1,7 @@
 //! The threads that make frames.
 
 use super::queue::{Job, Queue};
+use super::readings::Readings;
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
 use crate::priority;
 use crate::sequence::effort::Made;
@@ -19,6 +20,7 @@ pub(super) struct Shared {
     pub(super) pool: rayon::ThreadPool,
     pub(super) sequence: Arc<Sequence>,
     pub(super) queue: Mutex<Queue>,
+    pub(super) readings: Readings,
     /// There may be work: a request, a waiter, a finished frame, the end.
     pub(super) work: Condvar,
     /// A frame was finished.
@@ -142,15 +144,23 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
             decoder_ms: None,
         }));
     }
-    let loaded = shared.sequence.load(job.index, job.detail)?;
+    let reading = shared.readings.begin(job.index);
+    let loaded = shared
+        .sequence
+        .load(job.index, job.detail, &reading.progress)?;
+    reading.note_read();
     let bytes = expected_bytes(&loaded.frame, &job.needs);
     let Some(needs) = shared.queue().still_wanted(job, bytes) else {
         return Ok(None);
     };
     let frame = Arc::new(loaded.frame);
     let prepared = || prepare(job.index, frame, loaded.decode_ms, &needs, &shared.counters);
+    let frame = shared.run_stages(prepared);
+    if reading.progress.is_cancelled() {
+        return Err(shared.sequence.cancelled(job.index));
+    }
     Ok(Some(Finished {
-        frame: shared.run_stages(prepared),
+        frame,
         decoder_ms: Some(loaded.decoder_ms),
     }))
 }

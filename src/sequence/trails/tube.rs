@@ -5,6 +5,7 @@ use crate::cloud::{CloudError, Frame, Positions, RawCloud};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
 use glam::{DVec3, Vec3};
 use std::f32::consts::TAU;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Points around the line.
@@ -22,9 +23,20 @@ impl Trails {
         frame: usize,
         radius: f32,
     ) -> Result<PreparedFrame, CloudError> {
+        self.tube_through(trail, self.frames(), frame, radius)
+    }
+
+    /// The part of [`Trails::tube`] that leads through the frames of `range`.
+    pub fn tube_through(
+        &self,
+        trail: usize,
+        range: Range<usize>,
+        frame: usize,
+        radius: f32,
+    ) -> Result<PreparedFrame, CloudError> {
         let (mut positions, mut normals, mut colors) = (Vec::new(), Vec::new(), Vec::new());
         let mut rings_left = MAX_RINGS;
-        for index in self.frames() {
+        for index in range.start..range.end.saturating_sub(1) {
             let ends = (self.place(trail, index), self.place(trail, index + 1));
             let (Some(from), Some(to)) = ends else {
                 continue;

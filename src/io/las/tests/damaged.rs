@@ -41,7 +41,12 @@ fn files() -> [(&'static str, Vec<u8>); 4] {
 fn try_read(what: &str, bytes: &[u8]) -> Option<RawCloud> {
     const LONGEST: Duration = Duration::from_secs(5);
     let start = Instant::now();
-    let cloud = decode(bytes, &options().with_max_memory(4 << 20)).ok();
+    let cloud = decode(
+        bytes,
+        &options().with_max_memory(4 << 20),
+        &Progress::default(),
+    )
+    .ok();
     assert!(start.elapsed() < LONGEST, "{what} takes too long");
     if let Some(cloud) = &cloud {
         let count = cloud.positions.len();
@@ -130,7 +135,9 @@ fn the_oldest_files_are_one_stream_without_chunks() {
 #[test]
 fn claims_are_held_against_the_file_and_the_memory() {
     let refused = |file: &[u8], expected: &str| {
-        let problem = decode(file, &options()).unwrap_err().problem;
+        let problem = decode(file, &options(), &Progress::default())
+            .unwrap_err()
+            .problem;
         assert!(problem.contains(expected), "{problem}");
     };
     for (what, file) in files() {
@@ -153,7 +160,7 @@ fn claims_are_held_against_the_file_and_the_memory() {
     refused(&file[..300], "the file ends at 300");
     refused(&file[..200], "it is truncated, or no LAS file");
     let limit = options().with_max_memory(1000);
-    let problem = decode(&written(&sample(50), false), &limit)
+    let problem = decode(&written(&sample(50), false), &limit, &Progress::default())
         .unwrap_err()
         .problem;
     assert!(problem.contains("raise --max-memory"), "{problem}");
@@ -172,7 +179,9 @@ fn extra_bytes_are_held_against_the_memory() {
         let mut file = header(0x80 | 6, 30 + extra_bytes, 1, 1, start);
         file.extend(described);
         file.extend([0; 100]);
-        decode(&file, &options()).unwrap_err().problem
+        decode(&file, &options(), &Progress::default())
+            .unwrap_err()
+            .problem
     };
     let refusal = problem(60_000);
     assert!(refusal.contains("60000 extra bytes each"), "{refusal}");

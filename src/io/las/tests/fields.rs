@@ -311,7 +311,9 @@ fn times_that_change_without_end_are_refused_on_a_small_stack() {
             file.extend(described);
             file.extend([0; 8]);
             file.extend(&chunk);
-            let problem = decode(&file, &options()).unwrap_err().problem;
+            let problem = decode(&file, &options(), &Progress::default())
+                .unwrap_err()
+                .problem;
             assert!(problem.contains("chunk 0 are damaged"), "{problem}");
 
             let thread = thread::Builder::new().name(format!("format {format}"));

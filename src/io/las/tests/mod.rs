@@ -13,6 +13,7 @@ use super::header::take;
 use super::write::write;
 use crate::cloud::{Positions, RawCloud, ScalarField};
 use crate::io::ReadOptions;
+use crate::progress::Progress;
 use std::io::Cursor;
 
 /// Offsets in the header that tests change.
@@ -25,7 +26,7 @@ fn options() -> ReadOptions {
 }
 
 fn read(bytes: &[u8]) -> RawCloud {
-    decode(bytes, &options()).unwrap_or_else(|fault| panic!("{fault:?}"))
+    decode(bytes, &options(), &Progress::default()).unwrap_or_else(|fault| panic!("{fault:?}"))
 }
 
 fn written(cloud: &RawCloud, compressed: bool) -> Vec<u8> {

@@ -110,7 +110,11 @@ fn as_many_levels_are_read_as_there_is_memory_for() {
     let file = octree();
     let mut seen = Vec::new();
     for bytes in (0..10_000).step_by(97) {
-        if let Ok(cloud) = decode(&file, &options().with_max_memory(bytes)) {
+        if let Ok(cloud) = decode(
+            &file,
+            &options().with_max_memory(bytes),
+            &Progress::default(),
+        ) {
             let count = cloud.positions.len();
             assert_eq!(
                 levels(&cloud),

@@ -1,0 +1,79 @@
+//! Bytes that are counted as they are read, until nobody wants them any more.
+
+use crate::progress::Progress;
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// What is read between two looks at whether it is still wanted.
+const PIECE_BYTES: u64 = 8 << 20;
+
+/// A reader that tells how much was read of it, and fails once that is cancelled.
+#[derive(Debug)]
+pub(super) struct Watched<'a, R> {
+    pub(super) reader: R,
+    pub(super) progress: &'a Progress,
+}
+
+impl<R: Read> Read for Watched<'_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.progress.is_cancelled() {
+            return Err(cancelled());
+        }
+        let count = self.reader.read(buffer)?;
+        self.progress.advance(count);
+        Ok(count)
+    }
+}
+
+impl<R: Seek> Seek for Watched<'_, R> {
+    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+        self.reader.seek(place)
+    }
+}
+
+/// All bytes of the file at `path`, in one allocation of its length, refused by an error where there is no memory for it.
+pub(super) fn read_file(path: &Path, progress: &Progress) -> io::Result<Vec<u8>> {
+    let mut file = File::open(path)?;
+    let length = usize::try_from(file.metadata()?.len()).map_err(io::Error::other)?;
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(length)?;
+    progress.set(0, length);
+    while file.by_ref().take(PIECE_BYTES).read_to_end(&mut bytes)? > 0 {
+        if progress.is_cancelled() {
+            return Err(cancelled());
+        }
+        progress.set(bytes.len(), length);
+    }
+    progress.set(0, 0);
+    Ok(bytes)
+}
+
+/// What nobody is told: whoever cancelled knows it.
+pub(super) fn cancelled() -> io::Error {
+    io::Error::other("cancelled")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_counted_until_nobody_wants_more() {
+        let progress = Progress::default();
+        progress.set(0, 10);
+        let mut watched = Watched {
+            reader: io::Cursor::new([7; 10]),
+            progress: &progress,
+        };
+        let mut piece = [0; 4];
+        for done in [4, 8, 10, 10] {
+            watched.read(&mut piece).unwrap();
+            assert_eq!(progress.done(), done);
+        }
+        watched.rewind().unwrap();
+        progress.cancel();
+        assert!(watched.read(&mut piece).is_err());
+        assert_eq!(progress.done(), 10);
+    }
+}

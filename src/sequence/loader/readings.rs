@@ -1,0 +1,99 @@
+//! The frames that are being read, for those who want to see how far that is, and to end it.
+
+use crate::progress::Progress;
+use crate::sequence::lock;
+use std::sync::Mutex;
+
+/// A frame that is being read and prepared.
+#[derive(Debug, Clone)]
+pub struct Reading {
+    /// Index of the frame that it is read for: the first one is read for any, as it decides the origin.
+    pub index: usize,
+    /// How much of it is read, then how much of it is decoded; nobody knows how much of it is prepared.
+    pub progress: Progress,
+}
+
+/// All of one loader.
+#[derive(Debug, Default)]
+pub(super) struct Readings(Mutex<List>);
+
+#[derive(Debug, Default)]
+struct List {
+    under_way: Vec<Reading>,
+    /// One was read.
+    has_read: bool,
+    /// Somebody has cancelled one.
+    was_cancelled: bool,
+    /// None is wanted any more.
+    is_over: bool,
+}
+
+impl List {
+    fn was_cancelled(&self) -> bool {
+        let mut under_way = self.under_way.iter();
+        self.was_cancelled || under_way.any(|reading| reading.progress.is_cancelled())
+    }
+}
+
+/// A reading that is under way as long as this is there.
+pub(super) struct UnderWay<'a> {
+    readings: &'a Readings,
+    pub(super) progress: Progress,
+}
+
+impl Readings {
+    /// Frame `index` is about to be read. Where nothing is wanted any more, or the first one was cancelled, that is cancelled at once.
+    pub(super) fn begin(&self, index: usize) -> UnderWay<'_> {
+        let progress = Progress::default();
+        let mut list = lock(&self.0);
+        if list.is_over || (!list.has_read && list.was_cancelled()) {
+            progress.cancel();
+        }
+        list.under_way.push(Reading {
+            index,
+            progress: progress.clone(),
+        });
+        UnderWay {
+            readings: self,
+            progress,
+        }
+    }
+
+    /// Those that do not wait for others to be read.
+    pub(super) fn list(&self) -> Vec<Reading> {
+        let list = lock(&self.0);
+        let begun = list.under_way.iter();
+        let begun = begun.filter(|reading| reading.progress.has_begun());
+        begun.cloned().collect()
+    }
+
+    /// Whether somebody has cancelled one of them, be it over or not.
+    pub(super) fn was_cancelled(&self) -> bool {
+        lock(&self.0).was_cancelled()
+    }
+
+    /// Ends all of them, and those to come.
+    pub(super) fn end(&self) {
+        let mut list = lock(&self.0);
+        list.is_over = true;
+        for reading in &list.under_way {
+            reading.progress.cancel();
+        }
+    }
+}
+
+impl UnderWay<'_> {
+    /// Its file is read and decoded.
+    pub(super) fn note_read(&self) {
+        lock(&self.readings.0).has_read = true;
+    }
+}
+
+impl Drop for UnderWay<'_> {
+    fn drop(&mut self) {
+        let mut list = lock(&self.readings.0);
+        list.was_cancelled |= self.progress.is_cancelled();
+        list.under_way
+            .retain(|reading| !reading.progress.is_same(&self.progress));
+    }
+}
