@@ -11,7 +11,10 @@
 //! What is made in a hurry is [`Effort::in_time`]; what may be made while all that is due soon is there already is
 //! [`Effort::at_best`], which only drawing limits. Nothing here looks at a clock.
 
+mod drawing;
+
 use super::Detail;
+use drawing::Drawing;
 use std::time::Duration;
 
 /// Frames of fewer points save nothing worth it.
@@ -82,11 +85,7 @@ impl Effort {
     pub(super) fn forget(&mut self) {
         self.rest_ns_per_point = Average::default();
         self.made_for = None;
-        self.drawing = Drawing {
-            most_points: self.drawing.most_points,
-            is_known: self.drawing.is_known,
-            ..Drawing::default()
-        };
+        self.drawing = self.drawing.forgetful();
     }
 
     /// Takes notice of a frame that was made.
@@ -191,216 +190,6 @@ impl Average {
             // The worst is forgotten at a tenth of that pace.
             self.worst = value.max(self.worst * (1.0 - 0.1 * NEWEST));
         }
-    }
-}
-
-/// How many points can be drawn in the time of a frame.
-///
-/// Part of the time of a picture is spent whatever there is to draw, the rest goes with the points. How it goes with them is learned where
-/// their number changes; until then what fits in proportion to them surely fits. So playing begins with few points, or with what
-/// pictures drawn before tell, and goes to as many as fit at once. Where that says that no more fit, more are tried all the same, since
-/// the workers, which are busiest at the beginning, slow drawing as well: after each attempt without success, the next waits twice
-/// as long.
-#[derive(Debug, Clone, Copy)]
-struct Drawing {
-    most_points: Option<u32>,
-    picture_ms: Average,
-    /// Of how many points those pictures are, about.
-    of_points: usize,
-    /// Pictures since the number was changed.
-    pictures: u32,
-    /// How many points pictures had before that, and what they took, milliseconds.
-    before: Option<(usize, f64)>,
-    /// What a point more takes, milliseconds.
-    slope_ms: Option<f64>,
-    attempt: Attempt,
-    /// Pictures to wait for before something is tried again.
-    patience: u32,
-    /// Whether pictures have told anything yet.
-    is_known: bool,
-}
-
-/// Why the number of points is what it is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Attempt {
-    None,
-    /// Fewer points than these, since their pictures took so many milliseconds.
-    Fewer {
-        before: Option<u32>,
-        before_ms: f64,
-    },
-    /// Twice the points, or as many as should fit.
-    More,
-}
-
-impl Default for Drawing {
-    fn default() -> Self {
-        Self {
-            most_points: None,
-            picture_ms: Average::default(),
-            of_points: 0,
-            pictures: 0,
-            before: None,
-            slope_ms: None,
-            attempt: Attempt::None,
-            patience: Self::LOOKED_AT,
-            is_known: false,
-        }
-    }
-}
-
-impl Drawing {
-    /// Pictures that are looked at before the number is changed again.
-    const LOOKED_AT: u32 = 6;
-    /// Pictures that tell what is far from the time of a frame.
-    const LOOKED_AT_IF_CLEAR: u32 = 3;
-    const MOST_PATIENCE: u32 = 1 << 11;
-    /// Part of the time of a frame that pictures may take if it is to be held.
-    const PLANNED: f64 = 0.8;
-    /// Part of the time of a frame beyond which pictures do not hold it: some take longer than the mean.
-    const LATE: f64 = 0.9;
-    /// Part of the time of a picture that goes with its points, at least: measured slopes may be anything where little changed.
-    const LEAST_SLOPE: f64 = 0.25;
-
-    /// Playing begins.
-    fn begin(&mut self, interval_ms: f64) {
-        let is_late = |mean_ms: f64| mean_ms > Self::PLANNED * interval_ms;
-        if self.most_points.is_none()
-            && let Some(mean_ms) = self.picture_ms.mean.filter(|&mean_ms| is_late(mean_ms))
-        {
-            self.most_points = Some(self.fitting_points(mean_ms, interval_ms));
-        }
-        self.is_known |= self.picture_ms.mean.is_some();
-        self.change(self.most_points, Attempt::None);
-    }
-
-    /// Takes notice of a picture, and of how long a frame lasts while playing. While frames of before are shown, since others are not
-    /// made yet, or files have fewer points, pictures say nothing of what is tried, unless they are late with few points.
-    fn note(
-        &mut self,
-        points: usize,
-        picture_ms: f64,
-        interval_ms: Option<f64>,
-        points_in_file: usize,
-    ) {
-        if interval_ms.is_some_and(|interval_ms| {
-            let wanted = self.wanted_points(points, points_in_file);
-            let are_few = 4 * points < 3 * wanted;
-            2 * points > 3 * wanted || are_few && picture_ms < Self::LATE * interval_ms
-        }) {
-            return;
-        }
-        if points > 2 * self.of_points || 2 * points < self.of_points {
-            self.picture_ms = Average::default();
-            self.pictures = 0;
-            self.of_points = points;
-        }
-        self.picture_ms.add(picture_ms);
-        self.pictures += 1;
-        let (Some(mean_ms), Some(interval_ms)) = (self.picture_ms.mean, interval_ms) else {
-            return;
-        };
-        if self.pictures < Self::LOOKED_AT_IF_CLEAR {
-            return;
-        }
-        self.learn_slope(mean_ms);
-        let fitting = self.fitting_points(mean_ms, interval_ms);
-        let fits_twice = fitting as usize >= 2 * points;
-        let is_tried = self.attempt == Attempt::More;
-        let is_clear = fits_twice || mean_ms > if is_tried { 1.0 } else { 1.5 } * interval_ms;
-        if self.pictures < Self::LOOKED_AT && !is_clear {
-            return;
-        }
-        self.is_known = true;
-        let is_patient = self.pictures < self.patience && !is_clear;
-        if mean_ms > Self::LATE * interval_ms {
-            // Where pictures have just become slower, the mean is not there yet.
-            self.draw_fewer(mean_ms, mean_ms.max(picture_ms), fitting, is_patient);
-            return;
-        }
-        self.attempt = Attempt::None;
-        match self.most_points {
-            Some(most_points) if fits_twice && fitting > most_points => {
-                self.change(Some(fitting), Attempt::More);
-            }
-            Some(most_points) if mean_ms < Self::PLANNED * interval_ms && !is_patient => {
-                self.change(most_points.checked_mul(2), Attempt::More);
-            }
-            // The first pictures, of few points.
-            None if (fitting as usize) < points_in_file && points < points_in_file => {
-                self.change(Some(fitting), Attempt::More);
-            }
-            _ => {}
-        }
-    }
-
-    /// Pictures take longer than a frame lasts.
-    fn draw_fewer(&mut self, mean_ms: f64, before_ms: f64, fitting: u32, is_patient: bool) {
-        let attempt = std::mem::replace(&mut self.attempt, Attempt::None);
-        match (attempt, self.most_points) {
-            (Attempt::Fewer { before, before_ms }, _) if mean_ms > 0.9 * before_ms => {
-                self.try_later();
-                self.change(before, Attempt::None);
-            }
-            (Attempt::More, Some(more)) => {
-                self.try_later();
-                self.change(Some((more / 2).max(FEWEST_POINTS)), Attempt::None);
-            }
-            // A quarter less is the least that is worth a copy.
-            _ if 4 * fitting as usize <= 3 * self.of_points && !is_patient => {
-                let before = self.most_points;
-                self.change(Some(fitting), Attempt::Fewer { before, before_ms });
-            }
-            _ => {}
-        }
-    }
-
-    /// Points of the largest frames as they are wanted; those of the frame that is shown while all are.
-    fn wanted_points(&self, points: usize, points_in_file: usize) -> usize {
-        let most_points = self.most_points.map(|most| most as usize);
-        most_points.map_or(points, |most| most.min(points_in_file.max(points)))
-    }
-
-    /// What a point more takes, from the first of these pictures and the last ones before the number was changed: later, other things
-    /// may have changed as well.
-    fn learn_slope(&mut self, mean_ms: f64) {
-        if let Some((points, before_ms)) = self.before
-            && points != self.of_points
-            && self.pictures <= Self::LOOKED_AT
-        {
-            self.slope_ms = Some((mean_ms - before_ms) / (self.of_points as f64 - points as f64));
-        }
-    }
-
-    /// How many points fit into the time of a frame, from what pictures take now. Fewer are chosen in proportion: what has just become
-    /// slower need not go with the points as it did.
-    fn fitting_points(&self, mean_ms: f64, interval_ms: f64) -> u32 {
-        let of_points = self.of_points as f64;
-        let left_ms = Self::PLANNED * interval_ms - mean_ms;
-        let in_proportion_ms = mean_ms.max(1e-3) / of_points;
-        let slope_ms = match self.slope_ms {
-            Some(slope_ms) if left_ms > 0.0 => {
-                slope_ms.clamp(Self::LEAST_SLOPE * in_proportion_ms, in_proportion_ms)
-            }
-            _ => in_proportion_ms,
-        };
-        power_of_two(of_points + left_ms / slope_ms)
-    }
-
-    fn try_later(&mut self) {
-        self.patience = (2 * self.patience).min(Self::MOST_PATIENCE);
-    }
-
-    fn change(&mut self, most_points: Option<u32>, attempt: Attempt) {
-        let is_settled = self.pictures >= Self::LOOKED_AT_IF_CLEAR;
-        if let Some(mean_ms) = self.picture_ms.mean.filter(|_| is_settled) {
-            self.before = Some((self.of_points, mean_ms));
-        }
-        self.most_points = most_points;
-        self.attempt = attempt;
-        self.pictures = 0;
-        self.picture_ms = Average::default();
-        self.of_points = 0;
     }
 }
 
