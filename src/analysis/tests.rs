@@ -542,3 +542,18 @@ fn threads_do_not_change_a_bit() {
     let one = with_threads(1);
     assert!(with_threads(2) == one && with_threads(5) == one);
 }
+
+#[test]
+fn the_steps_of_a_surface_add_up_and_end_when_nobody_wants_them() {
+    let torus = test_shapes::torus(500, 0.4, &mut Random(8)).positions;
+    for sensor in [None, Some(Vec3::Z)] {
+        let progress = Progress::default();
+        let surface = estimate_surface_observed(&torus, sensor, &progress);
+        assert_eq!(progress.done(), surface_steps(500, sensor));
+        assert_eq!(surface.normals, estimate_surface(&torus, sensor).normals);
+        let cancelled = Progress::default();
+        cancelled.cancel();
+        estimate_surface_observed(&torus, sensor, &cancelled);
+        assert_eq!(cancelled.done(), TREE_STEPS * 500, "the first stage alone");
+    }
+}

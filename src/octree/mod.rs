@@ -26,6 +26,7 @@ mod cut;
 mod cut_tests;
 mod kept_levels;
 mod node_surfel;
+mod position_error;
 mod select;
 mod small_subtrees;
 mod sorted_points;

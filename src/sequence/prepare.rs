@@ -21,6 +21,7 @@ use super::records::{self, SurfaceWork};
 use super::{ColorSource, Needs, milliseconds_since};
 use crate::cloud::{CloudError, Frame, PointRecord, ShapeRecord, radius_factor};
 use crate::octree::{CodedCloud, LodSurfels, Octree, StopCriterion};
+use crate::progress::Progress;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -185,11 +186,26 @@ pub fn prepare(
     needs: &Needs,
     counters: &PrepareCounters,
 ) -> PreparedFrame {
+    let never = Progress::default();
+    prepare_observed(index, frame, decode_ms, needs, counters, &never)
+}
+
+/// [`prepare`], which says in `progress` how much of the estimation of normals is done: the rest takes little beside it. Once that is
+/// cancelled, the answer is of no use.
+pub(super) fn prepare_observed(
+    index: usize,
+    frame: Arc<Frame>,
+    decode_ms: f32,
+    needs: &Needs,
+    counters: &PrepareCounters,
+    progress: &Progress,
+) -> PreparedFrame {
     let timings = Timings {
         decode_ms,
         ..Timings::default()
     };
-    build(index, frame, None, None, needs, timings, counters)
+    let observers = (counters, progress);
+    build(index, frame, None, None, needs, timings, observers)
 }
 
 /// Prepares at most `most_points` of the points of `existing`, taken evenly. Normals and radii that are known are not estimated again.
@@ -221,7 +237,7 @@ pub(super) fn prepare_sample(
         shapes,
         needs,
         timings,
-        counters,
+        (counters, &Progress::default()),
     ))
 }
 
@@ -241,7 +257,7 @@ pub fn complete(
         existing.shapes.clone(),
         needs,
         Timings::default(),
-        counters,
+        (counters, &Progress::default()),
     )
 }
 
@@ -253,7 +269,7 @@ fn build(
     mut shapes: Option<Arc<Vec<ShapeRecord>>>,
     needs: &Needs,
     mut timings: Timings,
-    counters: &PrepareCounters,
+    (counters, progress): (&PrepareCounters, &Progress),
 ) -> PreparedFrame {
     let colors = needs.colors.resolve(&frame);
     let same_colors = existing.filter(|existing| existing.colors == colors);
@@ -262,7 +278,12 @@ fn build(
         && same_colors.is_none()
         && records::file_normals(&frame).is_none();
     if shapes.is_none() && (needs.shapes || needs.ellipses || colors_need_shapes) {
-        shapes = Some(Arc::new(estimated_shapes(&frame, &mut timings, counters)));
+        shapes = Some(Arc::new(estimated_shapes(
+            &frame,
+            &mut timings,
+            counters,
+            progress,
+        )));
     }
 
     let mut has_ellipses = existing.is_some_and(|existing| existing.has_ellipses);
@@ -352,9 +373,10 @@ fn estimated_shapes(
     frame: &Frame,
     timings: &mut Timings,
     counters: &PrepareCounters,
+    progress: &Progress,
 ) -> Vec<ShapeRecord> {
     let start = Instant::now();
-    let (surface, work) = records::complete_surface(frame);
+    let (surface, work) = records::complete_surface(frame, progress);
     match work {
         SurfaceWork::None => {}
         SurfaceWork::Radii => {

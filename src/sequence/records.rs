@@ -1,7 +1,11 @@
 //! Frames → the records that are drawn, each array written in one pass into memory of the right size.
 
-use crate::analysis::{estimate_surface, fake_color, scalar_colors, splat_ellipses, splat_radii};
+use crate::analysis::{
+    estimate_surface_observed, fake_color, scalar_colors, splat_ellipses, splat_radii,
+    surface_steps,
+};
 use crate::cloud::{Frame, PointRecord, ShapeRecord, encode_ellipse, oct_decode, oct_encode};
+use crate::progress::Progress;
 use glam::Vec3;
 use std::borrow::Cow;
 
@@ -39,8 +43,12 @@ fn file_radii(frame: &Frame) -> Option<&[f32]> {
         .filter(|radii| radii.iter().all(|&radius| radius > 0.0))
 }
 
-/// Takes what the file has and estimates the rest: a zero normal and a zero radius count as missing.
-pub(super) fn complete_surface(frame: &Frame) -> (CompleteSurface<'_>, SurfaceWork) {
+/// Takes what the file has and estimates the rest: a zero normal and a zero radius count as missing. `progress` tells of missing normals,
+/// which take longest; once it is cancelled, the answer is of no use.
+pub(super) fn complete_surface<'a>(
+    frame: &'a Frame,
+    progress: &Progress,
+) -> (CompleteSurface<'a>, SurfaceWork) {
     let positions = frame.positions();
     match (file_normals(frame), file_radii(frame)) {
         (Some(normals), Some(radii)) => (
@@ -62,7 +70,8 @@ pub(super) fn complete_surface(frame: &Frame) -> (CompleteSurface<'_>, SurfaceWo
             )
         }
         (None, _) => {
-            let mut surface = estimate_surface(positions, frame.sensor());
+            progress.set(0, surface_steps(positions.len(), frame.sensor()));
+            let mut surface = estimate_surface_observed(positions, frame.sensor(), progress);
             keep_given(&mut surface.normals, frame.normals(), |&normal| {
                 normal != Vec3::ZERO
             });

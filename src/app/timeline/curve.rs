@@ -14,11 +14,13 @@ pub enum Quantity {
     Loss,
     /// Diagonal of the bounds.
     Bounds,
+    /// Distance of points from their voxels.
+    Error,
 }
 
 impl Quantity {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Points, Self::Loss, Self::Bounds];
+    pub const ALL: [Self; 4] = [Self::Points, Self::Loss, Self::Bounds, Self::Error];
 
     /// What the window calls it.
     pub fn name(self) -> &'static str {
@@ -26,6 +28,7 @@ impl Quantity {
             Self::Points => "Points",
             Self::Loss => "Octree loss",
             Self::Bounds => "Bounds",
+            Self::Error => "Voxel error",
         }
     }
 
@@ -35,6 +38,9 @@ impl Quantity {
             Self::Points => "Number of points in the file of each frame",
             Self::Loss => "Share of the points that have no octree leaf of their own (%)",
             Self::Bounds => "Diagonal of what holds all points (units of the file)",
+            Self::Error => {
+                "How far points are from the middles of the voxels that stand for them (RMS, units of the file); of 1,024 points a frame"
+            }
         }
     }
 
@@ -43,6 +49,7 @@ impl Quantity {
             Self::Points => Some(facts.points as f32),
             Self::Loss => facts.loss,
             Self::Bounds => Some(facts.bounds.extent().length()).filter(|_| facts.points > 0),
+            Self::Error => facts.voxel_error,
         }
     }
 }

@@ -13,7 +13,13 @@ pub struct FrameFacts {
     pub bounds: Aabb,
     /// Share of the points that have no leaf of their own in the octree, if it was built for the present needs.
     pub loss: Option<f32>,
+    /// RMS distance of points from the middles of their leaves, if the octree was built for the present needs; of
+    /// [`ERROR_POINTS`] of them.
+    pub voxel_error: Option<f32>,
 }
+
+/// Points that tell how far all are from their voxels, to a percent or two.
+const ERROR_POINTS: usize = 1024;
 
 /// A loss belongs to what the octree was built for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,15 +52,20 @@ impl Facts {
             return;
         }
         let octree = prepared.octree.as_ref().filter(|_| !prepared.is_sample());
-        let (loss, stop) = match (octree, before) {
-            (Some(octree), _) => (Some(octree.loss()), prepared.octree_stop()),
-            (None, Some(before)) => (before.facts.loss, before.stop),
-            (None, None) => (None, None),
+        let (loss, voxel_error, stop) = match (octree, before) {
+            (Some(octree), _) => (
+                Some(octree.loss()),
+                octree.position_error(prepared.frame.positions(), ERROR_POINTS),
+                prepared.octree_stop(),
+            ),
+            (None, Some(before)) => (before.facts.loss, before.facts.voxel_error, before.stop),
+            (None, None) => (None, None, None),
         };
         let facts = FrameFacts {
             points: prepared.frame.points_in_file(),
             bounds: prepared.frame.bounds(),
             loss,
+            voxel_error,
         };
         let known = Some(Known { facts, stop });
         if before != known {
@@ -63,7 +74,7 @@ impl Facts {
         }
     }
 
-    /// The facts of the first `frame_count` frames; losses only of octrees that end as `stop` says, if it says anything.
+    /// The facts of the first `frame_count` frames; losses and errors only of octrees that end as `stop` says, if it says anything.
     pub(super) fn of(
         &self,
         frame_count: usize,
@@ -74,13 +85,14 @@ impl Facts {
             let is_present = stop.is_none() || known.stop == stop;
             Some(FrameFacts {
                 loss: known.facts.loss.filter(|_| is_present),
+                voxel_error: known.facts.voxel_error.filter(|_| is_present),
                 ..known.facts
             })
         };
         (0..frame_count).map(facts).collect()
     }
 
-    /// The needs have changed, and with them which losses are told.
+    /// The needs have changed, and with them which losses and errors are told.
     pub(super) fn changed(&mut self) {
         self.revision += 1;
     }

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 pub struct Reading {
     /// Index of the frame that it is read for: the first one is read for any, as it decides the origin.
     pub index: usize,
-    /// How much of it is read, then how much of it is decoded; nobody knows how much of it is prepared.
+    /// How much of it is read, then how much of it is decoded, then how far its normals are if it has none.
     pub progress: Progress,
 }
 

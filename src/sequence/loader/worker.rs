@@ -6,10 +6,9 @@ use crate::cloud::{Frame, PointRecord, ShapeRecord};
 use crate::priority;
 use crate::sequence::effort::Made;
 use crate::sequence::error::catch_panic;
-use crate::sequence::prepare::prepare_sample;
+use crate::sequence::prepare::{prepare_observed, prepare_sample};
 use crate::sequence::{
     FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError, complete, lock,
-    prepare,
 };
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -154,7 +153,16 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
         return Ok(None);
     };
     let frame = Arc::new(loaded.frame);
-    let prepared = || prepare(job.index, frame, loaded.decode_ms, &needs, &shared.counters);
+    let prepared = || {
+        prepare_observed(
+            job.index,
+            frame,
+            loaded.decode_ms,
+            &needs,
+            &shared.counters,
+            &reading.progress,
+        )
+    };
     let frame = shared.run_stages(prepared);
     if reading.progress.is_cancelled() {
         return Err(shared.sequence.cancelled(job.index));

@@ -29,7 +29,7 @@ pub(super) fn curve_ui(ui: &mut Ui, state: &mut State) {
     let weak = ui.visuals().weak_text_color();
     let Some((least, most)) = curve.range() else {
         let text = match quantity {
-            Quantity::Loss => "no octree was built yet",
+            Quantity::Loss | Quantity::Error => "no octree was built yet",
             Quantity::Points | Quantity::Bounds => "no frame was prepared yet",
         };
         painter.text(
@@ -106,5 +106,7 @@ fn text_of(quantity: Quantity, value: f32) -> String {
         Quantity::Points => grouped(value as u64),
         Quantity::Loss => format!("{:.2} %", 100.0 * value),
         Quantity::Bounds => format!("{value:.4}"),
+        // Errors are small beside the bounds.
+        Quantity::Error => format!("{value:.3e}"),
     }
 }
