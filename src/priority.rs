@@ -34,11 +34,11 @@ mod tests {
                 .unwrap()
         };
         let before = niceness();
-        let behind = std::thread::spawn(move || {
+        let behind = std::thread::Builder::new().spawn(move || {
             go_behind_drawing();
             niceness()
         });
-        let behind = behind.join().unwrap();
+        let behind = behind.unwrap().join().unwrap();
         assert!(behind > before && behind >= 9, "{before} to {behind}");
         assert_eq!(niceness(), before, "this one alone");
     }

@@ -152,12 +152,11 @@ pub fn estimate_surface_observed(
     if !goes_on(RADII_STEPS) {
         return of_no_use();
     }
-    match sensor {
-        Some(sensor) => orientation::face_sensor(&tree, sensor, 0, &mut normals),
-        None => {
-            orientation::face_outwards(&tree, &neighbours, &mut normals);
-            goes_on(OUTWARDS_STEPS);
-        }
+    if let Some(sensor) = sensor {
+        orientation::face_sensor(&tree, sensor, 0, &mut normals);
+    } else {
+        orientation::face_outwards(&tree, &neighbours, &mut normals);
+        goes_on(OUTWARDS_STEPS);
     }
     Surface {
         normals: tree.to_file_order(&normals),

@@ -67,8 +67,8 @@ mod tests {
             progress: &progress,
         };
         let mut piece = [0; 4];
-        for done in [4, 8, 10, 10] {
-            watched.read(&mut piece).unwrap();
+        for (read, done) in [(4, 4), (4, 8), (2, 10), (0, 10)] {
+            assert_eq!(watched.read(&mut piece).unwrap(), read);
             assert_eq!(progress.done(), done);
         }
         watched.rewind().unwrap();
