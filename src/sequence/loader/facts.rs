@@ -14,7 +14,7 @@ pub struct FrameFacts {
     /// Share of the points that have no leaf of their own in the octree, if it was built for the present needs.
     pub loss: Option<f32>,
     /// RMS distance of points from the middles of their leaves, if the octree was built for the present needs; of
-    /// [`ERROR_POINTS`] of them.
+    /// 1,024 of them.
     pub voxel_error: Option<f32>,
 }
 
