@@ -3,8 +3,8 @@
 //! Part of the time of a picture is spent whatever there is to draw, the rest goes with the points. How it goes with them is learned where
 //! their number changes; until then what fits in proportion to them surely fits. So playing begins with few points, or with what
 //! pictures drawn before tell, and goes to as many as fit at once. Where that says that no more fit, more are tried all the same, since
-//! the workers, which are busiest at the beginning, slow drawing as well: after each attempt without success, the next waits twice
-//! as long.
+//! the workers, which are busiest at the beginning, slow drawing as well: after each attempt without success, the next waits four
+//! times as long: a few pictures are late each time.
 
 use super::{Average, FEWEST_POINTS, power_of_two};
 
@@ -206,7 +206,7 @@ impl Drawing {
     }
 
     fn try_later(&mut self) {
-        self.patience = (2 * self.patience).min(Self::MOST_PATIENCE);
+        self.patience = (4 * self.patience).min(Self::MOST_PATIENCE);
     }
 
     fn change(&mut self, most_points: Option<u32>, attempt: Attempt) {
