@@ -5,7 +5,7 @@ use crate::app::State;
 use crate::app::panels::grouped;
 use crate::app::theme::ACCENT;
 use crate::app::timeline::Quantity;
-use egui::{Align2, FontId, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
+use egui::{Align2, FontId, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// Height of the curve, points.
 const HEIGHT: f32 = 40.0;
@@ -74,7 +74,7 @@ pub(super) fn curve_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// A line a column, which reaches the one of the column before.
+/// A line through all columns that are known.
 fn paint(ui: &Ui, rect: Rect, columns: &[Option<(f32, f32)>], (least, most): (f32, f32)) {
     let painter = ui.painter_at(rect);
     let stroke = Stroke::new(1.0, ACCENT);
@@ -88,16 +88,20 @@ fn paint(ui: &Ui, rect: Rect, columns: &[Option<(f32, f32)>], (least, most): (f3
         };
         egui::lerp(rect.bottom() - MARGIN..=rect.top() + MARGIN, part)
     };
-    let mut before: Option<(f32, f32)> = None;
-    for (x, column) in columns.iter().enumerate() {
-        if let &Some((low, high)) = column {
-            let (from, to) = before.map_or((low, high), |(low_before, high_before)| {
-                (low.min(high_before), high.max(low_before))
-            });
-            let x = rect.left() + x as f32 + 0.5;
-            painter.vline(x, y(to) - 0.5..=y(from) + 0.5, stroke);
-        }
-        before = *column;
+    // One line for each run of columns that are known: lines as short as a column are rounded away.
+    let mut line: Vec<Pos2> = Vec::new();
+    for (x, column) in columns.iter().chain([&None]).enumerate() {
+        let Some((low, high)) = column.map(|(low, high)| (y(low), y(high))) else {
+            painter.line(std::mem::take(&mut line), stroke);
+            continue;
+        };
+        let x = rect.left() + x as f32;
+        // The nearer end first, so that the line does not go back.
+        let is_upwards = line
+            .last()
+            .is_none_or(|last| (last.y - low).abs() <= (last.y - high).abs());
+        let (from, to) = if is_upwards { (low, high) } else { (high, low) };
+        line.extend([pos2(x, from), pos2(x + 1.0, to)]);
     }
 }
 
