@@ -12,7 +12,11 @@ use std::time::Duration;
 
 /// A window on the cube that grows, its corners drawn as squares of 9 pixels, seen from the front and above.
 fn cube() -> Harness<'static, State> {
-    let mut harness = window();
+    in_squares(window())
+}
+
+/// The window with all frames there and points drawn as squares of 9 pixels.
+pub(super) fn in_squares(mut harness: Harness<'static, State>) -> Harness<'static, State> {
     harness.state_mut().settings = Settings {
         primitive: Primitive::Point,
         point_size_px: 9.0,
@@ -25,12 +29,12 @@ fn cube() -> Harness<'static, State> {
 }
 
 /// Corner of the cube of the first frame, by its index in the file.
-fn corner(index: u32) -> DVec3 {
+pub(super) fn corner(index: u32) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|axis| f64::from(index >> axis & 1) - 0.5))
 }
 
 /// Where a place is in the window.
-fn in_window(harness: &Harness<'_, State>, place: DVec3) -> Pos2 {
+pub(super) fn in_window(harness: &Harness<'_, State>, place: DVec3) -> Pos2 {
     let state = harness.state();
     let px = state.camera.to_px(place, state.viewport.size_px).unwrap();
     state.viewport.rect.min + egui::vec2(px.x as f32, px.y as f32)

@@ -1,40 +1,27 @@
 //! Trails of points through time.
 
-use super::points::click_on;
-use super::{FRAMES, click, load_all, options, press, sequence, window_on};
+use super::points::{click_on, corner, in_squares, in_window};
+use super::{FRAMES, click, options, press, sequence, window_on};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use glam::DVec3;
 use pointreel::app::{Command, State};
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::scene::{Primitive, Settings};
 use pointreel::sequence::{Sequence, Source};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// A window on `sequence` with its points drawn as squares of 9 pixels, and the tool for values chosen.
 fn picking(sequence: Arc<Sequence>) -> Harness<'static, State> {
-    let mut harness = window_on(sequence, options());
-    harness.state_mut().settings = Settings {
-        primitive: Primitive::Point,
-        point_size_px: 9.0,
-        ..Settings::default()
-    };
-    load_all(harness.state_mut());
-    harness.run();
-    harness.state_mut().next_packet().unwrap();
+    let mut harness = in_squares(window_on(sequence, options()));
     press(&mut harness, Modifiers::NONE, Key::I);
     harness
 }
 
 /// Picks a corner of the cube that is shown first.
 fn pick(harness: &mut Harness<'_, State>, index: u32) {
-    let place = DVec3::from_array([0, 1, 2].map(|axis| f64::from(index >> axis & 1) - 0.5));
-    let state = harness.state();
-    let px = state.camera.to_px(place, state.viewport.size_px).unwrap();
-    let at = state.viewport.rect.min + egui::vec2(px.x as f32, px.y as f32);
+    let at = in_window(harness, corner(index));
     click_on(harness, at, 1);
     // Two clicks within a moment would be a double click.
     harness.run_steps(10);
