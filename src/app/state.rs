@@ -24,6 +24,7 @@ use super::notices::Notices;
 use super::palette::Palette;
 use super::panels::QualityLimits;
 use super::preferences::Preferences;
+use super::present_choice::PresentChoice;
 use super::presets::Presets;
 use super::progress::{WorkKind, Works};
 use super::recent::{Recent, entry_name};
@@ -97,6 +98,8 @@ pub struct State {
     pub thumbnails: Thumbnails,
     /// Whether the window is light or dark.
     pub theme: egui::ThemePreference,
+    /// Who brings pictures onto the screen.
+    pub present: PresentChoice,
     /// The ways of points through time.
     pub trails: Trails,
     /// What was clicked on.
@@ -161,6 +164,7 @@ impl State {
             temporal: Temporal::default(),
             thumbnails: Thumbnails::new(options.preferences.thumbnails),
             theme: options.preferences.theme,
+            present: options.preferences.present,
             trails: Trails::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),
@@ -199,6 +203,7 @@ impl State {
         let clock = self.player.as_ref().map(Player::clock);
         Preferences {
             settings: self.settings,
+            present: self.present,
             loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
             speed: clock
