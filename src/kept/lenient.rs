@@ -133,11 +133,11 @@ pub(crate) fn note_later_version(stored: &Fields, known: u32, unread: &mut Vec<S
 
 fn in_short(reasons: &[String]) -> String {
     let shown = &reasons[..reasons.len().min(MAX_REASONS)];
-    let mut text = shown.join("; ");
-    if reasons.len() > shown.len() {
-        text += &format!("; {} more", reasons.len() - shown.len());
+    let text = shown.join("; ");
+    match reasons.len() - shown.len() {
+        0 => text,
+        more => format!("{text}; {more} more"),
     }
-    text
 }
 
 /// Copies `file` to the first of `name.unreadable`, `name.unreadable-2` and so on that is free, or has the same bytes already.

@@ -31,7 +31,7 @@ fn cell_of(traversal: &Traversal<'_>, node: usize, level: u32) -> [u32; 3] {
 fn from_eye(traversal: &Traversal<'_>, level: u32, cell: [u32; 3]) -> DVec3 {
     let view = traversal.view;
     let center = traversal.coded.cloud.cube().cell_center(level, cell);
-    let eye = view.eye().map(|part| part.as_dvec3());
+    let eye = view.eye().map(Vec3::as_dvec3);
     view.rotation().as_dmat3() * (center.as_dvec3() - eye[0] - eye[1])
 }
 
