@@ -58,8 +58,8 @@ impl Report {
                 "decoding, normals, octrees and traversal, reading back, showing; uploads are not in draw ms",
             ],
             Suite::Octree => [
-                "building from positions and colours in memory, and traversal into reused memory, each on one thread; \
-                 nodes are internal nodes",
+                "building from positions and colours in memory, in the order of the file and in Morton order, each on one thread and \
+                 on all; traversal into reused memory on all threads; nodes are internal nodes",
                 "decoding, normals, drawing; the adapter only draws the pictures whose coverage is counted",
             ],
             Suite::Accuracy => [
