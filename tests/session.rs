@@ -8,7 +8,9 @@ mod xvfb;
 use image::RgbaImage;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use xvfb::{PATIENCE, Process, Screen, Xvfb, has_a_cloud, pngs};
+use xvfb::{PATIENCE, Process, Screen, Xvfb, has_a_cloud, painted_by_each, pngs};
+
+painted_by_each!(open_play_scrub_draw_otherwise_measure_and_export);
 
 /// Keysyms of X11.
 const SPACE: u32 = 0x20;
@@ -33,15 +35,13 @@ const EXPORT: [i16; 2] = [128, 395];
 /// Height of the menu above the 3-D picture.
 const PICTURE_TOP: usize = 33;
 
-#[test]
-fn open_play_scrub_draw_otherwise_measure_and_export() {
+fn open_play_scrub_draw_otherwise_measure_and_export(painter: &str) {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/demo");
     let program = server
-        .program(home.path())
+        .view(home.path(), painter)
         .args([
-            "view",
             "--paused",
             "--size",
             "1000x700",

@@ -54,6 +54,8 @@ pub struct Player {
 pub struct PlayerChange {
     /// Another frame is shown, or the place of the playhead is another one.
     pub visible: bool,
+    /// Something else than which frame is shown, and where the playhead is: playing has begun, ended or stopped, frames came, one failed.
+    pub beyond_frame: bool,
     /// A frame at the playhead cannot be shown, and this is the first time that it was met.
     pub new_failure: Option<Arc<FrameError>>,
     /// What to tell of a frame that has not the attributes of the first one.
@@ -284,8 +286,8 @@ impl Player {
 
         let mut change = PlayerChange {
             visible: has_grown,
-            new_failure: None,
-            other_attributes: None,
+            beyond_frame: has_grown,
+            ..PlayerChange::default()
         };
         let frame = match self.loader.get(target, &needs) {
             Slot::Ready(frame) | Slot::Coarse(frame) => Some(frame),
@@ -306,20 +308,21 @@ impl Player {
                 self.failure = Some(error);
                 change.visible |=
                     self.clock.frame() != playhead_before || self.is_playing() != playing_before;
+                change.beyond_frame |= change.visible;
                 return change;
             }
         };
         if let Some(frame) = frame.filter(|_| !must_wait) {
             self.arrive(ahead, now);
             change.other_attributes = self.attributes.note(frame.index, &frame.frame);
-            let was_broken = self.failure.take().is_some();
-            change.visible |= self.show(frame, now) || was_broken;
+            change.beyond_frame |= self.failure.take().is_some();
+            change.visible |= self.show(frame, now);
         } else if self.waiting_for != Some(target) {
-            change.visible = true;
+            change.beyond_frame = true;
             self.wait(ahead, now);
         }
-        change.visible |=
-            self.clock.frame() != playhead_before || self.is_playing() != playing_before;
+        change.beyond_frame |= self.is_playing() != playing_before;
+        change.visible |= self.clock.frame() != playhead_before || change.beyond_frame;
         change
     }
 

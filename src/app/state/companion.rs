@@ -211,10 +211,6 @@ impl State {
         if self.without_gpu == Some(settings.renderer) {
             settings.renderer = RendererChoice::Cpu;
         }
-        let draw_ms = self.graphics.picture_ms();
-        if let Some(points) = beside.drawing.note_draw_ms(&settings, draw_ms) {
-            beside.companion.note_picture_ms(points, draw_ms);
-        }
         let drawn = DrawnFrame {
             frame: Arc::clone(frame),
             pose: Arc::clone(frame),
@@ -223,7 +219,7 @@ impl State {
         let size_px = self.viewport.other_size_px;
         let packet = beside
             .drawing
-            .next_packet(drawn, &self.camera, &settings, size_px)?;
+            .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
         beside.note_change(self.now);
         Some(packet)
     }
