@@ -28,6 +28,7 @@ mod measuring;
 mod motion;
 mod notices;
 mod pacing;
+pub mod paint;
 mod palette;
 pub mod panels;
 mod preferences;
