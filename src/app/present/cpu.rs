@@ -8,12 +8,12 @@
 
 use super::{Painted, Panels, Presenter, PresenterInfo};
 use crate::app::comparison::Side;
-use crate::app::paint::{PixelRect, ShownPicture, SoftwarePainter};
+use crate::app::paint::{PixelRect, SoftwarePainter};
 use crate::render::cpu::CpuRenderer;
 use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
 use crate::scene::{RendererChoice, ScenePacket};
-use egui::TextureId;
+use egui::{TextureFilter, TextureId};
 use image::RgbaImage;
 use softbuffer::{Rect, SoftBufferError, Surface};
 use std::num::NonZeroU32;
@@ -119,10 +119,7 @@ impl CpuPresenter {
         let [Some(width), Some(height)] = size_px.map(NonZeroU32::new) else {
             return Ok(Painted::default());
         };
-        let whole = vec![PixelRect {
-            min: [0; 2],
-            max: size_px,
-        }];
+        let whole = vec![PixelRect::of_size(size_px)];
         let mut damage = self.painter.take_damage();
         if is_exposed {
             damage = whole.clone();
@@ -141,7 +138,7 @@ impl CpuPresenter {
         let begin = Instant::now();
         let region = match buffer.age() {
             1 => damage.clone(),
-            2 => PixelRect::union(&damage, &self.last_damage),
+            2 => [damage.as_slice(), &self.last_damage].concat(),
             _ => whole,
         };
         let pictures = [Some(&self.picture), self.other_picture.as_ref()];
@@ -201,15 +198,14 @@ impl Presenter for CpuPresenter {
             let context = Context::headless(&ContextOptions::default())?;
             Ok(Arc::clone(known.insert(context)))
         })?;
-        self.painter.set_picture(
-            picture.texture,
-            ShownPicture {
-                version: picture.version,
-                size_px: picture.image().dimensions().into(),
-                // A picture of all pixels is shown as it is.
-                is_scaled: packet.settings.resolution < 1.0,
-            },
-        );
+        // A picture of all pixels is shown as it is.
+        let filter = if packet.settings.resolution < 1.0 {
+            TextureFilter::Linear
+        } else {
+            TextureFilter::Nearest
+        };
+        self.painter
+            .set_picture(picture.texture, picture.version, filter);
         Ok(())
     }
 
