@@ -16,12 +16,9 @@ fn pointreel(arguments: &[&str]) -> Output {
 }
 
 fn stderr(output: &Output) -> String {
-    // The software driver's Wayland probe prints a line of its own where there is no session.
     String::from_utf8_lossy(&output.stderr)
-        .lines()
-        .filter(|line| !line.contains("XDG_RUNTIME_DIR"))
-        .collect::<Vec<_>>()
-        .join("\n")
+        .trim_end()
+        .to_owned()
 }
 
 fn text(path: &Path) -> &str {
@@ -241,6 +238,60 @@ fn render_draws_every_primitive_mode_and_strategy() {
             <= 4,
         "a speck in the distance"
     );
+}
+
+/// A picture of the small sequence by a program that was started without a login to a desktop.
+fn render_without_session(renderer: &str, variables: &[(&str, &str)]) -> Output {
+    let folder = small_sequence();
+    let picture = folder.path().join("picture.png");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pointreel"));
+    command.args(["render", text(folder.path()), "-o", text(&picture)]);
+    command.args(["--size", "32x32", "--renderer", renderer]);
+    for name in [
+        "XDG_RUNTIME_DIR",
+        "DISPLAY",
+        "WAYLAND_DISPLAY",
+        "WAYLAND_SOCKET",
+    ] {
+        command.env_remove(name);
+    }
+    let output = command.envs(variables.iter().copied()).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(picture.exists());
+    output
+}
+
+#[test]
+fn nothing_complains_where_there_is_no_desktop() {
+    for renderer in ["auto", "cpu", "gpu"] {
+        let output = render_without_session(renderer, &[]);
+        assert_eq!(stderr(&output), "", "--renderer {renderer}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+#[expect(
+    clippy::print_stderr,
+    reason = "a test that is skipped says so to who runs it"
+)]
+fn no_driver_is_opened_where_no_card_can_be() {
+    if ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/kfd"].map(|path| Path::new(path).exists())
+        != [false; 4]
+    {
+        eprintln!("skipped: this machine may have a graphics card, whose driver is opened");
+        return;
+    }
+    // The loader of Vulkan tells all that it does on stderr, from the first call on.
+    let loader_tells = [("VK_LOADER_DEBUG", "all")];
+    let by_adapter = render_without_session("gpu", &loader_tells);
+    assert!(
+        stderr(&by_adapter).contains("Vulkan"),
+        "{}",
+        stderr(&by_adapter)
+    );
+    let by_processor = render_without_session("auto", &loader_tells);
+    assert_eq!(stderr(&by_processor), "");
 }
 
 #[test]

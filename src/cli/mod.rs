@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod compare_frames;
 mod convert;
+mod device_select;
 mod info;
 mod poses;
 mod progress;
@@ -52,6 +53,7 @@ enum Verb {
 /// Parses the command line, runs the verb and says what went wrong.
 pub fn main() -> ExitCode {
     crate::memory::keep_freed_pages();
+    device_select::leave_out_without_session();
     env_logger::Builder::from_env(
         env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error,rfd=off"),
     )
