@@ -240,6 +240,54 @@ fn render_draws_every_primitive_mode_and_strategy() {
     );
 }
 
+#[test]
+fn broken_faces_are_said_by_every_verb_and_cost_no_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mesh.ply");
+    let mesh = HEADER.replace(
+        "end_header\n",
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n",
+    ) + "0 0 0 255 0 0\n0 1 0 0 255 0\n0 0 1 0 0 255\n3 0 1 7\n";
+    fs::write(&file, mesh).unwrap();
+    let expected = format!(
+        "{}, face 0: it names vertex 7, expected a whole number from 0 to below 3",
+        file.display()
+    );
+    let picture = folder.path().join("a.png");
+    let converted = folder.path().join("b.ply");
+    for arguments in [
+        &["info", text(&file)][..],
+        &[
+            "render",
+            text(&file),
+            "-o",
+            text(&picture),
+            "--size",
+            "32x32",
+            "--renderer",
+            "cpu",
+        ],
+        &["convert", text(&file), text(&converted)],
+    ] {
+        let output = pointreel(arguments);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let said = stderr(&output);
+        assert_eq!(said.matches(&expected).count(), 1, "{arguments:?}: {said}");
+        assert_eq!(said.lines().count(), 1, "{arguments:?}: {said}");
+        assert!(said.starts_with("warning: "), "{said}");
+    }
+    assert!(picture.exists());
+    let output = pointreel(&["check", text(&file), "--json"]);
+    assert_eq!(output.status.code(), Some(3));
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["point_count"], 3);
+    assert_eq!(report["findings"][0]["kind"], "unreadable_part");
+    let output = pointreel(&["info", text(&converted), "--json"]);
+    let info: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(info["frames"][0]["points"], 3);
+    assert_eq!(info["frames"][0]["warnings"], Value::Null);
+}
+
 /// A picture of the small sequence by a program that was started without a login to a desktop.
 fn render_without_session(renderer: &str, variables: &[(&str, &str)]) -> Output {
     let folder = small_sequence();

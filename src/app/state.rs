@@ -319,7 +319,11 @@ impl State {
             self.notices
                 .error(format!("Frame {place} of {count} is left out. {failure}"));
         }
-        if let Some(text) = change.other_attributes {
+        for text in change
+            .other_attributes
+            .into_iter()
+            .chain(change.new_warnings)
+        {
             self.notices.warn(text);
         }
         visible |= self

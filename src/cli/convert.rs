@@ -97,6 +97,9 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     );
     bar.clear();
     let converted = converted?;
+    for (frame, warning) in &converted.warnings {
+        say(&format!("warning: frame {frame}: {warning}"));
+    }
     for (frame, error) in &converted.failed {
         say(&format!("warning: frame {frame}: {error}"));
     }

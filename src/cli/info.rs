@@ -76,6 +76,9 @@ enum Content {
         attributes: Vec<String>,
         /// Triangles of a mesh.
         faces: usize,
+        /// What else of the file could not be read.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        warnings: Vec<String>,
     },
     Failed {
         error: String,
@@ -104,8 +107,14 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
             count => bail!("none of the {count} frames can be read; the first: {first}"),
         }
     }
-    for error in failures {
-        say(&format!("warning: {error}"));
+    for frame in &frames {
+        let warnings = match &frame.content {
+            Content::Failed { error } => std::slice::from_ref(error),
+            Content::Read { warnings, .. } => warnings,
+        };
+        for warning in warnings {
+            say(&format!("warning: {warning}"));
+        }
     }
     let info = Info {
         frames,
@@ -146,6 +155,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
                 max: bounds.map(|(_, max)| max.to_array()),
                 attributes: raw.attributes().into_iter().map(str::to_owned).collect(),
                 faces: raw.faces.len(),
+                warnings: raw.warnings,
             }
         }
         Err(error) => Content::Failed {
@@ -178,6 +188,7 @@ fn table(info: &Info) -> String {
                 max,
                 attributes,
                 faces,
+                ..
             } => {
                 let bounds = match (min, max) {
                     (Some(min), Some(max)) => (0..3)

@@ -70,6 +70,8 @@ pub struct Converted {
     pub left: usize,
     /// Frames that could not be converted, and why.
     pub failed: Vec<(usize, ConvertError)>,
+    /// Frames that were written without a part of their files, and why.
+    pub warnings: Vec<(usize, String)>,
     /// True if it was cancelled before the end.
     pub is_cancelled: bool,
 }
@@ -134,7 +136,7 @@ pub fn convert(
         .filter(|frame| frame % count == index && *frame <= last)
         .collect();
     let done = AtomicUsize::new(0);
-    let outcomes: Vec<(usize, Option<Result<bool, ConvertError>>)> = frames
+    let outcomes: Vec<(usize, Option<Result<Outcome, ConvertError>>)> = frames
         .par_iter()
         .map(|&frame| {
             if cancel.load(Ordering::Relaxed) {
@@ -148,8 +150,12 @@ pub fn convert(
     let mut converted = Converted::default();
     for (frame, outcome) in outcomes {
         match outcome {
-            Some(Ok(true)) => converted.written += 1,
-            Some(Ok(false)) => converted.left += 1,
+            Some(Ok(Outcome::Written { warnings })) => {
+                converted.written += 1;
+                let warnings = warnings.into_iter().map(|warning| (frame, warning));
+                converted.warnings.extend(warnings);
+            }
+            Some(Ok(Outcome::Left)) => converted.left += 1,
             Some(Err(error)) => converted.failed.push((frame, error)),
             None => converted.is_cancelled = true,
         }
@@ -157,12 +163,19 @@ pub fn convert(
     Ok(converted)
 }
 
-/// Converts one frame; false if it was finished before.
+/// What became of a frame.
+enum Outcome {
+    /// It was written, without what the warnings name.
+    Written { warnings: Vec<String> },
+    /// It was finished before.
+    Left,
+}
+
 fn convert_frame(
     sequence: &Sequence,
     index: usize,
     conversion: &Conversion,
-) -> Result<bool, ConvertError> {
+) -> Result<Outcome, ConvertError> {
     let source = sequence.source(index);
     let path = match &conversion.output {
         Output::File(path) => path.clone(),
@@ -180,7 +193,7 @@ fn convert_frame(
         }
     };
     if !conversion.overwrites && is_finished(&path, &source.path) {
-        return Ok(false);
+        return Ok(Outcome::Left);
     }
     let mut cloud = sequence.decode(index)?;
     conversion
@@ -196,7 +209,9 @@ fn convert_frame(
         file.sync_data()
     })
     .map_err(|reason| ConvertError::Write { path, reason })?;
-    Ok(true)
+    Ok(Outcome::Written {
+        warnings: cloud.warnings,
+    })
 }
 
 /// Whether `output` is there and not older than what it was made from.

@@ -177,6 +177,9 @@ fn read_bytes_with(
         )),
     };
     let sampled = |mut cloud: RawCloud| {
+        for warning in &mut cloud.warnings {
+            *warning = format!("{}, {warning} ({format} file)", name.display());
+        }
         if let Some(count) = options.sample_count
             && !cloud.faces.is_empty()
         {

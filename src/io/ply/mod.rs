@@ -1,7 +1,8 @@
 //! PLY: a header of elements with typed properties, then their rows as text or binary.
 //!
 //! The header's lines are read by `ply-rs-bw`; of the payload the columns of the `vertex` element are kept and the triangles of the
-//! `face` and `tristrips` elements, all else is stepped over without being stored, and what comes behind these is not looked at.
+//! `face` and `tristrips` elements, all else is stepped over without being stored, and what comes behind these is not looked at. What
+//! is broken behind the points costs the faces, not the points: they are shown, with a warning.
 
 mod ascii;
 mod binary;
@@ -47,7 +48,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     };
     let mut cloud = attributes::cloud(&columns, vertex.count)?;
     splats::apply(&columns, &mut cloud);
-    cloud.faces = faces.into_triangles();
+    faces.put_into(&mut cloud);
     Ok(cloud)
 }
 
