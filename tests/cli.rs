@@ -288,6 +288,47 @@ fn broken_faces_are_said_by_every_verb_and_cost_no_point() {
     assert_eq!(info["frames"][0]["warnings"], Value::Null);
 }
 
+#[test]
+fn a_hundred_warnings_of_one_kind_are_one_line() {
+    let folder = small_sequence();
+    for frame in 100..200 {
+        let file = folder.path().join(format!("f{frame}.ply"));
+        fs::write(file, format!("{HEADER}0 0 0 255 0 0\n0 {frame}")).unwrap();
+    }
+    let out = tempfile::tempdir().unwrap();
+    for verb in [&["info"][..], &["convert"], &["check"]] {
+        let mut arguments = verb.to_vec();
+        arguments.push(text(folder.path()));
+        if verb == ["convert"] {
+            arguments.push(text(out.path()));
+        }
+        // What check finds is its answer.
+        let said = |arguments: &[&str]| {
+            let output = pointreel(arguments);
+            if verb == ["check"] {
+                String::from_utf8_lossy(&output.stdout).into_owned()
+            } else {
+                stderr(&output)
+            }
+        };
+        let one = said(&arguments);
+        let lines: Vec<&str> = one.lines().filter(|line| line.contains(".ply, ")).collect();
+        assert_eq!(lines.len(), 1, "{verb:?}: {one}");
+        assert!(
+            lines[0].contains("f100.ply, vertex 1: the file ends"),
+            "{one}"
+        );
+        assert!(lines[0].contains("(and 99 more "), "{one}");
+        assert!(lines[0].ends_with("; --verbose lists them)"), "{one}");
+        arguments.push("--verbose");
+        let all = said(&arguments);
+        let lines = all
+            .lines()
+            .filter(|line| line.contains(".ply, vertex 1: the"));
+        assert_eq!(lines.count(), 100, "{verb:?}: {all}");
+    }
+}
+
 /// A picture of the small sequence by a program that was started without a login to a desktop.
 fn render_without_session(renderer: &str, variables: &[(&str, &str)]) -> Output {
     let folder = small_sequence();

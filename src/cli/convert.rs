@@ -2,7 +2,7 @@
 
 use super::arguments::{FrameRange, ReadArgs, open_sequence};
 use super::progress::Bar;
-use super::{answer, say};
+use super::{answer, warnings};
 use crate::convert::{Conversion, Edit, Output, Shard, convert};
 use crate::io::WriteFormat;
 use anyhow::bail;
@@ -98,10 +98,10 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     bar.clear();
     let converted = converted?;
     for (frame, warning) in &converted.warnings {
-        say(&format!("warning: frame {frame}: {warning}"));
+        warnings::warn_of_frame(&format!("frame {frame}: {warning}"));
     }
     for (frame, error) in &converted.failed {
-        say(&format!("warning: frame {frame}: {error}"));
+        warnings::warn_of_frame(&format!("frame {frame}: {error}"));
     }
     answer(&format!(
         "{} frames written to {}, {} were there already, {} failed",

@@ -1,7 +1,7 @@
 //! `pointreel info`: what is in the frames of a sequence, in the coordinates of the files.
 
 use super::arguments::{ReadArgs, open_sequence};
-use super::{answer, say};
+use super::{answer, warnings};
 use crate::check::changed_attributes;
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
@@ -108,12 +108,12 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         }
     }
     for frame in &frames {
-        let warnings = match &frame.content {
+        let said = match &frame.content {
             Content::Failed { error } => std::slice::from_ref(error),
             Content::Read { warnings, .. } => warnings,
         };
-        for warning in warnings {
-            say(&format!("warning: {warning}"));
+        for warning in said {
+            warnings::warn_of_frame(warning);
         }
     }
     let info = Info {
