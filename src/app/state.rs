@@ -226,6 +226,9 @@ impl State {
         if let Err(error) = watch(player.sequence(), self.wake()) {
             self.notices.error(error.to_string());
         }
+        for note in player.sequence().notes() {
+            self.notices.warn(note.clone());
+        }
         if self.options.follow {
             player.follow_newest(true, self.now);
         }

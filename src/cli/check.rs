@@ -1,6 +1,6 @@
 //! `pointreel check`: what may be wrong with a sequence.
 
-use super::arguments::{ReadArgs, open_sequence};
+use super::arguments::{ReadArgs, open_sequence_and_tell};
 use super::progress::Bar;
 use super::{answer, say, warnings};
 use crate::check::{CheckReport, check};
@@ -30,7 +30,7 @@ pub(super) struct CheckArgs {
 }
 
 pub(super) fn run(arguments: &CheckArgs, lists_all: bool) -> anyhow::Result<ExitCode> {
-    let sequence = open_sequence(&arguments.inputs, &arguments.read.open_options())?;
+    let sequence = open_sequence_and_tell(&arguments.inputs, &arguments.read.open_options())?;
     let bar = Bar::new(sequence.len());
     let report = check(&sequence, &|done| bar.set(done));
     bar.clear();

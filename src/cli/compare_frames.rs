@@ -1,6 +1,6 @@
 //! `pointreel compare-frames`: how far the points of one frame are from another frame.
 
-use super::arguments::{ReadArgs, not_negative_f64, open_sequence};
+use super::arguments::{ReadArgs, not_negative_f64, open_sequence_and_tell};
 use super::{answer, warnings};
 use crate::measure::Change;
 use anyhow::{Context as _, bail};
@@ -51,7 +51,7 @@ struct Answer {
 }
 
 pub(super) fn run(arguments: &CompareFramesArgs) -> anyhow::Result<()> {
-    let sequence = open_sequence(&arguments.inputs, &arguments.read.picture_options())?;
+    let sequence = open_sequence_and_tell(&arguments.inputs, &arguments.read.picture_options())?;
     let CompareFramesArgs {
         from,
         to,

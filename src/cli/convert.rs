@@ -1,6 +1,6 @@
 //! `pointreel convert`: frames in another format, moved, thinned out, with normals.
 
-use super::arguments::{FrameRange, ReadArgs, open_sequence};
+use super::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
 use super::progress::Bar;
 use super::{answer, warnings};
 use crate::convert::{Conversion, Edit, Output, Shard, convert};
@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         bail!("name an input and an output");
     };
     let open = arguments.read.open_options();
-    let sequence = open_sequence(inputs, &open)?;
+    let sequence = open_sequence_and_tell(inputs, &open)?;
     let format_by_name = WriteFormat::of_extension(output);
     let is_folder = output.is_dir() || format_by_name.is_none();
     let frames = arguments.frames.as_ref().map(FrameRange::bounds);

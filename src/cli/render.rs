@@ -1,6 +1,8 @@
 //! `pointreel render`: frames to PNG files, or to a video, with the code that draws the window.
 
-use super::arguments::{CameraArgs, FrameRange, PictureArgs, ReadArgs, open_sequence, size_px};
+use super::arguments::{
+    CameraArgs, FrameRange, PictureArgs, ReadArgs, open_sequence_and_tell, size_px,
+};
 use super::poses::PosesArgs;
 use super::video::{VideoArgs, render_video};
 use super::warnings;
@@ -85,7 +87,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     if let Some(output) = &arguments.output {
         check_names(output, range)?;
     }
-    let sequence = Arc::new(open_sequence(
+    let sequence = Arc::new(open_sequence_and_tell(
         &arguments.inputs,
         &arguments.read.picture_options(),
     )?);

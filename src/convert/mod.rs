@@ -14,7 +14,7 @@ pub use record::Record;
 
 use crate::io::WriteFormat;
 use crate::kept;
-use crate::sequence::{FrameError, Sequence};
+use crate::sequence::{FrameError, Sequence, Source};
 use rayon::prelude::*;
 use std::fs;
 use std::ops::RangeInclusive;
@@ -192,7 +192,7 @@ fn convert_frame(
             folder.join(format!("{stem}.{}", conversion.format.extension()))
         }
     };
-    if !conversion.overwrites && is_finished(&path, &source.path) {
+    if !conversion.overwrites && is_finished(&path, &source) {
         return Ok(Outcome::Left);
     }
     let mut cloud = sequence.decode(index)?;
@@ -215,14 +215,14 @@ fn convert_frame(
 }
 
 /// Whether `output` is there and not older than what it was made from.
-fn is_finished(output: &Path, source: &Path) -> bool {
+fn is_finished(output: &Path, source: &Source) -> bool {
     let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified());
-    match (modified(output), modified(source)) {
-        (Ok(output), Ok(source)) => output >= source,
-        // Frames in the program have no file.
-        (Ok(_), Err(_)) => true,
-        (Err(_), _) => false,
-    }
+    let Ok(output) = modified(output) else {
+        return false;
+    };
+    let mut files = std::iter::once(&source.path).chain(&source.normals);
+    // Frames in the program have no file.
+    files.all(|file| modified(file).map_or(true, |source| output >= source))
 }
 
 #[cfg(test)]

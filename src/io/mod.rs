@@ -21,6 +21,7 @@ mod growing;
 mod las;
 mod mesh;
 pub(crate) mod natural;
+pub(crate) mod normals;
 mod npy;
 mod numbers;
 mod obj;
