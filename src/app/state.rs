@@ -233,6 +233,9 @@ impl State {
         if let Err(error) = watch(player.sequence(), self.wake()) {
             self.notices.error(error.to_string());
         }
+        for note in player.sequence().notes() {
+            self.notices.warn(note.clone());
+        }
         if self.options.follow {
             player.follow_newest(true, self.now);
         }
@@ -338,7 +341,11 @@ impl State {
             self.notices
                 .error(format!("Frame {place} of {count} is left out. {failure}"));
         }
-        if let Some(text) = change.other_attributes {
+        for text in change
+            .other_attributes
+            .into_iter()
+            .chain(change.new_warnings)
+        {
             self.notices.warn(text);
         }
         visible |= self

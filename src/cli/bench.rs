@@ -1,6 +1,8 @@
 //! `pointreel bench`: the suites of the benchmark menu, without a window.
 
-use super::arguments::{DEMO_INPUT, ReadArgs, byte_count, frame_rate, open_sequence, size_px};
+use super::arguments::{
+    DEMO_INPUT, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px,
+};
 use super::{answer, say};
 use crate::app::{self, PresentChoice};
 use crate::bench::{self, BenchOptions, Input, Modes, Progress, Report, Suite};
@@ -164,7 +166,7 @@ fn open_input(input: &Path, open: &OpenOptions) -> anyhow::Result<Input> {
     }
     Ok(Input {
         name: sequence_name(input),
-        sequence: Arc::new(open_sequence(&[input.to_owned()], open)?),
+        sequence: Arc::new(open_sequence_and_tell(&[input.to_owned()], open)?),
         shape: None,
     })
 }

@@ -32,7 +32,7 @@ pub struct Player {
     clock: Clock,
     shown: Option<Arc<PreparedFrame>>,
     failure: Option<Arc<FrameError>>,
-    /// Broken frames that were told of: a loop meets them again and again.
+    /// Frames of which failures or warnings were told: a loop meets them again and again.
     told: HashSet<usize>,
     /// The frame at the playhead, while it is not there.
     waiting_for: Option<usize>,
@@ -60,6 +60,8 @@ pub struct PlayerChange {
     pub new_failure: Option<Arc<FrameError>>,
     /// What to tell of a frame that has not the attributes of the first one.
     pub other_attributes: Option<String>,
+    /// What could not be read of a frame that is shown for the first time.
+    pub new_warnings: Vec<String>,
 }
 
 impl Player {
@@ -315,6 +317,7 @@ impl Player {
         if let Some(frame) = frame.filter(|_| !must_wait) {
             self.arrive(ahead, now);
             change.other_attributes = self.attributes.note(frame.index, &frame.frame);
+            change.new_warnings = new_warnings(&frame, &mut self.told);
             change.beyond_frame |= self.failure.take().is_some();
             change.visible |= self.show(frame, now);
         } else if self.waiting_for != Some(target) {
@@ -404,6 +407,15 @@ impl Player {
     pub fn runs_are_old(&self) -> bool {
         self.runs_revision != Some(self.loader.revision())
     }
+}
+
+/// The warnings of `frame` if nothing of it is in `told` yet.
+pub(super) fn new_warnings(frame: &PreparedFrame, told: &mut HashSet<usize>) -> Vec<String> {
+    let warnings = frame.frame.warnings();
+    if warnings.is_empty() || !told.insert(frame.index) {
+        return Vec::new();
+    }
+    warnings.to_vec()
 }
 
 /// True if `frame` has what `primitive` is made from.

@@ -166,6 +166,9 @@ impl State {
                 "Frame {place} of {count} of B ({name}) is left out. {failure}"
             ));
         }
+        for warning in change.new_warnings {
+            self.notices.warn(format!("B: {warning}"));
+        }
         if let Some(frame) = beside.companion.shown() {
             self.inspection.follow(Side::B, frame, sequence.origin());
         }
