@@ -95,14 +95,14 @@ impl Window {
             .paint(&pictures, &self.last_damage, &mut self.pixels);
     }
 
-    fn show_texts(&mut self, texts: &[String]) {
+    fn show_texts(&mut self, texts: &[&str]) {
         let mut shapes = Vec::new();
         self.run(|ctx| {
             shapes.clear();
             for (line, text) in texts.iter().enumerate() {
                 let font = FontId::proportional(14.0);
                 let galley = ctx.fonts_mut(|fonts| {
-                    fonts.layout_no_wrap(text.clone(), font, Color32::WHITE)
+                    fonts.layout_no_wrap((*text).to_owned(), font, Color32::WHITE)
                 });
                 let place = pos2(5.0, 5.0 + 25.0 * line as f32);
                 shapes.push(Shape::galley(place, galley, Color32::WHITE));

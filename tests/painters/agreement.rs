@@ -230,7 +230,7 @@ fn values_of_a_point_and_a_tooltip() {
     load_all(shown.state());
     shown.harness.run();
     shown.state().next_packet().unwrap();
-    shown.state().run(Command::ToggleTool(Tool::Values));
+    shown.state().run(Command::ToggleTool(Tool::Point));
     let viewport = &shown.harness.state().viewport;
     let camera = &shown.harness.state().camera;
     let at_px = camera.to_px(DVec3::splat(0.5), viewport.size_px).unwrap();

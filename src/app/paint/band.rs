@@ -66,7 +66,9 @@ impl<'a> Layer<'a> {
                 }
                 Piece::Triangle { corners, kind, .. } => {
                     let vertices = &self.mesh.vertices;
-                    let corners = corners.map(|index| vertices[index as usize]);
+                    let vertex = |index: u32| vertices[index as usize];
+                    let [a, b, c] = *corners;
+                    let corners = [vertex(a), vertex(b), vertex(c)];
                     triangle::paint(&corners, *kind, &self.source, &part, canvas);
                 }
             }

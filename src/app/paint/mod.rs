@@ -20,6 +20,7 @@ mod image;
 mod list;
 mod pieces;
 mod pixel_rect;
+mod scaled;
 mod textures;
 mod triangle;
 

@@ -285,5 +285,9 @@ impl<'a> Source<'a> {
 /// From `a` to `b`.
 #[inline(always)]
 fn mix(a: [f32; 4], b: [f32; 4], share: f32) -> [f32; 4] {
-    [0, 1, 2, 3].map(|channel| a[channel] * (1.0 - share) + b[channel] * share)
+    let mut mixed = a;
+    for (mixed, b) in mixed.iter_mut().zip(b) {
+        *mixed = *mixed * (1.0 - share) + b * share;
+    }
+    mixed
 }
