@@ -201,7 +201,12 @@ impl Scene {
             }
             6 => {
                 let (at, what) = (self.any(), self.what());
-                self.things[at].1 = what;
+                let (word, color) = (self.random.below(500).to_string(), self.color());
+                match &mut self.things[at].1 {
+                    What::Text(text, _, _) if self.random.below(2) == 0 => *text = word,
+                    What::Text(_, _, old) => *old = color,
+                    other => *other = what,
+                }
             }
             7 => {
                 let (at, clip) = (self.any(), self.clip());
@@ -280,6 +285,8 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
         let mut scene = Scene::new(seed);
         let ctx = Context::default();
         let mut painter = SoftwarePainter::new();
+        // One that knows the textures, but of the shapes only those of now.
+        let mut fresh = SoftwarePainter::new();
         let mut buffers: Vec<Buffer> = Vec::new();
         let mut size_px = [0; 2];
         for step in 0..250 {
@@ -291,12 +298,18 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
             root.native_pixels_per_point = Some(scene.scale);
             let mut shapes = Vec::new();
             let mut output = ctx.run_ui(input, |ui| shapes = scene.shapes(ui.ctx()));
-            painter.update_textures(&mut output.textures_delta);
-            painter.update_textures(&mut scene.textures);
+            for changes in [&mut output.textures_delta, &mut scene.textures] {
+                fresh.update_textures(&mut changes.clone());
+                painter.update_textures(changes);
+            }
             for (index, id) in PICTURES.into_iter().enumerate() {
                 painter.set_picture(id, scene.versions[index], scene.filters[index]);
+                fresh.set_picture(id, 0, scene.filters[index]);
             }
-            painter.show(&ctx, shapes, output.pixels_per_point, scene.size_px);
+            let scale = output.pixels_per_point;
+            fresh.show(&ctx, Vec::new(), scale, scene.size_px);
+            fresh.show(&ctx, shapes.clone(), scale, scene.size_px);
+            painter.show(&ctx, shapes, scale, scene.size_px);
             let damage = painter.take_damage();
             assert_eq!(painter.take_damage(), [], "taken once");
 
@@ -321,7 +334,7 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
                 pending.clear();
             }
             let mut whole = vec![0x00de_adbe; count];
-            painter.paint(&pictures, &[PixelRect::of_size(size_px)], &mut whole);
+            fresh.paint(&pictures, &[PixelRect::of_size(size_px)], &mut whole);
             for index in [0, 1 + step % 2] {
                 let wrong = (0..count).filter(|&at| buffers[index].pixels[at] != whole[at]);
                 let wrong: Vec<_> = wrong.map(|at| [at as u32 % size_px[0], at as u32 / size_px[0]]).collect();

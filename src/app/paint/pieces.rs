@@ -101,6 +101,7 @@ impl PixelMesh {
             pieces: Vec::new(),
         };
         let (triangles, _) = mesh.indices.as_chunks::<3>();
+        this.pieces.reserve(triangles.len() / 2);
         let mut rest = triangles;
         while let [first, after @ ..] = rest {
             rest = after;
