@@ -86,8 +86,7 @@ impl Window {
         pictures: &[(TextureId, &RgbaImage)],
         size_px: [u32; 2],
     ) -> u64 {
-        self.painter
-            .show(&self.ctx, shapes.to_vec(), 1.0, size_px);
+        self.painter.show(&self.ctx, shapes.to_vec(), 1.0, size_px);
         let damage = self.painter.take_damage();
         self.painter.paint(pictures, &damage, &mut self.pixels);
         damage.iter().map(PixelRect::area_px).sum()

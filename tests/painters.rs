@@ -90,7 +90,11 @@ impl Window {
         self.painter
             .show(&self.ctx, shapes.collect(), 1.0, self.size_px);
         self.last_damage = self.painter.take_damage();
-        let pictures: Vec<_> = self.pictures.iter().map(|(id, image)| (*id, image)).collect();
+        let pictures: Vec<_> = self
+            .pictures
+            .iter()
+            .map(|(id, image)| (*id, image))
+            .collect();
         self.painter
             .paint(&pictures, &self.last_damage, &mut self.pixels);
     }
@@ -112,7 +116,11 @@ impl Window {
     }
 
     fn paint_all(&mut self) {
-        let pictures: Vec<_> = self.pictures.iter().map(|(id, image)| (*id, image)).collect();
+        let pictures: Vec<_> = self
+            .pictures
+            .iter()
+            .map(|(id, image)| (*id, image))
+            .collect();
         let all = [PixelRect::of_size(self.size_px)];
         self.painter.paint(&pictures, &all, &mut self.pixels);
     }
@@ -125,7 +133,10 @@ struct Random(u64);
 impl Random {
     fn next(&mut self) -> u64 {
         // Numerical Recipes' linear congruential generator; the low bits are not good.
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         self.0 >> 33
     }
 

@@ -39,7 +39,9 @@ impl Scene {
             things: Vec::new(),
             versions: [1; 2],
             filters: [TextureFilter::Nearest; 2],
-            pictures: PICTURES.map(|id| (id, opaque_picture(70, 50, seed))).to_vec(),
+            pictures: PICTURES
+                .map(|id| (id, opaque_picture(70, 50, seed)))
+                .to_vec(),
             textures: TexturesDelta::default(),
         };
         for id in TEXTURES {
@@ -153,7 +155,10 @@ impl Scene {
                     let vertex = Vertex {
                         pos: self.place(),
                         uv: if id == TEXTURES[0] {
-                            pos2(self.random.between(-1.0, 2.0), self.random.between(-1.0, 2.0))
+                            pos2(
+                                self.random.between(-1.0, 2.0),
+                                self.random.between(-1.0, 2.0),
+                            )
                         } else {
                             Pos2::ZERO
                         },
@@ -205,7 +210,7 @@ impl Scene {
                 match &mut self.things[at].1 {
                     What::Text(text, _, _) if self.random.below(2) == 0 => *text = word,
                     What::Text(_, _, old) => *old = color,
-                    other => *other = what,
+                    other @ What::Shape(_) => *other = what,
                 }
             }
             7 => {
@@ -257,8 +262,8 @@ impl Scene {
                 What::Shape(shape) => shape.clone(),
                 What::Text(text, place, color) => {
                     let font = FontId::proportional(13.0);
-                    let galley = ctx
-                        .fonts_mut(|fonts| fonts.layout_no_wrap(text.clone(), font, *color));
+                    let galley =
+                        ctx.fonts_mut(|fonts| fonts.layout_no_wrap(text.clone(), font, *color));
                     Shape::galley(*place, galley, *color)
                 }
             };
@@ -323,7 +328,11 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
                 };
                 buffers = vec![new(0x0012_3456), new(0x0065_4321), new(7)];
             }
-            let pictures: Vec<_> = scene.pictures.iter().map(|(id, image)| (*id, image)).collect();
+            let pictures: Vec<_> = scene
+                .pictures
+                .iter()
+                .map(|(id, image)| (*id, image))
+                .collect();
             for buffer in &mut buffers {
                 buffer.pending.extend(&damage);
             }
@@ -337,7 +346,9 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
             fresh.paint(&pictures, &[PixelRect::of_size(size_px)], &mut whole);
             for index in [0, 1 + step % 2] {
                 let wrong = (0..count).filter(|&at| buffers[index].pixels[at] != whole[at]);
-                let wrong: Vec<_> = wrong.map(|at| [at as u32 % size_px[0], at as u32 / size_px[0]]).collect();
+                let wrong: Vec<_> = wrong
+                    .map(|at| [at as u32 % size_px[0], at as u32 / size_px[0]])
+                    .collect();
                 assert!(
                     wrong.is_empty(),
                     "seed {seed}, step {step}, buffer {index}: {} pixels, {:?} … are not as painted whole; damage {damage:?}",

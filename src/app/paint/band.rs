@@ -77,12 +77,7 @@ impl<'a> Layer<'a> {
 }
 
 /// Paints the rectangles, which are in the window.
-pub(super) fn paint(
-    layers: &[Layer<'_>],
-    region: &[PixelRect],
-    width_px: u32,
-    target: &mut [u32],
-) {
+pub(super) fn paint(layers: &[Layer<'_>], region: &[PixelRect], width_px: u32, target: &mut [u32]) {
     if width_px == 0 {
         return;
     }

@@ -97,7 +97,11 @@ pub(super) fn lay(color: u32, pixels: &mut [u32]) {
 pub(super) fn rounded(channels: [f32; 4]) -> u32 {
     /// Added to a number below 2²², it leaves the nearest integer in the lowest bits.
     const INTEGER: f32 = 12_582_912.0;
-    let byte = |channel: f32| (channel.max(0.0).min(255.0) + INTEGER).to_bits() & 255;
+    let byte = |channel: f32| {
+        // A number that is none stays so in a clamp, but not in this.
+        let positive = channel.max(0.0);
+        (positive.min(255.0) + INTEGER).to_bits() & 255
+    };
     let [red, green, blue, alpha] = channels;
     byte(alpha) << 24 | byte(red) << 16 | byte(green) << 8 | byte(blue)
 }

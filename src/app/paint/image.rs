@@ -91,9 +91,7 @@ impl Image<'_> {
             let at = place.texel_at(axis, pixel, source.size[axis]);
             source.nearest(axis, at)
         };
-        let columns: Vec<usize> = (area.min[0]..area.max[0])
-            .map(|x| texel_at(0, x))
-            .collect();
+        let columns: Vec<usize> = (area.min[0]..area.max[0]).map(|x| texel_at(0, x)).collect();
         for (y, pixels) in (area.min[1]..).zip(canvas.spans(area)) {
             let row = texel_at(1, y);
             for (pixel, &column) in pixels.iter_mut().zip(&columns) {

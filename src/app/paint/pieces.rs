@@ -129,7 +129,8 @@ impl PixelMesh {
             *corner = *self.vertices.get(index as usize)?;
         }
         // What is no number makes none with anything.
-        let sum = |Vertex { pos, uv, .. }: &Vertex| pos.x * 0.0 + pos.y * 0.0 + uv.x * 0.0 + uv.y * 0.0;
+        let sum =
+            |Vertex { pos, uv, .. }: &Vertex| pos.x * 0.0 + pos.y * 0.0 + uv.x * 0.0 + uv.y * 0.0;
         let are_numbers = corners.iter().map(sum).sum::<f32>() == 0.0;
         are_numbers.then_some(corners)
     }
