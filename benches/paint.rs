@@ -69,7 +69,7 @@ impl Window {
         let state = &mut self.state;
         let mut output = self.ctx.run_ui(input, |ui| {
             window_ui(ui, state);
-            let layer = LayerId::new(Order::Foreground, Id::new("label"));
+            let layer = LayerId::new(Order::Foreground, Id::unique("label"));
             let font = FontId::proportional(13.0);
             let place = pos2(40.0, 60.0);
             let painter = ui.ctx().layer_painter(layer);

@@ -8,8 +8,8 @@ use super::beside::{Both, Comparison, Pictures, picture};
 use crate::walk::{load_all, options, sequence, state_on};
 use egui::accesskit::Role;
 use egui::{Event, Modifiers, PointerButton, TextureFilter, TextureId, Theme, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
+use egui_kittest::{Harness, Node};
 use glam::DVec3;
 use pointreel::app::panels::window_ui;
 use pointreel::app::{
@@ -283,13 +283,13 @@ fn values_of_a_point_and_a_tooltip() {
 #[test]
 fn change_map() {
     let mut shown = window();
-    let find = |shown: &Shown, act: fn(&egui_kittest::Node<'_>)| {
+    let find = |shown: &Shown, act: fn(&Node<'_>)| {
         let role = Role::CheckBox;
         act(&shown.harness.get_by_role_and_label(role, "Change map"));
     };
-    find(&shown, |node| node.scroll_to_me());
+    find(&shown, Node::scroll_to_me);
     shown.harness.run();
-    find(&shown, |node| node.click());
+    find(&shown, Node::click);
     shown.harness.run();
     until(&mut shown, |harness| {
         harness.query_by_label("Copy numbers").is_some()
@@ -308,9 +308,7 @@ fn two_pictures_with_a_line_between() {
 
 #[test]
 fn a_picture_moved_by_a_pixel_is_seen_to_be_another() {
-    let pixels = |picture: image::RgbaImage| picture.into_raw();
-    let size_px = [200, 100];
-    let bytes = pixels(picture(size_px, 1));
+    let bytes = picture([200, 100], 1).into_raw();
     let words: Vec<u32> = bytes
         .chunks_exact(4)
         .map(|pixel| u32::from_be_bytes([0, pixel[0], pixel[1], pixel[2]]))

@@ -125,19 +125,14 @@ impl Both {
                 TextureFilter::Linear => wgpu::FilterMode::Linear,
             };
             let device = &self.gpu.device;
-            let id = match self.registered.get(index) {
-                Some(&id) => {
-                    self.theirs
-                        .update_egui_texture_from_wgpu_texture(device, &view, gpu_filter, id);
-                    id
-                }
-                None => {
-                    let id = self
-                        .theirs
-                        .register_native_texture(device, &view, gpu_filter);
-                    self.registered.push(id);
-                    id
-                }
+            let theirs = &mut self.theirs;
+            let id = if let Some(&id) = self.registered.get(index) {
+                theirs.update_egui_texture_from_wgpu_texture(device, &view, gpu_filter, id);
+                id
+            } else {
+                let id = theirs.register_native_texture(device, &view, gpu_filter);
+                self.registered.push(id);
+                id
             };
             assert_eq!(id, TextureId::User(index as u64));
             self.ours.set_picture(id, self.version, *filter);
