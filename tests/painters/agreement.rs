@@ -8,8 +8,8 @@ use super::beside::{Both, Comparison, Pictures, picture};
 use crate::walk::{load_all, options, sequence, state_on};
 use egui::accesskit::Role;
 use egui::{Event, Modifiers, PointerButton, TextureFilter, TextureId, Theme, vec2};
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use egui_kittest::{Harness, Node};
 use glam::DVec3;
 use pointreel::app::panels::window_ui;
 use pointreel::app::{
@@ -283,13 +283,12 @@ fn values_of_a_point_and_a_tooltip() {
 #[test]
 fn change_map() {
     let mut shown = window();
-    let find = |shown: &Shown, act: fn(&Node<'_>)| {
-        let role = Role::CheckBox;
-        act(&shown.harness.get_by_role_and_label(role, "Change map"));
-    };
-    find(&shown, Node::scroll_to_me);
+    let role = Role::CheckBox;
+    let node = shown.harness.get_by_role_and_label(role, "Change map");
+    node.scroll_to_me();
     shown.harness.run();
-    find(&shown, Node::click);
+    let node = shown.harness.get_by_role_and_label(role, "Change map");
+    node.click();
     shown.harness.run();
     until(&mut shown, |harness| {
         harness.query_by_label("Copy numbers").is_some()
