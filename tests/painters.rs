@@ -90,19 +90,23 @@ impl Window {
         self.painter
             .show(&self.ctx, shapes.collect(), 1.0, self.size_px);
         self.last_damage = self.painter.take_damage();
-        let pictures: Vec<_> = self.pictures.iter().map(|(id, image)| (*id, image)).collect();
+        let pictures: Vec<_> = self
+            .pictures
+            .iter()
+            .map(|(id, image)| (*id, image))
+            .collect();
         self.painter
             .paint(&pictures, &self.last_damage, &mut self.pixels);
     }
 
-    fn show_texts(&mut self, texts: &[String]) {
+    fn show_texts(&mut self, texts: &[&str]) {
         let mut shapes = Vec::new();
         self.run(|ctx| {
             shapes.clear();
             for (line, text) in texts.iter().enumerate() {
                 let font = FontId::proportional(14.0);
                 let galley = ctx.fonts_mut(|fonts| {
-                    fonts.layout_no_wrap(text.clone(), font, Color32::WHITE)
+                    fonts.layout_no_wrap((*text).to_owned(), font, Color32::WHITE)
                 });
                 let place = pos2(5.0, 5.0 + 25.0 * line as f32);
                 shapes.push(Shape::galley(place, galley, Color32::WHITE));
@@ -112,7 +116,11 @@ impl Window {
     }
 
     fn paint_all(&mut self) {
-        let pictures: Vec<_> = self.pictures.iter().map(|(id, image)| (*id, image)).collect();
+        let pictures: Vec<_> = self
+            .pictures
+            .iter()
+            .map(|(id, image)| (*id, image))
+            .collect();
         let all = [PixelRect::of_size(self.size_px)];
         self.painter.paint(&pictures, &all, &mut self.pixels);
     }
@@ -125,7 +133,10 @@ struct Random(u64);
 impl Random {
     fn next(&mut self) -> u64 {
         // Numerical Recipes' linear congruential generator; the low bits are not good.
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         self.0 >> 33
     }
 

@@ -1,11 +1,15 @@
 //! Every panel and window of the program, painted with and without a graphics card.
+#![allow(
+    clippy::print_stdout,
+    reason = "how close they are is worth a look when one changes the painter"
+)]
 
 use super::beside::{Both, Comparison, Pictures, picture};
 use crate::walk::{load_all, options, sequence, state_on};
 use egui::accesskit::Role;
 use egui::{Event, Modifiers, PointerButton, TextureFilter, TextureId, Theme, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::panels::window_ui;
 use pointreel::app::{
@@ -61,7 +65,11 @@ impl Shown {
     fn fill_pictures(&mut self, share: u32) {
         let viewport = &self.harness.state().viewport;
         let sizes = [viewport.size_px, viewport.other_size_px];
-        let count = if viewport.other_texture.is_some() { 2 } else { 1 };
+        let count = if viewport.other_texture.is_some() {
+            2
+        } else {
+            1
+        };
         let filter = if share == 1 {
             TextureFilter::Nearest
         } else {
@@ -85,7 +93,11 @@ impl Shown {
             (Theme::Light, 2.0),
         ] {
             self.harness.ctx.set_theme(theme);
-            let root = self.harness.input_mut().viewports.entry(egui::ViewportId::ROOT);
+            let root = self
+                .harness
+                .input_mut()
+                .viewports
+                .entry(egui::ViewportId::ROOT);
             root.or_default().native_pixels_per_point = Some(scale);
             // Popups fade in: what is half there is compared as well.
             self.harness.run_steps(3);
@@ -99,7 +111,7 @@ impl Shown {
         }
         let compared = self.compared.borrow();
         let sum = |count: fn(&Comparison) -> usize| compared.iter().map(count).sum::<usize>();
-        eprintln!(
+        println!(
             "{name}: of {} pixels {} are unequal, {} by more than a step, {} at most",
             sum(|found| found.pixels),
             sum(|found| found.unequal),
@@ -160,8 +172,14 @@ fn statistics_help_and_notices() {
     shown.state().panels.help = true;
     shown.compare("help", "Next frame");
     shown.state().panels.help = false;
-    shown.state().notices.error("frame_0007.ply: line 3".to_owned());
-    shown.state().notices.warn("Frame 1 has colours, frame 6 has none");
+    shown
+        .state()
+        .notices
+        .error("frame_0007.ply: line 3".to_owned());
+    shown
+        .state()
+        .notices
+        .warn("Frame 1 has colours, frame 6 has none");
     shown.compare("notices", "line 3");
 }
 
@@ -230,7 +248,7 @@ fn values_of_a_point_and_a_tooltip() {
     load_all(shown.state());
     shown.harness.run();
     shown.state().next_packet().unwrap();
-    shown.state().run(Command::ToggleTool(Tool::Values));
+    shown.state().run(Command::ToggleTool(Tool::Point));
     let viewport = &shown.harness.state().viewport;
     let camera = &shown.harness.state().camera;
     let at_px = camera.to_px(DVec3::splat(0.5), viewport.size_px).unwrap();
@@ -248,6 +266,8 @@ fn values_of_a_point_and_a_tooltip() {
     shown.harness.run();
     shown.compare("point", "From the eye");
 
+    let mut shown = window();
+    shown.harness.run();
     let label = shown
         .harness
         .get_by_role_and_label(Role::Label, "Splat scale");
@@ -263,16 +283,12 @@ fn values_of_a_point_and_a_tooltip() {
 #[test]
 fn change_map() {
     let mut shown = window();
-    let find = |shown: &Shown| {
-        let node = shown.harness.get_by_role_and_label(Role::CheckBox, "Change map");
-        (node.accesskit_node().is_disabled(), node.scroll_to_me())
-    };
-    find(&shown);
+    let role = Role::CheckBox;
+    let node = shown.harness.get_by_role_and_label(role, "Change map");
+    node.scroll_to_me();
     shown.harness.run();
-    shown
-        .harness
-        .get_by_role_and_label(Role::CheckBox, "Change map")
-        .click();
+    let node = shown.harness.get_by_role_and_label(role, "Change map");
+    node.click();
     shown.harness.run();
     until(&mut shown, |harness| {
         harness.query_by_label("Copy numbers").is_some()
@@ -287,4 +303,23 @@ fn two_pictures_with_a_line_between() {
     shown.state().viewport.other_texture = Some(TextureId::User(1));
     shown.harness.run_steps(2);
     shown.compare("comparison", "A (left)");
+}
+
+#[test]
+fn a_picture_moved_by_a_pixel_is_seen_to_be_another() {
+    let bytes = picture([200, 100], 1).into_raw();
+    let words: Vec<u32> = bytes
+        .chunks_exact(4)
+        .map(|pixel| u32::from_be_bytes([0, pixel[0], pixel[1], pixel[2]]))
+        .collect();
+    assert!(Comparison::of(&words, &bytes).is_close());
+    let mut moved = words.clone();
+    moved.rotate_right(1);
+    assert!(!Comparison::of(&moved, &bytes).is_close());
+    // One glyph is missing.
+    let mut odd = words;
+    for row in 0..8 {
+        odd[200 * row..][..5].fill(0x00ff_ffff);
+    }
+    assert!(!Comparison::of(&odd, &bytes).is_close());
 }

@@ -15,9 +15,9 @@ use std::sync::Arc;
 /// Steps of 255 that a channel may differ by: a rounding either way.
 const TOLERANCE: u8 = 1;
 
-/// Of a million pixels, so many may differ by more: those whose centres lie within a 256th of an edge that both round alike but for
-/// the last bit of a float.
-const ODD_PER_MILLION: usize = 1000;
+/// Of a million pixels, so many may differ by more: less than a glyph. Those that do (one of some millions) are soft edges under
+/// soft edges, where two roundings add up.
+const ODD_PER_MILLION: usize = 20;
 
 /// The pictures in the middle, and how they are scaled. Their ids count from 0.
 pub(super) type Pictures = Rc<RefCell<Vec<(RgbaImage, TextureFilter)>>>;
@@ -34,7 +34,7 @@ pub(super) struct Comparison {
 }
 
 impl Comparison {
-    fn of(ours: &[u32], theirs: &[u8]) -> Self {
+    pub(super) fn of(ours: &[u32], theirs: &[u8]) -> Self {
         let mut found = Self::default();
         for (ours, theirs) in ours.iter().zip(theirs.chunks_exact(4)) {
             let [_, ours @ ..] = ours.to_be_bytes();
@@ -48,7 +48,7 @@ impl Comparison {
         found
     }
 
-    fn is_close(&self) -> bool {
+    pub(super) fn is_close(&self) -> bool {
         self.odd * 1_000_000 <= self.pixels * ODD_PER_MILLION
     }
 }
@@ -125,17 +125,14 @@ impl Both {
                 TextureFilter::Linear => wgpu::FilterMode::Linear,
             };
             let device = &self.gpu.device;
-            let id = match self.registered.get(index) {
-                Some(&id) => {
-                    self.theirs
-                        .update_egui_texture_from_wgpu_texture(device, &view, gpu_filter, id);
-                    id
-                }
-                None => {
-                    let id = self.theirs.register_native_texture(device, &view, gpu_filter);
-                    self.registered.push(id);
-                    id
-                }
+            let theirs = &mut self.theirs;
+            let id = if let Some(&id) = self.registered.get(index) {
+                theirs.update_egui_texture_from_wgpu_texture(device, &view, gpu_filter, id);
+                id
+            } else {
+                let id = theirs.register_native_texture(device, &view, gpu_filter);
+                self.registered.push(id);
+                id
             };
             assert_eq!(id, TextureId::User(index as u64));
             self.ours.set_picture(id, self.version, *filter);
@@ -204,12 +201,8 @@ impl Both {
     fn paint_ours(&mut self, ctx: &Context, output: &FullOutput, size_px: [u32; 2]) {
         self.pixels
             .resize((size_px[0] * size_px[1]) as usize, 0x00ff_00ff);
-        self.ours.show(
-            ctx,
-            output.shapes.clone(),
-            output.pixels_per_point,
-            size_px,
-        );
+        self.ours
+            .show(ctx, output.shapes.clone(), output.pixels_per_point, size_px);
         let damage = self.ours.take_damage();
         let pictures = self.pictures.borrow();
         let pictures: Vec<_> = (0..)

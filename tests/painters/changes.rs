@@ -39,7 +39,9 @@ impl Scene {
             things: Vec::new(),
             versions: [1; 2],
             filters: [TextureFilter::Nearest; 2],
-            pictures: PICTURES.map(|id| (id, opaque_picture(70, 50, seed))).to_vec(),
+            pictures: PICTURES
+                .map(|id| (id, opaque_picture(70, 50, seed)))
+                .to_vec(),
             textures: TexturesDelta::default(),
         };
         for id in TEXTURES {
@@ -153,7 +155,10 @@ impl Scene {
                     let vertex = Vertex {
                         pos: self.place(),
                         uv: if id == TEXTURES[0] {
-                            pos2(self.random.between(-1.0, 2.0), self.random.between(-1.0, 2.0))
+                            pos2(
+                                self.random.between(-1.0, 2.0),
+                                self.random.between(-1.0, 2.0),
+                            )
                         } else {
                             Pos2::ZERO
                         },
@@ -201,7 +206,12 @@ impl Scene {
             }
             6 => {
                 let (at, what) = (self.any(), self.what());
-                self.things[at].1 = what;
+                let (word, color) = (self.random.below(500).to_string(), self.color());
+                match &mut self.things[at].1 {
+                    What::Text(text, _, _) if self.random.below(2) == 0 => *text = word,
+                    What::Text(_, _, old) => *old = color,
+                    other @ What::Shape(_) => *other = what,
+                }
             }
             7 => {
                 let (at, clip) = (self.any(), self.clip());
@@ -252,8 +262,8 @@ impl Scene {
                 What::Shape(shape) => shape.clone(),
                 What::Text(text, place, color) => {
                     let font = FontId::proportional(13.0);
-                    let galley = ctx
-                        .fonts_mut(|fonts| fonts.layout_no_wrap(text.clone(), font, *color));
+                    let galley =
+                        ctx.fonts_mut(|fonts| fonts.layout_no_wrap(text.clone(), font, *color));
                     Shape::galley(*place, galley, *color)
                 }
             };
@@ -280,6 +290,8 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
         let mut scene = Scene::new(seed);
         let ctx = Context::default();
         let mut painter = SoftwarePainter::new();
+        // One that knows the textures, but of the shapes only those of now.
+        let mut fresh = SoftwarePainter::new();
         let mut buffers: Vec<Buffer> = Vec::new();
         let mut size_px = [0; 2];
         for step in 0..250 {
@@ -291,12 +303,18 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
             root.native_pixels_per_point = Some(scene.scale);
             let mut shapes = Vec::new();
             let mut output = ctx.run_ui(input, |ui| shapes = scene.shapes(ui.ctx()));
-            painter.update_textures(&mut output.textures_delta);
-            painter.update_textures(&mut scene.textures);
+            for changes in [&mut output.textures_delta, &mut scene.textures] {
+                fresh.update_textures(&mut changes.clone());
+                painter.update_textures(changes);
+            }
             for (index, id) in PICTURES.into_iter().enumerate() {
                 painter.set_picture(id, scene.versions[index], scene.filters[index]);
+                fresh.set_picture(id, 0, scene.filters[index]);
             }
-            painter.show(&ctx, shapes, output.pixels_per_point, scene.size_px);
+            let scale = output.pixels_per_point;
+            fresh.show(&ctx, Vec::new(), scale, scene.size_px);
+            fresh.show(&ctx, shapes.clone(), scale, scene.size_px);
+            painter.show(&ctx, shapes, scale, scene.size_px);
             let damage = painter.take_damage();
             assert_eq!(painter.take_damage(), [], "taken once");
 
@@ -310,7 +328,11 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
                 };
                 buffers = vec![new(0x0012_3456), new(0x0065_4321), new(7)];
             }
-            let pictures: Vec<_> = scene.pictures.iter().map(|(id, image)| (*id, image)).collect();
+            let pictures: Vec<_> = scene
+                .pictures
+                .iter()
+                .map(|(id, image)| (*id, image))
+                .collect();
             for buffer in &mut buffers {
                 buffer.pending.extend(&damage);
             }
@@ -321,10 +343,12 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
                 pending.clear();
             }
             let mut whole = vec![0x00de_adbe; count];
-            painter.paint(&pictures, &[PixelRect::of_size(size_px)], &mut whole);
+            fresh.paint(&pictures, &[PixelRect::of_size(size_px)], &mut whole);
             for index in [0, 1 + step % 2] {
                 let wrong = (0..count).filter(|&at| buffers[index].pixels[at] != whole[at]);
-                let wrong: Vec<_> = wrong.map(|at| [at as u32 % size_px[0], at as u32 / size_px[0]]).collect();
+                let wrong: Vec<_> = wrong
+                    .map(|at| [at as u32 % size_px[0], at as u32 / size_px[0]])
+                    .collect();
                 assert!(
                     wrong.is_empty(),
                     "seed {seed}, step {step}, buffer {index}: {} pixels, {:?} … are not as painted whole; damage {damage:?}",

@@ -66,7 +66,9 @@ impl<'a> Layer<'a> {
                 }
                 Piece::Triangle { corners, kind, .. } => {
                     let vertices = &self.mesh.vertices;
-                    let corners = corners.map(|index| vertices[index as usize]);
+                    let vertex = |index: u32| vertices[index as usize];
+                    let [a, b, c] = *corners;
+                    let corners = [vertex(a), vertex(b), vertex(c)];
                     triangle::paint(&corners, *kind, &self.source, &part, canvas);
                 }
             }
@@ -75,12 +77,7 @@ impl<'a> Layer<'a> {
 }
 
 /// Paints the rectangles, which are in the window.
-pub(super) fn paint(
-    layers: &[Layer<'_>],
-    region: &[PixelRect],
-    width_px: u32,
-    target: &mut [u32],
-) {
+pub(super) fn paint(layers: &[Layer<'_>], region: &[PixelRect], width_px: u32, target: &mut [u32]) {
     if width_px == 0 {
         return;
     }

@@ -44,7 +44,7 @@ fn per_255_blended(lanes: u32) -> u32 {
 
 /// All channels times `share` of 255.
 #[inline(always)]
-pub(super) fn scaled(color: u32, share: u32) -> u32 {
+pub(super) fn dimmed(color: u32, share: u32) -> u32 {
     let even = per_255((color & LANES) * share);
     let odd = per_255(((color >> 8) & LANES) * share);
     even | odd << 8
@@ -97,7 +97,11 @@ pub(super) fn lay(color: u32, pixels: &mut [u32]) {
 pub(super) fn rounded(channels: [f32; 4]) -> u32 {
     /// Added to a number below 2²², it leaves the nearest integer in the lowest bits.
     const INTEGER: f32 = 12_582_912.0;
-    let byte = |channel: f32| (channel.max(0.0).min(255.0) + INTEGER).to_bits() & 255;
+    let byte = |channel: f32| {
+        // A number that is none stays so in a clamp, but not in this.
+        let positive = channel.max(0.0);
+        (positive.min(255.0) + INTEGER).to_bits() & 255
+    };
     let [red, green, blue, alpha] = channels;
     byte(alpha) << 24 | byte(red) << 16 | byte(green) << 8 | byte(blue)
 }
@@ -118,7 +122,7 @@ mod tests {
         for a in 0..=255_u32 {
             for b in 0..=255_u32 {
                 let exact = f64::from(a * b) / 255.0;
-                let product = scaled(a * 0x0101_0101, b);
+                let product = dimmed(a * 0x0101_0101, b);
                 assert_eq!(product, (product & 255) * 0x0101_0101, "lanes are alike");
                 assert_eq!(product, times(a * 0x0101_0101, b * 0x0101_0101));
                 assert!((f64::from(product & 255) - exact).abs() <= 0.5, "{a} {b}");
@@ -136,8 +140,8 @@ mod tests {
             assert_eq!(over(0xff65_4321, pixel), 0x0065_4321);
             assert_eq!(over(0x00ff_ffff, pixel), 0x00ff_ffff, "light is added");
         }
-        assert_eq!(scaled(0xfedc_ba98, 255), 0xfedc_ba98);
-        assert_eq!(scaled(0xfedc_ba98, 0), 0);
+        assert_eq!(dimmed(0xfedc_ba98, 255), 0xfedc_ba98);
+        assert_eq!(dimmed(0xfedc_ba98, 0), 0);
     }
 
     #[test]

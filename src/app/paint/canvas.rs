@@ -23,8 +23,7 @@ impl Canvas<'_> {
     pub(super) fn spans(&mut self, area: &PixelRect) -> impl Iterator<Item = &mut [u32]> {
         let [width, height] = area.size_px().map(|edge| edge as usize);
         let width_px = self.width_px as usize;
-        let begin =
-            width_px * (area.min[1] - self.first_row) as usize + area.min[0] as usize;
+        let begin = width_px * (area.min[1] - self.first_row) as usize + area.min[0] as usize;
         let rows = self.pixels[begin..].chunks_mut(width_px).take(height);
         rows.map(move |row| &mut row[..width])
     }

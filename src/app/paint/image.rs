@@ -2,13 +2,14 @@
 //!
 //! **How it works.** Glyphs and the 3-D picture lie texel on pixel; then linear sampling and the nearest texel are the same, and
 //! rows are taken as they are. A picture's row is swizzled and copied, a glyph's texel is mostly coverage, the same
-//! in all channels, which takes two products for the colour and two for what shows through. Whatever is scaled has its columns
-//! worked out once for all rows.
+//! in all channels, which takes two products for the colour and two for what shows through. What is scaled linearly is in
+//! `scaled`.
 
 use super::PixelRect;
-use super::blend::{OPAQUE, alpha, channels, over, rounded, scaled, times};
+use super::blend::{OPAQUE, alpha, dimmed, over, times};
 use super::canvas::Canvas;
 use super::pieces::Place;
+use super::scaled;
 use super::textures::{Source, Texels, swizzled};
 
 /// How far texels may be from pixels, in texels: a 1024th changes no channel by a step.
@@ -34,7 +35,9 @@ impl Image<'_> {
                 let down_by = (area.min[1] - self.area.min[1]) as usize;
                 self.paint_unscaled([left + right_by, top + down_by], area, canvas);
             }
-            _ if self.source.is_linear => self.paint_linear(area, canvas),
+            _ if self.source.is_linear => {
+                scaled::paint(&self.source, &self.place, self.tint, area, canvas);
+            }
             _ => self.paint_nearest(area, canvas),
         }
     }
@@ -88,33 +91,11 @@ impl Image<'_> {
             let at = place.texel_at(axis, pixel, source.size[axis]);
             source.nearest(axis, at)
         };
-        let columns: Vec<usize> = (area.min[0]..area.max[0])
-            .map(|x| texel_at(0, x))
-            .collect();
+        let columns: Vec<usize> = (area.min[0]..area.max[0]).map(|x| texel_at(0, x)).collect();
         for (y, pixels) in (area.min[1]..).zip(canvas.spans(area)) {
             let row = texel_at(1, y);
             for (pixel, &column) in pixels.iter_mut().zip(&columns) {
                 *pixel = over(times(source.texel(column, row), self.tint), *pixel);
-            }
-        }
-    }
-
-    fn paint_linear(&self, area: &PixelRect, canvas: &mut Canvas<'_>) {
-        let Self { source, place, .. } = self;
-        let between = |axis: usize, pixel: u32| {
-            let at = place.texel_at(axis, pixel, source.size[axis]);
-            source.between(axis, at)
-        };
-        let columns: Vec<_> = (area.min[0]..area.max[0])
-            .map(|x| between(0, x))
-            .collect();
-        let tint = channels(self.tint).map(|channel| channel / 255.0);
-        for (y, pixels) in (area.min[1]..).zip(canvas.spans(area)) {
-            let row = between(1, y);
-            for (pixel, &column) in pixels.iter_mut().zip(&columns) {
-                let texel = source.mixed(column, row);
-                let shade = [0, 1, 2, 3].map(|at| texel[at] * tint[at]);
-                *pixel = over(rounded(shade), *pixel);
             }
         }
     }
@@ -137,7 +118,7 @@ fn cover(texels: &[u32], tint: u32, pixels: &mut [u32]) {
         }
         let coverage = texel & 255;
         let fragment = if texel == coverage * 0x0101_0101 {
-            scaled(tint, coverage)
+            dimmed(tint, coverage)
         } else {
             times(texel, tint)
         };

@@ -73,39 +73,35 @@ pub(super) fn replace(
     let new = leaves.iter().zip(&kept).filter(|(_, kept)| kept.is_none());
     let mut meshes = tessellated(new.map(|(shape, _)| shape.clone()).collect(), ctx, screen);
     let mut old = old.into_iter().enumerate();
-    let mut gone = |entry: &Entry| {
+    let mut changed = |entry: &Entry| {
         for part in &entry.parts {
             damage(part.mesh.bounds);
         }
     };
     entries.reserve(leaves.len());
     for (shape, kept) in leaves.into_iter().zip(kept) {
-        let entry = match kept {
-            Some(index) => loop {
-                // What stood before the next that is kept is not shown any more.
-                match old.next() {
-                    Some((at, entry)) if at == index => break Some(entry),
-                    Some((_, entry)) => gone(&entry),
-                    None => break None,
-                }
-            },
-            None => {
-                let parts = meshes.next().unwrap_or_default();
-                let parts = parts.into_iter().map(|mesh| Part {
-                    texture_version: textures.version(mesh.texture),
-                    mesh,
-                });
-                let entry = Entry {
-                    shape,
-                    parts: parts.collect(),
-                };
-                gone(&entry);
-                Some(entry)
-            }
+        let Some(kept) = kept else {
+            let parts = meshes.next().unwrap_or_default().into_iter();
+            let parts = parts.map(|mesh| Part {
+                texture_version: textures.version(mesh.texture),
+                mesh,
+            });
+            let parts = parts.collect();
+            let entry = Entry { shape, parts };
+            changed(&entry);
+            entries.push(entry);
+            continue;
         };
-        entries.extend(entry);
+        // What stood before the next that is kept is not shown any more.
+        for (index, entry) in old.by_ref() {
+            if index == kept {
+                entries.push(entry);
+                break;
+            }
+            changed(&entry);
+        }
     }
-    old.for_each(|(_, entry)| gone(&entry));
+    old.for_each(|(_, entry)| changed(&entry));
 }
 
 /// Takes nested shapes apart and drops those that cannot be seen.

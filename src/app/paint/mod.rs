@@ -9,6 +9,10 @@
 //! **Why not a graphics library's software driver.** It paints the whole window for each change, and runs every pixel through
 //! what it must be able to do. Most pixels of a window are one colour, a copy, or a glyph's coverage.
 //!
+//! **Why our own.** `egui_software_backend` 0.0.3 and `dream-soft-render` 1.0.0 want egui 0.34. The first caches meshes and tiles, but
+//! lays its whole canvas over the window each time, tells nothing of what changed and shows no textures of ours; the second
+//! paints all of it.
+//!
 //! **The same picture.** Corners are rounded to 256ths of a pixel, edges belong to shapes by the top-left rule, colours are blended in
 //! 8 bits, textures are sampled as in `egui.wgsl`: `tests/painters.rs` holds it beside `egui-wgpu`.
 
@@ -20,6 +24,7 @@ mod image;
 mod list;
 mod pieces;
 mod pixel_rect;
+mod scaled;
 mod textures;
 mod triangle;
 

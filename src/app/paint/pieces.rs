@@ -101,6 +101,7 @@ impl PixelMesh {
             pieces: Vec::new(),
         };
         let (triangles, _) = mesh.indices.as_chunks::<3>();
+        this.pieces.reserve(triangles.len() / 2);
         let mut rest = triangles;
         while let [first, after @ ..] = rest {
             rest = after;
@@ -127,9 +128,10 @@ impl PixelMesh {
         for (corner, &index) in corners.iter_mut().zip(indices) {
             *corner = *self.vertices.get(index as usize)?;
         }
-        let are_numbers = corners
-            .iter()
-            .all(|corner| !corner.pos.any_nan() && !corner.uv.any_nan());
+        // What is no number makes none with anything.
+        let sum =
+            |Vertex { pos, uv, .. }: &Vertex| pos.x * 0.0 + pos.y * 0.0 + uv.x * 0.0 + uv.y * 0.0;
+        let are_numbers = corners.iter().map(sum).sum::<f32>() == 0.0;
         are_numbers.then_some(corners)
     }
 
@@ -139,6 +141,7 @@ impl PixelMesh {
     }
 
     /// What two triangles are that make up a rectangle of one tint.
+    #[inline]
     fn rectangle(&self, a: &[Vertex; 3], b: &[Vertex; 3]) -> Option<Piece> {
         let tint = a[0].color;
         if a.iter().chain(b).any(|corner| corner.color != tint) {
@@ -148,23 +151,34 @@ impl PixelMesh {
         let ys = a.map(|corner| corner.pos.y);
         let low = Pos2::new(least(xs), least(ys));
         let high = Pos2::new(most(xs), most(ys));
-        // Which of the four corners is not there: those of a rectangle are 0 to 3, and 6 in all.
-        let missing = |triangle: &[Vertex; 3]| {
-            let mut sum = 0;
+        // Along each axis, at the lower and at the higher edge; the texture must be neither turned nor skewed.
+        let mut uv: [[Option<f32>; 2]; 2] = [[None; 2]; 2];
+        // Corners count from 0 to 3, which is 6 in all; what is missing of one triangle is opposite to what is of the other.
+        let mut missing = [6; 2];
+        for (triangle, missing) in [a, b].into_iter().zip(&mut missing) {
             let mut seen = 0_u32;
-            for Vertex { pos, .. } in triangle {
-                let is_right = pos.x == high.x;
-                let is_below = pos.y == high.y;
-                if !is_right && pos.x != low.x || !is_below && pos.y != low.y {
+            for corner in triangle {
+                let is_right = corner.pos.x == high.x;
+                let is_below = corner.pos.y == high.y;
+                if !is_right && corner.pos.x != low.x || !is_below && corner.pos.y != low.y {
                     return None;
                 }
-                let corner = u32::from(is_right) + 2 * u32::from(is_below);
-                sum += corner;
-                seen |= 1 << corner;
+                let number = u32::from(is_right) + 2 * u32::from(is_below);
+                *missing -= number.min(*missing);
+                seen |= 1 << number;
+                let sides = [usize::from(is_right), usize::from(is_below)];
+                for ((uv, side), value) in uv.iter_mut().zip(sides).zip([corner.uv.x, corner.uv.y])
+                {
+                    if *uv[side].get_or_insert(value) != value {
+                        return None;
+                    }
+                }
             }
-            (seen.count_ones() == 3).then(|| 6 - sum)
-        };
-        if missing(a)? + missing(b)? != 3 {
+            if seen.count_ones() != 3 {
+                return None;
+            }
+        }
+        if missing[0] + missing[1] != 3 {
             return None;
         }
         let area = self.area(low, high);
@@ -172,16 +186,7 @@ impl PixelMesh {
             let color = packed(tint);
             return Some(Piece::Fill { area, color });
         }
-        // The texture must not be turned or skewed.
-        let uv_of = |is_it: &dyn Fn(&Vertex) -> bool, of: &dyn Fn(&Vertex) -> f32| {
-            let mut all = a.iter().chain(b).filter(|corner| is_it(corner)).map(of);
-            let first = all.next()?;
-            all.all(|other| other == first).then_some(first)
-        };
-        let left = uv_of(&|corner| corner.pos.x == low.x, &|corner| corner.uv.x)?;
-        let right = uv_of(&|corner| corner.pos.x == high.x, &|corner| corner.uv.x)?;
-        let top = uv_of(&|corner| corner.pos.y == low.y, &|corner| corner.uv.y)?;
-        let bottom = uv_of(&|corner| corner.pos.y == high.y, &|corner| corner.uv.y)?;
+        let [[left, right], [top, bottom]] = uv.map(|edges| edges.map(Option::unwrap_or_default));
         let size_px = high - low;
         let place = Place {
             corner_px: [low.x, low.y],

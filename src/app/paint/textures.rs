@@ -38,7 +38,7 @@ struct Picture {
 /// All that shapes can be painted with.
 #[derive(Debug, Default)]
 pub(super) struct Textures {
-    textures: HashMap<TextureId, Texture>,
+    held: HashMap<TextureId, Texture>,
     pictures: HashMap<TextureId, Picture>,
     freed: Vec<TextureId>,
     last_version: u64,
@@ -50,7 +50,7 @@ impl Textures {
     /// Takes in what egui changed; `changes` is empty afterwards.
     pub(super) fn update(&mut self, changes: &mut TexturesDelta) {
         for id in std::mem::take(&mut self.freed) {
-            self.textures.remove(&id);
+            self.held.remove(&id);
         }
         for (id, deltas) in changes.set.drain() {
             for delta in deltas {
@@ -77,10 +77,10 @@ impl Textures {
             if id == TextureId::default() {
                 self.atlas = self.last_version;
             }
-            self.textures.insert(id, texture);
+            self.held.insert(id, texture);
             return;
         };
-        let Some(texture) = self.textures.get_mut(&id) else {
+        let Some(texture) = self.held.get_mut(&id) else {
             return;
         };
         let fits = (0..2).all(|axis| {
@@ -128,7 +128,7 @@ impl Textures {
     /// Changes whenever something that is painted with the texture has to be painted anew.
     pub(super) fn version(&self, id: TextureId) -> u64 {
         let picture = self.pictures.get(&id).map(|picture| picture.version);
-        let texture = || self.textures.get(&id).map(|texture| texture.version);
+        let texture = || self.held.get(&id).map(|texture| texture.version);
         picture.or_else(texture).unwrap_or(NOT_THERE)
     }
 
@@ -148,7 +148,7 @@ impl Textures {
                 TextureWrapMode::ClampToEdge,
             );
         }
-        let texture = self.textures.get(&id)?;
+        let texture = self.held.get(&id)?;
         Source::new(
             texture.size,
             Texels::Words(&texture.texels),
@@ -285,5 +285,9 @@ impl<'a> Source<'a> {
 /// From `a` to `b`.
 #[inline(always)]
 fn mix(a: [f32; 4], b: [f32; 4], share: f32) -> [f32; 4] {
-    [0, 1, 2, 3].map(|channel| a[channel] * (1.0 - share) + b[channel] * share)
+    let mut mixed = a;
+    for (mixed, b) in mixed.iter_mut().zip(b) {
+        *mixed = *mixed * (1.0 - share) + b * share;
+    }
+    mixed
 }

@@ -12,6 +12,7 @@ use super::blend::{channels, lay, over, packed, rounded};
 use super::canvas::Canvas;
 use super::pieces::{Kind, SUBPIXELS, fixed};
 use super::textures::Source;
+use egui::Pos2;
 use egui::epaint::Vertex;
 
 /// Paints what of a triangle is in `area`, which is on the canvas.
@@ -34,8 +35,7 @@ pub(super) fn paint(
             });
         }
         Kind::Shaded => {
-            let colors = corners.map(|corner| channels(packed(corner.color)));
-            let color = Plane::new(corners, colors);
+            let color = Plane::new(corners, colors(corners));
             for_spans(edges, area, |y, from, to| {
                 let row = color.row(y);
                 for (x, pixel) in (from..).zip(canvas.span(y, from, to)) {
@@ -44,21 +44,30 @@ pub(super) fn paint(
             });
         }
         Kind::Textured => {
-            let colors = corners.map(|corner| channels(packed(corner.color)));
-            let color = Plane::new(corners, colors);
-            let size = source.size.map(|edge| edge as f32);
-            let texels = corners.map(|corner| [corner.uv.x * size[0], corner.uv.y * size[1]]);
+            let color = Plane::new(corners, colors(corners));
+            let size = [source.size[0] as f32, source.size[1] as f32];
+            let texel_at = |uv: Pos2| [uv.x * size[0], uv.y * size[1]];
+            let [a, b, c] = corners;
+            let texels = [texel_at(a.uv), texel_at(b.uv), texel_at(c.uv)];
             let texel = Plane::new(corners, texels);
             for_spans(edges, area, |y, from, to| {
                 let (color, texel) = (color.row(y), texel.row(y));
                 for (x, pixel) in (from..).zip(canvas.span(y, from, to)) {
-                    let (tint, sample) = (color.at(x), source.at(texel.at(x)));
-                    let shade = [0, 1, 2, 3].map(|at| tint[at] * sample[at] * (1.0 / 255.0));
+                    let mut shade = source.at(texel.at(x));
+                    for (channel, tint) in shade.iter_mut().zip(color.at(x)) {
+                        *channel *= tint * (1.0 / 255.0);
+                    }
                     *pixel = over(rounded(shade), *pixel);
                 }
             });
         }
     }
+}
+
+#[inline(always)]
+fn colors([a, b, c]: &[Vertex; 3]) -> [[f32; 4]; 3] {
+    let color = |vertex: &Vertex| channels(packed(vertex.color));
+    [color(a), color(b), color(c)]
 }
 
 /// An edge at a pixel's centre, in 256ths squared; not negative inside.
@@ -72,7 +81,8 @@ struct Edge {
 /// The edges as seen from a pixel; `None` if there is nothing between them.
 #[inline(always)]
 fn edges(corners: &[Vertex; 3], first: [u32; 2]) -> Option<[Edge; 3]> {
-    let [a, mut b, mut c] = corners.map(|corner| [fixed(corner.pos.x), fixed(corner.pos.y)]);
+    let place = |vertex: &Vertex| [fixed(vertex.pos.x), fixed(vertex.pos.y)];
+    let (a, mut b, mut c) = (place(&corners[0]), place(&corners[1]), place(&corners[2]));
     let doubled_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     if doubled_area == 0 {
         return None;
@@ -80,20 +90,29 @@ fn edges(corners: &[Vertex; 3], first: [u32; 2]) -> Option<[Edge; 3]> {
     if doubled_area < 0 {
         std::mem::swap(&mut b, &mut c);
     }
-    let center = first.map(|at| i64::from(at) * SUBPIXELS + SUBPIXELS / 2);
-    // Clockwise, rows counted downwards.
-    let edge = |from: [i64; 2], to: [i64; 2]| {
+    let center = |at: u32| i64::from(at) * SUBPIXELS + SUBPIXELS / 2;
+    let center = [center(first[0]), center(first[1])];
+    Some([
+        Edge::new(a, b, center),
+        Edge::new(b, c, center),
+        Edge::new(c, a, center),
+    ])
+}
+
+impl Edge {
+    /// From one corner to the next, clockwise, rows counted downwards.
+    #[inline(always)]
+    fn new(from: [i64; 2], to: [i64; 2], center: [i64; 2]) -> Self {
         let along = [to[0] - from[0], to[1] - from[1]];
         let is_left = along[1] < 0;
         let is_upper = along[1] == 0 && along[0] > 0;
         let at_first = along[0] * (center[1] - from[1]) - along[1] * (center[0] - from[0]);
-        Edge {
+        Self {
             at_first: at_first - i64::from(!(is_left || is_upper)),
             per_column: -along[1] * SUBPIXELS,
             per_row: along[0] * SUBPIXELS,
         }
-    };
-    Some([edge(a, b), edge(b, c), edge(c, a)])
+    }
 }
 
 /// Calls `span` with row, first column and the one after the last, for each row with pixels inside all edges.
@@ -142,7 +161,7 @@ struct Row<const N: usize> {
 impl<const N: usize> Plane<N> {
     #[inline(always)]
     fn new(corners: &[Vertex; 3], [a, b, c]: [[f32; N]; 3]) -> Self {
-        let [origin, second, third] = [0, 1, 2].map(|index| corners[index].pos);
+        let (origin, second, third) = (corners[0].pos, corners[1].pos, corners[2].pos);
         let (to_b, to_c) = (second - origin, third - origin);
         let per_area = 1.0 / (to_b.x * to_c.y - to_c.x * to_b.y);
         let (mut per_column, mut per_row) = ([0.0; N], [0.0; N]);
