@@ -205,6 +205,7 @@ impl State {
         let clock = self.player.as_ref().map(Player::clock);
         Preferences {
             settings: self.settings,
+            present: self.present,
             loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
             speed: clock

@@ -253,6 +253,9 @@ pub enum BenchError {
     /// The threads that load frames do not start.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
+    /// The thread to build octrees on does not start.
+    #[error(transparent)]
+    Thread(#[from] rayon::ThreadPoolBuildError),
 }
 
 /// A sequence to measure.

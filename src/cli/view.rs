@@ -101,13 +101,17 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             Some(Arc::new(open_sequence(inputs, &open)?))
         }
     };
-    let (recent, problem) = Recent::load();
+    let (recent, recent_problem) = Recent::load();
+    let presets = Presets::load();
     // A picture that a script asks for does not depend on who looked at what before.
     let (preferences_file, preferences) = if args.screenshot.is_some() {
         (PreferencesFile::default(), Preferences::default())
     } else {
         PreferencesFile::load()
     };
+    let kept_problems = [presets.problem(), preferences_file.problem()];
+    let warnings = kept_problems.into_iter().flatten().map(str::to_owned);
+    let warnings = warnings.chain(recent_problem).collect();
     let options = Options {
         state: StateOptions {
             preferences: Preferences {
@@ -124,7 +128,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
                 .memory
                 .map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
             recent,
-            presets: Presets::load(),
+            presets,
             timelines: args
                 .screenshot
                 .is_none()
@@ -141,7 +145,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             .filter(|input| input.as_path() != Path::new(DEMO_INPUT))
             .cloned()
             .collect(),
-        warnings: problem.into_iter().collect(),
+        warnings,
         preferences_file,
         size_px: args.size,
         screenshot: args.screenshot.clone(),

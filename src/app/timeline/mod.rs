@@ -26,7 +26,7 @@ pub struct Timeline {
     pub(super) curve: Curve,
     /// Where the bar is in the window, points.
     pub(super) bar_rect: egui::Rect,
-    /// Where they are kept.
+    /// Where they are kept, if they may be.
     file: Option<PathBuf>,
 }
 
@@ -52,12 +52,15 @@ impl State {
         };
         self.timeline.renaming = None;
         self.timeline.curve.forget();
-        self.timeline.file = folder.and_then(|folder| file::file_of(folder, player.sequence()));
-        let (range, markers) = self
-            .timeline
-            .file
-            .as_ref()
-            .map_or_else(Default::default, |file| file::read(file));
+        let file = folder.and_then(|folder| file::file_of(folder, player.sequence()));
+        let kept = file.map(|file| file::read(&file));
+        let (file, problem, (range, markers)) = kept.map_or_else(Default::default, |kept| {
+            (kept.file, kept.problem, kept.value)
+        });
+        self.timeline.file = file;
+        if let Some(problem) = problem {
+            self.notices.warn(problem);
+        }
         player.set_range(range, now);
         self.timeline.markers = markers;
     }
