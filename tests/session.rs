@@ -41,13 +41,7 @@ fn open_play_scrub_draw_otherwise_measure_and_export(painter: &str) {
     let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/demo");
     let program = server
         .view(home.path(), painter)
-        .args([
-            "--paused",
-            "--size",
-            "1000x700",
-            "--renderer",
-            "cpu",
-        ])
+        .args(["--paused", "--size", "1000x700", "--renderer", "cpu"])
         .arg(demo)
         .spawn()
         .unwrap();

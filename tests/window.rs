@@ -238,7 +238,10 @@ fn what_was_covered_is_shown_again(painter: &str) {
     screen.cover_for_a_moment([300, 150], [500, 300]);
     let begin = Instant::now();
     while screen.pixels() != before {
-        assert!(begin.elapsed() < PATIENCE, "a hole stays where the window was covered");
+        assert!(
+            begin.elapsed() < PATIENCE,
+            "a hole stays where the window was covered"
+        );
         std::thread::sleep(Duration::from_millis(50));
     }
     assert!(program.0.try_wait().unwrap().is_none());
@@ -288,9 +291,8 @@ fn both_painters_show_the_same_window() {
     for theme in ["dark", "light"] {
         let [gpu, cpu] = ["gpu", "cpu"].map(|painter| screen_painted_by(painter, theme));
         let pixels = gpu.chunks_exact(4).zip(cpu.chunks_exact(4));
-        let is_other = |(a, b): &(&[u8], &[u8])| {
-            a[..3].iter().zip(&b[..3]).any(|(a, b)| a.abs_diff(*b) > 1)
-        };
+        let is_other =
+            |(a, b): &(&[u8], &[u8])| a[..3].iter().zip(&b[..3]).any(|(a, b)| a.abs_diff(*b) > 1);
         let others = pixels.clone().filter(is_other).count();
         // Edges of triangles fall on the other side of a pixel's middle; the panel names the painter's adapter nowhere.
         assert!(
@@ -325,9 +327,16 @@ fn a_machine_without_vulkan_has_a_window() {
     for (painter, renderer) in [("auto", "auto"), ("cpu", "auto"), ("cpu", "gpu")] {
         let (code, said, picture) = run(painter, renderer);
         assert_eq!(code, Some(0), "{painter} {renderer}: {said}");
-        assert!(has_a_cloud(picture.unwrap().as_raw()), "{painter} {renderer}");
+        assert!(
+            has_a_cloud(picture.unwrap().as_raw()),
+            "{painter} {renderer}"
+        );
         // Who wants a GPU is told that there is none.
-        assert_eq!(said.contains("The processor draws now"), renderer == "gpu", "{said}");
+        assert_eq!(
+            said.contains("The processor draws now"),
+            renderer == "gpu",
+            "{said}"
+        );
     }
     let (code, said, _) = run("gpu", "auto");
     assert_eq!(code, Some(1), "{said}");

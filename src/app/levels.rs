@@ -44,7 +44,12 @@ impl Levels {
     }
 
     /// Has levels made for `frame`, if its picture takes long and it has none.
-    pub(super) fn prepare(&mut self, frame: &Arc<PreparedFrame>, settings: &Settings, tasks: &Tasks) {
+    pub(super) fn prepare(
+        &mut self,
+        frame: &Arc<PreparedFrame>,
+        settings: &Settings,
+        tasks: &Tasks,
+    ) {
         let needs = Scene::needs(&in_cells(settings));
         let has_levels = frame.satisfies(&needs) || self.made_for(frame, &needs).is_some();
         if !self.is_slow(frame)
@@ -73,7 +78,9 @@ impl Levels {
 
     /// When the camera will have rested and the whole picture is due.
     pub(super) fn next_deadline(&self) -> Option<Duration> {
-        self.moved_at.filter(|_| self.are_drawn).map(|moved_at| moved_at + REST)
+        self.moved_at
+            .filter(|_| self.are_drawn)
+            .map(|moved_at| moved_at + REST)
     }
 
     /// The frame and the settings to draw with from `camera` at `now`: those that are given, or coarser ones while it moves.
@@ -84,7 +91,11 @@ impl Levels {
         settings: &Settings,
         now: Duration,
     ) -> (Arc<PreparedFrame>, Settings) {
-        if self.camera.replace(*camera).is_some_and(|before| before != *camera) {
+        if self
+            .camera
+            .replace(*camera)
+            .is_some_and(|before| before != *camera)
+        {
             self.moved_at = Some(now);
         }
         let is_moving = self

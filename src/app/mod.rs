@@ -67,7 +67,9 @@ pub use present_choice::PresentChoice;
 pub use presets::{Preset, Presets};
 pub use progress::{Progress, Work, WorkKind, Works};
 pub use recent::Recent;
-pub use state::{Change, Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewport, WindowRequest};
+pub use state::{
+    Change, Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewport, WindowRequest,
+};
 pub use tasks::{DialogKind, Outcome, ReportFormat, Tasks, Wake};
 pub use temporal::{ChangeMap, Made, OnionSkin, Temporal};
 pub use theme::apply_theme;

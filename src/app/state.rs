@@ -7,7 +7,9 @@ mod parts;
 mod reading;
 
 pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE, picture_folder};
-pub use parts::{Change, Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest};
+pub use parts::{
+    Change, Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest,
+};
 
 use super::benchmark::Benchmark;
 use super::beside::Beside;
@@ -218,7 +220,6 @@ impl State {
             },
             thumbnails: self.thumbnails.is_on,
             theme: self.theme,
-            present: self.present,
             window_size: None,
         }
     }
@@ -380,7 +381,10 @@ impl State {
     fn is_picture_due(&self) -> bool {
         let of_b = self.beside.as_ref().map(|beside| &beside.drawing);
         let drawings = [Some(&self.drawing), of_b];
-        let mut deadlines = drawings.into_iter().flatten().filter_map(Drawing::next_deadline);
+        let mut deadlines = drawings
+            .into_iter()
+            .flatten()
+            .filter_map(Drawing::next_deadline);
         deadlines.any(|deadline| deadline <= self.now)
     }
 
@@ -545,7 +549,9 @@ impl State {
             camera,
             held,
             self.drawing.next_deadline(),
-            self.beside.as_ref().and_then(|beside| beside.drawing.next_deadline()),
+            self.beside
+                .as_ref()
+                .and_then(|beside| beside.drawing.next_deadline()),
         ]
         .into_iter()
         .flatten()

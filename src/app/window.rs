@@ -6,6 +6,7 @@ mod redraw;
 
 use self::accessibility::Message;
 use self::lost::EguiBefore;
+use super::comparison::Side;
 use super::pacing::{Agenda, Sight};
 use super::preferences::{Preferences, PreferencesFile};
 use super::present::{self, Presenter};
@@ -14,7 +15,6 @@ use super::state::{Change, State, StateOptions};
 use super::theme::apply_theme;
 use super::trial::Trial;
 use crate::bench::{BenchOptions, Input, WindowAction};
-use super::comparison::Side;
 use crate::render::RenderError;
 use crate::sequence::Sequence;
 use std::path::PathBuf;

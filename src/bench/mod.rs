@@ -125,7 +125,9 @@ impl fmt::Display for Suite {
 
 /// A word that names no suite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no suite: expected surfels, octree, voxels, accuracy, render, play, window or error")]
+#[error(
+    "`{0}` is no suite: expected surfels, octree, voxels, accuracy, render, play, window or error"
+)]
 pub struct ParseSuiteError(String);
 
 impl FromStr for Suite {

@@ -257,8 +257,16 @@ impl Screen {
         std::thread::sleep(Duration::from_millis(300));
         let over = [x, y].map(|edge| usize::try_from(edge).unwrap() + 1);
         let pixel = 4 * (over[1] * usize::from(self.size[0]) + over[0]);
-        assert_eq!(self.pixels()[pixel..pixel + 3], [0xff, 0, 0xff], "it is not covered");
-        self.connection.destroy_window(window).unwrap().check().unwrap();
+        assert_eq!(
+            self.pixels()[pixel..pixel + 3],
+            [0xff, 0, 0xff],
+            "it is not covered"
+        );
+        self.connection
+            .destroy_window(window)
+            .unwrap()
+            .check()
+            .unwrap();
     }
 
     /// Waits until the window has the keyboard, which it takes itself: there is no window manager.

@@ -220,9 +220,10 @@ impl State {
             origin: beside.companion.sequence().origin(),
         };
         let size_px = self.viewport.other_size_px;
-        let packet = beside
-            .drawing
-            .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
+        let packet =
+            beside
+                .drawing
+                .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
         beside.note_change(self.now);
         Some(packet)
     }

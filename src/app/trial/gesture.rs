@@ -57,7 +57,11 @@ impl Gesture {
     }
 
     /// What the hand has done until `now`, and whether it has let go. The moments of moves are appended to `moments`.
-    pub(super) fn advance(&mut self, now: Duration, moments: &mut Vec<Duration>) -> (Vec<Event>, bool) {
+    pub(super) fn advance(
+        &mut self,
+        now: Duration,
+        moments: &mut Vec<Duration>,
+    ) -> (Vec<Event>, bool) {
         let mut events = Vec::new();
         while self.next_deadline() <= now {
             let due = self.next_deadline();

@@ -100,7 +100,9 @@ impl Trial {
             let moves = input.sequence.len() > 1;
             PRIMITIVES.into_iter().flat_map(move |primitive| {
                 let actions = [Action::Play, Action::Turn, Action::Scrub];
-                let actions = actions.into_iter().filter(move |&action| moves || action == Action::Turn);
+                let actions = actions
+                    .into_iter()
+                    .filter(move |&action| moves || action == Action::Turn);
                 actions.map(move |action| Step {
                     input: index,
                     primitive,
@@ -194,7 +196,10 @@ impl Trial {
             ..Settings::default()
         };
         // As from the beginning: with a loader that knows nothing.
-        state.open_fresh(std::sync::Arc::clone(&input.sequence), step.action == Action::Play);
+        state.open_fresh(
+            std::sync::Arc::clone(&input.sequence),
+            step.action == Action::Play,
+        );
         let mut watched = Watched {
             step,
             phase: Phase::Settling { still_since: now },
@@ -264,11 +269,17 @@ impl Watched {
 
     /// From now on everything counts.
     fn start(&mut self, now: Duration, state: &State, gesture: Option<Gesture>) {
-        self.phase = Phase::Running { gesture, begin: now };
+        self.phase = Phase::Running {
+            gesture,
+            begin: now,
+        };
         self.processor = Processor::now();
         self.pictures_before = state.counters.pictures;
         self.panel_runs_before = state.counters.ui_passes;
-        self.frames_before = state.player.as_ref().map_or(0, |player| player.frames_shown());
+        self.frames_before = state
+            .player
+            .as_ref()
+            .map_or(0, |player| player.frames_shown());
         self.found.parts_ms = Default::default();
         self.found.points = [0; 2];
     }
@@ -299,7 +310,9 @@ impl Watched {
             Phase::Running { begin, .. } => {
                 if is_presented {
                     let late = self.pending.drain(..).map(|due| now.saturating_sub(due));
-                    self.found.latencies_ms.extend(late.map(|late| late.as_secs_f64() * 1e3));
+                    self.found
+                        .latencies_ms
+                        .extend(late.map(|late| late.as_secs_f64() * 1e3));
                 }
                 if !is_picture {
                     return false;
@@ -340,8 +353,9 @@ impl Watched {
         }
         let used = Processor::now().since(&self.processor);
         self.found.cpu_ms = used.as_ref().map(|used| used.all_ms);
-        self.found.cpu_ms_of =
-            used.as_ref().map(|used| [used.prepare_ms, used.driver_ms, used.helpers_ms]);
+        self.found.cpu_ms_of = used
+            .as_ref()
+            .map(|used| [used.prepare_ms, used.driver_ms, used.helpers_ms]);
         self.found.resident_bytes = Processor::resident_bytes();
         self.found.panel_runs = state.counters.ui_passes - self.panel_runs_before;
         if let Some(player) = &state.player {

@@ -93,7 +93,10 @@ impl App {
         let painted = painted?;
         if painted.presented && !std::mem::replace(&mut self.has_been_shown, true) {
             focus::take_if_unmanaged(&screen.window);
-            log::info!("the window is shown {:.3} s after the start", self.now().as_secs_f64());
+            log::info!(
+                "the window is shown {:.3} s after the start",
+                self.now().as_secs_f64()
+            );
         }
         if !painted.presented && !self.sight.is_occluded {
             self.change = Change::Panels;
@@ -103,7 +106,9 @@ impl App {
             && let Some(other) = screen
                 .presenter
                 .read(Side::B, self.state.viewport.other_size_px)?
-            && let Some(edited) = screen.presenter.read(Side::A, self.state.viewport.size_px)?
+            && let Some(edited) = screen
+                .presenter
+                .read(Side::A, self.state.viewport.size_px)?
         {
             self.state.compare_pictures(edited, other);
         }
@@ -126,7 +131,8 @@ impl App {
         // A wait for the next picture of the screen costs nothing; what is beyond it is a driver, or a window system, that is behind.
         let idle = painted.waited.min(self.refresh_interval);
         let frame_ms = redraw.whole.saturating_sub(idle).as_secs_f64() * 1e3;
-        self.state.note_redraw(redraw, frame_ms, screen.presenter.stats());
+        self.state
+            .note_redraw(redraw, frame_ms, screen.presenter.stats());
         if let Some(trial) = &mut self.trial {
             let is_presented = painted.presented && painted.painted_px > 0;
             let is_due = trial.note(&redraw, is_presented, self.begin.elapsed(), &self.state);
@@ -232,7 +238,6 @@ impl App {
         wanted
     }
 
-
     /// `--screenshot`: writes the picture after enough frames and ends.
     fn take_screenshot_if_due(
         &mut self,
@@ -264,4 +269,3 @@ impl App {
         Ok(())
     }
 }
-
