@@ -64,7 +64,9 @@ fn the_demo_plays_pauses_and_is_photographed(painter: &str) {
 
     screen.wait_for_keyboard(screen.window());
     screen.key(SPACE);
-    let paused = screen.wait_for_rest("the demo does not pause");
+    // Thumbnails are made when nothing plays; they are no idleness.
+    screen.wait_for_rest_of_all("the demo does not pause");
+    let paused = screen.picture();
     std::thread::sleep(Duration::from_secs(1));
     assert!(screen.picture() == paused, "a paused picture changed");
 
@@ -232,8 +234,7 @@ fn what_was_covered_is_shown_again(painter: &str) {
     let screen = Screen::of(&server);
     screen.wait_for("the window stays without a picture", has_a_cloud);
     screen.wait_for_keyboard(screen.window());
-    screen.wait_for_rest("the paused window does not rest");
-    let before = screen.pixels();
+    let before = screen.wait_for_rest_of_all("the paused window does not rest");
     // Over the picture and over the panel beside it; the server keeps nothing of what is below.
     screen.cover_for_a_moment([300, 150], [500, 300]);
     let begin = Instant::now();
@@ -282,8 +283,7 @@ fn screen_painted_by(painter: &str, theme: &str) -> Vec<u8> {
     let screen = Screen::of(&server);
     screen.wait_for("the window stays without a picture", has_a_cloud);
     screen.wait_for_keyboard(screen.window());
-    screen.wait_for_rest("the paused window does not rest");
-    screen.pixels()
+    screen.wait_for_rest_of_all("the paused window does not rest")
 }
 
 #[test]

@@ -134,8 +134,8 @@ mod tests {
         let hidden = Agenda {
             is_changed: true,
             draw_at: Some(at(1)),
-            unseen_at: None,
             is_hidden: true,
+            ..Agenda::default()
         };
         let pace = hidden.pace(at(5));
         assert_eq!((pace.redraw, pace.wake_at), (false, None), "it would spin");

@@ -149,6 +149,10 @@ struct Screen {
     title: String,
 }
 
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is something that has or has not happened, independent of the others"
+)]
 struct App {
     state: State,
     options: Options,

@@ -135,7 +135,8 @@ fn in_short(reasons: &[String]) -> String {
     let shown = &reasons[..reasons.len().min(MAX_REASONS)];
     let mut text = shown.join("; ");
     if reasons.len() > shown.len() {
-        text += &format!("; {} more", reasons.len() - shown.len());
+        let more = reasons.len() - shown.len();
+        text = format!("{text}; {more} more");
     }
     text
 }

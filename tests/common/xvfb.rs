@@ -174,13 +174,22 @@ impl Screen {
         }
     }
 
-    /// Waits until nothing has moved for a while.
+    /// Waits until nothing has moved in the picture for a while.
     pub(crate) fn wait_for_rest(&self, what: &str) -> Vec<u8> {
+        Self::rest_of(what, || self.picture())
+    }
+
+    /// Waits until nothing has moved on the whole screen for a while: thumbnails are there, too.
+    pub(crate) fn wait_for_rest_of_all(&self, what: &str) -> Vec<u8> {
+        Self::rest_of(what, || self.pixels())
+    }
+
+    fn rest_of(what: &str, look: impl Fn() -> Vec<u8>) -> Vec<u8> {
         let begin = Instant::now();
-        let mut before = self.picture();
+        let mut before = look();
         loop {
             std::thread::sleep(Duration::from_millis(700));
-            let now = self.picture();
+            let now = look();
             if now == before {
                 return now;
             }

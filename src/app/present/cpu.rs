@@ -122,7 +122,7 @@ impl CpuPresenter {
         let whole = vec![PixelRect::of_size(size_px)];
         let mut damage = self.painter.take_damage();
         if is_exposed {
-            damage = whole.clone();
+            damage.clone_from(&whole);
         }
         if damage.is_empty() {
             return Ok(Painted {
@@ -159,7 +159,7 @@ impl CpuPresenter {
             waited,
             painting,
             presenting: begin.elapsed(),
-            painted_px: region.iter().map(PixelRect::area_px).sum(),
+            repainted_px: region.iter().map(PixelRect::area_px).sum(),
         })
     }
 }
@@ -290,6 +290,10 @@ fn rect(rect: &PixelRect) -> Option<Rect> {
     })
 }
 
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "it is what `map_err` hands over"
+)]
 fn no_surface(error: SoftBufferError) -> RenderError {
     RenderError::Window {
         reason: error.to_string(),

@@ -214,7 +214,7 @@ impl GpuPresenter {
             waited: waited + presenting,
             painting,
             presenting,
-            painted_px: width * height,
+            repainted_px: width * height,
         })
     }
 }

@@ -28,6 +28,7 @@ use winit::window::Window;
 
 /// What a presenter says of itself.
 #[derive(Debug, Clone)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
 pub(super) struct PresenterInfo {
     /// What draws and paints, in a line.
     pub(super) adapter: String,
@@ -64,7 +65,7 @@ pub(super) struct Painted {
     /// Time of handing the window to the window system or the driver.
     pub(super) presenting: Duration,
     /// Pixels that were painted anew.
-    pub(super) painted_px: u64,
+    pub(super) repainted_px: u64,
 }
 
 /// Brings one window onto the screen.

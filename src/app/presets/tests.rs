@@ -7,7 +7,7 @@ use crate::scene::{
 use crate::sequence::ColorSource;
 
 /// As version 0.1 wrote it when nothing was by default, and cut short.
-const OF_VERSION_1: &str = r##"{
+const OF_VERSION_1: &str = r#"{
   "version": 1,
   "presets": [
     {
@@ -41,7 +41,7 @@ const OF_VERSION_1: &str = r##"{
       }
     }
   ]
-}"##;
+}"#;
 
 fn of_version_1() -> Settings {
     Settings {

@@ -65,12 +65,12 @@ impl Gesture {
         let mut events = Vec::new();
         while self.next_deadline() <= now {
             let due = self.next_deadline();
-            let place = self.place(due - self.begin);
+            let place = self.place(due.saturating_sub(self.begin));
             events.push(Event::PointerMoved(place));
             if !self.is_pressed {
                 self.is_pressed = true;
                 events.push(button(place, true));
-            } else if due - self.begin >= self.length {
+            } else if due.saturating_sub(self.begin) >= self.length {
                 events.push(button(place, false));
                 return (events, true);
             } else {

@@ -13,6 +13,7 @@ use self::processor::Processor;
 use super::meter::Redraw;
 use super::state::State;
 use crate::bench::{BenchOptions, Input, WindowAction};
+use crate::playback::Player;
 use crate::scene::{Primitive, Settings};
 use egui::Event;
 use std::collections::VecDeque;
@@ -25,7 +26,7 @@ const GESTURE_TIME: Duration = Duration::from_secs(4);
 const REST: Duration = Duration::from_millis(600);
 
 /// What does not come to its end by itself ends then.
-const MOST_TIME: Duration = Duration::from_secs(60);
+const MOST_TIME: Duration = Duration::from_mins(1);
 
 /// What is drawn.
 const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primitive::Voxel];
@@ -180,7 +181,7 @@ impl Trial {
             } => {
                 let (events, is_over) = gesture.advance(now, &mut watched.pending);
                 if is_over {
-                    watched.found.seconds = (now - watched.begin()).as_secs_f64();
+                    watched.found.seconds = now.saturating_sub(watched.begin()).as_secs_f64();
                     watched.phase = Phase::Resting { since: now };
                 }
                 events
@@ -276,10 +277,7 @@ impl Watched {
         self.processor = Processor::now();
         self.pictures_before = state.counters.pictures;
         self.panel_runs_before = state.counters.ui_passes;
-        self.frames_before = state
-            .player
-            .as_ref()
-            .map_or(0, |player| player.frames_shown());
+        self.frames_before = state.player.as_ref().map_or(0, Player::frames_shown);
         self.found.parts_ms = Default::default();
         self.found.points = [0; 2];
     }
@@ -296,7 +294,7 @@ impl Watched {
         let pictures = state.counters.pictures - self.pictures_before;
         let is_picture = is_presented && pictures > self.found.pictures;
         let player = state.player.as_ref();
-        let frames = player.map_or(0, |player| player.frames_shown()) - self.frames_before;
+        let frames = player.map_or(0, Player::frames_shown) - self.frames_before;
         match &mut self.phase {
             Phase::Settling { still_since } => *still_since = now,
             Phase::Resting { since } => {

@@ -60,7 +60,7 @@ impl Processor {
 
     /// What was used since `before`; `None` where the system does not tell.
     pub(super) fn since(&self, before: &Self) -> Option<Self> {
-        (self.is_known && before.is_known).then(|| Self {
+        (self.is_known && before.is_known).then_some(Self {
             all_ms: self.all_ms - before.all_ms,
             prepare_ms: self.prepare_ms - before.prepare_ms,
             driver_ms: self.driver_ms - before.driver_ms,

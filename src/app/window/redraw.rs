@@ -121,12 +121,12 @@ impl App {
         self.note_preferences(&screen.window);
         let redraw = Redraw {
             panels: panels_run,
-            drawing: picture_drawn - panels_run,
+            drawing: picture_drawn.saturating_sub(panels_run),
             painting: painted.painting,
             presenting: painted.presenting,
             waiting: painted.waited,
             whole: begin.elapsed(),
-            painted_px: painted.painted_px,
+            painted_px: painted.repainted_px,
         };
         // A wait for the next picture of the screen costs nothing; what is beyond it is a driver, or a window system, that is behind.
         let idle = painted.waited.min(self.refresh_interval);
@@ -134,7 +134,7 @@ impl App {
         self.state
             .note_redraw(redraw, frame_ms, screen.presenter.stats());
         if let Some(trial) = &mut self.trial {
-            let is_presented = painted.presented && painted.painted_px > 0;
+            let is_presented = painted.presented && painted.repainted_px > 0;
             let is_due = trial.note(&redraw, is_presented, self.begin.elapsed(), &self.state);
             if is_due {
                 self.change = Change::Panels;

@@ -94,10 +94,22 @@ struct Way {
 
 /// In the order of their columns.
 const WAYS: [Way; 4] = [
-    Way::new(true, true),
-    Way::new(true, false),
-    Way::new(false, true),
-    Way::new(false, false),
+    Way {
+        is_of_file_order: true,
+        is_on_one_thread: true,
+    },
+    Way {
+        is_of_file_order: true,
+        is_on_one_thread: false,
+    },
+    Way {
+        is_of_file_order: false,
+        is_on_one_thread: true,
+    },
+    Way {
+        is_of_file_order: false,
+        is_on_one_thread: false,
+    },
 ];
 
 /// Points to build from.
@@ -220,13 +232,6 @@ fn measure_builds(
 }
 
 impl Way {
-    const fn new(is_of_file_order: bool, is_on_one_thread: bool) -> Self {
-        Self {
-            is_of_file_order,
-            is_on_one_thread,
-        }
-    }
-
     fn build(self, beginnings: &Beginnings<'_>, delta: f32) -> Octree {
         let Points { positions, colors } = if self.is_of_file_order {
             &beginnings.file_order
