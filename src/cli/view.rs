@@ -3,7 +3,9 @@
 use super::arguments::{
     DEMO_INPUT, PictureArgs, ReadArgs, byte_count, frame_rate, open_sequence, size_px,
 };
-use crate::app::{Options, Preferences, PreferencesFile, Presets, Recent, StateOptions};
+use crate::app::{
+    Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions,
+};
 use crate::kept;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::OpenOptions;
@@ -56,6 +58,10 @@ pub(super) struct ViewArgs {
     /// Memory for prepared frames: bytes, or a number with KB, MB, GB, KiB, MiB or GiB
     #[arg(long, value_name = "SIZE", value_parser = byte_count)]
     memory: Option<u64>,
+
+    /// Who paints the window: auto (the GPU if there is a real one, else the processor), gpu or cpu
+    #[arg(long, value_name = "WHO")]
+    present: Option<PresentChoice>,
 
     /// Size of the window in pixels
     #[arg(long, value_name = "WxH", value_parser = size_px)]
@@ -110,6 +116,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         state: StateOptions {
             preferences: Preferences {
                 settings: args.picture.settings_over(preferences.settings),
+                present: args.present.unwrap_or(preferences.present),
                 ..preferences
             },
             up: args.up,

@@ -15,7 +15,7 @@ use crate::sequence::PlayRange;
 use std::path::PathBuf;
 
 /// The marks of the open sequence.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Timeline {
     /// Named frames.
     pub markers: Markers,
@@ -24,8 +24,23 @@ pub struct Timeline {
     /// The marker whose name is being written, and the name so far.
     pub(super) renaming: Option<(usize, String)>,
     pub(super) curve: Curve,
+    /// Where the bar is in the window, points.
+    pub(super) bar_rect: egui::Rect,
     /// Where they are kept, if they may be.
     file: Option<PathBuf>,
+}
+
+impl Default for Timeline {
+    fn default() -> Self {
+        Self {
+            markers: Markers::default(),
+            quantity: None,
+            renaming: None,
+            curve: Curve::default(),
+            bar_rect: egui::Rect::ZERO,
+            file: None,
+        }
+    }
 }
 
 impl State {

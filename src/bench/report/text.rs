@@ -82,6 +82,10 @@ impl Report {
                  beginning, at most and at the end",
                 "panels, showing; the first frame",
             ],
+            Suite::Window => [
+                "a real window that plays, is turned and scrubbed by a mouse of 125 moves a second: pictures presented and frames                  held a second, from a move to its presented picture (latency), from the last move to the picture of all points                  (whole after); processor time of all threads (CPU), of those that prepare frames and of a driver's; times of                  drawing, panels, painting and presenting, medians of pictures",
+                "the work of the X server or the compositor, which takes the same cores; the time until a screen shows the picture",
+            ],
             Suite::Error => [
                 "CPU wall time from camera to finished picture, traversal and uploads of what it chose included; errors against \
                  the truth (a shape ray-traced, else all points as disks in f64; 8x8 samples a pixel): FLIP over the pixels that \
