@@ -31,7 +31,8 @@ impl Processor {
         };
         let mut system = System::new();
         let times = ProcessRefreshKind::nothing().with_cpu().with_tasks();
-        system.refresh_processes_specifics(ProcessesToUpdate::Some(&[own]), false, times);
+        // Single threads are listed only where all processes are.
+        system.refresh_processes_specifics(ProcessesToUpdate::All, false, times);
         let Some(process) = system.process(own) else {
             return Self::default();
         };
