@@ -1,6 +1,10 @@
 //! Files that are kept between runs, in the person's folders for settings and for what can be made anew: never half
 //! written.
 
+mod lenient;
+
+pub(crate) use lenient::{Fields, Lenient, entries, fields, note_later_version, read_leniently};
+
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};

@@ -7,6 +7,7 @@
 //! | [`memory`] | the allocator of the program, and how long it keeps what is freed |
 //! | `kept` | files that are kept between runs |
 //! | [`progress`] | how much of long work is done, and whether it is still wanted |
+//! | `messages` | which messages are of one kind |
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
@@ -39,6 +40,7 @@ mod kept;
 pub mod math;
 pub mod measure;
 pub mod memory;
+mod messages;
 pub mod octree;
 pub mod playback;
 mod priority;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
-    &["math", "memory", "kept", "priority", "progress"],
+    &["math", "memory", "kept", "messages", "priority", "progress"],
     &["cloud"],
     &["io", "analysis"],
     &["measure"],

@@ -16,12 +16,9 @@ fn pointreel(arguments: &[&str]) -> Output {
 }
 
 fn stderr(output: &Output) -> String {
-    // The software driver's Wayland probe prints a line of its own where there is no session.
     String::from_utf8_lossy(&output.stderr)
-        .lines()
-        .filter(|line| !line.contains("XDG_RUNTIME_DIR"))
-        .collect::<Vec<_>>()
-        .join("\n")
+        .trim_end()
+        .to_owned()
 }
 
 fn text(path: &Path) -> &str {
@@ -241,6 +238,149 @@ fn render_draws_every_primitive_mode_and_strategy() {
             <= 4,
         "a speck in the distance"
     );
+}
+
+#[test]
+fn broken_faces_are_said_by_every_verb_and_cost_no_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mesh.ply");
+    let mesh = HEADER.replace(
+        "end_header\n",
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n",
+    ) + "0 0 0 255 0 0\n0 1 0 0 255 0\n0 0 1 0 0 255\n3 0 1 7\n";
+    fs::write(&file, mesh).unwrap();
+    let expected = format!(
+        "{}, face 0: it names vertex 7, expected a whole number from 0 to below 3",
+        file.display()
+    );
+    let picture = folder.path().join("a.png");
+    let converted = folder.path().join("b.ply");
+    for arguments in [
+        &["info", text(&file)][..],
+        &[
+            "render",
+            text(&file),
+            "-o",
+            text(&picture),
+            "--size",
+            "32x32",
+            "--renderer",
+            "cpu",
+        ],
+        &["convert", text(&file), text(&converted)],
+    ] {
+        let output = pointreel(arguments);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let said = stderr(&output);
+        assert_eq!(said.matches(&expected).count(), 1, "{arguments:?}: {said}");
+        assert_eq!(said.lines().count(), 1, "{arguments:?}: {said}");
+        assert!(said.starts_with("warning: "), "{said}");
+    }
+    assert!(picture.exists());
+    let output = pointreel(&["check", text(&file), "--json"]);
+    assert_eq!(output.status.code(), Some(3));
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["point_count"], 3);
+    assert_eq!(report["findings"][0]["kind"], "unreadable_part");
+    let output = pointreel(&["info", text(&converted), "--json"]);
+    let info: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(info["frames"][0]["points"], 3);
+    assert_eq!(info["frames"][0]["warnings"], Value::Null);
+}
+
+#[test]
+fn a_hundred_warnings_of_one_kind_are_one_line() {
+    let folder = small_sequence();
+    for frame in 100..200 {
+        let file = folder.path().join(format!("f{frame}.ply"));
+        fs::write(file, format!("{HEADER}0 0 0 255 0 0\n0 {frame}")).unwrap();
+    }
+    let out = tempfile::tempdir().unwrap();
+    for verb in [&["info"][..], &["convert"], &["check"]] {
+        let mut arguments = verb.to_vec();
+        arguments.push(text(folder.path()));
+        if verb == ["convert"] {
+            arguments.push(text(out.path()));
+        }
+        // What check finds is its answer.
+        let said = |arguments: &[&str]| {
+            let output = pointreel(arguments);
+            if verb == ["check"] {
+                String::from_utf8_lossy(&output.stdout).into_owned()
+            } else {
+                stderr(&output)
+            }
+        };
+        let one = said(&arguments);
+        let lines: Vec<&str> = one.lines().filter(|line| line.contains(".ply, ")).collect();
+        assert_eq!(lines.len(), 1, "{verb:?}: {one}");
+        assert!(
+            lines[0].contains("f100.ply, vertex 1: the file ends"),
+            "{one}"
+        );
+        assert!(lines[0].contains("(and 99 more "), "{one}");
+        assert!(lines[0].ends_with("; --verbose lists them)"), "{one}");
+        arguments.push("--verbose");
+        let all = said(&arguments);
+        let lines = all
+            .lines()
+            .filter(|line| line.contains(".ply, vertex 1: the"));
+        assert_eq!(lines.count(), 100, "{verb:?}: {all}");
+    }
+}
+
+/// A picture of the small sequence by a program that was started without a login to a desktop.
+fn render_without_session(renderer: &str, variables: &[(&str, &str)]) -> Output {
+    let folder = small_sequence();
+    let picture = folder.path().join("picture.png");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pointreel"));
+    command.args(["render", text(folder.path()), "-o", text(&picture)]);
+    command.args(["--size", "32x32", "--renderer", renderer]);
+    for name in [
+        "XDG_RUNTIME_DIR",
+        "DISPLAY",
+        "WAYLAND_DISPLAY",
+        "WAYLAND_SOCKET",
+    ] {
+        command.env_remove(name);
+    }
+    let output = command.envs(variables.iter().copied()).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(picture.exists());
+    output
+}
+
+#[test]
+fn nothing_complains_where_there_is_no_desktop() {
+    for renderer in ["auto", "cpu", "gpu"] {
+        let output = render_without_session(renderer, &[]);
+        assert_eq!(stderr(&output), "", "--renderer {renderer}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+#[expect(
+    clippy::print_stderr,
+    reason = "a test that is skipped says so to who runs it"
+)]
+fn no_driver_is_opened_where_no_card_can_be() {
+    if ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/kfd"].map(|path| Path::new(path).exists())
+        != [false; 4]
+    {
+        eprintln!("skipped: this machine may have a graphics card, whose driver is opened");
+        return;
+    }
+    // The loader of Vulkan tells all that it does on stderr, from the first call on.
+    let loader_tells = [("VK_LOADER_DEBUG", "all")];
+    let by_adapter = render_without_session("gpu", &loader_tells);
+    assert!(
+        stderr(&by_adapter).contains("Vulkan"),
+        "{}",
+        stderr(&by_adapter)
+    );
+    let by_processor = render_without_session("auto", &loader_tells);
+    assert_eq!(stderr(&by_processor), "");
 }
 
 #[test]

@@ -115,22 +115,113 @@ fn ply_faces_of_every_index_type_and_encoding() {
     }
 }
 
+/// What is said of a file whose points are all there and whose faces are not.
+fn warning_of_square(file: &[u8]) -> String {
+    let cloud = read("a.ply", file);
+    assert_eq!(positions(&cloud), SQUARE);
+    assert_eq!(cloud.faces, [[0; 3]; 0]);
+    let [warning] = cloud.warnings.as_slice() else {
+        panic!("{:?}", cloud.warnings)
+    };
+    assert!(warning.starts_with("a.ply, "), "{warning}");
+    assert!(warning.contains("the faces are left out"), "{warning}");
+    warning.clone()
+}
+
 #[test]
-fn ply_faces_name_what_is_wrong_with_them() {
-    let mut file = ply("ascii", "int", false);
-    let text = String::from_utf8(file.clone())
-        .unwrap()
-        .replace("4 0 1 2 3", "4 0 1 2 4");
+fn ply_points_are_there_whatever_is_wrong_with_the_faces() {
+    let ascii = String::from_utf8(ply("ascii", "int", false)).unwrap();
+    for (found, replaced, expected) in [
+        ("4 0 1 2 3", "4 0 1 2 4", "face 0: it names vertex 4"),
+        ("4 0 1 2 3", "4 0 1 2 -1", "face 0: it names vertex -1"),
+        ("2 0 1", "2 0 0.5", "face 1: it names vertex 0.5"),
+        ("2 0 1", "2 0 nan", "face 1: it names vertex NaN"),
+        ("2 0 1", "-2 0 1", "line 18: a list cannot have -2 items"),
+        ("2 0 1", "1.5 0 1", "a list cannot have 1.5 items"),
+        ("2 0 1", "2 0", "face 1: the file ends before property"),
+        (
+            "2 0 1",
+            "9999999999 0 1",
+            "face 1: the file ends before property",
+        ),
+        ("2 0 1", "two 0 1", "of face 1 is `two`, expected a number"),
+        ("element face 2", "element face 3", "face 2: the file ends"),
+        (
+            "element face 2",
+            "element face 1000000000000",
+            "its header claims 1000000000000",
+        ),
+    ] {
+        assert!(ascii.contains(found), "{found}");
+        let warning = warning_of_square(ascii.replacen(found, replaced, 1).as_bytes());
+        assert!(warning.contains(expected), "{replaced}: {warning}");
+    }
+
+    for encoding in ["binary_little_endian", "binary_big_endian"] {
+        let file = ply(encoding, "int", false);
+        // The last face has ten bytes: flag, length, two vertices.
+        for length in file.len() - 10..file.len() {
+            let warning = warning_of_square(&file[..length]);
+            assert!(warning.contains(", face 1: "), "{length}: {warning}");
+        }
+        let mut long = file.clone();
+        let at = file.len() - 9;
+        assert_eq!(long[at], 2);
+        long[at] = 200;
+        let warning = warning_of_square(&long);
+        assert!(
+            warning.contains("face 1: a list of 200 items goes beyond"),
+            "{warning}"
+        );
+        let header_end = file.len() - 4 * 12 - 18 - 10;
+        let header = String::from_utf8(file[..header_end].to_vec()).unwrap();
+        let claim = header.replace("element face 2", "element face 4000000000000");
+        let claim = [claim.as_bytes(), &file[header_end..]].concat();
+        let warning = warning_of_square(&claim);
+        assert!(
+            warning.contains("its header claims 4000000000000"),
+            "{warning}"
+        );
+    }
+}
+
+#[test]
+fn ply_faces_before_the_points_cost_the_points_only_where_these_are_lost() {
+    // An index is wrong: the points are where the header says.
+    let mut file = ply("binary_little_endian", "int", true);
+    let vertices = file.len() - 4 * 12;
+    file[vertices - 4] = 99;
+    assert!(warning_of_square(&file).contains("face 1: it names vertex 99"));
+    // A length is wrong: nobody knows where the points begin.
+    let mut file = ply("binary_little_endian", "int", true);
+    file[vertices - 9] = 255;
+    let message = refused("a.ply", &file);
+    assert!(message.contains("face 1: a list of 255 items"), "{message}");
+}
+
+#[test]
+fn ply_points_are_there_whatever_is_wrong_between_them_and_the_faces() {
+    let file = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
+                element edge 1\nproperty int a\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+                1 2 3\noops\n3 0 0 0\n";
+    let cloud = read("a.ply", file.as_bytes());
+    assert_eq!(positions(&cloud), [[1.0, 2.0, 3.0]]);
+    assert_eq!(cloud.warnings.len(), 1);
     assert!(
-        refused("a.ply", text.as_bytes()).contains("face 0: it names vertex 4"),
+        cloud.warnings[0].contains("of edge 0 is `oops`"),
         "{}",
-        refused("a.ply", text.as_bytes())
+        cloud.warnings[0]
     );
-    let negative = text.replace("0 1 2 4", "0 1 2 -1");
-    assert!(refused("a.ply", negative.as_bytes()).contains("face 0: it names vertex -1"));
-    file = ply("binary_little_endian", "int", false);
-    let cut = refused("a.ply", &file[..file.len() - 1]);
-    assert!(cut.contains("face 1"), "{cut}");
+}
+
+#[test]
+fn ply_strips_with_a_wrong_vertex_are_left_out() {
+    let file = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
+                0 0 0\n1 0 0\n0 1 0\n7 0 1 2 -1 0 1 3\n";
+    let cloud = read("a.ply", file.as_bytes());
+    assert_eq!((cloud.positions.len(), cloud.faces.len()), (3, 0));
+    assert!(cloud.warnings[0].contains("tristrips 0: it names vertex 3"));
 }
 
 #[test]

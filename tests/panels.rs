@@ -4,6 +4,9 @@
     reason = "a helper of a test that cannot go on fails the test"
 )]
 
+#[path = "common/walk.rs"]
+mod walk;
+
 #[path = "panels/benchmark.rs"]
 mod benchmark;
 #[path = "panels/beside.rs"]
@@ -51,59 +54,20 @@ mod trails;
 #[path = "panels/viewport.rs"]
 mod viewport;
 
+use self::walk::{FRAMES, load_all, options, sequence, state_on};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::panels::window_ui;
-use pointreel::app::{Command, Preferences, State, StateOptions, apply_theme};
-use pointreel::cloud::{Positions, RawCloud};
+use pointreel::app::{Command, State, StateOptions, apply_theme};
 use pointreel::octree::StopCriterion;
-use pointreel::scene::Scene;
-use pointreel::sequence::{LoopMode, Sequence, Source};
+use pointreel::sequence::{LoopMode, Sequence};
 use std::sync::Arc;
-use std::time::Duration;
-
-const FRAMES: usize = 24;
-
-/// A cube of points that grows with the frame; frames in `broken` cannot be read.
-fn sequence(broken: &'static [u64]) -> Arc<Sequence> {
-    let sources = (0..FRAMES as u64)
-        .map(|number| Source {
-            number: Some(number),
-            ..Source::file(format!("/scans/walk/frame_{number:04}.ply"))
-        })
-        .collect();
-    Arc::new(Sequence::with_decoder(sources, move |source| {
-        let number = source.number.unwrap_or(0);
-        if broken.contains(&number) {
-            return Err(format!("{}: line 3: expected an element", source.name).into());
-        }
-        let size = 1.0 + number as f32 / 100.0;
-        let corners = (0..8)
-            .map(|corner| [0, 1, 2].map(|axis| size * (corner >> axis & 1) as f32 - 0.5 * size));
-        Ok(RawCloud::from_positions(Positions::F32(corners.collect())))
-    }))
-}
-
-/// Without thumbnails, which are made when there is time: what changes is what a test has changed.
-fn options() -> StateOptions {
-    StateOptions {
-        preferences: Preferences {
-            thumbnails: false,
-            ..Preferences::default()
-        },
-        paused: true,
-        ..StateOptions::default()
-    }
-}
 
 /// A window of 1280×800 on `sequence`, all frames loaded, at time zero.
 fn window_on(sequence: Arc<Sequence>, options: StateOptions) -> Harness<'static, State> {
-    let mut state = State::new(options);
-    state.open(sequence);
-    load_all(&mut state);
-    state.update(Duration::ZERO);
+    let state = state_on(sequence, options);
     Harness::builder()
         .with_size([1280.0, 800.0])
         .with_max_steps(20)
@@ -113,18 +77,6 @@ fn window_on(sequence: Arc<Sequence>, options: StateOptions) -> Harness<'static,
 
 fn window() -> Harness<'static, State> {
     window_on(sequence(&[]), options())
-}
-
-/// Waits until the loader has every frame as the settings need it.
-fn load_all(state: &mut State) {
-    state.update(state.now());
-    let needs = Scene::needs(&state.settings);
-    let loader = state.player.as_ref().unwrap().loader();
-    for index in 0..FRAMES {
-        // A broken frame is an answer as well.
-        let _ = loader.wait(index, &needs);
-    }
-    state.update(state.now());
 }
 
 fn frame(harness: &Harness<'_, State>) -> usize {

@@ -1,5 +1,9 @@
 //! One sitting in front of the real program: open, play, scrub, draw otherwise, measure, export, by real keys and a real mouse.
 //! Pictures of the screen are compared from step to step: what is undone must look as it did before, to the last bit.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a helper of a test that cannot go on fails the test"
+)]
 #![cfg(all(unix, not(target_os = "macos")))]
 
 #[path = "common/xvfb.rs"]
@@ -8,7 +12,9 @@ mod xvfb;
 use image::RgbaImage;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use xvfb::{PATIENCE, Process, Screen, Xvfb, has_a_cloud, pngs};
+use xvfb::{PATIENCE, Process, Screen, Xvfb, has_a_cloud, painted_by_each, pngs};
+
+painted_by_each!(open_play_scrub_draw_otherwise_measure_and_export);
 
 /// Keysyms of X11.
 const SPACE: u32 = 0x20;
@@ -33,21 +39,13 @@ const EXPORT: [i16; 2] = [128, 395];
 /// Height of the menu above the 3-D picture.
 const PICTURE_TOP: usize = 33;
 
-#[test]
-fn open_play_scrub_draw_otherwise_measure_and_export() {
+fn open_play_scrub_draw_otherwise_measure_and_export(painter: &str) {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/demo");
     let program = server
-        .program(home.path())
-        .args([
-            "view",
-            "--paused",
-            "--size",
-            "1000x700",
-            "--renderer",
-            "cpu",
-        ])
+        .view(home.path(), painter)
+        .args(["--paused", "--size", "1000x700", "--renderer", "cpu"])
         .arg(demo)
         .spawn()
         .unwrap();

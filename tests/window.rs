@@ -12,7 +12,17 @@ use image::RgbaImage;
 use std::path::Path;
 use std::process::Child;
 use std::time::{Duration, Instant};
-use xvfb::{PATIENCE, Process, Screen, Xvfb, has_a_cloud, pngs};
+use xvfb::{PATIENCE, Process, Screen, Xvfb, has_a_cloud, painted_by_each, pngs};
+
+painted_by_each!(
+    the_demo_plays_pauses_and_is_photographed,
+    a_window_of_any_size_goes_on,
+    settings_are_kept_for_the_next_window,
+    a_screenshot_of_either_renderer_is_written_and_the_window_ends,
+    a_sequence_beside_itself_is_two_equal_halves,
+    what_was_covered_is_shown_again,
+    a_window_on_a_display_of_another_scale_shows_a_cloud,
+);
 
 /// Keysyms of X11.
 const SPACE: u32 = 0x20;
@@ -35,13 +45,12 @@ fn cpu_ticks(child: &Child) -> u64 {
     fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap()
 }
 
-#[test]
-fn the_demo_plays_pauses_and_is_photographed() {
+fn the_demo_plays_pauses_and_is_photographed(painter: &str) {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     let program = server
-        .program(home.path())
-        .args(["view", "--size", "1000x700"])
+        .view(home.path(), painter)
+        .args(["--size", "1000x700"])
         .spawn()
         .unwrap();
     let mut program = Process(program);
@@ -55,7 +64,9 @@ fn the_demo_plays_pauses_and_is_photographed() {
 
     screen.wait_for_keyboard(screen.window());
     screen.key(SPACE);
-    let paused = screen.wait_for_rest("the demo does not pause");
+    // Thumbnails are made when nothing plays; they are no idleness.
+    screen.wait_for_rest_of_all("the demo does not pause");
+    let paused = screen.picture();
     std::thread::sleep(Duration::from_secs(1));
     assert!(screen.picture() == paused, "a paused picture changed");
 
@@ -93,13 +104,12 @@ fn the_demo_plays_pauses_and_is_photographed() {
     );
 }
 
-#[test]
-fn a_window_of_any_size_goes_on() {
+fn a_window_of_any_size_goes_on(painter: &str) {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     let program = server
-        .program(home.path())
-        .args(["view", "--size", "1000x700", "--paused"])
+        .view(home.path(), painter)
+        .args(["--size", "1000x700", "--paused"])
         .spawn()
         .unwrap();
     let mut program = Process(program);
@@ -133,16 +143,15 @@ fn a_window_of_any_size_goes_on() {
     assert!(program.0.try_wait().unwrap().is_none());
 }
 
-#[test]
-fn settings_are_kept_for_the_next_window() {
+fn settings_are_kept_for_the_next_window(painter: &str) {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     let file = home.path().join("config/pointreel/settings.json");
     // From looping on: the second window goes on where the first one was left.
     for expected in ["ping-pong", "off"] {
         let program = server
-            .program(home.path())
-            .args(["view", "--paused", "--primitive", "point"])
+            .view(home.path(), painter)
+            .args(["--paused", "--primitive", "point"])
             .spawn()
             .unwrap();
         let _program = Process(program);
@@ -164,12 +173,16 @@ fn settings_are_kept_for_the_next_window() {
     }
 }
 
-/// The picture of a window of 800 × 600 pixels that shows points drawn by `renderer`.
-fn screenshot(server: &Xvfb, home: &Path, renderer: &str, arguments: &[&str]) -> RgbaImage {
+/// The picture of a window of 800 × 600 pixels, painted by `painter`, that shows points drawn by `renderer`.
+fn screenshot(
+    server: &Xvfb,
+    home: &Path,
+    [painter, renderer]: [&str; 2],
+    arguments: &[&str],
+) -> RgbaImage {
     let file = home.join(format!("{renderer}.png"));
     let status = server
-        .program(home)
-        .arg("view")
+        .view(home, painter)
         .args(arguments)
         .args(["--renderer", renderer, "--primitive", "point"])
         .args(["--size", "800x600", "--screenshot"])
@@ -180,23 +193,26 @@ fn screenshot(server: &Xvfb, home: &Path, renderer: &str, arguments: &[&str]) ->
     image::open(file).unwrap().to_rgba8()
 }
 
-#[test]
-fn a_screenshot_of_either_renderer_is_written_and_the_window_ends() {
+fn a_screenshot_of_either_renderer_is_written_and_the_window_ends(painter: &str) {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     for renderer in ["gpu", "cpu"] {
-        let picture = screenshot(&server, home.path(), renderer, &["--after-frames", "3"]);
+        let picture = screenshot(
+            &server,
+            home.path(),
+            [painter, renderer],
+            &["--after-frames", "3"],
+        );
         assert!(has_a_cloud(picture.as_raw()), "{renderer}");
     }
 }
 
-#[test]
-fn a_sequence_beside_itself_is_two_equal_halves() {
+fn a_sequence_beside_itself_is_two_equal_halves(painter: &str) {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     for renderer in ["gpu", "cpu"] {
         let arguments = ["--compare", "demo:", "--paused"];
-        let picture = screenshot(&server, home.path(), renderer, &arguments);
+        let picture = screenshot(&server, home.path(), [painter, renderer], &arguments);
         let (width, height) = picture.dimensions();
         assert_eq!(width % 2, 0, "no halves");
         let half = |left| image::imageops::crop_imm(&picture, left, 0, width / 2, height);
@@ -204,6 +220,127 @@ fn a_sequence_beside_itself_is_two_equal_halves() {
         assert!(has_a_cloud(halves[0].as_raw()), "{renderer}");
         assert_eq!(halves[0], halves[1], "{renderer}");
     }
+}
+
+fn what_was_covered_is_shown_again(painter: &str) {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    let program = server
+        .view(home.path(), painter)
+        .args(["--size", "1000x700", "--paused"])
+        .spawn()
+        .unwrap();
+    let mut program = Process(program);
+    let screen = Screen::of(&server);
+    screen.wait_for("the window stays without a picture", has_a_cloud);
+    screen.wait_for_keyboard(screen.window());
+    let before = screen.wait_for_rest_of_all("the paused window does not rest");
+    // Over the picture and over the panel beside it; the server keeps nothing of what is below.
+    screen.cover_for_a_moment([300, 150], [500, 300]);
+    let begin = Instant::now();
+    while screen.pixels() != before {
+        assert!(
+            begin.elapsed() < PATIENCE,
+            "a hole stays where the window was covered"
+        );
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    assert!(program.0.try_wait().unwrap().is_none());
+}
+
+fn a_window_on_a_display_of_another_scale_shows_a_cloud(painter: &str) {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    for scale in ["1.5", "2"] {
+        let program = server
+            .view(home.path(), painter)
+            .env("WINIT_X11_SCALE_FACTOR", scale)
+            .args(["--size", "1000x700", "--paused"])
+            .spawn()
+            .unwrap();
+        let _program = Process(program);
+        let screen = Screen::of(&server);
+        screen.wait_for("the window stays without a picture", |picture| {
+            has_a_cloud(picture)
+        });
+    }
+}
+
+/// All pixels of the screen with a paused window painted by `painter`.
+fn screen_painted_by(painter: &str, theme: &str) -> Vec<u8> {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    let settings = home.path().join("config/pointreel");
+    std::fs::create_dir_all(&settings).unwrap();
+    let theme = format!("{{\"version\": 6, \"theme\": \"{theme}\"}}");
+    std::fs::write(settings.join("settings.json"), theme).unwrap();
+    let program = server
+        .view(home.path(), painter)
+        .args(["--size", "1000x700", "--paused", "--renderer", "cpu"])
+        .spawn()
+        .unwrap();
+    let _program = Process(program);
+    let screen = Screen::of(&server);
+    screen.wait_for("the window stays without a picture", has_a_cloud);
+    screen.wait_for_keyboard(screen.window());
+    screen.wait_for_rest_of_all("the paused window does not rest")
+}
+
+#[test]
+fn both_painters_show_the_same_window() {
+    for theme in ["dark", "light"] {
+        let [gpu, cpu] = ["gpu", "cpu"].map(|painter| screen_painted_by(painter, theme));
+        let pixels = gpu.chunks_exact(4).zip(cpu.chunks_exact(4));
+        let is_other =
+            |(a, b): &(&[u8], &[u8])| a[..3].iter().zip(&b[..3]).any(|(a, b)| a.abs_diff(*b) > 1);
+        let others = pixels.clone().filter(is_other).count();
+        // Edges of triangles fall on the other side of a pixel's middle; the panel names the painter's adapter nowhere.
+        assert!(
+            1000 * others <= pixels.count(),
+            "{theme}: {others} pixels differ"
+        );
+    }
+}
+
+#[test]
+fn a_machine_without_vulkan_has_a_window() {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    // The first library of that name on the way is none.
+    let hidden = home.path().join("hidden");
+    std::fs::create_dir(&hidden).unwrap();
+    std::fs::write(hidden.join("libvulkan.so.1"), "").unwrap();
+    let run = |painter: &str, renderer: &str| {
+        let file = home.path().join(format!("{painter}-{renderer}.png"));
+        let output = server
+            .view(home.path(), painter)
+            .env("LD_LIBRARY_PATH", &hidden)
+            .env("RUST_LOG", "warn")
+            .args(["--renderer", renderer, "--size", "800x600", "--screenshot"])
+            .arg(&file)
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let picture = image::open(file).ok().map(|picture| picture.to_rgba8());
+        (output.status.code(), said, picture)
+    };
+    for (painter, renderer) in [("auto", "auto"), ("cpu", "auto"), ("cpu", "gpu")] {
+        let (code, said, picture) = run(painter, renderer);
+        assert_eq!(code, Some(0), "{painter} {renderer}: {said}");
+        assert!(
+            has_a_cloud(picture.unwrap().as_raw()),
+            "{painter} {renderer}"
+        );
+        // Who wants a GPU is told that there is none.
+        assert_eq!(
+            said.contains("The processor draws now"),
+            renderer == "gpu",
+            "{said}"
+        );
+    }
+    let (code, said, _) = run("gpu", "auto");
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("no Vulkan"), "{said}");
 }
 
 #[test]
@@ -215,7 +352,8 @@ fn a_lost_device_is_opened_again() {
         let output = server
             .program(home.path())
             .env("RUST_LOG", "warn")
-            .args(["view", "--renderer", renderer, "--size", "800x600"])
+            .args(["view", "--present", "gpu"])
+            .args(["--renderer", renderer, "--size", "800x600"])
             .args(["--lose-device-after", "2", "--screenshot"])
             .arg(&file)
             .args(["--after-frames", "5"])

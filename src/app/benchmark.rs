@@ -6,9 +6,14 @@ use crate::bench::{self, LabPoint};
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
 use crate::sequence::Sequence;
-use std::sync::atomic::AtomicBool;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
+
+/// How often is looked whether the other window has measured itself.
+const LOOK_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A finished benchmark as the panel shows and exports it.
 #[derive(Debug, Clone, Default)]
@@ -158,12 +163,21 @@ impl Benchmark {
     }
 }
 
-/// The job that runs `suite` on `sequence` with a GPU context of its own.
+/// The job that runs `suite` on `sequence`: with a GPU context of its own, or in a window of its own.
 pub(super) fn benchmark_job(
     suite: bench::Suite,
     name: String,
     sequence: Arc<Sequence>,
 ) -> BenchmarkJob {
+    if suite == bench::Suite::Window {
+        return Box::new(move |report, cancel| {
+            report(BenchmarkStep {
+                label: format!("{name}: another window plays, turns and scrubs it"),
+                ..BenchmarkStep::default()
+            });
+            window_job(&sequence, cancel)
+        });
+    }
     Box::new(move |report, cancel| {
         let context =
             Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
@@ -192,9 +206,15 @@ pub(super) fn benchmark_job(
         };
         let measured = bench::run(&[input], &options, Some(&context), &progress, cancel)
             .map_err(|error| error.to_string())?;
-        Ok(BenchmarkTable {
-            suite: suite.name().to_owned(),
-            adapter: context.adapter_summary(),
+        Ok(BenchmarkTable::of(measured))
+    })
+}
+
+impl BenchmarkTable {
+    fn of(measured: bench::Report) -> Self {
+        Self {
+            suite: measured.suite().name().to_owned(),
+            adapter: measured.environment.adapter.clone(),
             tables: measured.tables(),
             notes: measured.notes.clone(),
             bars_title: measured.bars_title().to_owned(),
@@ -207,6 +227,47 @@ pub(super) fn benchmark_job(
                 measured.to_html()
             },
             points: measured.points.into_iter().map(Arc::new).collect(),
-        })
-    })
+        }
+    }
+}
+
+/// Has this program measure another window of its own: one process has one event loop, and this window's would be measured with the
+/// benchmark's panel in it.
+fn window_job(sequence: &Sequence, cancel: &AtomicBool) -> Result<BenchmarkTable, String> {
+    let say = |error: std::io::Error| format!("the other window cannot be opened: {error}");
+    let folder = std::env::temp_dir().join(format!("pointreel-window-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).map_err(say)?;
+    let file = folder.join("report.json");
+    let inputs = match sequence.inputs() {
+        [] => vec![PathBuf::from("demo:")],
+        inputs => inputs.to_vec(),
+    };
+    let fps = sequence.fps().to_string();
+    let mut program = Command::new(std::env::current_exe().map_err(say)?)
+        .args(["bench", "window"])
+        .args(inputs)
+        .args(["--fps", &fps, "--json"])
+        .arg(&file)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .spawn()
+        .map_err(say)?;
+    let ended = loop {
+        if cancel.load(Ordering::Relaxed) {
+            // One that has just ended by itself needs no end.
+            let _ = program.kill();
+        }
+        match program.try_wait().map_err(say)? {
+            Some(status) => break status,
+            None => std::thread::sleep(LOOK_INTERVAL),
+        }
+    };
+    let json = std::fs::read_to_string(&file);
+    // What is left there is cleaned up by the system.
+    let _ = std::fs::remove_dir_all(&folder);
+    if !ended.success() {
+        return Err("the other window was closed before all was measured".to_owned());
+    }
+    let report = bench::window_report_of_json(&json.map_err(say)?)?;
+    Ok(BenchmarkTable::of(report))
 }

@@ -1,11 +1,14 @@
 //! A picture of a pose in the window: the packet that it is drawn from, and what that was made of.
 
+use super::levels::Levels;
+use super::tasks::Tasks;
 use crate::playback::can_draw;
 use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, Settings, pick};
 use crate::sequence::PreparedFrame;
 use egui::{Pos2, Rect, Vec2};
 use glam::DVec3;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// A click may be so far beside what it is meant for, points.
 const PICK_RADIUS: f32 = 6.0;
@@ -17,6 +20,8 @@ pub(super) struct Drawing {
     packet: Option<ScenePacket>,
     frame: Option<DrawnFrame>,
     primitive: Primitive,
+    /// What makes pictures coarser while the camera moves.
+    levels: Levels,
     /// The last redraw had a new picture, whose time has not been looked at.
     is_new: bool,
 }
@@ -49,6 +54,7 @@ impl Default for Drawing {
             packet: None,
             frame: None,
             primitive: Primitive::Point,
+            levels: Levels::default(),
             is_new: false,
         }
     }
@@ -60,24 +66,48 @@ impl Drawing {
         self.scene.stats()
     }
 
-    /// Takes notice of how long the last picture took, if that was not said yet; the points of the frame in it then.
-    pub(super) fn note_draw_ms(&mut self, settings: &Settings, draw_ms: f64) -> Option<usize> {
+    /// Takes notice of how long the last picture took, if that was not said yet. The points of the frame in it then, if the picture was
+    /// of all of them.
+    pub(super) fn note_draw_ms(&mut self, draw_ms: f64) -> Option<usize> {
         if !std::mem::take(&mut self.is_new) {
             return None;
         }
-        self.scene.note_draw_ms(settings, draw_ms);
-        self.frame.as_ref().map(|drawn| drawn.frame.frame.len())
+        let (packet, drawn) = self.packet.as_ref().zip(self.frame.as_ref())?;
+        self.scene.note_draw_ms(&packet.settings, draw_ms);
+        if self.levels.are_drawn() {
+            return None;
+        }
+        self.levels.note_whole_picture(&drawn.frame, draw_ms);
+        Some(drawn.frame.frame.len())
     }
 
-    /// The packet to draw, if it differs from the last one. Until the frame has what the primitive needs, it is shown as before.
+    /// Has levels of detail made for a frame at rest that takes long to draw, so that the camera moves smoothly.
+    pub(super) fn prepare_levels(&mut self, settings: &Settings, tasks: &Tasks) {
+        if let Some(drawn) = &self.frame {
+            self.levels.prepare(&drawn.frame, settings, tasks);
+        }
+    }
+
+    /// Takes levels of detail that were made.
+    pub(super) fn take_levels(&mut self, frame: &Arc<PreparedFrame>) {
+        self.levels.take(frame);
+    }
+
+    /// When a picture that is coarse because the camera moved is to be drawn as a whole.
+    pub(super) fn next_deadline(&self) -> Option<Duration> {
+        self.levels.next_deadline()
+    }
+
+    /// The packet to draw at `now`, if it differs from the last one. Until the frame has what the primitive needs, it is shown as before.
     pub(super) fn next_packet(
         &mut self,
         drawn: DrawnFrame,
         camera: &Camera,
         settings: &Settings,
         viewport_px: [u32; 2],
+        now: Duration,
     ) -> Option<ScenePacket> {
-        let mut settings = *settings;
+        let (frame, mut settings) = self.levels.choose(&drawn.frame, camera, settings, now);
         if !can_draw(&drawn.frame, settings.primitive) {
             settings.primitive = if can_draw(&drawn.frame, self.primitive) {
                 self.primitive
@@ -87,7 +117,7 @@ impl Drawing {
         }
         let packet = self
             .scene
-            .packet(&drawn.frame, drawn.origin, camera, &settings, viewport_px);
+            .packet(&frame, drawn.origin, camera, &settings, viewport_px);
         if self.packet.as_ref() == Some(&packet) {
             return None;
         }

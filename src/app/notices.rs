@@ -1,4 +1,7 @@
-//! Messages to the person: shown until dismissed, the same one only once. What merely confirms goes by itself.
+//! Messages to the person: shown until dismissed, the same one only once, warnings and errors of one kind together. What merely confirms
+//! goes by itself.
+
+use crate::messages::kind_of;
 
 use std::time::Duration;
 
@@ -24,6 +27,10 @@ pub struct Notice {
     pub text: String,
     /// How often it came up.
     pub count: u64,
+    /// Other messages of its kind, each once, in the order in which they came up.
+    pub others: Vec<String>,
+    /// What it says apart from numbers and names of files.
+    kind: String,
     /// When it goes by itself.
     until: Option<Duration>,
 }
@@ -41,8 +48,12 @@ const INFO_TIME: Duration = Duration::from_secs(6);
 /// More than these hide the picture: the oldest go.
 const MAX_NOTICES: usize = 6;
 
+/// More of one kind than anybody reads; they are not kept.
+const MAX_OTHERS: usize = 1000;
+
 impl Notices {
-    /// Shows `text`. The same text again only counts up, however often a broken frame is drawn.
+    /// Shows `text`. The same text again only counts up, however often a broken frame is drawn; a warning or an error of a kind that is
+    /// shown already is listed with it, however many frames are broken.
     pub fn post(&mut self, severity: Severity, text: impl Into<String>) {
         let text = text.into();
         if let Some(known) = self
@@ -54,10 +65,24 @@ impl Notices {
             known.until = None;
             return;
         }
+        let kind = kind_of(&text);
+        let same_kind = self.notices.iter_mut().find(|notice| {
+            // Confirmations are of another thing each time.
+            severity != Severity::Info && notice.severity == severity && notice.kind == kind
+        });
+        if let Some(known) = &same_kind
+            && (known.others.contains(&text) || known.others.len() == MAX_OTHERS)
+        {
+            return;
+        }
         match severity {
             Severity::Info => log::info!("{text}"),
             Severity::Warning => log::warn!("{text}"),
             Severity::Error => log::error!("{text}"),
+        }
+        if let Some(known) = same_kind {
+            known.others.push(text);
+            return;
         }
         if self.notices.len() == MAX_NOTICES {
             self.notices.remove(0);
@@ -67,6 +92,8 @@ impl Notices {
             severity,
             text,
             count: 1,
+            others: Vec::new(),
+            kind,
             until: None,
         });
         self.next_id += 1;
@@ -130,6 +157,29 @@ mod tests {
         assert_eq!(notices.list().len(), 2);
         assert_eq!(notices.list()[0].count, 60);
         assert_eq!(notices.list()[1].count, 1);
+    }
+
+    #[test]
+    fn a_hundred_frames_with_one_fault_are_one_notice() {
+        let mut notices = Notices::default();
+        for frame in (0..100).chain(0..100) {
+            notices.error(format!(
+                "Frame {frame} is left out. /a/f_{frame}.ply is empty"
+            ));
+        }
+        notices.error("Frame 3 is left out. /a/f_3.ply cannot be read");
+        let [empty, unreadable] = notices.list() else {
+            panic!("{:?}", notices.list())
+        };
+        assert_eq!((empty.count, empty.others.len()), (2, 99));
+        assert_eq!(
+            empty.others[98],
+            "Frame 99 is left out. /a/f_99.ply is empty"
+        );
+        assert_eq!(unreadable.others, [""; 0]);
+        notices.info("1 is saved");
+        notices.info("2 is saved");
+        assert_eq!(notices.list().len(), 4);
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub(super) struct Agenda {
     pub(super) is_changed: bool,
     /// When the picture or a panel has to be drawn next.
     pub(super) draw_at: Option<Duration>,
+    /// The screen is not ready for another picture before.
+    pub(super) not_before: Duration,
     /// When something is to be done that is not seen.
     pub(super) unseen_at: Option<Duration>,
     /// The window is covered or minimised.
@@ -48,9 +50,14 @@ pub(super) struct Pace {
 impl Agenda {
     /// Decides at `now`. A hidden window draws nothing, and nothing of it is waited for: it is drawn when it is seen again.
     pub(super) fn pace(&self, now: Duration) -> Pace {
-        let is_due = self.draw_at.is_some_and(|due| due <= now);
-        let redraw = (self.is_changed || is_due) && !self.is_hidden;
-        let draw_at = self.draw_at.filter(|_| !redraw && !self.is_hidden);
+        let draw_at = if self.is_changed {
+            Some(self.not_before)
+        } else {
+            self.draw_at.map(|due| due.max(self.not_before))
+        };
+        let draw_at = draw_at.filter(|_| !self.is_hidden);
+        let redraw = draw_at.is_some_and(|due| due <= now);
+        let draw_at = draw_at.filter(|_| !redraw);
         Pace {
             redraw,
             wake_at: [draw_at, self.unseen_at].into_iter().flatten().min(),
@@ -91,6 +98,25 @@ mod tests {
     }
 
     #[test]
+    fn what_comes_too_early_for_the_screen_waits_for_it() {
+        let agenda = |is_changed, draw_at| Agenda {
+            is_changed,
+            draw_at,
+            not_before: at(6),
+            ..Agenda::default()
+        };
+        for early in [agenda(true, None), agenda(false, Some(at(4)))] {
+            let pace = early.pace(at(5));
+            assert_eq!((pace.redraw, pace.wake_at), (false, Some(at(6))));
+            assert!(early.pace(at(6)).redraw);
+        }
+        let later = agenda(false, Some(at(9))).pace(at(5));
+        assert_eq!((later.redraw, later.wake_at), (false, Some(at(9))));
+        // Nothing to draw is nothing to wait for.
+        assert_eq!(agenda(false, None).pace(at(5)).wake_at, None);
+    }
+
+    #[test]
     fn a_window_is_seen_when_it_is_neither_covered_nor_minimised() {
         let mut sight = Sight::default();
         assert!(!sight.is_hidden());
@@ -108,8 +134,8 @@ mod tests {
         let hidden = Agenda {
             is_changed: true,
             draw_at: Some(at(1)),
-            unseen_at: None,
             is_hidden: true,
+            ..Agenda::default()
         };
         let pace = hidden.pace(at(5));
         assert_eq!((pace.redraw, pace.wake_at), (false, None), "it would spin");

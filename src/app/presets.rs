@@ -1,13 +1,19 @@
 //! Settings under a name, kept between runs in a small JSON file.
+//!
+//! **How it works.** Each preset is read by itself, and each of its values: one that is not there or not known is as by default,
+//! of a number that is not offered the nearest is taken. So presets outlive versions of this program. What a later one wrote
+//! beside what is known here goes when the list is written anew; a file of which something could not be read is copied first
+//! (`kept/lenient.rs`).
 
 use super::preferences::offered_settings;
-use crate::kept;
+use crate::kept::{self, Fields};
 use crate::octree::StopCriterion;
 use crate::scene::{Lod, Primitive, Settings};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Changes with every change of [`Stored`] that older programs, or newer ones, would misread.
+/// Changes where the same word would mean something else. Further settings and further words need no other version.
 const VERSION: u32 = 1;
 
 /// More than a menu shows.
@@ -17,8 +23,7 @@ const MAX_PRESETS: usize = 50;
 const MAX_NAME_CHARS: usize = 60;
 
 /// Settings under a name.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Preset {
     /// What a person calls them; not empty.
     pub name: String,
@@ -31,13 +36,13 @@ pub struct Preset {
 pub struct Presets {
     list: Vec<Preset>,
     file: Option<PathBuf>,
+    problem: Option<String>,
 }
 
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Stored {
+#[derive(Serialize)]
+struct Stored<'a> {
     version: u32,
-    presets: Vec<Preset>,
+    presets: &'a [Preset],
 }
 
 /// Ways to draw that every window offers: name, what it is, and how it draws. Colours and background are not theirs.
@@ -87,20 +92,22 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Settings); 4] {
 impl Presets {
     /// Those of this person.
     pub fn load() -> Self {
-        kept::place_of("presets.json").map_or_else(Self::default, Self::load_from)
+        kept::place_of("presets.json").map_or_else(Self::default, |file| Self::load_from(&file))
     }
 
-    /// Those in `file`, which need not be there yet. A file that cannot be used is told of in the log, and left aside as a whole.
-    pub fn load_from(file: PathBuf) -> Self {
-        let list = read(&file).unwrap_or_else(|reason| {
-            log::warn!(
-                "the presets in {} cannot be used ({reason}): the list begins anew",
-                file.display()
-            );
-            Vec::new()
-        });
-        let file = Some(file);
-        Self { list, file }
+    /// Those in `file`, which need not be there yet.
+    pub fn load_from(file: &Path) -> Self {
+        let read = kept::read_leniently(file, "the presets", presets_of);
+        Self {
+            list: read.value,
+            file: read.file,
+            problem: read.problem,
+        }
+    }
+
+    /// What could not be read, and where the copy is: a text for a notice.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
     }
 
     /// By name.
@@ -110,14 +117,14 @@ impl Presets {
 
     /// Keeps `settings` under `name`, in place of those that had it. `Err` is a text for a notice.
     pub fn save(&mut self, name: &str, settings: Settings) -> Result<(), String> {
-        let name: String = name.trim().chars().take(MAX_NAME_CHARS).collect();
+        let name = as_name(name);
         if name.is_empty() {
             return Err("A preset needs a name".to_owned());
         }
         let settings = offered_settings(settings);
         match self.list.binary_search_by(|preset| preset.name.cmp(&name)) {
             Ok(place) => self.list[place].settings = settings,
-            Err(_) if self.list.len() == MAX_PRESETS => {
+            Err(_) if self.list.len() >= MAX_PRESETS => {
                 return Err(format!("There are {MAX_PRESETS} presets: delete one first"));
             }
             Err(place) => self.list.insert(place, Preset { name, settings }),
@@ -137,7 +144,7 @@ impl Presets {
         };
         let stored = Stored {
             version: VERSION,
-            presets: self.list.clone(),
+            presets: &self.list,
         };
         let written = serde_json::to_vec_pretty(&stored)
             .map_err(std::io::Error::other)
@@ -149,75 +156,39 @@ impl Presets {
     }
 }
 
-fn read(file: &Path) -> Result<Vec<Preset>, String> {
-    let Some(bytes) = kept::read(file)? else {
-        return Ok(Vec::new());
-    };
-    let stored: Stored = serde_json::from_slice(&bytes).map_err(|reason| reason.to_string())?;
-    if stored.version != VERSION {
-        let version = stored.version;
-        return Err(format!("it has version {version} instead of {VERSION}"));
-    }
-    let presets = stored.presets;
-    if presets.len() > MAX_PRESETS || !presets.is_sorted_by(|a, b| a.name < b.name) {
-        return Err("its list is too long or not in order".to_owned());
-    }
-    for Preset { name, settings } in &presets {
-        let has_name = !name.trim().is_empty() && name.chars().count() <= MAX_NAME_CHARS;
-        if !has_name || offered_settings(*settings) != *settings {
-            return Err(format!("`{name}` has values that are not offered"));
+/// `text` as it is kept; may be empty.
+fn as_name(text: &str) -> String {
+    text.trim().chars().take(MAX_NAME_CHARS).collect()
+}
+
+/// The presets in the object of a file, by name.
+fn presets_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Preset> {
+    kept::note_later_version(stored, VERSION, unread);
+    let mut presets: Vec<Preset> = Vec::new();
+    for entry in kept::entries(stored, "presets", unread) {
+        let name = as_name(entry["name"].as_str().unwrap_or_default());
+        let Value::Object(settings) = &entry["settings"] else {
+            unread.push(format!("the preset `{name}` has no settings"));
+            continue;
+        };
+        if name.is_empty() {
+            unread.push("a preset has no name".to_owned());
+            continue;
+        }
+        let mut unread_here = Vec::new();
+        let settings = offered_settings(kept::fields(settings, &mut unread_here));
+        unread.extend(
+            unread_here
+                .iter()
+                .map(|reason| format!("`{name}`: {reason}")),
+        );
+        match presets.binary_search_by(|preset| preset.name.cmp(&name)) {
+            Ok(_) => unread.push(format!("`{name}` is there twice")),
+            Err(place) => presets.insert(place, Preset { name, settings }),
         }
     }
-    Ok(presets)
+    presets
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn presets_are_kept_by_name() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("presets.json");
-        let mut presets = Presets::load_from(file.clone());
-        let [(_, _, fast), (_, _, exact), ..] = built_in();
-        presets.save("night", fast).unwrap();
-        presets.save(" day ", exact).unwrap();
-        presets.save("night", exact).unwrap();
-        assert!(presets.save("  ", fast).is_err());
-        let names: Vec<_> = presets.list().iter().map(|p| p.name.as_str()).collect();
-        assert_eq!(names, ["day", "night"]);
-        assert_eq!(presets.list()[1].settings, exact);
-        assert_eq!(Presets::load_from(file.clone()), presets);
-        presets.delete("day").unwrap();
-        assert_eq!(Presets::load_from(file).list().len(), 1);
-    }
-
-    #[test]
-    fn damage_and_values_that_are_not_offered_are_left_aside() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("presets.json");
-        let mut presets = Presets::load_from(file.clone());
-        presets.save("a", Settings::default()).unwrap();
-        let text = std::fs::read_to_string(&file).unwrap();
-        for (from, to) in [
-            ("\"version\": 1", "\"version\": 9"),
-            ("\"splat_scale\": 1.0", "\"splat_scale\": 1e9"),
-            ("\"splat_scale\": 1.0", "\"splat_scale\": \"big\""),
-            ("\"name\": \"a\"", "\"name\": \"\""),
-            ("{", ""),
-        ] {
-            let damaged = text.replacen(from, to, 1);
-            assert_ne!(damaged, text, "{from}");
-            std::fs::write(&file, damaged).unwrap();
-            assert!(Presets::load_from(file.clone()).list().is_empty(), "{to}");
-        }
-    }
-
-    #[test]
-    fn what_is_built_in_is_offered() {
-        for (name, _, settings) in built_in() {
-            assert_eq!(offered_settings(settings), settings, "{name}");
-        }
-    }
-}
+mod tests;

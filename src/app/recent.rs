@@ -1,7 +1,7 @@
 //! What was opened lately, kept between runs in a small JSON file.
 
-use crate::kept;
-use serde::{Deserialize, Serialize};
+use crate::kept::{self, Fields};
+use serde::{Deserialize as _, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Entries that are kept.
@@ -17,37 +17,28 @@ pub struct Recent {
     file: Option<PathBuf>,
 }
 
-#[derive(Serialize, Deserialize)]
-struct Stored {
-    recent: Vec<Vec<PathBuf>>,
+#[derive(Serialize)]
+struct Stored<'a> {
+    recent: &'a [Vec<PathBuf>],
 }
 
 impl Recent {
-    /// The list of this person. `Err` is a text for a notice; the list is then empty and is written anew.
+    /// The list of this person, and what could not be read of it: a text for a notice.
     pub fn load() -> (Self, Option<String>) {
         match kept::place_of("recent.json") {
-            Some(file) => Self::load_from(file),
+            Some(file) => Self::load_from(&file),
             None => (Self::default(), None),
         }
     }
 
     /// The list in `file`, which need not be there yet.
-    pub fn load_from(file: PathBuf) -> (Self, Option<String>) {
-        let (entries, problem) = match read(&file) {
-            Ok(entries) => (entries, None),
-            Err(reason) => (
-                Vec::new(),
-                Some(format!(
-                    "the list of recent files in {} is not readable ({reason}): a new one is begun",
-                    file.display()
-                )),
-            ),
-        };
+    pub fn load_from(file: &Path) -> (Self, Option<String>) {
+        let read = kept::read_leniently(file, "the list of recent files", entries_of);
         let recent = Self {
-            entries,
-            file: Some(file),
+            entries: read.value,
+            file: read.file,
         };
-        (recent, problem)
+        (recent, read.problem)
     }
 
     /// The inputs of each entry, latest first.
@@ -82,7 +73,7 @@ impl Recent {
             return Ok(());
         };
         let stored = Stored {
-            recent: self.entries.clone(),
+            recent: &self.entries,
         };
         let written = serde_json::to_vec_pretty(&stored)
             .map_err(std::io::Error::other)
@@ -96,15 +87,17 @@ impl Recent {
     }
 }
 
-fn read(file: &Path) -> Result<Vec<Vec<PathBuf>>, String> {
-    let Some(bytes) = kept::read(file)? else {
-        return Ok(Vec::new());
-    };
-    let stored: Stored = serde_json::from_slice(&bytes).map_err(|reason| reason.to_string())?;
-    let mut entries = stored.recent;
+fn entries_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Vec<PathBuf>> {
+    let mut entries = Vec::new();
+    for entry in kept::entries(stored, "recent", unread) {
+        match Vec::<PathBuf>::deserialize(entry) {
+            Ok(entry) => entries.push(entry),
+            Err(reason) => unread.push(reason.to_string()),
+        }
+    }
     entries.retain(|entry| !entry.is_empty() && entry.len() <= MAX_INPUTS);
     entries.truncate(MAX_ENTRIES);
-    Ok(entries)
+    entries
 }
 
 /// An entry as a menu shows it.
@@ -127,13 +120,13 @@ mod tests {
     fn the_list_is_bounded_latest_first_and_survives() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("deeper/recent.json");
-        let (mut recent, problem) = Recent::load_from(file.clone());
+        let (mut recent, problem) = Recent::load_from(&file);
         assert_eq!(problem, None);
         for number in 0..15 {
             recent.add(&[format!("/scans/{number}").into()]).unwrap();
         }
         recent.add(&["/scans/9".into()]).unwrap();
-        let (again, problem) = Recent::load_from(file);
+        let (again, problem) = Recent::load_from(&file);
         assert_eq!(problem, None);
         assert_eq!(again, recent);
         assert_eq!(again.entries().len(), MAX_ENTRIES);
@@ -142,20 +135,37 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_list_is_said_and_replaced() {
+    fn a_damaged_list_is_said_copied_and_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("recent.json");
         for damaged in ["", "{", "[1,2]", r#"{"recent":[[7]]}"#, "\0\u{1}"] {
             fs::write(&file, damaged).unwrap();
-            let (mut recent, problem) = Recent::load_from(file.clone());
+            let (mut recent, problem) = Recent::load_from(&file);
             assert!(
                 problem.is_some_and(|text| text.contains("recent.json")),
                 "{damaged:?}"
             );
             assert!(recent.entries().is_empty());
             recent.add(&["/a".into()]).unwrap();
-            assert_eq!(Recent::load_from(file.clone()).1, None);
+            assert_eq!(Recent::load_from(&file).1, None);
         }
+        let copy = folder.path().join("recent.json.unreadable-2");
+        assert_eq!(fs::read_to_string(copy).unwrap(), "{");
+    }
+
+    #[test]
+    fn one_entry_that_cannot_be_read_takes_no_other_with_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("recent.json");
+        fs::write(
+            &file,
+            r#"{"recent": [["/a"], 7, ["/b", "/c"]], "of later": 1}"#,
+        )
+        .unwrap();
+        let (recent, problem) = Recent::load_from(&file);
+        let expected: [Vec<PathBuf>; 2] = [vec!["/a".into()], vec!["/b".into(), "/c".into()]];
+        assert_eq!(recent.entries(), expected);
+        assert!(problem.is_some());
     }
 
     #[test]

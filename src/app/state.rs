@@ -7,7 +7,9 @@ mod parts;
 mod reading;
 
 pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE, picture_folder};
-pub use parts::{Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest};
+pub use parts::{
+    Change, Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest,
+};
 
 use super::benchmark::Benchmark;
 use super::beside::Beside;
@@ -19,11 +21,13 @@ use super::fly::Fly;
 use super::grip::Grip;
 use super::history::History;
 use super::inspection::Inspection;
+use super::meter::Redraw;
 use super::motion::{Glide, Turntable};
 use super::notices::Notices;
 use super::palette::Palette;
 use super::panels::QualityLimits;
 use super::preferences::Preferences;
+use super::present_choice::PresentChoice;
 use super::presets::Presets;
 use super::progress::{WorkKind, Works};
 use super::recent::{Recent, entry_name};
@@ -35,6 +39,7 @@ use super::trails::Trails;
 use crate::bench::{Quality, QualityKey};
 use crate::math::Aabb;
 use crate::playback::Player;
+use crate::render::RenderStats;
 use crate::scene::{Camera, RendererChoice, ScenePacket, SceneStats, Settings};
 use crate::sequence::{Clock, OpenOptions, Sequence, watch};
 use glam::DVec3;
@@ -97,6 +102,8 @@ pub struct State {
     pub thumbnails: Thumbnails,
     /// Whether the window is light or dark.
     pub theme: egui::ThemePreference,
+    /// Who paints the window.
+    pub present: PresentChoice,
     /// The ways of points through time.
     pub trails: Trails,
     /// What was clicked on.
@@ -161,6 +168,7 @@ impl State {
             temporal: Temporal::default(),
             thumbnails: Thumbnails::new(options.preferences.thumbnails),
             theme: options.preferences.theme,
+            present: options.preferences.present,
             trails: Trails::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),
@@ -199,6 +207,7 @@ impl State {
         let clock = self.player.as_ref().map(Player::clock);
         Preferences {
             settings: self.settings,
+            present: self.present,
             loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
             speed: clock
@@ -226,6 +235,9 @@ impl State {
         if let Err(error) = watch(player.sequence(), self.wake()) {
             self.notices.error(error.to_string());
         }
+        for note in player.sequence().notes() {
+            self.notices.warn(note.clone());
+        }
         if self.options.follow {
             player.follow_newest(true, self.now);
         }
@@ -243,6 +255,17 @@ impl State {
         }
         self.read_timeline(self.options.timelines.clone().as_ref());
         self.compare_again();
+    }
+
+    /// Shows `sequence` as a window does that has just been opened with it, playing or not.
+    pub(super) fn open_fresh(&mut self, sequence: Arc<Sequence>, plays: bool) {
+        self.options.paused = !plays;
+        self.open(sequence);
+    }
+
+    /// Whether the picture is a coarse one because the camera moved.
+    pub(super) fn is_picture_coarse(&self) -> bool {
+        self.drawing.next_deadline().is_some()
     }
 
     /// Finds the frames of `inputs` on a thread and opens them.
@@ -282,8 +305,8 @@ impl State {
         self.share_budget();
     }
 
-    /// Moves on to `now`: takes in what threads finished, moves the playhead. True if something can be seen to change.
-    pub fn update(&mut self, now: Duration) -> bool {
+    /// Moves on to `now`: takes in what threads finished, moves the playhead. Says what can be seen to change.
+    pub fn update(&mut self, now: Duration) -> Change {
         let before = std::mem::replace(&mut self.now, now);
         let outcomes = self.tasks.take();
         let mut visible = !outcomes.is_empty();
@@ -303,7 +326,7 @@ impl State {
             visible = true;
         }
         let Some(player) = &mut self.player else {
-            return visible;
+            return Change::of_panels(visible);
         };
         let (change, of_b) = match &mut self.beside {
             Some(beside) => {
@@ -312,14 +335,19 @@ impl State {
             }
             None => (player.update(now, &self.settings), None),
         };
-        visible |= change.visible;
+        let is_another_frame = change.visible;
+        visible |= change.beyond_frame;
         if let Some(failure) = change.new_failure {
             let place = failure.index() + 1;
             let count = player.sequence().len();
             self.notices
                 .error(format!("Frame {place} of {count} is left out. {failure}"));
         }
-        if let Some(text) = change.other_attributes {
+        for text in change
+            .other_attributes
+            .into_iter()
+            .chain(change.new_warnings)
+        {
             self.notices.warn(text);
         }
         visible |= self
@@ -333,13 +361,42 @@ impl State {
                 // What stands beside it may be here already, or not: the view is the same.
                 self.frame_with(&Aabb::EMPTY);
                 self.framed = true;
+                visible = true;
             }
         }
         self.follow_thumbnails();
         if let Some(of_b) = of_b {
             visible |= self.follow_beside(of_b);
         }
-        visible
+        let of_frame = match is_another_frame {
+            true if self.panels_show_frame() => Change::Panels,
+            true => Change::Frame,
+            false if self.is_picture_due() => Change::Picture,
+            false => Change::Nothing,
+        };
+        Change::of_panels(visible).max(of_frame)
+    }
+
+    /// Whether a picture that is coarse because the camera moved is to be drawn as a whole.
+    fn is_picture_due(&self) -> bool {
+        let of_b = self.beside.as_ref().map(|beside| &beside.drawing);
+        let drawings = [Some(&self.drawing), of_b];
+        let mut deadlines = drawings
+            .into_iter()
+            .flatten()
+            .filter_map(Drawing::next_deadline);
+        deadlines.any(|deadline| deadline <= self.now)
+    }
+
+    /// Whether panels show more of the playing frame than its place on the timeline, so that they have to keep step with it.
+    fn panels_show_frame(&self) -> bool {
+        let is_playing = self.player.as_ref().is_some_and(Player::is_playing);
+        !is_playing
+            || self.pictures().is_some()
+            || self.inspection.picked().next().is_some()
+            || self.trails.are_shown()
+            || self.temporal.change.is_on
+            || self.temporal.onion.is_on
     }
 
     /// Begins the next small picture if there is time for it.
@@ -398,17 +455,38 @@ impl State {
             // Somebody has chosen anew.
             self.without_gpu = None;
         }
-        let draw_ms = self.graphics.picture_ms();
-        if let Some(points) = self.drawing.note_draw_ms(&settings, draw_ms) {
-            player.note_picture_ms(points, draw_ms);
-        }
         let size_px = self.viewport.size_px;
         let packet = self
             .drawing
-            .next_packet(drawn, &self.camera, &settings, size_px)?;
+            .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
         self.counters.pictures += 1;
         self.note_picture();
         Some(packet)
+    }
+
+    /// Takes notice of how long a redraw took, whose picture is on the screen now.
+    pub fn note_redraw(&mut self, redraw: Redraw, frame_ms: f64, render: RenderStats) {
+        self.graphics.redraw = redraw;
+        self.graphics.frame_ms = frame_ms;
+        self.graphics.render = render;
+        let draw_ms = self.graphics.picture_ms();
+        let Some(player) = &self.player else { return };
+        let noted = self.drawing.note_draw_ms(draw_ms);
+        if let Some(points) = noted {
+            player.note_picture_ms(points, draw_ms);
+        }
+        let is_at_rest = !player.is_playing();
+        if is_at_rest {
+            self.drawing.prepare_levels(&self.settings, &self.tasks);
+        }
+        if let Some(beside) = &mut self.beside {
+            if let Some(points) = beside.drawing.note_draw_ms(draw_ms) {
+                beside.companion.note_picture_ms(points, draw_ms);
+            }
+            if is_at_rest {
+                beside.drawing.prepare_levels(&self.settings, &self.tasks);
+            }
+        }
     }
 
     /// The packet of the other side of a comparison, or of the other sequence, if it differs from the last one. To be asked for after
@@ -470,6 +548,10 @@ impl State {
             pictures,
             camera,
             held,
+            self.drawing.next_deadline(),
+            self.beside
+                .as_ref()
+                .and_then(|beside| beside.drawing.next_deadline()),
         ]
         .into_iter()
         .flatten()

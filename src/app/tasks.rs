@@ -13,7 +13,7 @@ use super::thumbnails::Delivery;
 use super::trails::Traced;
 use crate::export::ExportError;
 use crate::io;
-use crate::sequence::{OpenOptions, Sequence, SequenceError};
+use crate::sequence::{OpenOptions, PreparedFrame, Sequence, SequenceError};
 use std::fs;
 use std::io::Write as _;
 use std::ops::ControlFlow;
@@ -135,6 +135,8 @@ pub enum Outcome {
     Distances(Option<FrameDistances>),
     /// A frame was made of several poses; `None` if nobody waits for it any more.
     MadeFrame(Option<Box<Made>>),
+    /// A frame has got levels of detail.
+    Levels(Arc<PreparedFrame>),
     /// A small picture of a frame was made.
     Thumbnail(Box<Delivery>),
     /// Points were followed through the frames.

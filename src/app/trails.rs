@@ -93,6 +93,11 @@ impl Trails {
         self.found.as_ref().map(|(_, trails)| trails)
     }
 
+    /// Whether trails are drawn, or are to be.
+    pub(super) fn are_shown(&self) -> bool {
+        self.is_on || self.field.is_on || !self.kept.is_empty()
+    }
+
     /// Frames that were looked at, of how many, while trails are being found.
     pub fn progress(&self) -> Option<(usize, usize)> {
         let running = self.running.as_ref()?;

@@ -1,18 +1,20 @@
-//! The event loop: winit's events to egui, deadlines and wakes to redraws, redraws to the GPU.
+//! The event loop: winit's events to egui, deadlines and wakes to redraws.
 
 mod accessibility;
 mod lost;
+mod redraw;
 
 use self::accessibility::Message;
 use self::lost::EguiBefore;
-use super::focus;
-use super::graphics::Graphics;
+use super::comparison::Side;
 use super::pacing::{Agenda, Sight};
-use super::panels::window_ui;
 use super::preferences::{Preferences, PreferencesFile};
-use super::state::{State, StateOptions, WindowRequest};
-use super::tasks::save_png;
+use super::present::{self, Presenter};
+use super::present_choice::PresentChoice;
+use super::state::{Change, State, StateOptions};
 use super::theme::apply_theme;
+use super::trial::Trial;
+use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::render::RenderError;
 use crate::sequence::Sequence;
 use std::path::PathBuf;
@@ -23,13 +25,20 @@ use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
-use winit::window::{Fullscreen, Window, WindowId};
+use winit::window::{Window, WindowId};
 
 /// Size of a new window, logical pixels.
 const DEFAULT_SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
 
 /// Below this the timeline does not fit, logical pixels.
 const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(720.0, 420.0);
+
+/// The shortest time from one redraw to the next, of that between two pictures of the screen, where presenting does not wait: a mouse
+/// tells of its moves a thousand times a second. It is below 1, so that pictures which are due do not move back little by little.
+const MIN_REDRAW_INTERVAL: f64 = 0.75;
+
+/// Of a screen that does not tell.
+const DEFAULT_REFRESH_INTERVAL: Duration = Duration::from_micros(16_667);
 
 /// News from workers that only move marks and figures are shown this often.
 const NEWS_INTERVAL: Duration = Duration::from_millis(100);
@@ -74,6 +83,9 @@ pub enum AppError {
     /// No adapter, or it was lost for good.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The window was closed before it had measured itself.
+    #[error("the window was closed before all was measured")]
+    Closed,
     /// The screenshot that was asked for could not be made.
     #[error("{0}")]
     Screenshot(String),
@@ -81,6 +93,33 @@ pub enum AppError {
 
 /// Opens the window and returns when it is closed.
 pub fn run(options: Options) -> Result<(), AppError> {
+    run_with(options, None).map(|_| ())
+}
+
+/// Opens a window that plays, turns and scrubs `inputs` by itself, and returns what it presented.
+pub fn bench_window(
+    inputs: &[Input],
+    bench: &BenchOptions,
+    present: PresentChoice,
+) -> Result<Vec<WindowAction>, AppError> {
+    let options = Options {
+        state: StateOptions {
+            preferences: Preferences {
+                present,
+                ..Preferences::default()
+            },
+            budget_bytes: bench.budget_bytes,
+            ..StateOptions::default()
+        },
+        sequence: inputs.first().map(|input| Arc::clone(&input.sequence)),
+        size_px: Some(bench.viewport_px),
+        ..Options::default()
+    };
+    run_with(options, Some(Trial::new(inputs, bench)))
+}
+
+/// The window; what it found, if it is to do something by itself.
+fn run_with(options: Options, trial: Option<Trial>) -> Result<Vec<WindowAction>, AppError> {
     let no_window = |reason: &dyn std::fmt::Display| AppError::NoWindow {
         reason: reason.to_string(),
     };
@@ -88,21 +127,32 @@ pub fn run(options: Options) -> Result<(), AppError> {
         .build()
         .map_err(|error| no_window(&error))?;
     let mut app = App::new(options, &event_loop);
+    app.trial = trial;
     event_loop
         .run_app(&mut app)
         .map_err(|error| no_window(&error))?;
-    app.end
+    app.end?;
+    match app.trial {
+        Some(mut trial) => trial.result().ok_or(AppError::Closed),
+        None => Ok(Vec::new()),
+    }
 }
 
 /// What exists while there is a window.
 struct Screen {
     window: Arc<Window>,
-    graphics: Graphics,
+    presenter: Box<dyn Presenter>,
+    /// What was chosen to present.
+    choice: PresentChoice,
     egui: egui::Context,
     input: egui_winit::State,
     title: String,
 }
 
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is something that has or has not happened, independent of the others"
+)]
 struct App {
     state: State,
     options: Options,
@@ -117,24 +167,27 @@ struct App {
     sight: Sight,
     /// Something has been presented.
     has_been_shown: bool,
+    /// What has changed since the last redraw.
+    change: Change,
+    /// The window system asks for the window that it has lost.
+    is_exposed: bool,
+    /// A redraw was asked for.
+    is_redraw_queued: bool,
     /// When egui wants to be run again.
     repaint_at: Option<Duration>,
     /// When marks and figures that changed in the background are shown.
     news_at: Option<Duration>,
     last_redraw: Duration,
+    /// When egui was run last.
+    last_panels: Duration,
+    /// Time between two pictures of the screen.
+    refresh_interval: Duration,
     /// The size of the window that was looked at last for the preferences.
     noted_size: Option<PhysicalSize<u32>>,
     rebuilt_at: Vec<Duration>,
+    /// What the window does by itself, to be measured.
+    trial: Option<Trial>,
     end: Result<(), AppError>,
-}
-
-/// What pictures are to be read back for.
-#[derive(Default)]
-struct Wanted {
-    /// To be written to these files, or to new ones.
-    files: Vec<Option<PathBuf>>,
-    /// To compare the two sides.
-    comparison: bool,
 }
 
 impl App {
@@ -171,11 +224,17 @@ impl App {
             woken: false,
             sight: Sight::default(),
             has_been_shown: false,
+            change: Change::Panels,
+            is_exposed: false,
+            is_redraw_queued: false,
             repaint_at: None,
             news_at: None,
             last_redraw: Duration::ZERO,
+            last_panels: Duration::ZERO,
+            refresh_interval: DEFAULT_REFRESH_INTERVAL,
             noted_size: None,
             rebuilt_at: Vec::new(),
+            trial: None,
             end: Ok(()),
         }
     }
@@ -210,25 +269,27 @@ impl App {
             })
     }
 
-    /// The GPU's side and egui's for `window`; what is open in egui stays as it was in `before`.
+    /// The presenter's side and egui's for `window`; what is open in egui stays as it was in `before`.
     fn open_screen(
         &mut self,
         event_loop: &ActiveEventLoop,
         window: Arc<Window>,
-        before: Option<EguiBefore>,
+        before: &mut Option<EguiBefore>,
     ) -> Result<Screen, AppError> {
-        let graphics = Graphics::new(Arc::clone(&window))?;
+        let choice = self.state.present;
+        let presenter = present::open(choice, &window)?;
         let egui = egui::Context::default();
         apply_theme(&egui);
         egui.set_theme(self.state.theme);
-        if let Some(before) = &before {
+        if let Some(before) = before {
             let memory = before.context.memory(Clone::clone);
             egui.memory_mut(|new| *new = memory);
         }
         if self.is_read_aloud {
             egui.enable_accesskit();
         }
-        let max_edge_px = graphics.context().max_edge_px();
+        let info = presenter.info();
+        let max_edge_px = info.max_edge_px;
         let mut input = egui_winit::State::new(
             egui.clone(),
             egui::ViewportId::ROOT,
@@ -237,174 +298,64 @@ impl App {
             window.theme(),
             Some(max_edge_px as usize),
         );
-        match before {
+        match before.take() {
             None => input.init_accesskit(event_loop, &window, self.messages.clone()),
             Some(before) => input.accesskit = before.accessibility,
         }
         window.set_visible(true);
-        self.state.viewport.texture = Some(graphics.texture());
+        self.state.viewport.texture = presenter.texture(Side::A);
         self.state.viewport.other_texture = None;
         self.state.viewport.max_edge_px = Some(max_edge_px);
-        self.state.graphics.adapter = graphics.context().adapter_summary();
-        self.state.graphics.is_software = graphics.context().is_software();
-        self.state.graphics.has_timestamps = graphics.context().has_timestamps;
+        self.state.graphics.adapter = info.adapter;
+        self.state.graphics.is_software = info.is_software;
+        self.state.graphics.paints_on_processor = info.paints_on_processor;
+        self.state.graphics.has_timestamps = info.has_timestamps;
         self.state.forget_picture();
+        self.change = Change::Panels;
+        self.note_refresh_rate(&window);
         Ok(Screen {
             window,
-            graphics,
+            presenter,
+            choice,
             egui,
             input,
             title: String::new(),
         })
     }
 
+    /// Takes notice of how often the screen shows a picture that the window is on.
+    fn note_refresh_rate(&mut self, window: &Window) {
+        let monitor = window.current_monitor();
+        let millihertz = monitor.and_then(|monitor| monitor.refresh_rate_millihertz());
+        self.refresh_interval = millihertz
+            .filter(|&millihertz| millihertz > 0)
+            .map_or(DEFAULT_REFRESH_INTERVAL, |millihertz| {
+                Duration::from_secs_f64(1000.0 / f64::from(millihertz))
+            });
+    }
+
+    /// Has a trial do what is due; when there is more to do.
+    fn advance_trial(&mut self, event_loop: &ActiveEventLoop, now: Duration) -> Option<Duration> {
+        let (trial, screen) = self.trial.as_mut().zip(self.screen.as_mut())?;
+        // Beyond the first redraw, which says where things are.
+        if !self.has_been_shown {
+            return None;
+        }
+        let events = trial.advance(now, &mut self.state);
+        if !events.is_empty() {
+            screen.input.egui_input_mut().events.extend(events);
+            self.change = Change::Panels;
+        }
+        let deadline = trial.next_deadline();
+        if deadline.is_none() {
+            event_loop.exit();
+        }
+        deadline
+    }
+
     fn fail(&mut self, event_loop: &ActiveEventLoop, error: AppError) {
         self.end = Err(error);
         event_loop.exit();
-    }
-
-    /// Runs the panels, draws the picture if it is another one, and shows both.
-    fn redraw(&mut self, event_loop: &ActiveEventLoop) {
-        let Some(mut screen) = self.screen.take() else {
-            return;
-        };
-        let result = self.redraw_on(event_loop, &mut screen);
-        self.screen = match result {
-            Ok(()) => Some(screen),
-            Err(error @ RenderError::DeviceLost { .. }) => self.rebuild(event_loop, screen, error),
-            Err(error @ RenderError::OutOfMemory { .. }) if screen.graphics.was_drawn_by_gpu() => {
-                self.go_on_without_gpu(&error);
-                Some(screen)
-            }
-            Err(error) => {
-                self.state.notices.error(error.to_string());
-                Some(screen)
-            }
-        };
-    }
-
-    fn redraw_on(
-        &mut self,
-        event_loop: &ActiveEventLoop,
-        screen: &mut Screen,
-    ) -> Result<(), RenderError> {
-        let size = screen.window.inner_size();
-        if size.width == 0 || size.height == 0 {
-            return Ok(());
-        }
-        let begin = Instant::now();
-        let now = self.now();
-        self.last_redraw = now;
-        self.news_at = None;
-        self.state.update(now);
-
-        let raw_input = screen.input.take_egui_input(&screen.window);
-        let mut output = screen
-            .egui
-            .run_ui(raw_input, |ui| window_ui(ui, &mut self.state));
-        screen.input.handle_platform_output_with_event_loop(
-            &screen.window,
-            event_loop,
-            output.platform_output,
-        );
-        let delay = output
-            .viewport_output
-            .get(&egui::ViewportId::ROOT)
-            .map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        self.repaint_at = now.checked_add(delay);
-
-        let drawn = self.draw_picture(screen);
-        let Wanted { files, comparison } = self.requests(event_loop, screen);
-        let primitives = screen
-            .egui
-            .tessellate(output.shapes, output.pixels_per_point);
-        let painted = screen.graphics.paint(
-            &primitives,
-            &mut output.textures_delta,
-            output.pixels_per_point,
-        );
-        drawn?;
-        let painted = painted?;
-        if painted.presented && !std::mem::replace(&mut self.has_been_shown, true) {
-            focus::take_if_unmanaged(&screen.window);
-        }
-        if !painted.presented && !self.sight.is_occluded {
-            self.repaint_at = Some(now + NEWS_INTERVAL);
-        }
-        if comparison
-            && let Some(other) = screen
-                .graphics
-                .read_other_picture(self.state.viewport.other_size_px)?
-        {
-            let edited = screen.graphics.read_picture(self.state.viewport.size_px)?;
-            self.state.compare_pictures(edited, other);
-        }
-        for path in files {
-            let image = self.read_joined(screen)?;
-            self.state.save_picture(image, path);
-        }
-        self.set_title(screen);
-        self.note_preferences(&screen.window);
-        self.state.graphics.render = screen.graphics.stats();
-        self.state.graphics.frame_ms =
-            begin.elapsed().saturating_sub(painted.waited).as_secs_f64() * 1e3;
-        self.take_screenshot_if_due(event_loop, screen)
-    }
-
-    fn draw_picture(&mut self, screen: &mut Screen) -> Result<(), RenderError> {
-        let budget_bytes = self.state.graphics.budget_bytes;
-        screen.graphics.set_resident_budget_bytes(budget_bytes);
-        if let Some(packet) = self.state.next_packet() {
-            if self.options.lose_device_after == Some(self.state.counters.pictures) {
-                screen.graphics.context().simulate_loss();
-            }
-            screen.graphics.draw(&packet)?;
-        }
-        if let Some(packet) = self.state.next_other_packet() {
-            screen.graphics.draw_other(&packet)?;
-            let texture = screen.graphics.other_texture();
-            if std::mem::replace(&mut self.state.viewport.other_texture, texture) != texture {
-                // The panels did not know it yet.
-                self.repaint_at = Some(self.last_redraw);
-            }
-        }
-        Ok(())
-    }
-
-    /// What is seen of the 3-D pictures.
-    fn read_joined(&self, screen: &mut Screen) -> Result<image::RgbaImage, RenderError> {
-        let viewport = &self.state.viewport;
-        let image = screen.graphics.read_picture(viewport.size_px)?;
-        let other = match self.state.beside {
-            Some(_) => screen.graphics.read_other_picture(viewport.other_size_px)?,
-            None => None,
-        };
-        Ok(self.state.joined(image, other))
-    }
-
-    /// Does what only the window can do; returns what pictures are to be read back for.
-    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Wanted {
-        let mut wanted = Wanted::default();
-        for request in self.state.take_requests() {
-            match request {
-                WindowRequest::Quit => event_loop.exit(),
-                WindowRequest::Screenshot(path) => wanted.files.push(path),
-                WindowRequest::Compare => wanted.comparison = true,
-                WindowRequest::Copy(text) => screen.input.set_clipboard_text(text),
-                WindowRequest::PasteView => match screen.input.clipboard_text() {
-                    Some(text) => self.state.paste_view(&text),
-                    None => self.state.notices.warn("There is no text to paste"),
-                },
-                WindowRequest::FullScreen => {
-                    // The window system may have ended it meanwhile: the window itself knows.
-                    let full = screen.window.fullscreen().is_none();
-                    let full_screen = full.then_some(Fullscreen::Borderless(None));
-                    screen.window.set_fullscreen(full_screen);
-                    self.state.full_screen = full;
-                }
-            }
-        }
-        wanted
     }
 
     /// Takes notice of what is to be kept.
@@ -436,35 +387,6 @@ impl App {
             screen.title = title;
         }
     }
-
-    /// `--screenshot`: writes the picture after enough frames and ends.
-    fn take_screenshot_if_due(
-        &mut self,
-        event_loop: &ActiveEventLoop,
-        screen: &mut Screen,
-    ) -> Result<(), RenderError> {
-        let (Some(path), Some(player)) = (&self.options.screenshot, &self.state.player) else {
-            return Ok(());
-        };
-        // Without playing there is no second frame to wait for.
-        let wanted = if player.is_playing() {
-            self.options.after_frames
-        } else {
-            1
-        };
-        if player.shown().is_some() && player.frames_shown() >= wanted && self.state.is_drawn() {
-            let image = self.read_joined(screen)?;
-            self.end = save_png(&image, path).map_err(AppError::Screenshot);
-            event_loop.exit();
-        } else if let Some(failure) = player.failure()
-            && (!player.is_playing()
-                || player.loader().stats().failed_frames == player.sequence().len())
-        {
-            let why = failure.to_string();
-            self.fail(event_loop, AppError::Screenshot(why));
-        }
-        Ok(())
-    }
 }
 
 impl ApplicationHandler<Message> for App {
@@ -474,12 +396,9 @@ impl ApplicationHandler<Message> for App {
         }
         let opened = self
             .open_window(event_loop)
-            .and_then(|window| self.open_screen(event_loop, window, None));
+            .and_then(|window| self.open_screen(event_loop, window, &mut None));
         match opened {
-            Ok(screen) => {
-                screen.window.request_redraw();
-                self.screen = Some(screen);
-            }
+            Ok(screen) => self.screen = Some(screen),
             Err(error) => self.fail(event_loop, error),
         }
     }
@@ -501,6 +420,8 @@ impl ApplicationHandler<Message> for App {
         event: WindowEvent,
     ) {
         if matches!(event, WindowEvent::RedrawRequested) {
+            // One that nobody here has asked for is of the window system, which has lost what was shown.
+            self.is_exposed |= !std::mem::take(&mut self.is_redraw_queued);
             self.redraw(event_loop);
             return;
         }
@@ -508,47 +429,64 @@ impl ApplicationHandler<Message> for App {
             return;
         };
         let response = screen.input.on_window_event(&screen.window, &event);
+        let mut is_changed = response.repaint;
         match event {
-            WindowEvent::CloseRequested if !self.state.may_close() => {
-                screen.window.request_redraw();
-            }
+            WindowEvent::CloseRequested if !self.state.may_close() => is_changed = true,
             WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             WindowEvent::Resized(size) => {
                 self.sight.note_size(size.into());
-                screen.graphics.resize();
-                screen.window.request_redraw();
+                screen.presenter.resize();
+                is_changed = true;
             }
             WindowEvent::ScaleFactorChanged { .. } => {
-                screen.graphics.resize();
-                screen.window.request_redraw();
+                screen.presenter.resize();
+                is_changed = true;
+            }
+            WindowEvent::Moved(_) => {
+                let window = Arc::clone(&screen.window);
+                self.note_refresh_rate(&window);
             }
             WindowEvent::Occluded(is_occluded) => {
                 self.sight.is_occluded = is_occluded;
-                if !is_occluded {
-                    screen.window.request_redraw();
-                }
+                is_changed |= !is_occluded;
+                self.is_exposed |= !is_occluded;
             }
-            _ if response.repaint => screen.window.request_redraw(),
             _ => {}
+        }
+        if is_changed {
+            self.change = Change::Panels;
         }
     }
 
     /// Sleeps until something is due.
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         let now = self.now();
-        let mut is_changed = false;
         if std::mem::take(&mut self.woken) {
-            is_changed = self.state.update(now);
-            if !is_changed && self.state.has_news() {
+            let change = self.state.update(now);
+            self.change = self.change.max(change);
+            if !change.is_visible() && self.state.has_news() {
                 self.news_at.get_or_insert(self.last_redraw + NEWS_INTERVAL);
             }
         }
         self.options.preferences_file.write_if_due(now);
+        let trial_at = self.advance_trial(event_loop, now);
         let draw_at = [self.state.next_deadline(), self.repaint_at, self.news_at];
+        let waits_for_screen = self
+            .screen
+            .as_ref()
+            .is_none_or(|screen| screen.presenter.info().waits_for_screen);
         let agenda = Agenda {
-            is_changed,
+            is_changed: self.change.is_visible(),
             draw_at: draw_at.into_iter().flatten().min(),
-            unseen_at: self.options.preferences_file.next_deadline(),
+            not_before: if waits_for_screen {
+                Duration::ZERO
+            } else {
+                self.last_redraw + self.refresh_interval.mul_f64(MIN_REDRAW_INTERVAL)
+            },
+            unseen_at: [self.options.preferences_file.next_deadline(), trial_at]
+                .into_iter()
+                .flatten()
+                .min(),
             is_hidden: self.sight.is_hidden(),
         };
         let pace = agenda.pace(now);
@@ -556,6 +494,7 @@ impl ApplicationHandler<Message> for App {
             ControlFlow::WaitUntil(self.begin + due)
         }));
         if let Some(screen) = self.screen.as_ref().filter(|_| pace.redraw) {
+            self.is_redraw_queued = true;
             screen.window.request_redraw();
         }
     }

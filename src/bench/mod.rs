@@ -9,6 +9,7 @@
 //! | [`Suite::Accuracy`] | – | normals by noise and neighbours; leaves by δ; levels of detail by threshold τ: error beside time |
 //! | [`Suite::Render`] | 001, Table 1 | sequence × primitive × distance: processor beside adapter |
 //! | [`Suite::Play`] | – | sequence × primitive: rate held, points shown, frames late and skipped, memory |
+//! | [`Suite::Window`] | – | sequence × primitive × action: pictures presented, latency, processor time by part |
 //! | [`Suite::Error`] | – | sequence × way to draw: error against the truth beside time |
 //!
 //! `scenario` places the viewpoints by what the suite draws (the octree's by surfels) and `cover` counts their pixels, `runner` holds the clocks, `suites` are the loops, `report` the answer. The
@@ -32,6 +33,7 @@ pub use modes::{Modes, ParseModeError};
 pub use report::{Cell, Column, Report, Row, SequenceSummary, Table};
 pub use scenario::{COVERAGE_BAND, Coverage};
 pub use statistics::Quantiles;
+pub use suites::window::{WindowAction, window_report, window_report_of_json};
 
 use crate::kept;
 use crate::measure::{SizeMismatch, SsimError, SurfaceMismatch};
@@ -59,6 +61,8 @@ pub enum Suite {
     Render,
     /// Playing by the clock: what rate is held, with how many points, in how much memory.
     Play,
+    /// A real window that plays, is turned and scrubbed: what it presents, how late, and what that costs.
+    Window,
     /// Errors of pictures beside their times, for every way to draw.
     Error,
 }
@@ -72,6 +76,7 @@ impl Suite {
         Self::Accuracy,
         Self::Render,
         Self::Play,
+        Self::Window,
         Self::Error,
     ];
 
@@ -84,6 +89,7 @@ impl Suite {
             Self::Accuracy => "accuracy",
             Self::Render => "render",
             Self::Play => "play",
+            Self::Window => "window",
             Self::Error => "error",
         }
     }
@@ -99,7 +105,10 @@ impl Suite {
             }
             Self::Render => "drawing on the processor and on the adapter, from three distances",
             Self::Play => {
-                "playing by the clock: rate held, points shown, late and skipped frames, memory"
+                "playing by the clock, drawn but not presented: rate held, points shown, late and skipped frames, memory"
+            }
+            Self::Window => {
+                "a real window, played, turned and scrubbed: rate presented, latency, processor time by part"
             }
             Self::Error => {
                 "errors of pictures against the truth beside their times, for every way to draw"
@@ -116,7 +125,9 @@ impl fmt::Display for Suite {
 
 /// A word that names no suite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no suite: expected surfels, octree, voxels, accuracy, render, play or error")]
+#[error(
+    "`{0}` is no suite: expected surfels, octree, voxels, accuracy, render, play, window or error"
+)]
 pub struct ParseSuiteError(String);
 
 impl FromStr for Suite {
@@ -137,7 +148,7 @@ pub struct BenchOptions {
     pub viewport_px: [u32; 2],
     /// Directions from which each frame is seen; at least 1. The protocol wants 8.
     pub viewpoints: usize,
-    /// Frames of each sequence, spread evenly; at least 1. For [`Suite::Play`] how many are shown, turn after turn.
+    /// Frames of each sequence, spread evenly; at least 1. For [`Suite::Play`] and [`Suite::Window`] how many are shown, turn after turn.
     pub frames: usize,
     /// Memory for prepared frames of [`Suite::Play`], bytes; the loader's default if `None`.
     pub budget_bytes: Option<usize>,
@@ -164,6 +175,7 @@ impl BenchOptions {
             }
             Suite::Render => ([1920, 1080], 2, 1),
             Suite::Play => ([1280, 720], 1, 300),
+            Suite::Window => ([1280, 800], 1, 300),
             Suite::Error => ([1280, 720], 2, 1),
         };
         Self {
@@ -222,6 +234,9 @@ pub enum BenchError {
         /// What is wrong with the first of them.
         reason: String,
     },
+    /// A window measures itself.
+    #[error("`window` is measured by a window, not without one")]
+    NeedsWindow,
     /// An option is 0.
     #[error("the number of {0} must be at least 1")]
     ZeroOption(&'static str),
@@ -240,6 +255,9 @@ pub enum BenchError {
     /// The threads that load frames do not start.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
+    /// The thread to build octrees on does not start.
+    #[error(transparent)]
+    Thread(#[from] rayon::ThreadPoolBuildError),
 }
 
 /// A sequence to measure.
@@ -286,6 +304,7 @@ pub fn run(
         Suite::Accuracy => suites::accuracy::measure(&mut run)?,
         Suite::Render => suites::render::measure(&mut run)?,
         Suite::Play => suites::play::measure(&mut run)?,
+        Suite::Window => return Err(BenchError::NeedsWindow),
         Suite::Error => suites::error::measure(&mut run)?,
     }
     Ok(run.into_report())
@@ -311,7 +330,7 @@ mod tests {
         let error = "disks".parse::<Suite>().unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play or error"
+            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window or error"
         );
     }
 }

@@ -26,6 +26,8 @@ pub struct FrameFacts {
     pub is_single_precision: bool,
     /// Which axis is probably up; `None` without a point.
     pub probable_up: Option<UpAxis>,
+    /// What of the file could not be read although its points could.
+    pub warnings: Vec<String>,
 }
 
 impl FrameFacts {
@@ -48,6 +50,7 @@ impl FrameFacts {
             has_narrow_colors: raw.has_narrow_colors,
             is_single_precision: matches!(raw.positions, Positions::F32(_)),
             probable_up: probable_up(bounds, raw.sensor),
+            warnings: raw.warnings.clone(),
         }
     }
 }

@@ -27,6 +27,8 @@ pub enum FindingKind {
     TimeJump,
     /// A frame cannot be read.
     UnreadableFrame,
+    /// A part of a frame's file cannot be read, but its points can.
+    UnreadablePart,
     /// A frame without a point.
     EmptyFrame,
     /// A frame does not have the attributes of the others.

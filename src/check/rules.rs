@@ -29,6 +29,7 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
     let mut findings = number_gaps(sequence);
     findings.extend(time_jumps(sequence));
     findings.extend(unreadable(facts));
+    findings.extend(unreadable_parts(facts));
     let attributes = facts.iter().enumerate();
     findings.extend(changed_attributes(attributes.filter_map(
         |(index, facts)| Some((index, facts.as_ref().ok()?.attributes.as_slice())),
@@ -206,6 +207,19 @@ fn unreadable(facts: &Facts) -> Vec<Finding> {
         })
     });
     failed.collect()
+}
+
+fn unreadable_parts(facts: &Facts) -> Vec<Finding> {
+    let readable = facts.iter().zip(0..);
+    let warnings = readable.flat_map(|(facts, index)| {
+        let warnings = facts.iter().flat_map(|facts| &facts.warnings);
+        warnings.map(move |warning| Finding {
+            kind: FindingKind::UnreadablePart,
+            frames: vec![index],
+            message: warning.clone(),
+        })
+    });
+    warnings.collect()
 }
 
 /// Frames whose attributes are not those of most frames; `attributes` are those of each frame that can be read.

@@ -65,6 +65,10 @@ fn each_fault_is_found_where_it_is() {
         [(Kind::DuplicatePoints, vec![1])]
     );
     assert_eq!(
+        broken(&|cloud| cloud.warnings.push("a part is broken".to_owned())),
+        [(Kind::UnreadablePart, vec![1])]
+    );
+    assert_eq!(
         broken(&|cloud| cloud.positions = Positions::F64(Vec::new())),
         [(Kind::EmptyFrame, vec![1])]
     );

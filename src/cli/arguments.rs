@@ -1,5 +1,6 @@
 //! Arguments that several verbs share.
 
+use super::warnings;
 use crate::headless::CameraChoice;
 use crate::io::ReadOptions;
 use crate::octree::StopCriterion;
@@ -33,6 +34,18 @@ pub(super) fn open_sequence(
         [only] if only == Path::new(DEMO_INPUT) => Ok(demo()),
         _ => Sequence::open(inputs, options),
     }
+}
+
+/// [`open_sequence`], which warns of what is left out. A window says that itself.
+pub(super) fn open_sequence_and_tell(
+    inputs: &[PathBuf],
+    options: &OpenOptions,
+) -> Result<Sequence, SequenceError> {
+    let sequence = open_sequence(inputs, options)?;
+    for note in sequence.notes() {
+        warnings::warn(note);
+    }
+    Ok(sequence)
 }
 
 /// How files are read.

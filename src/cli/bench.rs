@@ -1,8 +1,11 @@
 //! `pointreel bench`: the suites of the benchmark menu, without a window.
 
-use super::arguments::{DEMO_INPUT, ReadArgs, byte_count, frame_rate, open_sequence, size_px};
+use super::arguments::{
+    DEMO_INPUT, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px,
+};
 use super::{answer, say};
-use crate::bench::{self, BenchOptions, Input, Modes, Progress, Suite};
+use crate::app::{self, PresentChoice};
+use crate::bench::{self, BenchOptions, Input, Modes, Progress, Report, Suite};
 use crate::render::gpu::{Context, ContextOptions};
 use crate::sequence::{OpenOptions, Shape};
 use anyhow::{Context as _, bail};
@@ -16,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
     /// surfels, octree or voxels (Tables II, III and IV of the paper), accuracy (errors of stages beside times), render (processor
-    /// beside adapter), play (rate held, by the clock) or error (errors of pictures beside times, for every way to draw)
+    /// beside adapter), play (rate held by the clock, nothing presented), window (rate presented, latency and cost of a real window) or error (errors of pictures beside times, for every way to draw)
     #[arg(value_name = "SUITE")]
     suite: Suite,
 
@@ -41,21 +44,25 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "MODES")]
     modes: Option<Modes>,
 
-    /// Frames of each sequence, spread evenly [default: 3; 1 for render and error]; for play, frames shown [default: 300]
+    /// Frames of each sequence, spread evenly [default: 3; 1 for render and error]; for play and window, frames shown [default: 300]
     #[arg(long, value_name = "N", value_parser = count)]
     frames: Option<usize>,
 
-    /// Frames a second at which `play` plays, in place of those of the sequence
+    /// Frames a second at which `play` and `window` play, in place of those of the sequence
     #[arg(long, value_name = "FPS", value_parser = frame_rate)]
     fps: Option<f64>,
 
-    /// Memory in which `play` keeps prepared frames: bytes, or a number with MB, MiB, GB or GiB
+    /// Memory in which `play` and `window` keep prepared frames: bytes, or a number with MB, MiB, GB or GiB
     #[arg(long, value_name = "SIZE", value_parser = byte_count)]
     budget: Option<u64>,
 
-    /// Picture size in pixels [default: 1920x1280; 1920x1080 for render, 1280x720 for error]
+    /// Picture size in pixels [default: 1920x1280; 1920x1080 for render, 1280x720 for play and error]; of the window itself 1280x800
     #[arg(long, value_name = "WxH", value_parser = size_px)]
     size: Option<[u32; 2]>,
+
+    /// Who paints the window that `window` measures: auto, gpu or cpu
+    #[arg(long, value_name = "WHO")]
+    present: Option<PresentChoice>,
 
     /// Directions from which each frame is seen [default: 8; 2 for render and error]
     #[arg(long, value_name = "N", value_parser = count)]
@@ -76,9 +83,16 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
             arguments.suite
         );
     }
-    if arguments.suite != Suite::Play && (arguments.fps.is_some() || arguments.budget.is_some()) {
+    let plays = matches!(arguments.suite, Suite::Play | Suite::Window);
+    if !plays && (arguments.fps.is_some() || arguments.budget.is_some()) {
         bail!(
-            "--fps and --budget belong to `bench play`, not to `bench {}`",
+            "--fps and --budget belong to `bench play` and `bench window`, not to `bench {}`",
+            arguments.suite
+        );
+    }
+    if arguments.suite != Suite::Window && arguments.present.is_some() {
+        bail!(
+            "--present belongs to `bench window`, not to `bench {}`",
             arguments.suite
         );
     }
@@ -102,6 +116,21 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         modes: arguments.modes.clone().unwrap_or_default(),
         ..default
     };
+    let report = if arguments.suite == Suite::Window {
+        let present = arguments.present.unwrap_or_default();
+        let actions = app::bench_window(&inputs, &options, present)?;
+        bench::window_report(&inputs, options, &actions)
+    } else {
+        measure(&inputs, &options)?
+    };
+    answer(report.to_table().trim_end());
+    write(arguments.json.as_deref(), &report.to_json())?;
+    write(arguments.html.as_deref(), &report.to_html())?;
+    write(arguments.csv.as_deref(), &report.to_csv())
+}
+
+/// Runs a suite that needs no window.
+fn measure(inputs: &[Input], options: &BenchOptions) -> anyhow::Result<Report> {
     let context = match Context::headless(&ContextOptions::default()) {
         Ok(context) => Some(context),
         Err(error) => {
@@ -110,18 +139,14 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         }
     };
     let report = bench::run(
-        &inputs,
-        &options,
+        inputs,
+        options,
         context.as_ref(),
         &show_progress,
         &AtomicBool::new(false),
     );
     clear_progress();
-    let report = report?;
-    answer(report.to_table().trim_end());
-    write(arguments.json.as_deref(), &report.to_json())?;
-    write(arguments.html.as_deref(), &report.to_html())?;
-    write(arguments.csv.as_deref(), &report.to_csv())
+    Ok(report?)
 }
 
 /// Points of a sampled shape when their number is not given.
@@ -141,7 +166,7 @@ fn open_input(input: &Path, open: &OpenOptions) -> anyhow::Result<Input> {
     }
     Ok(Input {
         name: sequence_name(input),
-        sequence: Arc::new(open_sequence(&[input.to_owned()], open)?),
+        sequence: Arc::new(open_sequence_and_tell(&[input.to_owned()], open)?),
         shape: None,
     })
 }

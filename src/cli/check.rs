@@ -1,9 +1,10 @@
 //! `pointreel check`: what may be wrong with a sequence.
 
-use super::arguments::{ReadArgs, open_sequence};
+use super::arguments::{ReadArgs, open_sequence_and_tell};
 use super::progress::Bar;
-use super::{answer, say};
+use super::{answer, say, warnings};
 use crate::check::{CheckReport, check};
+use crate::messages::by_kind;
 use anyhow::Context as _;
 use clap::Args;
 use std::fmt::Write as _;
@@ -28,8 +29,8 @@ pub(super) struct CheckArgs {
     read: ReadArgs,
 }
 
-pub(super) fn run(arguments: &CheckArgs) -> anyhow::Result<ExitCode> {
-    let sequence = open_sequence(&arguments.inputs, &arguments.read.open_options())?;
+pub(super) fn run(arguments: &CheckArgs, lists_all: bool) -> anyhow::Result<ExitCode> {
+    let sequence = open_sequence_and_tell(&arguments.inputs, &arguments.read.open_options())?;
     let bar = Bar::new(sequence.len());
     let report = check(&sequence, &|done| bar.set(done));
     bar.clear();
@@ -37,7 +38,7 @@ pub(super) fn run(arguments: &CheckArgs) -> anyhow::Result<ExitCode> {
         let json = serde_json::to_string_pretty(&report);
         answer(&json.context("the answer cannot be written as JSON")?);
     } else {
-        answer(text(&report).trim_end());
+        answer(text(&report, lists_all).trim_end());
     }
     Ok(if report.findings.is_empty() {
         ExitCode::SUCCESS
@@ -50,12 +51,18 @@ pub(super) fn run(arguments: &CheckArgs) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// The answer for people: a finding a line, then what is known.
-fn text(report: &CheckReport) -> String {
+/// The answer for people: findings of one kind a line, or each of them if all are to be listed, then what is known.
+fn text(report: &CheckReport, lists_all: bool) -> String {
     let mut text = String::new();
-    for finding in &report.findings {
+    let messages = report.findings.iter().map(|finding| &*finding.message);
+    let lines = if lists_all {
+        messages.map(|message| (message, 0)).collect()
+    } else {
+        by_kind(messages)
+    };
+    for (message, count) in lines {
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "- {}", finding.message);
+        let _ = writeln!(text, "- {message}{}", warnings::more(count, "like it"));
     }
     if report.findings.is_empty() {
         text.push_str("nothing was found\n");

@@ -1,7 +1,7 @@
 //! `pointreel compare-frames`: how far the points of one frame are from another frame.
 
-use super::answer;
-use super::arguments::{ReadArgs, not_negative_f64, open_sequence};
+use super::arguments::{ReadArgs, not_negative_f64, open_sequence_and_tell};
+use super::{answer, warnings};
 use crate::measure::Change;
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -51,7 +51,7 @@ struct Answer {
 }
 
 pub(super) fn run(arguments: &CompareFramesArgs) -> anyhow::Result<()> {
-    let sequence = open_sequence(&arguments.inputs, &arguments.read.picture_options())?;
+    let sequence = open_sequence_and_tell(&arguments.inputs, &arguments.read.picture_options())?;
     let CompareFramesArgs {
         from,
         to,
@@ -59,6 +59,9 @@ pub(super) fn run(arguments: &CompareFramesArgs) -> anyhow::Result<()> {
         ..
     } = *arguments;
     let [pose, other] = [sequence.frame(from)?, sequence.frame(to)?];
+    for warning in pose.warnings().iter().chain(other.warnings()) {
+        warnings::warn_of_frame(warning);
+    }
     let Some(change) = Change::between(pose.positions(), other.positions(), || true) else {
         bail!("frame {to} has no points, so nothing can be measured to it");
     };

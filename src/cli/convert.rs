@@ -1,8 +1,8 @@
 //! `pointreel convert`: frames in another format, moved, thinned out, with normals.
 
-use super::arguments::{FrameRange, ReadArgs, open_sequence};
+use super::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
 use super::progress::Bar;
-use super::{answer, say};
+use super::{answer, warnings};
 use crate::convert::{Conversion, Edit, Output, Shard, convert};
 use crate::io::WriteFormat;
 use anyhow::bail;
@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         bail!("name an input and an output");
     };
     let open = arguments.read.open_options();
-    let sequence = open_sequence(inputs, &open)?;
+    let sequence = open_sequence_and_tell(inputs, &open)?;
     let format_by_name = WriteFormat::of_extension(output);
     let is_folder = output.is_dir() || format_by_name.is_none();
     let frames = arguments.frames.as_ref().map(FrameRange::bounds);
@@ -97,8 +97,11 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     );
     bar.clear();
     let converted = converted?;
+    for (frame, warning) in &converted.warnings {
+        warnings::warn_of_frame(&format!("frame {frame}: {warning}"));
+    }
     for (frame, error) in &converted.failed {
-        say(&format!("warning: frame {frame}: {error}"));
+        warnings::warn_of_frame(&format!("frame {frame}: {error}"));
     }
     answer(&format!(
         "{} frames written to {}, {} were there already, {} failed",

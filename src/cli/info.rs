@@ -1,7 +1,7 @@
 //! `pointreel info`: what is in the frames of a sequence, in the coordinates of the files.
 
-use super::arguments::{ReadArgs, open_sequence};
-use super::{answer, say};
+use super::arguments::{ReadArgs, open_sequence_and_tell};
+use super::{answer, warnings};
 use crate::check::changed_attributes;
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
@@ -58,6 +58,9 @@ struct FrameInfo {
     file: String,
     /// The frame's own name: that of the file, and of the part where it has several.
     name: String,
+    /// The file with its normals, where they have one of their own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    normals_file: Option<String>,
     /// By the time stamp of the file or its name.
     time_s: Option<f64>,
     #[serde(flatten)]
@@ -76,6 +79,9 @@ enum Content {
         attributes: Vec<String>,
         /// Triangles of a mesh.
         faces: usize,
+        /// What else of the file could not be read.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        warnings: Vec<String>,
     },
     Failed {
         error: String,
@@ -83,7 +89,7 @@ enum Content {
 }
 
 pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
-    let sequence = open_sequence(&arguments.inputs, &arguments.read.open_options())?;
+    let sequence = open_sequence_and_tell(&arguments.inputs, &arguments.read.open_options())?;
     // Decodes the first frame, which is kept for its line.
     let origin = sequence.origin();
     // Rayon decodes as many frames at once as there are cores, and keeps none.
@@ -104,8 +110,14 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
             count => bail!("none of the {count} frames can be read; the first: {first}"),
         }
     }
-    for error in failures {
-        say(&format!("warning: {error}"));
+    for frame in &frames {
+        let said = match &frame.content {
+            Content::Failed { error } => std::slice::from_ref(error),
+            Content::Read { warnings, .. } => warnings,
+        };
+        for warning in said {
+            warnings::warn_of_frame(warning);
+        }
     }
     let info = Info {
         frames,
@@ -146,6 +158,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
                 max: bounds.map(|(_, max)| max.to_array()),
                 attributes: raw.attributes().into_iter().map(str::to_owned).collect(),
                 faces: raw.faces.len(),
+                warnings: raw.warnings,
             }
         }
         Err(error) => Content::Failed {
@@ -157,6 +170,10 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
         index,
         file: source.path.display().to_string(),
         name: source.name.clone(),
+        normals_file: source
+            .normals
+            .as_ref()
+            .map(|path| path.display().to_string()),
         time_s: source.time.map(|time| time.as_secs_f64()),
         content,
     }
@@ -178,6 +195,7 @@ fn table(info: &Info) -> String {
                 max,
                 attributes,
                 faces,
+                ..
             } => {
                 let bounds = match (min, max) {
                     (Some(min), Some(max)) => (0..3)
@@ -228,11 +246,12 @@ fn table(info: &Info) -> String {
     text
 }
 
-/// The file, and which part of it where it has several.
+/// The file, which part of it where it has several, and the file with its normals.
 fn place(frame: &FrameInfo) -> String {
-    match frame.name.split_once(": ") {
-        Some((_, part)) => format!("{}: {part}", frame.file),
-        None => frame.file.clone(),
+    match (frame.name.split_once(": "), &frame.normals_file) {
+        (Some((_, part)), _) => format!("{}: {part}", frame.file),
+        (None, Some(normals)) => format!("{} with {normals}", frame.file),
+        (None, None) => frame.file.clone(),
     }
 }
 

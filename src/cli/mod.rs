@@ -7,15 +7,19 @@ mod check;
 mod compare;
 mod compare_frames;
 mod convert;
+mod device_select;
 mod info;
 mod poses;
 mod progress;
 mod render;
 mod video;
 mod view;
+mod warnings;
 
 use clap::{Parser, Subcommand};
+use std::io::Write as _;
 use std::process::ExitCode;
+use warnings::When;
 
 /// A viewer for time-varying point clouds: surfels, voxels, level of detail.
 #[derive(Debug, Parser)]
@@ -23,6 +27,10 @@ use std::process::ExitCode;
 struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,
+
+    /// Say each warning and finding, not only the first one of each kind
+    #[arg(long, global = true)]
+    verbose: bool,
 
     /// Without a verb: what `pointreel view` takes.
     #[command(flatten)]
@@ -52,24 +60,28 @@ enum Verb {
 /// Parses the command line, runs the verb and says what went wrong.
 pub fn main() -> ExitCode {
     crate::memory::keep_freed_pages();
-    env_logger::Builder::from_env(
-        env_logger::Env::default().default_filter_or("warn,wgpu_hal=error,wgpu_core=error,rfd=off"),
-    )
-    .format_target(false)
-    .init();
+    device_select::leave_out_without_session();
+    start_log();
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
+    let has_window = matches!(arguments.verb, None | Some(Verb::View(_)));
+    warnings::say_them(match (arguments.verbose, has_window) {
+        (true, _) => When::AllAtOnce,
+        (false, true) => When::FirstAtOnce,
+        (false, false) => When::AtTheEnd,
+    });
     let result = match arguments.verb {
         None => view::run(&arguments.view).map(done),
         Some(Verb::View(view)) => view::run(&view).map(done),
         Some(Verb::Render(render)) => render::run(&render).map(done),
         Some(Verb::Bench(bench)) => bench::run(&bench).map(done),
         Some(Verb::Info(info)) => info::run(&info).map(done),
-        Some(Verb::Check(check)) => check::run(&check),
+        Some(Verb::Check(check)) => check::run(&check, arguments.verbose),
         Some(Verb::Convert(convert)) => convert::run(&convert).map(done),
         Some(Verb::Compare(compare)) => compare::run(&compare).map(done),
         Some(Verb::CompareFrames(compare)) => compare_frames::run(&compare).map(done),
     };
+    warnings::finish();
     match result {
         Ok(code) => code,
         Err(error) => {
@@ -77,6 +89,28 @@ pub fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// What is logged is said like the warnings of a verb, unless somebody has asked for the log.
+fn start_log() {
+    const LEVELS: &str = "RUST_LOG";
+    let usual = "warn,wgpu_hal=error,wgpu_core=error,rfd=off";
+    let mut log = env_logger::Builder::from_env(env_logger::Env::new().filter_or(LEVELS, usual));
+    log.format_target(false);
+    if std::env::var_os(LEVELS).is_none() {
+        log.format(|out, record| match record.level() {
+            log::Level::Warn => {
+                warnings::warn(&record.args().to_string());
+                Ok(())
+            }
+            log::Level::Error => {
+                warnings::warn_of_error(&record.args().to_string());
+                Ok(())
+            }
+            _ => writeln!(out, "{}", record.args()),
+        });
+    }
+    log.init();
 }
 
 fn done((): ()) -> ExitCode {
@@ -94,6 +128,5 @@ fn say(line: &str) {
 
 /// The answer of a verb on stdout. A reader that has left is no failure.
 fn answer(text: &str) {
-    use std::io::Write as _;
     let _ = writeln!(std::io::stdout().lock(), "{text}");
 }

@@ -1,7 +1,7 @@
 //! What other poses add to a picture: colours by how far each point is from another frame, ghosts, and the ways of points.
 
 use super::arguments::FrameRange;
-use super::say;
+use super::warnings;
 use crate::export::{ChangeColors, Poses, TrailLook};
 use crate::headless::Headless;
 use crate::scene::Settings;
@@ -97,7 +97,7 @@ impl PosesArgs {
         };
         let trails = Trails::trace(&request, sequence, |_| None, |_| true);
         for broken in trails.iter().flat_map(Trails::breaks) {
-            say(&format!("warning: trails break: {}", broken.text(0)));
+            warnings::warn(&format!("trails break: {}", broken.text(0)));
         }
         Ok(trails)
     }

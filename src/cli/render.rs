@@ -1,9 +1,11 @@
 //! `pointreel render`: frames to PNG files, or to a video, with the code that draws the window.
 
-use super::arguments::{CameraArgs, FrameRange, PictureArgs, ReadArgs, open_sequence, size_px};
+use super::arguments::{
+    CameraArgs, FrameRange, PictureArgs, ReadArgs, open_sequence_and_tell, size_px,
+};
 use super::poses::PosesArgs;
-use super::say;
 use super::video::{VideoArgs, render_video};
+use super::warnings;
 use crate::export::{Dressed, FRAME_PLACEHOLDER, PictureSize, numbered, write_picture};
 use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
@@ -85,7 +87,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     if let Some(output) = &arguments.output {
         check_names(output, range)?;
     }
-    let sequence = Arc::new(open_sequence(
+    let sequence = Arc::new(open_sequence_and_tell(
         &arguments.inputs,
         &arguments.read.picture_options(),
     )?);
@@ -178,7 +180,7 @@ fn render_frames(
             Ok(frame) => frame,
             Err(error) => {
                 if first != last {
-                    say(&format!("warning: frame {index} is skipped: {error}"));
+                    warnings::warn_of_frame(&format!("frame {index} is skipped: {error}"));
                 }
                 failed.push((index, error.to_string()));
                 continue;
@@ -188,7 +190,7 @@ fn render_frames(
             camera.get_or_insert_with(|| arguments.camera.choice().camera(&frame, &sequence));
         let Dressed { frame, problems } = poses.dress(&frame, headless, settings)?;
         for problem in problems {
-            say(&format!("warning: {problem}"));
+            warnings::warn_of_frame(&problem);
         }
         let path = numbered(output, index, sequence.len());
         let size = arguments.picture_size();

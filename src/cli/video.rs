@@ -3,7 +3,7 @@
 use super::arguments::FrameRange;
 use super::progress::Bar;
 use super::render::RenderArgs;
-use super::{answer, say};
+use super::{answer, warnings};
 use crate::export::{PictureDone, Video, export_video};
 use crate::headless::{Headless, PictureStats};
 use crate::scene::{CameraPath, Settings};
@@ -78,7 +78,7 @@ pub(super) fn render_video(
         for problem in &picture.problems {
             // A loop shows a frame again.
             if told.insert(problem.clone()) {
-                say(&format!("warning: {problem}"));
+                warnings::warn_of_frame(problem);
             }
         }
         stats.push(picture.stats.clone());
@@ -87,8 +87,8 @@ pub(super) fn render_video(
     bar.clear();
     let failed = exported?;
     for (frame, error) in &failed {
-        say(&format!(
-            "warning: frame {frame} is not shown, the one before it stays: {error}"
+        warnings::warn_of_frame(&format!(
+            "frame {frame} is not shown, the one before it stays: {error}"
         ));
     }
     answer(&format!(

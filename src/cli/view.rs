@@ -3,7 +3,9 @@
 use super::arguments::{
     DEMO_INPUT, PictureArgs, ReadArgs, byte_count, frame_rate, open_sequence, size_px,
 };
-use crate::app::{Options, Preferences, PreferencesFile, Presets, Recent, StateOptions};
+use crate::app::{
+    Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions,
+};
 use crate::kept;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::OpenOptions;
@@ -57,6 +59,10 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "SIZE", value_parser = byte_count)]
     memory: Option<u64>,
 
+    /// Who paints the window: auto (the GPU if there is a real one, else the processor), gpu or cpu
+    #[arg(long, value_name = "WHO")]
+    present: Option<PresentChoice>,
+
     /// Size of the window in pixels
     #[arg(long, value_name = "WxH", value_parser = size_px)]
     size: Option<[u32; 2]>,
@@ -95,17 +101,22 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             Some(Arc::new(open_sequence(inputs, &open)?))
         }
     };
-    let (recent, problem) = Recent::load();
+    let (recent, recent_problem) = Recent::load();
+    let presets = Presets::load();
     // A picture that a script asks for does not depend on who looked at what before.
     let (preferences_file, preferences) = if args.screenshot.is_some() {
         (PreferencesFile::default(), Preferences::default())
     } else {
         PreferencesFile::load()
     };
+    let kept_problems = [presets.problem(), preferences_file.problem()];
+    let warnings = kept_problems.into_iter().flatten().map(str::to_owned);
+    let warnings = warnings.chain(recent_problem).collect();
     let options = Options {
         state: StateOptions {
             preferences: Preferences {
                 settings: args.picture.settings_over(preferences.settings),
+                present: args.present.unwrap_or(preferences.present),
                 ..preferences
             },
             up: args.up,
@@ -117,7 +128,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
                 .memory
                 .map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
             recent,
-            presets: Presets::load(),
+            presets,
             timelines: args
                 .screenshot
                 .is_none()
@@ -134,7 +145,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             .filter(|input| input.as_path() != Path::new(DEMO_INPUT))
             .cloned()
             .collect(),
-        warnings: problem.into_iter().collect(),
+        warnings,
         preferences_file,
         size_px: args.size,
         screenshot: args.screenshot.clone(),

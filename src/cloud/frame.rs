@@ -51,6 +51,7 @@ pub struct Frame {
     dropped_points: usize,
     /// Points of the file that this one was not made from, as it is a sample.
     left_out: usize,
+    warnings: Vec<String>,
 }
 
 impl Frame {
@@ -95,6 +96,7 @@ impl Frame {
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
             file_index,
             left_out: 0,
+            warnings: raw.warnings,
         })
     }
 
@@ -155,6 +157,7 @@ impl Frame {
             has_narrow_colors: false,
             faces: Vec::new(),
             sensor: self.sensor.map(Vec3::as_dvec3),
+            warnings: self.warnings.clone(),
         };
         let mut sample = Self::from_raw(raw, DVec3::ZERO)?;
         let slots = gather(&taken, &sample.file_index, |slot| slot);
@@ -231,6 +234,11 @@ impl Frame {
     /// Whether points of the file were left out to save time.
     pub fn is_sample(&self) -> bool {
         self.left_out > 0
+    }
+
+    /// What of the file could not be read although its points could: see [`RawCloud::warnings`].
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Bytes of all arrays.

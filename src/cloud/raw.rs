@@ -109,6 +109,8 @@ pub struct RawCloud {
     pub faces: Vec<[u32; 3]>,
     /// Where the sensor stood, in file coordinates, if the file says so: normals are turned towards it.
     pub sensor: Option<DVec3>,
+    /// What of the file could not be read although its points could: a sentence each, with file and place.
+    pub warnings: Vec<String>,
 }
 
 impl RawCloud {
@@ -123,6 +125,7 @@ impl RawCloud {
             has_narrow_colors: false,
             faces: Vec::new(),
             sensor: None,
+            warnings: Vec::new(),
         }
     }
 

@@ -14,7 +14,7 @@ pub use record::Record;
 
 use crate::io::WriteFormat;
 use crate::kept;
-use crate::sequence::{FrameError, Sequence};
+use crate::sequence::{FrameError, Sequence, Source};
 use rayon::prelude::*;
 use std::fs;
 use std::ops::RangeInclusive;
@@ -70,6 +70,8 @@ pub struct Converted {
     pub left: usize,
     /// Frames that could not be converted, and why.
     pub failed: Vec<(usize, ConvertError)>,
+    /// Frames that were written without a part of their files, and why.
+    pub warnings: Vec<(usize, String)>,
     /// True if it was cancelled before the end.
     pub is_cancelled: bool,
 }
@@ -134,7 +136,7 @@ pub fn convert(
         .filter(|frame| frame % count == index && *frame <= last)
         .collect();
     let done = AtomicUsize::new(0);
-    let outcomes: Vec<(usize, Option<Result<bool, ConvertError>>)> = frames
+    let outcomes: Vec<(usize, Option<Result<Outcome, ConvertError>>)> = frames
         .par_iter()
         .map(|&frame| {
             if cancel.load(Ordering::Relaxed) {
@@ -148,8 +150,12 @@ pub fn convert(
     let mut converted = Converted::default();
     for (frame, outcome) in outcomes {
         match outcome {
-            Some(Ok(true)) => converted.written += 1,
-            Some(Ok(false)) => converted.left += 1,
+            Some(Ok(Outcome::Written { warnings })) => {
+                converted.written += 1;
+                let warnings = warnings.into_iter().map(|warning| (frame, warning));
+                converted.warnings.extend(warnings);
+            }
+            Some(Ok(Outcome::Left)) => converted.left += 1,
             Some(Err(error)) => converted.failed.push((frame, error)),
             None => converted.is_cancelled = true,
         }
@@ -157,12 +163,19 @@ pub fn convert(
     Ok(converted)
 }
 
-/// Converts one frame; false if it was finished before.
+/// What became of a frame.
+enum Outcome {
+    /// It was written, without what the warnings name.
+    Written { warnings: Vec<String> },
+    /// It was finished before.
+    Left,
+}
+
 fn convert_frame(
     sequence: &Sequence,
     index: usize,
     conversion: &Conversion,
-) -> Result<bool, ConvertError> {
+) -> Result<Outcome, ConvertError> {
     let source = sequence.source(index);
     let path = match &conversion.output {
         Output::File(path) => path.clone(),
@@ -179,8 +192,8 @@ fn convert_frame(
             folder.join(format!("{stem}.{}", conversion.format.extension()))
         }
     };
-    if !conversion.overwrites && is_finished(&path, &source.path) {
-        return Ok(false);
+    if !conversion.overwrites && is_finished(&path, &source) {
+        return Ok(Outcome::Left);
     }
     let mut cloud = sequence.decode(index)?;
     conversion
@@ -196,18 +209,20 @@ fn convert_frame(
         file.sync_data()
     })
     .map_err(|reason| ConvertError::Write { path, reason })?;
-    Ok(true)
+    Ok(Outcome::Written {
+        warnings: cloud.warnings,
+    })
 }
 
 /// Whether `output` is there and not older than what it was made from.
-fn is_finished(output: &Path, source: &Path) -> bool {
+fn is_finished(output: &Path, source: &Source) -> bool {
     let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified());
-    match (modified(output), modified(source)) {
-        (Ok(output), Ok(source)) => output >= source,
-        // Frames in the program have no file.
-        (Ok(_), Err(_)) => true,
-        (Err(_), _) => false,
-    }
+    let Ok(output) = modified(output) else {
+        return false;
+    };
+    let mut files = std::iter::once(&source.path).chain(&source.normals);
+    // Frames in the program have no file.
+    files.all(|file| modified(file).map_or(true, |source| output >= source))
 }
 
 #[cfg(test)]

@@ -63,7 +63,7 @@ impl TrailLook {
 pub struct Dressed {
     /// What is drawn.
     pub frame: Arc<PreparedFrame>,
-    /// What could not be added, and why.
+    /// What could not be read of the pose's file or could not be added, and why.
     pub problems: Vec<String>,
 }
 
@@ -80,7 +80,7 @@ impl Poses {
     ) -> Result<Dressed, FrameError> {
         let mut dressed = Dressed {
             frame: Arc::clone(pose),
-            problems: Vec::new(),
+            problems: pose.frame.warnings().to_vec(),
         };
         if let Some(change) = self.change {
             change.color(&mut dressed, headless, settings);

@@ -62,7 +62,8 @@ pub struct PictureDone {
     pub total: usize,
     /// What the last one took.
     pub stats: PictureStats,
-    /// What other poses could not add to it; of pictures of one frame in a row only the first one tells.
+    /// What could not be read of its frame, and what other poses could not add to it; of pictures of one frame in a row only the first one
+    /// tells.
     pub problems: Vec<String>,
 }
 

@@ -5,6 +5,8 @@ use super::error::Fault;
 use super::growing::Growing;
 use crate::cloud::RawCloud;
 
+const POSITIONS: [&str; 3] = ["x", "y", "z"];
+
 /// Names of normals, in the order PLY, PCD.
 const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
 
@@ -57,7 +59,7 @@ pub(super) fn is_used(name: &str) -> bool {
 pub(super) fn is_reserved(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let name = name.as_str();
-    ["x", "y", "z"].contains(&name)
+    POSITIONS.contains(&name)
         || NORMALS.iter().flatten().any(|known| *known == name)
         || COLORS.iter().flatten().any(|known| *known == name)
         || PACKED_COLORS.contains(&name)
@@ -104,7 +106,7 @@ impl Roles {
         let find_all =
             |names: &[&str; 3]| Some([find(names[0])?, find(names[1])?, find(names[2])?]);
 
-        let positions = find_all(&["x", "y", "z"]).ok_or_else(|| {
+        let positions = find_all(&POSITIONS).ok_or_else(|| {
             let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
             Fault::header(format!(
                 "the points have no coordinates: expected x, y and z, found {}",
@@ -146,6 +148,38 @@ impl Roles {
             Some(Colors::Packed(_)) | None => true,
         }
     }
+}
+
+/// True if columns of these names hold points.
+pub(super) fn has_positions(names: &[&str]) -> bool {
+    has_all(names, &POSITIONS)
+}
+
+/// True if columns of these names hold normals.
+pub(super) fn has_normals(names: &[&str]) -> bool {
+    NORMALS.iter().any(|wanted| has_all(names, wanted))
+}
+
+fn has_all(names: &[&str], wanted: &[&str; 3]) -> bool {
+    let has = |wanted: &&str| names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
+    wanted.iter().all(has)
+}
+
+/// The `count` normals in `columns`.
+pub(super) fn normals(columns: &[Column<'_>], count: usize) -> Result<Vec<[f32; 3]>, Fault> {
+    let find = |name: &&str| {
+        columns
+            .iter()
+            .find(|column| column.name.eq_ignore_ascii_case(name))
+    };
+    let find_all = |[x, y, z]: &[&str; 3]| Some([find(x)?, find(y)?, find(z)?]);
+    let axes = NORMALS.iter().find_map(find_all).ok_or_else(|| {
+        Fault::header(
+            "there are no normals: expected nx, ny and nz, or normal_x, normal_y and normal_z",
+        )
+    })?;
+    let [x, y, z] = axes.map(|axis| axis.to_f32(count));
+    Ok((0..count).map(|row| [x[row], y[row], z[row]]).collect())
 }
 
 /// The cloud of `count` points in `columns`.

@@ -162,6 +162,7 @@ impl Places {
         });
         cloud.scalars = fields.collect();
         cloud.sensor = mesh.sensor;
+        cloud.warnings.clone_from(&mesh.warnings);
         cloud
     }
 

@@ -21,6 +21,7 @@ mod growing;
 mod las;
 mod mesh;
 pub(crate) mod natural;
+pub(crate) mod normals;
 mod npy;
 mod numbers;
 mod obj;
@@ -177,6 +178,9 @@ fn read_bytes_with(
         )),
     };
     let sampled = |mut cloud: RawCloud| {
+        for warning in &mut cloud.warnings {
+            *warning = format!("{}, {warning} ({format} file)", name.display());
+        }
         if let Some(count) = options.sample_count
             && !cloud.faces.is_empty()
         {

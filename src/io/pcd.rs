@@ -24,22 +24,24 @@ const MAX_LZF_BYTES: usize = i32::MAX as usize;
 pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
     let (header, payload_start) = parse_header(bytes)?;
     let table = Table::new(&header)?;
-    let payload = &bytes[payload_start..];
-    match header.data {
-        DataKind::Ascii => {
-            let header_lines = line_endings(&bytes[..payload_start]);
-            let columns = table.ascii(payload, header_lines + 1, progress)?;
-            table.cloud(&columns, &header)
-        }
-        DataKind::Binary => {
-            table.check_claim(table.row_bytes, payload.len())?;
-            table.cloud(&table.rows(0).columns(payload), &header)
-        }
-        DataKind::BinaryCompressed => {
-            let block = table.decompress(payload, payload_start)?;
-            table.cloud(&table.blocks(&block), &header)
-        }
-    }
+    let payload = (&bytes[..payload_start], &bytes[payload_start..]);
+    let mut cloud = table.with_columns(header.data, payload, progress, attributes::cloud)?;
+    cloud.sensor = sensor(&header);
+    Ok(cloud)
+}
+
+/// The normals in a file that may have no points.
+pub(super) fn normals(bytes: &[u8], progress: &Progress) -> Result<Vec<[f32; 3]>, Fault> {
+    let (header, payload_start) = parse_header(bytes)?;
+    let payload = (&bytes[..payload_start], &bytes[payload_start..]);
+    Table::new(&header)?.with_columns(header.data, payload, progress, attributes::normals)
+}
+
+/// Names of what each point has in a file that begins with `head`.
+pub(super) fn point_names(head: &[u8]) -> Option<Vec<String>> {
+    let (header, _) = parse_header(head).ok()?;
+    let fields = header.field_defs.fields.into_iter();
+    Some(fields.map(|field| field.name).collect())
 }
 
 /// Where the points are in a file that begins with `head`, if they can be read without the whole of it.
@@ -311,10 +313,28 @@ impl Table {
         Ok(columns)
     }
 
-    fn cloud(&self, columns: &[Column<'_>], header: &PcdMeta) -> Result<RawCloud, Fault> {
-        let mut cloud = attributes::cloud(columns, self.rows)?;
-        cloud.sensor = sensor(header);
-        Ok(cloud)
+    /// What `make` makes of the columns and the number of rows behind the header, encoded as `kind`.
+    fn with_columns<T>(
+        &self,
+        kind: DataKind,
+        (header, payload): (&[u8], &[u8]),
+        progress: &Progress,
+        make: impl FnOnce(&[Column<'_>], usize) -> Result<T, Fault>,
+    ) -> Result<T, Fault> {
+        match kind {
+            DataKind::Ascii => {
+                let first_line = line_endings(header) + 1;
+                make(&self.ascii(payload, first_line, progress)?, self.rows)
+            }
+            DataKind::Binary => {
+                self.check_claim(self.row_bytes, payload.len())?;
+                make(&self.rows(0).columns(payload), self.rows)
+            }
+            DataKind::BinaryCompressed => {
+                let block = self.decompress(payload, header.len())?;
+                make(&self.blocks(&block), self.rows)
+            }
+        }
     }
 }
 

@@ -26,6 +26,8 @@ mod cut;
 mod cut_tests;
 mod kept_levels;
 mod node_surfel;
+#[cfg(test)]
+mod order_tests;
 mod position_error;
 mod select;
 mod small_subtrees;

@@ -7,7 +7,7 @@
 
 use super::can_draw;
 use super::pairing::{Pair, PairBy, PairTimes};
-use super::player::PlayerChange;
+use super::player::{PlayerChange, new_warnings};
 use crate::scene::{Scene, Settings};
 use crate::sequence::{
     Clock, Direction, FrameError, Loader, LoaderOptions, LoopMode, Needs, PlayRange, PreparedFrame,
@@ -30,7 +30,7 @@ pub struct Companion {
     pair: Pair,
     shown: Option<Arc<PreparedFrame>>,
     failure: Option<Arc<FrameError>>,
-    /// Broken frames that were told of.
+    /// Frames of which failures or warnings were told.
     told: HashSet<usize>,
     requested: Option<(usize, Direction, Needs)>,
     way: Option<(LoopMode, PlayRange)>,
@@ -207,6 +207,9 @@ impl Companion {
                     self.failure = Some(error);
                 }
             },
+        }
+        if let Some(frame) = &self.shown {
+            change.new_warnings = new_warnings(frame, &mut self.told);
         }
         change.visible = before != self.shown.as_ref().map(Arc::as_ptr)
             || was_waiting != self.waiting_for()

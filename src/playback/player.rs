@@ -32,7 +32,7 @@ pub struct Player {
     clock: Clock,
     shown: Option<Arc<PreparedFrame>>,
     failure: Option<Arc<FrameError>>,
-    /// Broken frames that were told of: a loop meets them again and again.
+    /// Frames of which failures or warnings were told: a loop meets them again and again.
     told: HashSet<usize>,
     /// The frame at the playhead, while it is not there.
     waiting_for: Option<usize>,
@@ -54,10 +54,14 @@ pub struct Player {
 pub struct PlayerChange {
     /// Another frame is shown, or the place of the playhead is another one.
     pub visible: bool,
+    /// Something else than which frame is shown, and where the playhead is: playing has begun, ended or stopped, frames came, one failed.
+    pub beyond_frame: bool,
     /// A frame at the playhead cannot be shown, and this is the first time that it was met.
     pub new_failure: Option<Arc<FrameError>>,
     /// What to tell of a frame that has not the attributes of the first one.
     pub other_attributes: Option<String>,
+    /// What could not be read of a frame that is shown for the first time.
+    pub new_warnings: Vec<String>,
 }
 
 impl Player {
@@ -284,8 +288,8 @@ impl Player {
 
         let mut change = PlayerChange {
             visible: has_grown,
-            new_failure: None,
-            other_attributes: None,
+            beyond_frame: has_grown,
+            ..PlayerChange::default()
         };
         let frame = match self.loader.get(target, &needs) {
             Slot::Ready(frame) | Slot::Coarse(frame) => Some(frame),
@@ -306,20 +310,22 @@ impl Player {
                 self.failure = Some(error);
                 change.visible |=
                     self.clock.frame() != playhead_before || self.is_playing() != playing_before;
+                change.beyond_frame |= change.visible;
                 return change;
             }
         };
         if let Some(frame) = frame.filter(|_| !must_wait) {
             self.arrive(ahead, now);
             change.other_attributes = self.attributes.note(frame.index, &frame.frame);
-            let was_broken = self.failure.take().is_some();
-            change.visible |= self.show(frame, now) || was_broken;
+            change.new_warnings = new_warnings(&frame, &mut self.told);
+            change.beyond_frame |= self.failure.take().is_some();
+            change.visible |= self.show(frame, now);
         } else if self.waiting_for != Some(target) {
-            change.visible = true;
+            change.beyond_frame = true;
             self.wait(ahead, now);
         }
-        change.visible |=
-            self.clock.frame() != playhead_before || self.is_playing() != playing_before;
+        change.beyond_frame |= self.is_playing() != playing_before;
+        change.visible |= self.clock.frame() != playhead_before || change.beyond_frame;
         change
     }
 
@@ -401,6 +407,15 @@ impl Player {
     pub fn runs_are_old(&self) -> bool {
         self.runs_revision != Some(self.loader.revision())
     }
+}
+
+/// The warnings of `frame` if nothing of it is in `told` yet.
+pub(super) fn new_warnings(frame: &PreparedFrame, told: &mut HashSet<usize>) -> Vec<String> {
+    let warnings = frame.frame.warnings();
+    if warnings.is_empty() || !told.insert(frame.index) {
+        return Vec::new();
+    }
+    warnings.to_vec()
 }
 
 /// True if `frame` has what `primitive` is made from.

@@ -202,3 +202,31 @@ fn waiting_for_the_last_frame_of_a_sequence_that_does_not_loop_ends_there() {
     assert_eq!(fixture.update(Duration::from_secs(9)), Some(9));
     assert!(!fixture.player.is_playing());
 }
+
+#[test]
+fn what_could_not_be_read_of_a_frame_is_told_once() {
+    let sources = (0..3).map(|number| Source::file(format!("frame_{number}.ply")));
+    let sequence = Sequence::with_decoder(sources.collect(), |source| {
+        let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]]));
+        if source.name != "frame_1.ply" {
+            cloud.warnings = vec![format!("{}: no faces", source.name)];
+        }
+        Ok(cloud)
+    });
+    let sequence = Arc::new(sequence);
+    let mut player = Player::new(sequence, LoaderOptions::default(), false).unwrap();
+    let settings = Settings {
+        primitive: Primitive::Point,
+        ..Settings::default()
+    };
+    let mut told = Vec::new();
+    for frame in [0, 1, 2, 0, 2] {
+        player.seek(frame, Duration::ZERO);
+        told.extend(player.update(Duration::ZERO, &settings).new_warnings);
+        let needs = Scene::needs(&settings);
+        player.loader().wait(frame, &needs).unwrap();
+        told.extend(player.update(Duration::ZERO, &settings).new_warnings);
+        assert_eq!(player.shown().map(|shown| shown.index), Some(frame));
+    }
+    assert_eq!(told, ["frame_0.ply: no faces", "frame_2.ply: no faces"]);
+}

@@ -1,7 +1,7 @@
 //! One renderer or the other, as a person chose.
 
 use super::cpu::CpuRenderer;
-use super::gpu::{Context, ContextOptions, GpuRenderer};
+use super::gpu::{Context, ContextOptions, GpuRenderer, may_have_gpu};
 use super::{RenderError, RenderStats, Renderer};
 use crate::scene::{RendererChoice, ScenePacket};
 use image::RgbaImage;
@@ -18,9 +18,13 @@ pub enum AnyRenderer {
 
 impl AnyRenderer {
     /// Opens what was chosen. Where it may choose, it takes the GPU if there is a real one: a software adapter is slower than
-    /// [`CpuRenderer`], and where there is none at all that needs none.
+    /// [`CpuRenderer`], and where there is none at all that needs none. No driver is opened where no card can be.
     pub fn open(choice: RendererChoice) -> Result<Self, RenderError> {
-        if choice == RendererChoice::Cpu {
+        Self::open_where(choice, may_have_gpu())
+    }
+
+    fn open_where(choice: RendererChoice, may_have_gpu: bool) -> Result<Self, RenderError> {
+        if choice == RendererChoice::Cpu || choice == RendererChoice::Auto && !may_have_gpu {
             return Ok(Self::cpu());
         }
         match Context::headless(&ContextOptions::default()) {

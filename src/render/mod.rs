@@ -115,6 +115,12 @@ pub enum RenderError {
         /// Largest edge.
         max: u32,
     },
+    /// The window system does not show what is painted.
+    #[error("the window cannot be painted: {reason}")]
+    Window {
+        /// What it said.
+        reason: String,
+    },
     /// The order of calls was wrong.
     #[error("nothing was prepared to be drawn")]
     NothingPrepared,

@@ -17,6 +17,7 @@ pub use lod::Lod;
 pub use packet::{CodedCells, Scene, ScenePacket, SceneStats, Voxels};
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use pick::{Pick, PickedNormal, pick};
+pub(crate) use settings::choices;
 pub use settings::{
     Background, Footprint, Lighting, NormalBits, OffsetBits, ParseChoiceError, Primitive,
     Projection, RendererChoice, Settings, Splatting, Strategy,

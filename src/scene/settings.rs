@@ -3,10 +3,9 @@
 use super::{Clip, Lod};
 use crate::octree::StopCriterion;
 use crate::sequence::ColorSource;
-use std::fmt;
 use std::str::FromStr;
 
-/// Writes an enum of unit variants once: its list, its names and how a name is read back.
+/// Writes an enum of unit variants once: its list, its names and how a name is read back, also in files.
 macro_rules! choices {
     ($(#[$doc:meta])* $name:ident, $what:literal { $($(#[$variant_doc:meta])* $variant:ident = $text:literal,)+ }) => {
         $(#[$doc])*
@@ -23,8 +22,8 @@ macro_rules! choices {
             }
         }
 
-        impl fmt::Display for $name {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.pad(self.name())
             }
         }
@@ -42,17 +41,18 @@ macro_rules! choices {
             }
         }
 
-        impl FromStr for $name {
-            type Err = ParseChoiceError;
+        impl std::str::FromStr for $name {
+            type Err = $crate::scene::ParseChoiceError;
 
             fn from_str(text: &str) -> Result<Self, Self::Err> {
                 Self::ALL.iter().copied().find(|choice| choice.name() == text).ok_or_else(|| {
-                    ParseChoiceError::new($what, text, Self::ALL.iter().map(|choice| choice.name()))
+                    $crate::scene::ParseChoiceError::new($what, text, Self::ALL.iter().map(|choice| choice.name()))
                 })
             }
         }
     };
 }
+pub(crate) use choices;
 
 /// A word that names no choice.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -64,7 +64,7 @@ pub struct ParseChoiceError {
 }
 
 impl ParseChoiceError {
-    pub(super) fn new<'a>(
+    pub(crate) fn new<'a>(
         what: &'static str,
         text: &str,
         expected: impl Iterator<Item = &'a str>,
@@ -242,6 +242,7 @@ choices! {
 
 /// What is behind the cloud: a vertical gradient between two colours, or one colour when they are equal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "StoredBackground")]
 pub struct Background {
     /// Red, green, blue at the top edge.
     pub top: [u8; 3],
@@ -276,6 +277,25 @@ impl Background {
         Self {
             top: color,
             bottom: color,
+        }
+    }
+}
+
+/// How a background is in a file: as it is written, or as the word of the command line, which `settings.json` had once.
+#[derive(serde::Deserialize)]
+#[serde(untagged)]
+enum StoredBackground {
+    Word(String),
+    Edges { top: [u8; 3], bottom: [u8; 3] },
+}
+
+impl TryFrom<StoredBackground> for Background {
+    type Error = ParseChoiceError;
+
+    fn try_from(stored: StoredBackground) -> Result<Self, Self::Error> {
+        match stored {
+            StoredBackground::Word(text) => text.parse(),
+            StoredBackground::Edges { top, bottom } => Ok(Self { top, bottom }),
         }
     }
 }
@@ -323,8 +343,11 @@ fn parse_hex(text: &str) -> Option<[u8; 3]> {
 }
 
 /// All choices about a picture but where the camera stands.
+///
+/// They are kept in files of people, which outlive versions: what a file does not have is as by default, and what is not
+/// known here is passed over.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default)]
 pub struct Settings {
     /// What points become.
     pub primitive: Primitive,

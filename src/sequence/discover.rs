@@ -7,8 +7,10 @@
 //!
 //! **What counts.** From a folder come files with an extension that a decoder knows, in any case, hidden ones left out, no
 //! sub-folders. A pattern is read the same way, unless nothing it matches has a known extension: then the
-//! person meant those files. A file named outright is always taken; its first bytes decide.
+//! person meant those files. A file named outright is always taken; its first bytes decide. Normals in a file beside their points
+//! belong to these, and what else in a folder shares its number with a frame and holds no points is left out (`companions.rs`).
 
+use super::companions::{Companions, Known};
 use super::recording::topics_of;
 use super::stamps::stamp;
 use super::{OpenOptions, Recording, SequenceError, Source};
@@ -29,6 +31,8 @@ pub(super) struct Discovered {
     /// All frames in order.
     pub(super) sources: Vec<Source>,
     pub(super) recordings: Vec<Recording>,
+    /// What of the inputs is left out, a sentence each.
+    pub(super) notes: Vec<String>,
 }
 
 /// The ordered frames of `inputs`; see the module's text for the rules. `observe` is told of how many files of how many were looked
@@ -36,6 +40,7 @@ pub(super) struct Discovered {
 pub(super) fn discover(
     inputs: &[PathBuf],
     options: &OpenOptions,
+    known: &mut Known,
     observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Discovered, SequenceError> {
     if inputs.is_empty() {
@@ -43,28 +48,43 @@ pub(super) fn discover(
     }
     let mut paths = Vec::new();
     let mut listed = Vec::new();
+    let mut companions = Companions::default();
     for input in inputs {
-        if input.is_dir() {
-            append_sorted(&mut paths, &mut listed);
-            append_sorted(&mut paths, &mut scan_folder(input)?);
-        } else if input.exists() {
+        if !input.is_dir() && input.exists() {
             listed.push(input.clone());
-        } else {
-            append_sorted(&mut paths, &mut listed);
-            append_sorted(&mut paths, &mut expand_pattern(input)?);
+            continue;
         }
+        companions.take_normals(&mut listed, known);
+        append_sorted(&mut paths, &mut listed);
+        let mut found = if input.is_dir() {
+            scan_folder(input)?
+        } else {
+            expand_pattern(input)?
+        };
+        companions.take_normals(&mut found, known);
+        companions.leave_out_others(&mut found, known);
+        append_sorted(&mut paths, &mut found);
     }
+    companions.take_normals(&mut listed, known);
     append_sorted(&mut paths, &mut listed);
 
     let mut taken = HashSet::with_capacity(paths.len());
     paths.retain(|path| taken.insert(path.clone()));
-    let mut discovered = Discovered::default();
+    let mut discovered = Discovered {
+        notes: companions.note().into_iter().collect(),
+        ..Discovered::default()
+    };
     let count = paths.len();
     for (done, path) in paths.into_iter().enumerate() {
         if observe(done, count).is_break() {
             return Err(SequenceError::Cancelled);
         }
+        let normals = companions.normals.remove(&path);
+        let first = discovered.sources.len();
         discovered.append_frames(path, options);
+        if let Some(source) = discovered.sources.get_mut(first) {
+            source.normals = normals;
+        }
     }
     if let Some(topic) = &options.topic {
         discovered.demand(topic)?;
@@ -125,13 +145,23 @@ impl Discovered {
     }
 }
 
-/// Whether nobody writes to the file of `source` any more, as far as its time says.
-pub(super) fn is_written(source: &Source) -> bool {
+/// Whether nobody writes to the files of `source` any more, as far as their times say. Its normals are waited for where the frame
+/// before it has some, but not for long.
+pub(super) fn is_written(source: &Source, expects_normals: bool) -> bool {
     /// Who writes a frame has it done in pieces that follow each other faster.
     const QUIET: Duration = Duration::from_millis(500);
-    let modified = fs::metadata(&source.path).and_then(|metadata| metadata.modified());
-    // A clock that stands before the file's says nothing.
-    modified.map_or(true, |at| at.elapsed().map_or(true, |age| age >= QUIET))
+    /// Who writes normals behind each frame has them done by then.
+    const NORMALS: Duration = Duration::from_secs(10);
+    let is_older = |path: &Path, least: Duration| {
+        let modified = fs::metadata(path).and_then(|metadata| metadata.modified());
+        // A clock that stands before the file's says nothing.
+        modified.map_or(true, |at| at.elapsed().map_or(true, |age| age >= least))
+    };
+    match &source.normals {
+        Some(normals) => is_older(&source.path, QUIET) && is_older(normals, QUIET),
+        None if expects_normals => is_older(&source.path, NORMALS),
+        None => is_older(&source.path, QUIET),
+    }
 }
 
 /// Moves `group` to the end of `paths`, in natural order.
@@ -334,7 +364,8 @@ mod tests {
                     ControlFlow::Continue(())
                 }
             };
-            discover(&inputs, &OpenOptions::default(), &mut observe)
+            let mut known = Known::default();
+            discover(&inputs, &OpenOptions::default(), &mut known, &mut observe)
         };
         assert_eq!(open(9).unwrap().sources.len(), 3);
         assert!(matches!(open(1), Err(SequenceError::Cancelled)));

@@ -18,6 +18,7 @@
 //! ```
 
 mod clock;
+mod companions;
 mod demo;
 mod detail;
 mod discover;
@@ -65,12 +66,14 @@ pub use watch::watch;
 use crate::cloud::{Frame, RawCloud};
 use crate::io::{ReadOptions, Topic};
 use crate::progress::Progress;
+use companions::Known;
 use glam::DVec3;
 use origin::OriginFinder;
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, RwLock};
+use std::sync::{Arc, Mutex, RwLock};
 use std::time::{Duration, Instant};
 
 /// How inputs are opened.
@@ -96,6 +99,9 @@ pub struct Sequence {
     /// What was opened, and how, if it is to be looked at again.
     opened: Option<(Vec<PathBuf>, OpenOptions)>,
     recordings: Vec<Recording>,
+    notes: Vec<String>,
+    /// What was found out about files beside the frames.
+    known: Mutex<Known>,
 }
 
 /// A frame as [`Sequence::load`] gives it.
@@ -130,7 +136,8 @@ impl Sequence {
         options: &OpenOptions,
         observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<Self, SequenceError> {
-        let discovered = discover::discover(inputs, options, observe)?;
+        let mut known = Known::default();
+        let discovered = discover::discover(inputs, options, &mut known, observe)?;
         let read = options.read;
         let decode =
             move |source: &Source, progress: &Progress| source::decode(source, &read, progress);
@@ -141,6 +148,8 @@ impl Sequence {
             fps: options.fps,
             opened: Some((inputs.to_vec(), options.clone())),
             recordings: discovered.recordings,
+            notes: discovered.notes,
+            known: Mutex::new(known),
             ..Self::with_observed_decoder(discovered.sources, decode)
         })
     }
@@ -160,30 +169,46 @@ impl Sequence {
         recording::topics_of(&self.recordings)
     }
 
+    /// What of the inputs is left out, a sentence each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     /// Whether [`Sequence::look_again`] can find anything: a folder or a pattern is open, not only files.
     pub fn may_grow(&self) -> bool {
         self.inputs().iter().any(|input| !input.is_file())
     }
 
     /// Looks at the inputs again and takes the frames that came behind the last one; says how many. What came between others is
-    /// left out: frames keep their places. Files that are still being written are left for the next time.
+    /// left out: frames keep their places. Files that are still being written are left for the next time. Normals that came beside a
+    /// frame are read with it from then on.
     pub fn look_again(&self) -> Result<usize, SequenceError> {
         let Some((inputs, options)) = &self.opened else {
             return Ok(0);
         };
         let observe = &mut |_, _| ControlFlow::Continue(());
-        let found = discover::discover(inputs, options, observe)?.sources;
+        let mut known = lock(&self.known);
+        let found = discover::discover(inputs, options, &mut known, observe)?.sources;
+        drop(known);
         let mut sources = write(&self.sources);
         let is_last = |source: &Source| {
             let last = sources.last();
             last.is_some_and(|last| last.path == source.path && last.content == source.content)
         };
-        let Some(known) = found.iter().rposition(is_last) else {
+        let Some(last) = found.iter().rposition(is_last) else {
             return Ok(0);
         };
-        let new = found.into_iter().skip(known + 1);
+        let mut found = found.into_iter();
+        join_late_normals(&mut sources, found.by_ref().take(last + 1));
         let count_before = sources.len();
-        sources.extend(new.take_while(discover::is_written).map(Arc::new));
+        for source in found {
+            let before = sources.last();
+            let expects_normals = before.is_some_and(|before| before.normals.is_some());
+            if !discover::is_written(&source, expects_normals) {
+                break;
+            }
+            sources.push(Arc::new(source));
+        }
         Ok(sources.len() - count_before)
     }
 
@@ -216,6 +241,8 @@ impl Sequence {
             fps: None,
             opened: None,
             recordings: Vec::new(),
+            notes: Vec::new(),
+            known: Mutex::default(),
         }
     }
 
@@ -230,6 +257,8 @@ impl Sequence {
             fps: self.fps,
             opened: self.opened.clone(),
             recordings: self.recordings.clone(),
+            notes: self.notes.clone(),
+            known: Mutex::default(),
         }
     }
 
@@ -415,6 +444,24 @@ impl std::fmt::Debug for Sequence {
             .field("sources", &read(&self.sources))
             .field("fps", &self.fps())
             .finish_non_exhaustive()
+    }
+}
+
+/// Gives the frames in `sources` the normals that `found` has beside the same files by now.
+fn join_late_normals(sources: &mut [Arc<Source>], found: impl Iterator<Item = Source>) {
+    let with_normals = found.filter(|source| source.normals.is_some());
+    let late: HashMap<PathBuf, Source> = with_normals
+        .map(|source| (source.path.clone(), source))
+        .collect();
+    for source in sources.iter_mut().filter(|source| source.normals.is_none()) {
+        if let Some(found) = late.get(&source.path)
+            && discover::is_written(found, false)
+        {
+            *source = Arc::new(Source {
+                normals: found.normals.clone(),
+                ..Source::clone(source)
+            });
+        }
     }
 }
 

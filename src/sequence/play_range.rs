@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// In and out point of a sequence. What has no point goes to the end, however long the sequence grows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default)]
 pub struct PlayRange {
     first: Option<usize>,
     last: Option<usize>,

@@ -1,6 +1,7 @@
 //! Where one frame comes from, and the decoder that reads it.
 
 use crate::cloud::RawCloud;
+use crate::io::normals::read_with_normals;
 use crate::io::{self, Part, ReadOptions};
 use crate::progress::Progress;
 use std::path::PathBuf;
@@ -44,6 +45,8 @@ pub struct Source {
     pub time: Option<Duration>,
     /// Where the bytes are.
     pub content: Content,
+    /// A file beside it with the normals of its points, which the file itself need not have.
+    pub normals: Option<PathBuf>,
 }
 
 impl Source {
@@ -78,6 +81,7 @@ impl Source {
             number: None,
             time: None,
             content,
+            normals: None,
         }
     }
 }
@@ -88,9 +92,12 @@ pub(super) fn decode(
     options: &ReadOptions,
     progress: &Progress,
 ) -> Result<RawCloud, DecodeFailure> {
-    let decoded = match &source.content {
-        Content::File(part) => io::read_part_observed(&source.path, part, options, progress),
-        Content::Embedded(bytes) => io::read_bytes(&source.path, bytes),
+    let decoded = match (&source.content, &source.normals) {
+        (Content::File(Part::Whole), Some(normals)) => {
+            read_with_normals(&source.path, normals, options, progress)
+        }
+        (Content::File(part), _) => io::read_part_observed(&source.path, part, options, progress),
+        (Content::Embedded(bytes), _) => io::read_bytes(&source.path, bytes),
     };
     Ok(decoded?)
 }

@@ -30,7 +30,10 @@ impl Direction {
 }
 
 /// What happens at the ends of a sequence.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Default, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
 pub enum LoopMode {
     /// Playing stops.
     Off,

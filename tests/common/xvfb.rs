@@ -83,7 +83,32 @@ impl Xvfb {
             .env_remove("WAYLAND_SOCKET");
         command
     }
+
+    /// The program that is about to open a window, painted by `painter`.
+    pub(crate) fn view(&self, home: &Path, painter: &str) -> Command {
+        let mut command = self.program(home);
+        command.args(["view", "--present", painter]);
+        command
+    }
 }
+
+/// Runs each function, a test that is told who paints the window, once for each painter.
+macro_rules! painted_by_each {
+    ($($name:ident),+ $(,)?) => {
+        $(mod $name {
+            #[test]
+            fn gpu() {
+                super::$name("gpu");
+            }
+
+            #[test]
+            fn cpu() {
+                super::$name("cpu");
+            }
+        })+
+    };
+}
+pub(crate) use painted_by_each;
 
 /// The test's own connection to the server.
 pub(crate) struct Screen {
@@ -149,13 +174,22 @@ impl Screen {
         }
     }
 
-    /// Waits until nothing has moved for a while.
+    /// Waits until nothing has moved in the picture for a while.
     pub(crate) fn wait_for_rest(&self, what: &str) -> Vec<u8> {
+        Self::rest_of(what, || self.picture())
+    }
+
+    /// Waits until nothing has moved on the whole screen for a while: thumbnails are there, too.
+    pub(crate) fn wait_for_rest_of_all(&self, what: &str) -> Vec<u8> {
+        Self::rest_of(what, || self.pixels())
+    }
+
+    fn rest_of(what: &str, look: impl Fn() -> Vec<u8>) -> Vec<u8> {
         let begin = Instant::now();
-        let mut before = self.picture();
+        let mut before = look();
         loop {
             std::thread::sleep(Duration::from_millis(700));
-            let now = self.picture();
+            let now = look();
             if now == before {
                 return now;
             }
@@ -201,6 +235,44 @@ impl Screen {
             .height(height);
         self.connection
             .configure_window(window, &size)
+            .unwrap()
+            .check()
+            .unwrap();
+    }
+
+    /// Covers a part of the screen with a window of somebody else, and takes it away again.
+    pub(crate) fn cover_for_a_moment(&self, [x, y]: [i16; 2], [width, height]: [u16; 2]) {
+        let window = self.connection.generate_id().unwrap();
+        let looks = xproto::CreateWindowAux::new()
+            .override_redirect(1)
+            .background_pixel(0x00ff_00ff);
+        let class = xproto::WindowClass::INPUT_OUTPUT;
+        self.connection
+            .create_window(
+                x11rb::COPY_DEPTH_FROM_PARENT,
+                window,
+                self.root,
+                x,
+                y,
+                width,
+                height,
+                0,
+                class,
+                x11rb::COPY_FROM_PARENT,
+                &looks,
+            )
+            .unwrap();
+        self.connection.map_window(window).unwrap().check().unwrap();
+        std::thread::sleep(Duration::from_millis(300));
+        let over = [x, y].map(|edge| usize::try_from(edge).unwrap() + 1);
+        let pixel = 4 * (over[1] * usize::from(self.size[0]) + over[0]);
+        assert_eq!(
+            self.pixels()[pixel..pixel + 3],
+            [0xff, 0, 0xff],
+            "it is not covered"
+        );
+        self.connection
+            .destroy_window(window)
             .unwrap()
             .check()
             .unwrap();

@@ -72,7 +72,7 @@ fn the_turntable_turns_until_the_picture_is_dragged() {
     let state = harness.state_mut();
     state.update(at(1000));
     assert_eq!(state.next_deadline(), Some(at(1000)));
-    assert!(state.update(at(1100)));
+    assert!(state.update(at(1100)).is_visible());
     let turned = state.camera.azimuth_deg - begin.azimuth_deg;
     assert!(
         (turned - 2.0).abs() < 1e-9,

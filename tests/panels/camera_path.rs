@@ -150,7 +150,7 @@ fn the_preview_plays_the_path_at_its_speed_until_it_is_stopped() {
     click(&mut harness, "Preview");
     for seconds in [0.5, 1.0, 1.9] {
         let begin = Duration::from_secs_f64(seconds);
-        assert!(harness.state_mut().update(begin));
+        assert!(harness.state_mut().update(begin).is_visible());
         let (camera, shown) = path.at(seconds);
         assert_eq!(harness.state().camera, camera);
         assert_eq!(frame(&harness), shown);

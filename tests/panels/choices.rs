@@ -58,7 +58,7 @@ fn presets_are_applied_saved_and_deleted() {
     let mut harness = window_on(
         sequence(&[]),
         StateOptions {
-            presets: Presets::load_from(file.clone()),
+            presets: Presets::load_from(&file),
             ..options()
         },
     );
@@ -72,7 +72,7 @@ fn presets_are_applied_saved_and_deleted() {
         .type_text("mine");
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    assert_eq!(Presets::load_from(file.clone()).list()[0].name, "mine");
+    assert_eq!(Presets::load_from(&file).list()[0].name, "mine");
 
     click(&mut harness, "Presets");
     click(&mut harness, "Fast");
@@ -83,5 +83,5 @@ fn presets_are_applied_saved_and_deleted() {
     click(&mut harness, "Presets");
     click(&mut harness, "Delete");
     click(&mut harness, "Delete mine");
-    assert!(Presets::load_from(file).list().is_empty());
+    assert!(Presets::load_from(&file).list().is_empty());
 }

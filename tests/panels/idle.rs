@@ -57,7 +57,7 @@ impl Driven {
         let state = self.harness.state_mut();
         let mut is_due = state.next_deadline().is_some_and(|due| due <= self.now);
         if self.woken.swap(false, Ordering::Relaxed) {
-            is_due |= state.update(self.now) || state.has_news();
+            is_due |= state.update(self.now).is_visible() || state.has_news();
         }
         let output = &self.harness.output().viewport_output;
         let delay = output[&ViewportId::ROOT].repaint_delay;

@@ -210,11 +210,11 @@ fn a_double_click_glides_to_the_point_or_frames_the_cloud() {
     let state = harness.state_mut();
     assert_eq!(state.camera, before, "it has not begun");
     assert_eq!(state.next_deadline(), Some(Duration::ZERO));
-    assert!(state.update(Duration::from_millis(100)));
+    assert!(state.update(Duration::from_millis(100)).is_visible());
     let on_its_way = state.camera;
     assert!(on_its_way.distance < before.distance && on_its_way.target_in_world != corner(6));
     state.update(Duration::from_millis(300));
-    assert!(!state.update(Duration::from_millis(301)));
+    assert!(!state.update(Duration::from_millis(301)).is_visible());
     assert_eq!(state.next_deadline(), None);
     assert!((state.camera.target_in_world - corner(6)).length() < 1e-6);
     let expected = 0.5 * before.eye_in_world().distance(corner(6));

@@ -132,10 +132,10 @@ fn pictures_come_one_by_one_and_then_nothing_is_drawn() {
     let of_pictures = wakes.load(Ordering::Relaxed) - of_loader;
     assert_eq!(of_pictures, cells as u64, "one wake a picture");
     let now = state.now();
-    assert!(!state.update(now));
+    assert!(!state.update(now).is_visible());
     assert_eq!(state.next_deadline(), None);
     std::thread::sleep(Duration::from_millis(50));
-    assert!(!state.update(now));
+    assert!(!state.update(now).is_visible());
     assert_eq!(wakes.load(Ordering::Relaxed) - of_loader, cells as u64);
 }
 

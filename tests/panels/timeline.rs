@@ -15,7 +15,12 @@ fn the_play_button_plays_and_pauses() {
     click(&mut harness, "Play");
     assert!(is_playing(&harness));
     // 24 frames a second: the third frame is due after 2/24 s.
-    assert!(harness.state_mut().update(Duration::from_millis(85)));
+    assert!(
+        harness
+            .state_mut()
+            .update(Duration::from_millis(85))
+            .is_visible()
+    );
     assert_eq!(frame(&harness), 2);
     assert_eq!(
         harness
@@ -31,7 +36,12 @@ fn the_play_button_plays_and_pauses() {
     harness.run();
     click(&mut harness, "Pause");
     assert!(!is_playing(&harness));
-    assert!(!harness.state_mut().update(Duration::from_secs(9)));
+    assert!(
+        !harness
+            .state_mut()
+            .update(Duration::from_secs(9))
+            .is_visible()
+    );
     assert_eq!(frame(&harness), 2);
 }
 

@@ -62,7 +62,7 @@ fn a_paused_untouched_window_does_nothing() {
     assert_eq!(scene.traversals, 1);
     for second in 1..100 {
         let state = harness.state_mut();
-        assert!(!state.update(Duration::from_secs(second)));
+        assert!(!state.update(Duration::from_secs(second)).is_visible());
         assert_eq!(state.next_deadline(), None);
         assert!(state.next_packet().is_none());
     }

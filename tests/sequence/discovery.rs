@@ -288,3 +288,88 @@ fn kitti_lists_times_beside_its_scans() {
     let other = scans("odd/clouds", &["0.ply", "1.ply"]);
     assert_eq!(times(&other), None);
 }
+
+/// A PLY of two points whose properties are these.
+fn ply_of(properties: &[&str]) -> String {
+    let lines = properties
+        .iter()
+        .map(|name| format!("property float {name}\n"));
+    let rows = [0, 1].map(|row| vec![row.to_string(); properties.len()].join(" "));
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex 2\n{}end_header\n{}\n",
+        lines.collect::<String>(),
+        rows.join("\n")
+    )
+}
+
+#[test]
+fn points_and_normals_side_by_side_are_one_sequence() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, properties: &[&str]| {
+        fs::write(folder.path().join(name), ply_of(properties)).unwrap();
+    };
+    for frame in 0..12 {
+        write(&format!("{frame}.ply"), &["x", "y", "z"]);
+        write(&format!("{frame}_normal.ply"), &["nx", "ny", "nz"]);
+        write(&format!("{frame}_mask.ply"), &["label"]);
+    }
+    for inputs in [folder.path().to_path_buf(), folder.path().join("*.ply")] {
+        let sequence = Sequence::discover(&[inputs]).unwrap();
+        assert_eq!(sequence.len(), 12);
+        for (index, source) in sequence.sources().iter().enumerate() {
+            assert_eq!(source.name, format!("{index}.ply"));
+            assert_eq!(source.number, Some(index as u64));
+            let normals = folder.path().join(format!("{index}_normal.ply"));
+            assert_eq!(source.normals, Some(normals));
+            let frame = sequence.frame(index).unwrap();
+            assert_eq!(frame.len(), 2);
+            // The first normal is zero, the second one is made of three ones.
+            let third = 1.0 / 3.0_f32.sqrt();
+            assert!((frame.normals().unwrap()[1].x - third).abs() < 1e-6);
+            assert!(frame.warnings().is_empty());
+        }
+        let [note] = sequence.notes() else {
+            panic!("{:?}", sequence.notes())
+        };
+        assert_eq!(
+            note,
+            "12 files beside the frames hold no points (0_mask.ply, 1_mask.ply, 2_mask.ply, …): they are left out"
+        );
+    }
+    // As a shell writes out *.ply: what is named outright is taken, normals go to their frames.
+    let files = ["0.ply", "0_normal.ply", "0_mask.ply"].map(|name| folder.path().join(name));
+    let sequence = Sequence::discover(&files).unwrap();
+    assert_eq!(names(&sequence), ["0.ply", "0_mask.ply"]);
+}
+
+#[test]
+fn normals_that_come_later_are_waited_for_and_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, properties: &[&str]| {
+        fs::write(folder.path().join(name), ply_of(properties)).unwrap();
+    };
+    let has_normals = |sequence: &Sequence| -> Vec<bool> {
+        let sources = sequence.sources();
+        sources
+            .iter()
+            .map(|source| source.normals.is_some())
+            .collect()
+    };
+    write("1.ply", &["x", "y", "z"]);
+    let sequence = Sequence::discover(&[folder.path().to_path_buf()]).unwrap();
+    assert_eq!(has_normals(&sequence), [false]);
+    write("1_normal.ply", &["nx", "ny", "nz"]);
+    write("2.ply", &["x", "y", "z"]);
+    std::thread::sleep(Duration::from_millis(600));
+    // The first frame has normals by now, so the second one waits for its own.
+    assert_eq!(sequence.look_again().unwrap(), 0);
+    assert_eq!(has_normals(&sequence), [true]);
+    assert!(sequence.frame(0).unwrap().normals().is_some());
+    write("2_normal.ply", &["nx", "ny", "nz"]);
+    // Normals before their points are no frame.
+    write("3_normal.ply", &["nx", "ny", "nz"]);
+    std::thread::sleep(Duration::from_millis(600));
+    assert_eq!(sequence.look_again().unwrap(), 1);
+    assert_eq!(has_normals(&sequence), [true, true]);
+    assert_eq!(sequence.look_again().unwrap(), 0);
+}

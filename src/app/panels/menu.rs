@@ -289,7 +289,12 @@ fn benchmark_menu(ui: &mut Ui, state: &mut State) {
         (
             Suite::Play,
             "Playing",
-            "Play 300 frames by the clock: frames a second held, share of points shown, late and skipped frames, memory",
+            "Play 300 frames by the clock, drawn but not presented: frames a second held, share of points shown, memory",
+        ),
+        (
+            Suite::Window,
+            "Window",
+            "Play, turn and scrub in a window of its own: pictures a second presented, latency, processor time by part",
         ),
         (
             Suite::Error,

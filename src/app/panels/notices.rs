@@ -11,6 +11,9 @@ const WIDTH: f32 = 420.0;
 /// Longer texts scroll.
 const MAX_TEXT_HEIGHT: f32 = 120.0;
 
+/// How many others of a kind the tooltip lists.
+const LISTED_OTHERS: usize = 12;
+
 /// Every message with its full text, a button to copy it and one to dismiss it; long work with a bar and a button to cancel it.
 pub fn notices_ui(ui: &mut Ui, state: &mut State) {
     let works = shown_works(state);
@@ -55,6 +58,10 @@ fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
                     if notice.count > 1 {
                         ui.weak(format!("{} times", notice.count));
                     }
+                    if !notice.others.is_empty() {
+                        let more = format!("and {} more like it", notice.others.len());
+                        ui.weak(more).on_hover_text(listed(&notice.others));
+                    }
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                         let dismissed = ui.small_button("Dismiss").clicked();
                         if ui
@@ -62,7 +69,10 @@ fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
                             .on_hover_text("Copy the full text")
                             .clicked()
                         {
-                            ui.ctx().copy_text(notice.text.clone());
+                            let others = notice.others.iter().map(String::as_str);
+                            let all = std::iter::once(notice.text.as_str()).chain(others);
+                            let all: Vec<&str> = all.collect();
+                            ui.ctx().copy_text(all.join("\n"));
                         }
                         dismissed
                     })
@@ -76,4 +86,17 @@ fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
             dismissed
         })
         .inner
+}
+
+/// The first of them, a line each.
+fn listed(others: &[String]) -> String {
+    let mut lines: Vec<&str> = others
+        .iter()
+        .take(LISTED_OTHERS)
+        .map(String::as_str)
+        .collect();
+    if others.len() > LISTED_OTHERS {
+        lines.push("… (Copy copies all)");
+    }
+    lines.join("\n")
 }

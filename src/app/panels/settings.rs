@@ -6,7 +6,7 @@ use super::quality::quality_ui;
 use super::temporal::temporal_settings_ui;
 use super::voxels::octree_ui;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
-use crate::app::{State, Turntable};
+use crate::app::{PresentChoice, State, Turntable};
 use crate::scene::{
     Background, Lighting, Primitive, Projection, RendererChoice, Settings, Splatting, Strategy,
     UpAxis,
@@ -51,6 +51,8 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
         });
         heading(ui, "Camera");
         rows(ui, "camera", |ui| camera(ui, state));
+        heading(ui, "Window");
+        rows(ui, "window", |ui| present(ui, &mut state.present));
         ui.add_space(12.0);
         if ui
             .button("Reset to defaults")
@@ -201,6 +203,32 @@ fn renderer(ui: &mut Ui, settings: &mut Settings) {
                 "CPU",
                 RendererChoice::Cpu,
                 "The processor, without instancing: what Instancing says has no effect",
+            ),
+        ],
+    );
+}
+
+fn present(ui: &mut Ui, present: &mut PresentChoice) {
+    choice(
+        ui,
+        "Painted by",
+        "Who paints the panels and brings the window onto the screen",
+        present,
+        &[
+            (
+                "Automatic",
+                PresentChoice::Auto,
+                "The GPU if there is a real one, else the processor",
+            ),
+            (
+                "GPU",
+                PresentChoice::Gpu,
+                "The adapter of the graphics library, be it a software one",
+            ),
+            (
+                "CPU",
+                PresentChoice::Cpu,
+                "The processor, without any driver: only what has changed is painted",
             ),
         ],
     );

@@ -2,9 +2,11 @@
 
 use super::{bytes, grouped};
 use crate::app::State;
+use crate::app::meter::Redraw;
 use crate::playback::Player;
 use crate::sequence::PreparedFrame;
 use egui::{DragValue, Grid, Label, RichText, ScrollArea, Ui};
+use std::time::Duration;
 
 /// Width of the names, so that the figures of all sections stand in one column, points.
 const NAME_WIDTH: f32 = 92.0;
@@ -55,6 +57,29 @@ fn milliseconds(value: f64) -> String {
     format!("{value:.2} ms")
 }
 
+/// The parts of a redraw, with what each is.
+fn parts(redraw: &Redraw) -> [(&'static str, Duration, &'static str); 5] {
+    [
+        (
+            "  panels",
+            redraw.panels,
+            "Moving on, and running the panels",
+        ),
+        ("  picture", redraw.drawing, "Drawing the 3-D picture"),
+        ("  painting", redraw.painting, "Painting what has changed"),
+        (
+            "  presenting",
+            redraw.presenting,
+            "Handing the window to the window system or the driver",
+        ),
+        (
+            "  waiting",
+            redraw.waiting,
+            "For the screen, or for a driver that is behind",
+        ),
+    ]
+}
+
 fn frame_times(ui: &mut Ui, state: &State) {
     let graphics = &state.graphics;
     section(ui, "Time of a frame", |ui| {
@@ -62,8 +87,11 @@ fn frame_times(ui: &mut Ui, state: &State) {
             ui,
             "CPU",
             milliseconds(graphics.frame_ms),
-            "The last redraw on the CPU: panels, picture, painting",
+            "The last redraw on the CPU: panels, picture, painting, presenting",
         );
+        for (name, part, tooltip) in parts(&graphics.redraw) {
+            row(ui, name, milliseconds(part.as_secs_f64() * 1e3), tooltip);
+        }
         row(
             ui,
             "  upload",

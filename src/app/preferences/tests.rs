@@ -1,9 +1,11 @@
-//! The file of preferences: what is kept, and what is left aside.
+//! The file of preferences: what is kept, and what becomes of what cannot be read.
 
 use super::*;
 use crate::scene::{
-    Footprint, Lighting, NormalBits, OffsetBits, Primitive, RendererChoice, Splatting, Strategy,
+    Background, Footprint, Lighting, NormalBits, OffsetBits, Primitive, RendererChoice, Splatting,
+    Strategy,
 };
+use crate::sequence::ColorSource;
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
 use std::fs;
 
@@ -34,6 +36,7 @@ fn unusual() -> Preferences {
             offset_bits: OffsetBits::Two,
             clip: None,
         },
+        present: PresentChoice::Cpu,
         loop_mode: LoopMode::PingPong,
         speed: 0.25,
         panels: OpenPanels {
@@ -47,13 +50,72 @@ fn unusual() -> Preferences {
     }
 }
 
+/// The file of version 6 of a program that had no [`PresentChoice`]; nothing in it is by default.
+const OF_VERSION_6: &str = r##"{
+  "version": 6,
+  "primitive": "voxel",
+  "renderer": "cpu",
+  "splatting": "no-depth",
+  "strategy": "compute",
+  "splat_scale": 1.25,
+  "enlargement": 3.5,
+  "cull_back_faces": false,
+  "lighting": "vertex",
+  "background": "#0102fa-#0010ff",
+  "colors": "scalar",
+  "point_size_px": 7.0,
+  "stop": {
+    "loss": 0.31
+  },
+  "lod": {
+    "threshold_px": 2.5
+  },
+  "surfel_lod": true,
+  "resolution": 0.5,
+  "footprint": "masks",
+  "normal_bits": "15",
+  "offset_bits": "2",
+  "loop_mode": "ping-pong",
+  "speed": 0.25,
+  "settings_panel": false,
+  "statistics_panel": true,
+  "thumbnails": false,
+  "theme": "light",
+  "window_size": [
+    900.0,
+    700.0
+  ]
+}"##;
+
+/// What [`OF_VERSION_6`] says.
+fn of_version_6() -> Preferences {
+    Preferences {
+        present: PresentChoice::Auto,
+        ..unusual()
+    }
+}
+
+/// What is read of a text, and whether all of it could be.
+fn of_text(text: &str) -> (Preferences, bool) {
+    let mut unread = Vec::new();
+    let stored: Fields = serde_json::from_str(text).unwrap();
+    let preferences = Preferences::of(&stored, &mut unread);
+    (preferences, unread.is_empty())
+}
+
+/// What is read again of what is written.
+fn again(preferences: Preferences) -> (Preferences, bool) {
+    let json = preferences.to_json(&Fields::default()).unwrap();
+    of_text(std::str::from_utf8(&json).unwrap())
+}
+
 fn at(seconds: u64) -> Duration {
     Duration::from_secs(seconds)
 }
 
 /// Begins with `first`, is told of `then` and written.
 fn write(file: &Path, first: Preferences, then: Preferences) {
-    let (mut kept, _) = PreferencesFile::load_from(file.to_owned());
+    let (mut kept, _) = PreferencesFile::load_from(file);
     kept.note(first, at(0));
     kept.note(then, at(1));
     kept.write();
@@ -68,12 +130,9 @@ fn all_choices_survive() {
     );
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("not yet/settings.json");
-    assert_eq!(
-        PreferencesFile::load_from(file.clone()).1,
-        Preferences::default()
-    );
+    assert_eq!(PreferencesFile::load_from(&file).1, Preferences::default());
     write(&file, Preferences::default(), unusual());
-    assert_eq!(PreferencesFile::load_from(file).1, unusual());
+    assert_eq!(PreferencesFile::load_from(&file).1, unusual());
     for (colors, loop_mode) in ColorSource::ALL
         .into_iter()
         .zip(LoopMode::ALL.into_iter().cycle())
@@ -81,21 +140,23 @@ fn all_choices_survive() {
         let mut preferences = unusual();
         preferences.settings.colors = colors;
         preferences.loop_mode = loop_mode;
-        let json = preferences.to_json().unwrap();
-        assert_eq!(Preferences::from_json(&json), Ok(preferences));
+        assert_eq!(again(preferences), (preferences, true));
     }
 }
 
 #[test]
-fn files_from_before_there_was_a_theme_are_read() {
-    let json = String::from_utf8(unusual().to_json().unwrap()).unwrap();
-    let before = json.replace("  \"theme\": \"light\",\n", "");
-    assert_ne!(before, json);
-    let expected = Preferences {
-        theme: ThemePreference::System,
-        ..unusual()
-    };
-    assert_eq!(Preferences::from_json(before.as_bytes()), Ok(expected));
+fn files_of_version_6_are_read_as_they_were_meant() {
+    assert_eq!(of_text(OF_VERSION_6), (of_version_6(), true));
+    let mut stored: Fields = serde_json::from_str(OF_VERSION_6).unwrap();
+    let written = serde_json::to_value(unusual()).unwrap();
+    stored.remove("version");
+    for (name, value) in &stored {
+        assert!(written.get(name).is_some(), "{name} has another name now");
+        // Each by itself, so that none is taken from another.
+        let alone = serde_json::json!({ name: value }).to_string();
+        let (read, is_whole) = of_text(&alone);
+        assert!(is_whole && read != Preferences::default(), "{alone}");
+    }
 }
 
 proptest! {
@@ -114,50 +175,146 @@ proptest! {
         let stop = StopCriterion::Depth(depth);
         preferences.settings = Settings { splat_scale, enlargement, point_size_px, stop, lod, ..preferences.settings };
         let offered = preferences.offered();
-        prop_assert_eq!(Preferences::from_json(&offered.to_json().unwrap()), Ok(offered));
+        prop_assert_eq!(again(offered), (offered, true));
         prop_assert_eq!(offered.offered(), offered);
     }
 }
 
 #[test]
-fn what_cannot_be_used_is_left_aside_and_written_anew() {
+fn each_value_is_read_by_itself() {
+    let whole = of_version_6();
+    let default = Preferences::default();
+    let with = |change: fn(&mut Settings)| {
+        let mut preferences = whole;
+        change(&mut preferences.settings);
+        preferences
+    };
+    let theme = default.theme;
+    let window_size = None;
+    let speed = MIN_SPEED;
+    let cases = [
+        // Not there, or of a later program.
+        (
+            "\"theme\": \"light\",",
+            "",
+            Preferences { theme, ..whole },
+            true,
+        ),
+        ("\"version\": 6", "\"version\": 5", whole, true),
+        ("\"version\": 6,", "", whole, true),
+        ("\"version\": 6,", "\"of later\": 6,", whole, true),
+        ("\"version\": 6", "\"version\": 7", whole, false),
+        // Not offered: the nearest.
+        (
+            "0.31",
+            "0.61",
+            with(|s| s.stop = StopCriterion::Loss(0.6)),
+            true,
+        ),
+        (
+            "0.31",
+            "-1e39",
+            with(|s| s.stop = StopCriterion::Loss(0.0)),
+            true,
+        ),
+        ("2.5", "-2.5", with(|s| s.lod = Lod::ThresholdPx(0.0)), true),
+        ("0.25", "0.0", Preferences { speed, ..whole }, true),
+        (
+            "900.0",
+            "1e9",
+            Preferences {
+                window_size,
+                ..whole
+            },
+            true,
+        ),
+        // Not known.
+        (
+            "\"voxel\"",
+            "\"cone\"",
+            with(|s| s.primitive = Primitive::Surfel),
+            false,
+        ),
+        (
+            "\"scalar\"",
+            "\"sound\"",
+            with(|s| s.colors = ColorSource::Auto),
+            false,
+        ),
+        (
+            "\"light\"",
+            "\"bright\"",
+            Preferences { theme, ..whole },
+            false,
+        ),
+        (
+            "\"loss\"",
+            "\"gain\"",
+            with(|s| s.stop = StopCriterion::default()),
+            false,
+        ),
+        (
+            "\"#0102fa",
+            "\"0102fa",
+            with(|s| s.background = Background::default()),
+            false,
+        ),
+        (
+            "900.0",
+            "\"wide\"",
+            Preferences {
+                window_size,
+                ..whole
+            },
+            false,
+        ),
+    ];
+    for (from, to, expected, is_whole) in cases {
+        let changed = OF_VERSION_6.replacen(from, to, 1);
+        assert_ne!(changed, OF_VERSION_6, "{from}");
+        assert_eq!(of_text(&changed), (expected, is_whole), "{from} → {to}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_copied_before_it_is_written_over() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.json");
-    let good = String::from_utf8(unusual().to_json().unwrap()).unwrap();
-    assert!(Preferences::from_json(good.as_bytes()).is_ok());
-    let damaged = [
-        String::new(),
-        "{".to_owned(),
-        "[]".to_owned(),
-        good[..good.len() / 2].to_owned(),
-        good.replace("\"version\": 6", "\"version\": 5"),
-        good.replace("\"version\": 6,", ""),
-        good.replace("\"voxel\"", "\"cone\""),
-        good.replace("\"scalar\"", "\"sound\""),
-        good.replace("\"light\"", "\"bright\""),
-        good.replace("0.31", "0.61"),
-        good.replace("0.31", "-1e39"),
-        good.replace("0.25", "0.0"),
-        good.replace("900.0", "1e9"),
-        good.replace("\"loss\"", "\"gain\""),
-        good.replace("2.5", "-2.5"),
-    ];
-    for damaged in damaged {
-        assert_ne!(damaged, good, "nothing was damaged");
-        fs::write(&file, &damaged).unwrap();
-        assert!(read(&file).is_err(), "{damaged}");
-        let (_, preferences) = PreferencesFile::load_from(file.clone());
+    let half = &OF_VERSION_6[..OF_VERSION_6.len() / 2];
+    let copies = ["settings.json.unreadable", "settings.json.unreadable-2"];
+    for (damaged, copy) in ["[]", half].into_iter().zip(copies) {
+        fs::write(&file, damaged).unwrap();
+        let (kept, preferences) = PreferencesFile::load_from(&file);
         assert_eq!(preferences, Preferences::default(), "{damaged}");
+        assert!(kept.problem().unwrap().contains(copy));
         write(&file, preferences, unusual());
-        assert_eq!(read(&file), Ok(unusual()));
+        assert_eq!(PreferencesFile::load_from(&file).1, unusual());
+        assert_eq!(
+            fs::read_to_string(folder.path().join(copy)).unwrap(),
+            damaged
+        );
     }
+}
+
+#[test]
+fn what_a_later_program_added_is_still_there_when_it_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("settings.json");
+    let later = OF_VERSION_6.replacen('{', "{\"of later\": {\"a\": [1, 2.5]},", 1);
+    fs::write(&file, later).unwrap();
+    let (kept, preferences) = PreferencesFile::load_from(&file);
+    assert_eq!(kept.problem(), None);
+    write(&file, preferences, unusual());
+    assert_eq!(PreferencesFile::load_from(&file).1, unusual());
+    let written: Fields = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    assert_eq!(written["of later"], serde_json::json!({ "a": [1, 2.5] }));
 }
 
 #[test]
 fn a_change_is_written_once_it_has_settled() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.json");
-    let (mut kept, begun) = PreferencesFile::load_from(file.clone());
+    let (mut kept, begun) = PreferencesFile::load_from(&file);
     kept.note(begun, at(0));
     assert_eq!(kept.next_deadline(), None);
     kept.write();
@@ -178,7 +335,7 @@ fn a_change_is_written_once_it_has_settled() {
     kept.write_if_due(at(12));
     assert!(!file.exists(), "too early");
     kept.write_if_due(at(13));
-    assert_eq!(read(&file), Ok(dragged));
+    assert_eq!(PreferencesFile::load_from(&file).1, dragged);
     assert_eq!(kept.next_deadline(), None);
 
     // There and back again is no change.
@@ -191,7 +348,7 @@ fn a_change_is_written_once_it_has_settled() {
 fn what_cannot_be_written_is_tried_once() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
-    let (mut kept, begun) = PreferencesFile::load_from(folder.path().join("file/settings.json"));
+    let (mut kept, begun) = PreferencesFile::load_from(&folder.path().join("file/settings.json"));
     kept.note(begun, at(0));
     kept.note(unusual(), at(1));
     kept.write_if_due(at(9));

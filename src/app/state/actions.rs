@@ -78,6 +78,12 @@ impl State {
                 }
             }
             Outcome::Traced(traced) => self.trails.take_in(traced),
+            Outcome::Levels(frame) => {
+                self.drawing.take_levels(&frame);
+                if let Some(beside) = &mut self.beside {
+                    beside.drawing.take_levels(&frame);
+                }
+            }
             Outcome::Thumbnail(delivery) => self.thumbnails.take_in(*delivery),
             Outcome::Failed(text) => self.notices.error(text),
         }

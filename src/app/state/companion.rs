@@ -166,6 +166,9 @@ impl State {
                 "Frame {place} of {count} of B ({name}) is left out. {failure}"
             ));
         }
+        for warning in change.new_warnings {
+            self.notices.warn(format!("B: {warning}"));
+        }
         if let Some(frame) = beside.companion.shown() {
             self.inspection.follow(Side::B, frame, sequence.origin());
         }
@@ -211,19 +214,16 @@ impl State {
         if self.without_gpu == Some(settings.renderer) {
             settings.renderer = RendererChoice::Cpu;
         }
-        let draw_ms = self.graphics.picture_ms();
-        if let Some(points) = beside.drawing.note_draw_ms(&settings, draw_ms) {
-            beside.companion.note_picture_ms(points, draw_ms);
-        }
         let drawn = DrawnFrame {
             frame: Arc::clone(frame),
             pose: Arc::clone(frame),
             origin: beside.companion.sequence().origin(),
         };
         let size_px = self.viewport.other_size_px;
-        let packet = beside
-            .drawing
-            .next_packet(drawn, &self.camera, &settings, size_px)?;
+        let packet =
+            beside
+                .drawing
+                .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
         beside.note_change(self.now);
         Some(packet)
     }

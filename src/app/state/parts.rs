@@ -1,5 +1,6 @@
 //! What a [`super::State`] is made of and begins with.
 
+use crate::app::meter::Redraw;
 use crate::app::preferences::Preferences;
 use crate::app::presets::Presets;
 use crate::app::recent::Recent;
@@ -66,24 +67,31 @@ impl std::fmt::Debug for StateOptions {
     }
 }
 
-/// Which panels and windows are open.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Which panels and windows are open. In the file of settings are the panels; windows above them are not remembered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each is a panel that is open or not, independent of the others"
 )]
 pub struct OpenPanels {
     /// The settings at the right.
+    #[serde(rename = "settings_panel")]
     pub settings: bool,
     /// The statistics at the left.
+    #[serde(rename = "statistics_panel")]
     pub statistics: bool,
     /// The list of keys.
+    #[serde(skip)]
     pub help: bool,
     /// The benchmark window.
+    #[serde(skip)]
     pub benchmark: bool,
     /// The camera path.
+    #[serde(skip)]
     pub path: bool,
     /// What is exported.
+    #[serde(skip)]
     pub export: bool,
 }
 
@@ -97,6 +105,36 @@ impl Default for OpenPanels {
             path: false,
             export: false,
         }
+    }
+}
+
+/// What can be seen to have changed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Change {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// The picture alone.
+    Picture,
+    /// The frame that plays, and so the picture; of the panels no more than where the playhead is.
+    Frame,
+    /// Whatever panels show.
+    Panels,
+}
+
+impl Change {
+    /// All, or nothing.
+    pub(super) fn of_panels(is_changed: bool) -> Self {
+        if is_changed {
+            Self::Panels
+        } else {
+            Self::Nothing
+        }
+    }
+
+    /// Whether there is anything to draw.
+    pub fn is_visible(self) -> bool {
+        self != Self::Nothing
     }
 }
 
@@ -154,12 +192,16 @@ pub struct GraphicsInfo {
     pub adapter: String,
     /// Whether the adapter is a program that draws on the processor.
     pub is_software: bool,
+    /// Whether the processor paints the window.
+    pub paints_on_processor: bool,
     /// Whether GPU time can be measured.
     pub has_timestamps: bool,
     /// Counters of the renderer.
     pub render: RenderStats,
-    /// CPU time of the last redraw: panels, picture and painting, without waiting for the screen.
+    /// Time of the last redraw: panels, picture, painting and presenting, and what is beyond the usual wait for the screen.
     pub frame_ms: f64,
+    /// Its parts.
+    pub redraw: Redraw,
 }
 
 impl Default for GraphicsInfo {
@@ -168,9 +210,11 @@ impl Default for GraphicsInfo {
             budget_bytes: DEFAULT_RESIDENT_BUDGET_BYTES,
             adapter: String::new(),
             is_software: false,
+            paints_on_processor: false,
             has_timestamps: false,
             render: RenderStats::default(),
             frame_ms: 0.0,
+            redraw: Redraw::default(),
         }
     }
 }

@@ -1,23 +1,27 @@
 //! Range and markers of a sequence, kept between runs in a small JSON file a sequence.
+//!
+//! **How it works.** Range and markers are each read by themselves, so that they outlive versions of this program. What a later one
+//! wrote beside what is known here goes when a mark is changed; a file of which something could not be read is copied first
+//! (`kept/lenient.rs`).
 
 use super::Markers;
 use super::markers::Marker;
-use crate::kept;
+use crate::kept::{self, Fields, Lenient};
 use crate::sequence::{PlayRange, Sequence};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Changes with every change of [`Stored`] that older programs, or newer ones, would misread.
+/// Changes where the same word would mean something else. Further fields need no other version.
 const VERSION: u32 = 1;
 
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Stored {
+#[derive(Serialize)]
+struct Stored<'a> {
     version: u32,
     range: PlayRange,
-    markers: Vec<Marker>,
+    markers: &'a [Marker],
 }
 
 /// The file in `folder` for `sequence`, which is known by path, name and size of its first frame: frames that are added later
@@ -42,29 +46,46 @@ pub(super) fn file_of(folder: &Path, sequence: &Sequence) -> Option<PathBuf> {
     Some(folder.join(name + ".json"))
 }
 
-/// What was kept in `file`, which need not be there. A file that cannot be used is told of in the log.
-pub(super) fn read(file: &Path) -> (PlayRange, Markers) {
-    let read = kept::read(file).and_then(|bytes| bytes.map_or(Ok(None), |b| parse(&b).map(Some)));
-    read.unwrap_or_else(|reason| {
-        log::warn!(
-            "the markers in {} cannot be used ({reason}): the timeline begins without",
-            file.display()
-        );
-        None
+/// What was kept in `file`, which need not be there.
+pub(super) fn read(file: &Path) -> Lenient<(PlayRange, Markers)> {
+    kept::read_leniently(file, "the markers", |stored, unread| {
+        kept::note_later_version(stored, VERSION, unread);
+        let markers = kept::entries(stored, "markers", unread);
+        let markers = markers.iter().filter_map(|stored| marker(stored, unread));
+        let markers = markers.collect();
+        (range(stored, unread), Markers::of(markers, unread))
     })
-    .unwrap_or_default()
 }
 
-fn parse(bytes: &[u8]) -> Result<(PlayRange, Markers), String> {
-    let stored: Stored = serde_json::from_slice(bytes).map_err(|reason| reason.to_string())?;
-    if stored.version != VERSION {
-        let version = stored.version;
-        return Err(format!("it has version {version} instead of {VERSION}"));
+fn range(stored: &Fields, unread: &mut Vec<String>) -> PlayRange {
+    let range = match stored.get("range") {
+        Some(Value::Object(range)) => kept::fields(range, unread),
+        Some(_) => {
+            unread.push("range: it is no object".to_owned());
+            PlayRange::default()
+        }
+        None => PlayRange::default(),
+    };
+    if !range.is_sound() {
+        unread.push("its in point is after its out point".to_owned());
+        return PlayRange::default();
     }
-    if !stored.range.is_sound() {
-        return Err("its in point is after its out point".to_owned());
+    range
+}
+
+/// A marker that has a frame, if need be without a name.
+fn marker(stored: &Value, unread: &mut Vec<String>) -> Option<Marker> {
+    let name = stored.get("name").map_or(Some(""), Value::as_str);
+    if name.is_none() {
+        unread.push("the name of a marker is no text".to_owned());
     }
-    Ok((stored.range, Markers::of(stored.markers)?))
+    let frame = stored.get("frame").and_then(Value::as_u64);
+    let Some(frame) = frame.and_then(|frame| usize::try_from(frame).ok()) else {
+        unread.push("a marker has no frame".to_owned());
+        return None;
+    };
+    let name = name.unwrap_or_default().to_owned();
+    Some(Marker { frame, name })
 }
 
 /// Keeps both. `Err` is a text for a notice.
@@ -72,7 +93,7 @@ pub(super) fn write(file: &Path, range: PlayRange, markers: &Markers) -> Result<
     let stored = Stored {
         version: VERSION,
         range,
-        markers: markers.list().to_vec(),
+        markers: markers.list(),
     };
     serde_json::to_vec_pretty(&stored)
         .map_err(std::io::Error::other)
@@ -87,30 +108,95 @@ pub(super) fn write(file: &Path, range: PlayRange, markers: &Markers) -> Result<
 mod tests {
     use super::*;
 
-    #[test]
-    fn what_is_written_is_read_and_damage_is_left_aside() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("deeper/some.json");
-        assert_eq!(read(&file), Default::default());
+    /// As version 0.1 wrote it.
+    const OF_VERSION_1: &str = r#"{
+  "version": 1,
+  "range": {
+    "first": 3,
+    "last": 8
+  },
+  "markers": [
+    {
+      "frame": 5,
+      "name": "turn \"left\""
+    },
+    {
+      "frame": 7,
+      "name": ""
+    }
+  ]
+}"#;
+
+    fn of_version_1() -> (PlayRange, Markers) {
         let range = PlayRange::default().beginning_at(3).ending_at(8);
         let mut markers = Markers::default();
         markers.toggle(5);
         markers.rename(5, "turn \"left\"");
-        write(&file, range, &markers).unwrap();
-        assert_eq!(read(&file), (range, markers));
+        markers.toggle(7);
+        (range, markers)
+    }
 
-        let text = std::fs::read_to_string(&file).unwrap();
-        for (from, to) in [
-            ("\"version\": 1", "\"version\": 2"),
-            ("\"first\": 3", "\"first\": 9"),
-            ("\"first\": 3", "\"first\": -3"),
-            ("\"frame\"", "\"fame\""),
-            ("{", ""),
+    #[test]
+    fn what_is_written_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("deeper/some.json");
+        assert_eq!(read(&file).value, Default::default());
+        let (range, markers) = of_version_1();
+        write(&file, range, &markers).unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), OF_VERSION_1);
+        let read = read(&file);
+        assert_eq!((read.value, read.problem), (of_version_1(), None));
+    }
+
+    #[test]
+    fn each_mark_is_read_by_itself() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("some.json");
+        let copy = folder.path().join("some.json.unreadable");
+        let whole = of_version_1();
+        let (range, markers) = whole.clone();
+        let without = |frame| {
+            let mut markers = markers.clone();
+            markers.toggle(frame);
+            markers
+        };
+        let unnamed = || {
+            let mut markers = markers.clone();
+            markers.rename(5, "");
+            markers
+        };
+        let open = PlayRange::default();
+        for (from, to, expected, is_whole) in [
+            ("{", "{\"of later\": 1,", whole.clone(), true),
+            ("\"frame\"", "\"color\": 3, \"frame\"", whole.clone(), true),
+            ("\"version\": 1,", "", whole.clone(), true),
+            ("\"version\": 1", "\"version\": 2", whole.clone(), false),
+            (
+                "\"first\": 3",
+                "\"first\": 9",
+                (open, markers.clone()),
+                false,
+            ),
+            (
+                "\"first\": 3",
+                "\"first\": -3",
+                (open.ending_at(8), markers.clone()),
+                false,
+            ),
+            ("\"frame\"", "\"fame\"", (range, without(5)), false),
+            ("\"turn \\\"left\\\"\"", "5", (range, unnamed()), false),
+            ("{", "", Default::default(), false),
         ] {
-            let damaged = text.replacen(from, to, 1);
-            assert_ne!(damaged, text, "{from}");
-            std::fs::write(&file, damaged).unwrap();
-            assert_eq!(read(&file), Default::default(), "{to}");
+            let changed = OF_VERSION_1.replacen(from, to, 1);
+            assert_ne!(changed, OF_VERSION_1, "{from}");
+            std::fs::write(&file, &changed).unwrap();
+            let read = read(&file);
+            assert_eq!(read.value, expected, "{to}");
+            assert_eq!(read.problem.is_none(), is_whole, "{to}");
+            let copied = std::fs::read_to_string(&copy).ok();
+            assert_eq!(copied, (!is_whole).then_some(changed), "{to}");
+            // What is no file cannot be removed.
+            let _ = std::fs::remove_file(&copy);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Named places on the timeline.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// More than anybody sets by hand.
 const MAX_MARKERS: usize = 1000;
@@ -9,8 +9,7 @@ const MAX_MARKERS: usize = 1000;
 const MAX_NAME_CHARS: usize = 200;
 
 /// A named frame.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Marker {
     /// Which frame.
     pub frame: usize,
@@ -25,22 +24,21 @@ pub struct Markers {
 }
 
 impl Markers {
-    /// As they were kept; `Err` says what is wrong with them.
-    pub(super) fn of(list: Vec<Marker>) -> Result<Self, String> {
-        if list.len() > MAX_MARKERS {
-            return Err(format!("it has {} markers", list.len()));
+    /// As they were kept. Names are cut after 200 characters; of several at a frame the first stays, and the others are noted in
+    /// `unread`. All stay, however many there are: nobody's markers are thrown away.
+    pub(super) fn of(mut list: Vec<Marker>, unread: &mut Vec<String>) -> Self {
+        list.sort_by_key(|marker| marker.frame);
+        list.dedup_by(|later, marker| {
+            let is_second = later.frame == marker.frame;
+            if is_second {
+                unread.push(format!("there is a second marker at {}", later.frame));
+            }
+            is_second
+        });
+        for marker in &mut list {
+            marker.name = as_name(&marker.name);
         }
-        if !list.is_sorted_by(|a, b| a.frame < b.frame) {
-            return Err("its markers are not in order".to_owned());
-        }
-        let too_long = |marker: &&Marker| marker.name.chars().count() > MAX_NAME_CHARS;
-        match list.iter().find(too_long) {
-            Some(marker) => Err(format!(
-                "the name at frame {} is too long",
-                marker.frame + 1
-            )),
-            None => Ok(Self { list }),
-        }
+        Self { list }
     }
 
     /// From the first frame on.
@@ -70,7 +68,7 @@ impl Markers {
     /// Names the marker at `frame`, if there is one; the name is cut after 200 characters.
     pub fn rename(&mut self, frame: usize, name: &str) {
         if let Ok(place) = self.place(frame) {
-            self.list[place].name = name.trim().chars().take(MAX_NAME_CHARS).collect();
+            self.list[place].name = as_name(name);
         }
     }
 
@@ -93,6 +91,11 @@ impl Markers {
         let frames = self.list.iter().map(|marker| marker.frame);
         frames.filter(move |&frame| frame < frame_count)
     }
+}
+
+/// `text` as it is kept.
+fn as_name(text: &str) -> String {
+    text.trim().chars().take(MAX_NAME_CHARS).collect()
 }
 
 #[cfg(test)]
@@ -120,24 +123,30 @@ mod tests {
             markers.toggle(10 + frame);
         }
         assert_eq!(markers.list().len(), 1000);
-        assert_eq!(Markers::of(markers.list().to_vec()), Ok(markers));
+        let mut unread = Vec::new();
+        assert_eq!(Markers::of(markers.list().to_vec(), &mut unread), markers);
+        assert_eq!(unread, [""; 0]);
     }
 
     #[test]
-    fn lists_that_this_program_did_not_write_are_refused() {
+    fn lists_by_hand_are_put_in_order() {
         let marker = |frame, name: &str| Marker {
             frame,
             name: name.to_owned(),
         };
-        for (list, word) in [
-            (vec![marker(3, ""), marker(3, "")], "order"),
-            (vec![marker(4, ""), marker(3, "")], "order"),
-            (vec![marker(4, &"x".repeat(201))], "frame 5"),
-            ((0..1001).map(|frame| marker(frame, "")).collect(), "1001"),
-        ] {
-            let reason = Markers::of(list).unwrap_err();
-            assert!(reason.contains(word), "{reason}");
-        }
+        let of = |list: &[Marker]| {
+            let mut unread = Vec::new();
+            let markers = Markers::of(list.to_vec(), &mut unread);
+            (markers.list, unread.len())
+        };
+        let (jump, turn) = (marker(3, "jump"), marker(4, "turn"));
+        let sorted = vec![jump.clone(), turn.clone()];
+        assert_eq!(of(&[turn.clone(), jump.clone()]), (sorted.clone(), 0));
+        assert_eq!(of(&[turn, jump, marker(3, "second")]), (sorted, 1));
+        let long = "x".repeat(201);
+        assert_eq!(of(&[marker(4, &long)]), (vec![marker(4, &long[1..])], 0));
+        let many: Vec<Marker> = (0..1001).map(|frame| marker(frame, "")).collect();
+        assert_eq!(of(&many), (many, 0));
     }
 
     proptest! {

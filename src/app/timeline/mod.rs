@@ -15,7 +15,7 @@ use crate::sequence::PlayRange;
 use std::path::PathBuf;
 
 /// The marks of the open sequence.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Timeline {
     /// Named frames.
     pub markers: Markers,
@@ -24,8 +24,23 @@ pub struct Timeline {
     /// The marker whose name is being written, and the name so far.
     pub(super) renaming: Option<(usize, String)>,
     pub(super) curve: Curve,
-    /// Where they are kept.
+    /// Where the bar is in the window, points.
+    pub(super) bar_rect: egui::Rect,
+    /// Where they are kept, if they may be.
     file: Option<PathBuf>,
+}
+
+impl Default for Timeline {
+    fn default() -> Self {
+        Self {
+            markers: Markers::default(),
+            quantity: None,
+            renaming: None,
+            curve: Curve::default(),
+            bar_rect: egui::Rect::ZERO,
+            file: None,
+        }
+    }
 }
 
 impl State {
@@ -37,12 +52,15 @@ impl State {
         };
         self.timeline.renaming = None;
         self.timeline.curve.forget();
-        self.timeline.file = folder.and_then(|folder| file::file_of(folder, player.sequence()));
-        let (range, markers) = self
-            .timeline
-            .file
-            .as_ref()
-            .map_or_else(Default::default, |file| file::read(file));
+        let file = folder.and_then(|folder| file::file_of(folder, player.sequence()));
+        let kept = file.map(|file| file::read(&file));
+        let (file, problem, (range, markers)) = kept.map_or_else(Default::default, |kept| {
+            (kept.file, kept.problem, kept.value)
+        });
+        self.timeline.file = file;
+        if let Some(problem) = problem {
+            self.notices.warn(problem);
+        }
         player.set_range(range, now);
         self.timeline.markers = markers;
     }

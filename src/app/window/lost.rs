@@ -2,6 +2,7 @@
 
 use super::{App, Screen};
 use crate::app::notices::Severity;
+use crate::app::present_choice::PresentChoice;
 use crate::render::RenderError;
 use egui_winit::accesskit_winit;
 use std::sync::Arc;
@@ -22,7 +23,7 @@ pub(super) struct EguiBefore {
 }
 
 impl App {
-    /// After a lost device: says so and opens another, unless that was tried too often lately.
+    /// After a lost device: says so and opens another. If that was tried too often lately, the processor presents.
     pub(super) fn rebuild(
         &mut self,
         event_loop: &ActiveEventLoop,
@@ -32,12 +33,16 @@ impl App {
         let now = self.now();
         self.rebuilt_at
             .retain(|&at| now.saturating_sub(at) < RELOSS_WINDOW);
-        if self.rebuilt_at.len() >= MAX_REBUILDS {
+        let is_given_up = self.rebuilt_at.len() >= MAX_REBUILDS;
+        if is_given_up && self.state.present == PresentChoice::Cpu {
             self.fail(event_loop, error.into());
             return None;
         }
         self.rebuilt_at.push(now);
-        let what_now = if screen.graphics.was_drawn_by_gpu() {
+        let what_now = if is_given_up {
+            self.state.present = PresentChoice::Cpu;
+            "The processor paints the window now; choose who does in the settings to try again"
+        } else if screen.presenter.was_drawn_by_gpu() {
             self.state.draw_without_gpu();
             "The processor draws now; choose a renderer in the settings to try again"
         } else {
@@ -47,24 +52,40 @@ impl App {
             Severity::Warning,
             format!("{error}. {what_now}; nothing is lost."),
         );
+        self.open_anew(event_loop, screen)
+    }
+
+    /// The same window with another presenter.
+    pub(super) fn open_anew(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        screen: Screen,
+    ) -> Option<Screen> {
         let Screen {
             window,
-            graphics,
+            presenter,
+            choice,
             egui,
             input,
             ..
         } = screen;
         // The window can have one surface at a time.
-        drop(graphics);
-        let before = EguiBefore {
+        drop(presenter);
+        let mut before = Some(EguiBefore {
             context: egui,
             accessibility: input.accesskit,
-        };
-        match self.open_screen(event_loop, Arc::clone(&window), Some(before)) {
-            Ok(screen) => {
-                window.request_redraw();
-                Some(screen)
+        });
+        let opened = match self.open_screen(event_loop, Arc::clone(&window), &mut before) {
+            // What was chosen may not be there, but what there was is.
+            Err(error) if choice != self.state.present => {
+                self.state.notices.error(error.to_string());
+                self.state.present = choice;
+                self.open_screen(event_loop, window, &mut before)
             }
+            opened => opened,
+        };
+        match opened {
+            Ok(screen) => Some(screen),
             Err(error) => {
                 self.fail(event_loop, error);
                 None

@@ -205,6 +205,7 @@ impl Report {
             Suite::Accuracy => suites::accuracy::COLUMNS,
             Suite::Render => suites::render::COLUMNS,
             Suite::Play => suites::play::COLUMNS,
+            Suite::Window => suites::window::COLUMNS,
             Suite::Error => suites::error::COLUMNS,
         }
     }
@@ -262,6 +263,7 @@ impl Report {
             Suite::Octree => "Build time, median ms",
             Suite::Render => "Time of a picture on the processor, median ms",
             Suite::Play => "Frames a second shown",
+            Suite::Window => "Pictures a second presented",
             Suite::Error => "FLIP of the object, 0 to 1",
             Suite::Accuracy => "FLIP of the object by LOD threshold in pixels and distance, 0 to 1",
         }
@@ -271,7 +273,7 @@ impl Report {
     pub fn bars(&self) -> Vec<(String, f64)> {
         let count = match self.options.suite {
             Suite::Surfels | Suite::Octree | Suite::Voxels | Suite::Play | Suite::Error => 2,
-            Suite::Accuracy | Suite::Render => 3,
+            Suite::Accuracy | Suite::Render | Suite::Window => 3,
         };
         self.rows
             .iter()
@@ -325,6 +327,7 @@ impl Report {
             Suite::Accuracy => suites::accuracy::HEADLINE,
             Suite::Render => suites::render::HEADLINE,
             Suite::Play => suites::play::HEADLINE,
+            Suite::Window => suites::window::HEADLINE,
             Suite::Error => suites::error::HEADLINE,
         }
     }

@@ -58,8 +58,8 @@ impl Report {
                 "decoding, normals, octrees and traversal, reading back, showing; uploads are not in draw ms",
             ],
             Suite::Octree => [
-                "building from positions and colours in memory, and traversal into reused memory, each on one thread; \
-                 nodes are internal nodes",
+                "building from positions and colours in memory, in the order of the file and in Morton order, each on one thread and \
+                 on all; traversal into reused memory on all threads; nodes are internal nodes",
                 "decoding, normals, drawing; the adapter only draws the pictures whose coverage is counted",
             ],
             Suite::Accuracy => [
@@ -81,6 +81,10 @@ impl Report {
                  or passed unseen (skipped); CPU wall time from packet to finished picture; memory of the whole program at the \
                  beginning, at most and at the end",
                 "panels, showing; the first frame",
+            ],
+            Suite::Window => [
+                "a real window that plays, is turned and scrubbed by a mouse of 125 moves a second: pictures presented and frames                  held a second, from a move to its presented picture (latency), from the last move to the picture of all points                  (whole after); processor time of all threads (CPU), of those that prepare frames and of a driver's; times of                  drawing, panels, painting and presenting, medians of pictures",
+                "the work of the X server or the compositor, which takes the same cores; the time until a screen shows the picture",
             ],
             Suite::Error => [
                 "CPU wall time from camera to finished picture, traversal and uploads of what it chose included; errors against \

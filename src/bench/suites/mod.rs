@@ -7,6 +7,7 @@ pub(super) mod octree;
 pub(super) mod play;
 pub(super) mod render;
 mod traversals;
+pub(super) mod window;
 
 use super::cover::Cover;
 use super::report::{Row, SequenceSummary};

@@ -18,43 +18,63 @@ pub(super) fn read(
 ) -> Result<(Vec<Column<'static>>, Faces), Fault> {
     let payload = &bytes[header.byte_size..];
     let mut tokens = Tokens::new(payload, header.line_count + 1);
-    let mut columns = Vec::new();
+    let mut columns = None;
     let mut faces = Faces::new(vertex.count);
     for element in elements {
-        check_ascii_claim(element, payload)?;
         if element.name == POINTS {
-            columns = vertices(&mut tokens, element, progress)?;
-            if columns.is_empty() {
+            check_ascii_claim(element, payload)?;
+            let kept = columns.insert(vertices(&mut tokens, element, progress)?);
+            if kept.is_empty() {
                 // Nothing is kept of these points, so there is no cloud to be made of them.
                 break;
             }
             continue;
         }
-        // Rows of nothing take no time, however many are claimed.
-        let rows = if element.properties.is_empty() {
-            0
-        } else {
-            element.count
-        };
-        let list = FaceList::of(element);
-        for row in 0..rows {
-            note_row(row, rows, progress)?;
-            for (index, property) in element.properties.iter().enumerate() {
-                match list.filter(|list| list.property == index) {
-                    Some(list) => {
-                        ascii_step(&mut tokens, property, &element.name, row, |item| {
-                            faces.push(list, element, row, item)
-                        })?;
-                        faces.end_list(list);
-                    }
-                    None => {
-                        ascii_step(&mut tokens, property, &element.name, row, |_| Ok(()))?;
-                    }
+        let read = check_ascii_claim(element, payload)
+            .and_then(|()| others(&mut tokens, element, &mut faces, progress));
+        match read {
+            Ok(()) => {}
+            Err(fault) if columns.is_some() && !progress.is_cancelled() => {
+                faces.give_up(fault);
+                break;
+            }
+            Err(fault) => return Err(fault),
+        }
+    }
+    Ok((columns.unwrap_or_default(), faces))
+}
+
+/// Steps over the rows of an element that is not the points, and makes triangles of its faces if there are any.
+fn others(
+    tokens: &mut Tokens<'_>,
+    element: &Element,
+    faces: &mut Faces,
+    progress: &Progress,
+) -> Result<(), Fault> {
+    // Rows of nothing take no time, however many are claimed.
+    let rows = if element.properties.is_empty() {
+        0
+    } else {
+        element.count
+    };
+    let list = FaceList::of(element);
+    for row in 0..rows {
+        note_row(row, rows, progress)?;
+        for (index, property) in element.properties.iter().enumerate() {
+            match list.filter(|list| list.property == index) {
+                Some(list) => {
+                    ascii_step(tokens, property, &element.name, row, |item| {
+                        faces.push(list, element, row, item);
+                    })?;
+                    faces.end_list(list);
+                }
+                None => {
+                    ascii_step(tokens, property, &element.name, row, |_| ())?;
                 }
             }
         }
     }
-    Ok((columns, faces))
+    Ok(())
 }
 
 fn vertices(
@@ -69,7 +89,7 @@ fn vertices(
     for row in 0..vertex.count {
         note_row(row, vertex.count, progress)?;
         for (index, property) in vertex.properties.iter().enumerate() {
-            if let Some(value) = ascii_step(tokens, property, POINTS, row, |_| Ok(()))? {
+            if let Some(value) = ascii_step(tokens, property, POINTS, row, |_| ())? {
                 kept.push(index, value);
             }
         }
@@ -94,7 +114,7 @@ fn ascii_step(
     property: &Property,
     list: &str,
     row: usize,
-    mut item: impl FnMut(f64) -> Result<(), Fault>,
+    mut item: impl FnMut(f64),
 ) -> Result<Option<f64>, Fault> {
     match property.kind {
         Kind::Scalar(_) => ascii_number(tokens, property, list, row).map(Some),
@@ -108,7 +128,7 @@ fn ascii_step(
             }
             let mut left = length;
             while left > 0.0 {
-                item(ascii_number(tokens, property, list, row)?)?;
+                item(ascii_number(tokens, property, list, row)?);
                 left -= 1.0;
             }
             Ok(None)

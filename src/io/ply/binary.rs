@@ -22,18 +22,27 @@ pub(super) fn read<'a>(
         at: 0,
         big_endian,
     };
-    let mut vertices = Vec::new();
+    let mut vertices = None;
     let mut faces = Faces::new(vertex.count);
     for element in elements {
         if element.name == POINTS {
-            vertices = columns(&mut cursor, element)?;
-        } else if let Some(list) = FaceList::of(element) {
-            cursor.read_faces(element, list, &mut faces)?;
-        } else {
-            cursor.skip(element)?;
+            vertices = Some(columns(&mut cursor, element)?);
+            continue;
+        }
+        let read = match FaceList::of(element) {
+            Some(list) => cursor.read_faces(element, list, &mut faces),
+            None => cursor.skip(element),
+        };
+        match read {
+            Ok(()) => {}
+            Err(fault) if vertices.is_some() => {
+                faces.give_up(fault);
+                break;
+            }
+            Err(fault) => return Err(fault),
         }
     }
-    Ok((vertices, faces))
+    Ok((vertices.unwrap_or_default(), faces))
 }
 
 /// The columns of `vertex`, which begins at the cursor.
@@ -145,7 +154,7 @@ impl<'a> Cursor<'a> {
                         let big_endian = self.big_endian;
                         let items = self.list(length, item, &element.name, row)?;
                         for bytes in items.chunks_exact(item.byte_size()) {
-                            faces.push(list, element, row, item.read(bytes, big_endian))?;
+                            faces.push(list, element, row, item.read(bytes, big_endian));
                         }
                         faces.end_list(list);
                     }

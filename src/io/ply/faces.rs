@@ -2,10 +2,14 @@
 //!
 //! Items of a list arrive one by one and are made into triangles at its end, so that no list is stored twice. The triangles take
 //! at most twelve bytes for each byte of the file: three indices for a further item.
+//!
+//! Where one face is broken all are left out, and the file is the cloud of its vertices. A mesh of some faces would be worse than none:
+//! pictures show points sampled from the faces, so what the lost ones covered would be gone without a trace.
 
 use super::super::error::Fault;
 use super::super::mesh;
 use super::header::{Element, Kind};
+use crate::cloud::RawCloud;
 
 /// Names of the list with the vertices of a face.
 const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -26,6 +30,8 @@ pub(super) struct Faces {
     triangles: Vec<[u32; 3]>,
     /// The list that is being read.
     list: Vec<u32>,
+    /// Why there are none.
+    fault: Option<Fault>,
 }
 
 /// Where in an element the vertices of its faces are.
@@ -58,24 +64,22 @@ impl Faces {
             vertex_count,
             triangles: Vec::new(),
             list: Vec::new(),
+            fault: None,
         }
     }
 
     /// The next vertex of the list in row `row` of `element`.
-    pub(super) fn push(
-        &mut self,
-        kind: FaceList,
-        element: &Element,
-        row: usize,
-        index: f64,
-    ) -> Result<(), Fault> {
+    pub(super) fn push(&mut self, kind: FaceList, element: &Element, row: usize, index: f64) {
+        if self.fault.is_some() {
+            return;
+        }
         if kind.shape == Shape::Strip && index == RESTART {
             self.end_list(kind);
-            return Ok(());
+            return;
         }
         let is_vertex = index >= 0.0 && index < self.vertex_count as f64 && index.fract() == 0.0;
         if !is_vertex || index > f64::from(u32::MAX) {
-            return Err(Fault::entry(
+            self.give_up(Fault::entry(
                 &element.name,
                 row,
                 format!(
@@ -84,9 +88,16 @@ impl Faces {
                     self.vertex_count
                 ),
             ));
+            return;
         }
         self.list.push(index as u32);
-        Ok(())
+    }
+
+    /// No faces after all, for this reason or one before it.
+    pub(super) fn give_up(&mut self, fault: Fault) {
+        self.fault.get_or_insert(fault);
+        self.triangles = Vec::new();
+        self.list = Vec::new();
     }
 
     /// The list is complete.
@@ -98,8 +109,12 @@ impl Faces {
         self.list.clear();
     }
 
-    /// All of them.
-    pub(super) fn into_triangles(self) -> Vec<[u32; 3]> {
-        self.triangles
+    /// Gives `cloud` all of them, or says in its warnings why it has none.
+    pub(super) fn put_into(self, cloud: &mut RawCloud) {
+        cloud.faces = self.triangles;
+        cloud.warnings.extend(self.fault.map(|fault| {
+            let Fault { place, problem } = fault;
+            format!("{place}: {problem}; all points are there, the faces are left out")
+        }));
     }
 }

@@ -1,7 +1,8 @@
 //! PLY: a header of elements with typed properties, then their rows as text or binary.
 //!
 //! The header's lines are read by `ply-rs-bw`; of the payload the columns of the `vertex` element are kept and the triangles of the
-//! `face` and `tristrips` elements, all else is stepped over without being stored, and what comes behind these is not looked at.
+//! `face` and `tristrips` elements, all else is stepped over without being stored, and what comes behind these is not looked at. What
+//! is broken behind the points costs the faces, not the points: they are shown, with a warning.
 
 mod ascii;
 mod binary;
@@ -15,7 +16,7 @@ use super::error::Fault;
 use super::fixed_rows::FixedRows;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
-use faces::FaceList;
+use faces::{FaceList, Faces};
 use header::{Element, Header, Kind};
 use ply_rs_bw::ply::Encoding;
 
@@ -23,6 +24,41 @@ use ply_rs_bw::ply::Encoding;
 const POINTS: &str = "vertex";
 
 pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+    let Rows {
+        columns,
+        count,
+        faces,
+    } = read_rows(bytes, progress)?;
+    let mut cloud = attributes::cloud(&columns, count)?;
+    splats::apply(&columns, &mut cloud);
+    faces.put_into(&mut cloud);
+    Ok(cloud)
+}
+
+/// The normals in a file that may have no points.
+pub(super) fn normals(bytes: &[u8], progress: &Progress) -> Result<Vec<[f32; 3]>, Fault> {
+    let rows = read_rows(bytes, progress)?;
+    attributes::normals(&rows.columns, rows.count)
+}
+
+/// Names of what each point has in a file that begins with `head`.
+pub(super) fn point_names(head: &[u8]) -> Option<Vec<String>> {
+    let mut elements = Header::parse(head).ok()?.elements.into_iter();
+    let vertex = elements.find(|element| element.name == POINTS)?;
+    let properties = vertex.properties.into_iter();
+    Some(properties.map(|property| property.name).collect())
+}
+
+/// What the rows of a file say.
+struct Rows<'a> {
+    /// Of the points.
+    columns: Vec<Column<'a>>,
+    /// How many points there are.
+    count: usize,
+    faces: Faces,
+}
+
+fn read_rows<'a>(bytes: &'a [u8], progress: &Progress) -> Result<Rows<'a>, Fault> {
     let header = Header::parse(bytes)?;
     let Some(vertex) = header
         .elements
@@ -45,10 +81,11 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
             binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?
         }
     };
-    let mut cloud = attributes::cloud(&columns, vertex.count)?;
-    splats::apply(&columns, &mut cloud);
-    cloud.faces = faces.into_triangles();
-    Ok(cloud)
+    Ok(Rows {
+        columns,
+        count: vertex.count,
+        faces,
+    })
 }
 
 /// Where the points are in a file that begins with `head`, if they can be read without the whole of it.

@@ -9,6 +9,7 @@ pub mod gpu_data;
 mod instancing;
 mod passes;
 mod picture;
+mod presence;
 mod readback;
 mod renderer;
 mod residency;
@@ -17,4 +18,5 @@ mod targets;
 mod timer;
 
 pub use context::{Context, ContextOptions};
+pub(crate) use presence::may_have_gpu;
 pub use renderer::{DEFAULT_RESIDENT_BUDGET_BYTES, GpuRenderer};

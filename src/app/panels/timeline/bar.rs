@@ -22,6 +22,7 @@ const MIN_FAILED_WIDTH: f32 = 3.0;
 pub(super) fn scrub_bar(ui: &mut Ui, state: &mut State) -> Option<usize> {
     let size = vec2(ui.available_width(), BAR_HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    state.timeline.bar_rect = rect;
     let Some(player) = &state.player else {
         ui.painter()
             .rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);

@@ -222,3 +222,6 @@ const LARGEST_OFFSET_DIAGONAL: f32 = crate::octree::coded::LARGEST_OFFSET;
 pub(super) struct BlockLists {
     pub(super) lists: Vec<Vec<u32>>,
 }
+
+#[cfg(test)]
+mod tests;

@@ -14,6 +14,8 @@
 mod blocks;
 mod decode;
 mod footprints;
+#[cfg(test)]
+mod light_tests;
 mod masks;
 mod normals;
 mod splat;

@@ -13,30 +13,39 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
 
+/// Of all points.
+pub(super) const COLOR: [u8; 4] = [200, 100, 50, 255];
+
 /// A packet of points with one normal as a byte code, seen by a camera.
 fn packet_of_points(points: &[[f32; 3]], depth: u32, camera: &Camera) -> ScenePacket {
-    let mut positions: Vec<Vec3> = points.iter().map(|&point| point.into()).collect();
+    let surfels: Vec<_> = points.iter().map(|&point| (point, Vec3::Z)).collect();
+    packet_of_surfels(&surfels, depth, camera)
+}
+
+/// A packet of points with normals as a byte code, seen by a camera.
+pub(super) fn packet_of_surfels(
+    surfels: &[([f32; 3], Vec3)],
+    depth: u32,
+    camera: &Camera,
+) -> ScenePacket {
+    let positions: Vec<Vec3> = surfels.iter().map(|&(point, _)| point.into()).collect();
     let cube = crate::math::Cube::around(&positions).expect("a point");
-    positions = crate::math::order_of_codes(&cube.codes(&positions))
-        .iter()
-        .map(|&index| positions[index as usize])
-        .collect();
+    let order = crate::math::order_of_codes(&cube.codes(&positions));
+    let in_order = || order.iter().map(|&index| index as usize);
+    let positions: Vec<Vec3> = in_order().map(|index| positions[index]).collect();
     let records = positions.iter().map(|position| PointRecord {
         position: position.to_array(),
-        color: [200, 100, 50, 255],
+        color: COLOR,
     });
-    let shape = ShapeRecord {
-        normal: oct_encode(Vec3::Z),
+    let shapes = in_order().map(|index| ShapeRecord {
+        normal: oct_encode(surfels[index].1),
         radius: 0.01,
         ellipse: 0,
         scalar: 0.0,
-    };
+    });
     let colors = vec![[9; 4]; positions.len()];
     let octree = Octree::build(&positions, &colors, StopCriterion::Depth(depth));
-    let (points, shapes) = (
-        Arc::new(records.collect()),
-        Arc::new(vec![shape; positions.len()]),
-    );
+    let (points, shapes) = (Arc::new(records.collect()), Arc::new(shapes.collect()));
     let cloud = CodedCloud::new(&Arc::new(octree), &points, &shapes);
     let mut packet = packet_of([320, 200]);
     packet.view = camera.transform(DVec3::ZERO, packet.viewport_px);
@@ -56,7 +65,7 @@ fn packet_of_points(points: &[[f32; 3]], depth: u32, camera: &Camera) -> ScenePa
 }
 
 prop_compose! {
-    fn any_camera()(
+    pub(super) fn any_camera()(
         azimuth_deg in -180f64..180.0,
         elevation_deg in -89f64..89.0,
         distance in 0.1f64..20.0,

@@ -1,28 +1,33 @@
-//! Everything of the window that touches the GPU: its surface (`surface`), egui's painter and the renderer of the 3-D picture.
+//! The presenter of the graphics card: the window's surface (`surface.rs`), egui's painter and the renderer of the 3-D picture.
 //!
 //! **How it works.** The renderer of the GPU draws a packet into its own `Rgba8Unorm` texture, which egui's painter shows as an image
 //! without filtering or conversion: both hold display-referred values, and so does the surface, for which a format
 //! without sRGB conversion is chosen. The picture is drawn only when there is a new packet; panels are painted over it as
-//! often as they ask. What the processor draws is copied to such a texture.
+//! often as they ask, and those of before where only the picture is new. What the processor draws is copied to such a texture.
 
 use super::software::{SoftwarePicture, picture_texture};
 use super::surface::{WindowSurface, acquire};
+use super::{Painted, Panels, Presenter, PresenterInfo};
+use crate::app::comparison::Side;
 use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
 use crate::render::scaled_to;
 use crate::render::{RenderError, RenderStats, Renderer};
 use crate::scene::ScenePacket;
-use egui::{ClippedPrimitive, TextureId, TexturesDelta};
+use egui::{ClippedPrimitive, TextureId};
 use egui_wgpu::{RendererOptions, ScreenDescriptor};
 use image::RgbaImage;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use winit::window::Window;
 
 /// The GPU's side of the window.
-pub(super) struct Graphics {
+pub(super) struct GpuPresenter {
     context: Arc<Context>,
     surface: WindowSurface,
     painter: egui_wgpu::Renderer,
+    /// What egui wanted to be painted last.
+    primitives: Vec<ClippedPrimitive>,
+    pixels_per_point: f32,
     picture: Picture,
     /// That of the other side of a comparison, once there was one.
     other_picture: Option<Picture>,
@@ -42,14 +47,6 @@ struct Picture {
 enum DrawnBy {
     Gpu,
     Processor,
-}
-
-/// What a redraw of the panels came to.
-pub(super) struct Painted {
-    /// False if it must be tried again.
-    pub(super) presented: bool,
-    /// Time spent waiting for the screen.
-    pub(super) waited: Duration,
 }
 
 impl Picture {
@@ -130,9 +127,9 @@ impl Picture {
     }
 }
 
-impl Graphics {
+impl GpuPresenter {
     /// Opens the adapter that shows on `window`.
-    pub(super) fn new(window: Arc<Window>) -> Result<Self, RenderError> {
+    pub(super) fn open(window: Arc<Window>) -> Result<Self, RenderError> {
         let surface = WindowSurface::open(window, |instance, surface| {
             Context::for_window(instance, surface, &ContextOptions::default())
         })?;
@@ -148,126 +145,40 @@ impl Graphics {
             context,
             surface,
             painter,
+            primitives: Vec::new(),
+            pixels_per_point: 1.0,
             picture,
             other_picture: None,
         })
     }
 
-    /// The device.
-    pub(super) fn context(&self) -> &Arc<Context> {
-        &self.context
-    }
-
-    /// What egui shows as the picture.
-    pub(super) fn texture(&self) -> TextureId {
-        self.picture.texture
-    }
-
-    /// What egui shows as the picture of the other side of a comparison, once there was one.
-    pub(super) fn other_texture(&self) -> Option<TextureId> {
-        self.other_picture.as_ref().map(|picture| picture.texture)
-    }
-
-    /// Whether the graphics card drew the last picture.
-    pub(super) fn was_drawn_by_gpu(&self) -> bool {
-        self.picture.drawn_by == DrawnBy::Gpu
-    }
-
-    /// Counters of the renderer that drew the last picture.
-    pub(super) fn stats(&self) -> RenderStats {
-        self.picture.stats()
-    }
-
-    /// Sets how many bytes of points and voxels stay on the graphics card.
-    pub(super) fn set_resident_budget_bytes(&mut self, budget_bytes: u64) {
-        let others = self.other_picture.iter_mut();
-        // The budget is that of both sides of a comparison.
-        let count = 1 + others.len() as u64;
-        for picture in others.chain([&mut self.picture]) {
-            picture
-                .renderer
-                .set_resident_budget_bytes(budget_bytes / count);
+    fn picture(&self, side: Side) -> Option<&Picture> {
+        match side {
+            Side::A => Some(&self.picture),
+            Side::B => self.other_picture.as_ref(),
         }
     }
 
-    /// Follows the window's size.
-    pub(super) fn resize(&mut self) {
-        self.surface.resize();
-    }
-
-    /// Draws the 3-D picture.
-    pub(super) fn draw(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
-        self.picture.draw(&self.context, &mut self.painter, packet)
-    }
-
-    /// Draws the picture of the other side of a comparison.
-    pub(super) fn draw_other(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
-        let picture = match &mut self.other_picture {
-            Some(picture) => picture,
-            none => none.insert(Picture::new(&self.context, &mut self.painter)?),
-        };
-        picture.draw(&self.context, &mut self.painter, packet)
-    }
-
-    /// Reads the 3-D picture back, in the size in which it is shown.
-    pub(super) fn read_picture(&mut self, shown_px: [u32; 2]) -> Result<RgbaImage, RenderError> {
-        self.picture.read(shown_px)
-    }
-
-    /// Reads the picture of the other side of a comparison back, if there is one.
-    pub(super) fn read_other_picture(
-        &mut self,
-        shown_px: [u32; 2],
-    ) -> Result<Option<RgbaImage>, RenderError> {
-        let picture = self.other_picture.as_mut();
-        picture.map(|picture| picture.read(shown_px)).transpose()
-    }
-
-    /// Paints the panels, with the picture in their midst, and shows them.
-    ///
-    /// egui sends a texture once: `textures` are taken in even if nothing can be shown now.
-    pub(super) fn paint(
-        &mut self,
-        primitives: &[ClippedPrimitive],
-        textures: &mut TexturesDelta,
-        pixels_per_point: f32,
-    ) -> Result<Painted, RenderError> {
-        let (device, queue) = (&self.context.device, &self.context.queue);
-        for (id, deltas) in textures.set.drain() {
-            for delta in deltas {
-                self.painter.update_texture(device, queue, id, &delta);
-            }
-        }
-        let painted = self.paint_surface(primitives, pixels_per_point);
-        for id in textures.free.drain() {
-            self.painter.free_texture(&id);
-        }
-        self.context.check_alive()?;
-        painted
-    }
-
-    fn paint_surface(
-        &mut self,
-        primitives: &[ClippedPrimitive],
-        pixels_per_point: f32,
-    ) -> Result<Painted, RenderError> {
+    fn paint_surface(&mut self) -> Result<Painted, RenderError> {
         let begin = Instant::now();
         let frame = acquire(&mut self.surface)?;
         let waited = begin.elapsed();
         let Some(frame) = frame else {
             return Ok(Painted {
-                presented: false,
                 waited,
+                ..Painted::default()
             });
         };
+        let begin = Instant::now();
         let (device, queue) = (&self.context.device, &self.context.queue);
         let screen = ScreenDescriptor {
             size_in_pixels: self.surface.size_px(),
-            pixels_per_point,
+            pixels_per_point: self.pixels_per_point,
         };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("window"),
         });
+        let primitives = &self.primitives;
         let mut commands =
             self.painter
                 .update_buffers(device, queue, &mut encoder, primitives, &screen);
@@ -291,13 +202,117 @@ impl Graphics {
             .render(&mut pass.forget_lifetime(), primitives, &screen);
         commands.push(encoder.finish());
         queue.submit(commands);
+        let painting = begin.elapsed();
         self.surface.window().pre_present_notify();
         let begin = Instant::now();
         queue.present(frame);
+        let presenting = begin.elapsed();
+        let [width, height] = self.surface.size_px().map(u64::from);
         Ok(Painted {
             presented: true,
-            waited: waited + begin.elapsed(),
+            // A driver that is behind waits here, too.
+            waited: waited + presenting,
+            painting,
+            presenting,
+            repainted_px: width * height,
         })
+    }
+}
+
+impl Presenter for GpuPresenter {
+    fn info(&self) -> PresenterInfo {
+        PresenterInfo {
+            adapter: self.context.adapter_summary(),
+            is_software: self.context.is_software(),
+            paints_on_processor: false,
+            has_timestamps: self.context.has_timestamps,
+            max_edge_px: self.context.max_edge_px(),
+            waits_for_screen: true,
+        }
+    }
+
+    fn texture(&self, side: Side) -> Option<TextureId> {
+        self.picture(side).map(|picture| picture.texture)
+    }
+
+    fn draw(&mut self, side: Side, packet: &ScenePacket) -> Result<(), RenderError> {
+        let picture = match (side, &mut self.other_picture) {
+            (Side::A, _) => &mut self.picture,
+            (Side::B, Some(picture)) => picture,
+            (Side::B, none) => none.insert(Picture::new(&self.context, &mut self.painter)?),
+        };
+        picture.draw(&self.context, &mut self.painter, packet)
+    }
+
+    fn read(&mut self, side: Side, shown_px: [u32; 2]) -> Result<Option<RgbaImage>, RenderError> {
+        let picture = match side {
+            Side::A => Some(&mut self.picture),
+            Side::B => self.other_picture.as_mut(),
+        };
+        picture.map(|picture| picture.read(shown_px)).transpose()
+    }
+
+    fn was_drawn_by_gpu(&self) -> bool {
+        self.picture.drawn_by == DrawnBy::Gpu
+    }
+
+    fn stats(&self) -> RenderStats {
+        self.picture.stats()
+    }
+
+    fn set_resident_budget_bytes(&mut self, budget_bytes: u64) {
+        let others = self.other_picture.iter_mut();
+        // The budget is that of both sides of a comparison.
+        let count = 1 + others.len() as u64;
+        for picture in others.chain([&mut self.picture]) {
+            picture
+                .renderer
+                .set_resident_budget_bytes(budget_bytes / count);
+        }
+    }
+
+    fn resize(&mut self) {
+        self.surface.resize();
+    }
+
+    fn paint(
+        &mut self,
+        panels: Option<Panels<'_>>,
+        _is_exposed: bool,
+    ) -> Result<Painted, RenderError> {
+        let begin = Instant::now();
+        let mut unused = Vec::new();
+        if let Some(Panels {
+            egui,
+            shapes,
+            textures,
+            pixels_per_point,
+        }) = panels
+        {
+            let (device, queue) = (&self.context.device, &self.context.queue);
+            for (id, deltas) in textures.set.drain() {
+                for delta in deltas {
+                    self.painter.update_texture(device, queue, id, &delta);
+                }
+            }
+            self.primitives = egui.tessellate(shapes, pixels_per_point);
+            self.pixels_per_point = pixels_per_point;
+            unused.extend(textures.free.drain());
+        }
+        let prepared = begin.elapsed();
+        let painted = self.paint_surface();
+        for id in unused {
+            self.painter.free_texture(&id);
+        }
+        self.context.check_alive()?;
+        painted.map(|painted| Painted {
+            painting: painted.painting + prepared,
+            ..painted
+        })
+    }
+
+    fn simulate_loss(&self) {
+        self.context.simulate_loss();
     }
 }
 

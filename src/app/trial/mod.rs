@@ -1,0 +1,365 @@
+//! A window that plays, turns and scrubs by itself, and notes what it presented (`pointreel bench window`).
+//!
+//! **How it works.** A trial is a list of steps, an action with a primitive on a sequence. The event loop asks it what is due
+//! ([`Trial::advance`]) and hands its mouse events to egui as if they had come from the window system; after each redraw it is told what was
+//! presented ([`Trial::note`]). An event belongs to the moment at which it was due, so one that waits while a picture is drawn is as late as a
+//! real one would be. Everything else is the window as people have it: same loop, same panels, same pacing.
+
+mod gesture;
+mod processor;
+
+use self::gesture::Gesture;
+use self::processor::Processor;
+use super::meter::Redraw;
+use super::state::State;
+use crate::bench::{BenchOptions, Input, WindowAction};
+use crate::playback::Player;
+use crate::scene::{Primitive, Settings};
+use egui::Event;
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// How long the mouse turns or scrubs.
+const GESTURE_TIME: Duration = Duration::from_secs(4);
+
+/// A window that has been still for so long rests.
+const REST: Duration = Duration::from_millis(600);
+
+/// What does not come to its end by itself ends then.
+const MOST_TIME: Duration = Duration::from_mins(1);
+
+/// What is drawn.
+const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primitive::Voxel];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Action {
+    Play,
+    Turn,
+    Scrub,
+}
+
+impl Action {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Play => "play",
+            Self::Turn => "turn",
+            Self::Scrub => "scrub",
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    input: usize,
+    primitive: Primitive,
+    action: Action,
+}
+
+/// How far a step is.
+#[derive(Debug)]
+enum Phase {
+    /// The frame is not there as it is to be drawn, or the window does not rest yet.
+    Settling { still_since: Duration },
+    Running {
+        gesture: Option<Gesture>,
+        /// When the window began to show what is measured.
+        begin: Duration,
+    },
+    /// The mouse was let go; the picture of all points has not come.
+    Resting { since: Duration },
+}
+
+/// What is known of the running step so far.
+#[derive(Debug)]
+struct Watched {
+    step: Step,
+    phase: Phase,
+    begun_at: Duration,
+    found: WindowAction,
+    processor: Processor,
+    /// When events were due whose picture has not been presented.
+    pending: Vec<Duration>,
+    pictures_before: u64,
+    panel_runs_before: u64,
+    frames_before: u64,
+}
+
+/// The steps of a trial and what came of them.
+#[derive(Debug)]
+pub(super) struct Trial {
+    inputs: Vec<Input>,
+    frames: u64,
+    steps: VecDeque<Step>,
+    watched: Option<Watched>,
+    done: Vec<WindowAction>,
+}
+
+impl Trial {
+    /// All actions for all primitives on each sequence.
+    pub(super) fn new(inputs: &[Input], options: &BenchOptions) -> Self {
+        let steps = inputs.iter().enumerate().flat_map(|(index, input)| {
+            let moves = input.sequence.len() > 1;
+            PRIMITIVES.into_iter().flat_map(move |primitive| {
+                let actions = [Action::Play, Action::Turn, Action::Scrub];
+                let actions = actions
+                    .into_iter()
+                    .filter(move |&action| moves || action == Action::Turn);
+                actions.map(move |action| Step {
+                    input: index,
+                    primitive,
+                    action,
+                })
+            })
+        });
+        Self {
+            inputs: inputs.to_vec(),
+            frames: options.frames as u64,
+            steps: steps.collect(),
+            watched: None,
+            done: Vec::new(),
+        }
+    }
+
+    /// What was found, once all is done.
+    pub(super) fn result(&mut self) -> Option<Vec<WindowAction>> {
+        let is_over = self.steps.is_empty() && self.watched.is_none();
+        is_over.then(|| std::mem::take(&mut self.done))
+    }
+
+    /// When there is something to do next.
+    pub(super) fn next_deadline(&self) -> Option<Duration> {
+        let watched = self.watched.as_ref();
+        let Some(watched) = watched else {
+            return (!self.steps.is_empty()).then_some(Duration::ZERO);
+        };
+        let end = watched.begun_at + MOST_TIME;
+        Some(match &watched.phase {
+            Phase::Settling { still_since } => end.min(*still_since + REST),
+            Phase::Running {
+                gesture: Some(gesture),
+                ..
+            } => end.min(gesture.next_deadline()),
+            Phase::Running { gesture: None, .. } | Phase::Resting { .. } => end,
+        })
+    }
+
+    /// Does what is due at `now`; returns what the mouse does.
+    pub(super) fn advance(&mut self, now: Duration, state: &mut State) -> Vec<Event> {
+        let Some(watched) = &mut self.watched else {
+            if let Some(step) = self.steps.pop_front() {
+                self.watched = Some(self.begin(step, now, state));
+            }
+            return Vec::new();
+        };
+        if now.saturating_sub(watched.begun_at) > MOST_TIME {
+            self.finish(now, state);
+            return Vec::new();
+        }
+        match &mut watched.phase {
+            Phase::Settling { still_since } => {
+                if now < *still_since + REST {
+                    return Vec::new();
+                }
+                if !is_whole(state) {
+                    *still_since = now;
+                    return Vec::new();
+                }
+                let place = match watched.step.action {
+                    Action::Scrub => state.timeline.bar_rect,
+                    Action::Play | Action::Turn => state.viewport.rect,
+                };
+                let gesture = match watched.step.action {
+                    Action::Scrub => Gesture::along(place, now, GESTURE_TIME),
+                    Action::Play | Action::Turn => Gesture::around(place, now, GESTURE_TIME),
+                };
+                watched.start(now, state, Some(gesture));
+                Vec::new()
+            }
+            Phase::Running {
+                gesture: Some(gesture),
+                ..
+            } => {
+                let (events, is_over) = gesture.advance(now, &mut watched.pending);
+                if is_over {
+                    watched.found.seconds = now.saturating_sub(watched.begin()).as_secs_f64();
+                    watched.phase = Phase::Resting { since: now };
+                }
+                events
+            }
+            Phase::Running { gesture: None, .. } | Phase::Resting { .. } => Vec::new(),
+        }
+    }
+
+    fn begin(&self, step: Step, now: Duration, state: &mut State) -> Watched {
+        let input = &self.inputs[step.input];
+        state.settings = Settings {
+            primitive: step.primitive,
+            ..Settings::default()
+        };
+        // As from the beginning: with a loader that knows nothing.
+        state.open_fresh(
+            std::sync::Arc::clone(&input.sequence),
+            step.action == Action::Play,
+        );
+        let mut watched = Watched {
+            step,
+            phase: Phase::Settling { still_since: now },
+            begun_at: now,
+            found: WindowAction {
+                sequence: input.name.clone(),
+                primitive: step.primitive.to_string(),
+                action: step.action.name().to_owned(),
+                painted_by: if state.graphics.paints_on_processor {
+                    format!("processor ({})", state.graphics.adapter)
+                } else {
+                    state.graphics.adapter.clone()
+                },
+                ..WindowAction::default()
+            },
+            processor: Processor::now(),
+            pending: Vec::new(),
+            pictures_before: 0,
+            panel_runs_before: 0,
+            frames_before: 0,
+        };
+        if step.action == Action::Play {
+            watched.found.fps_asked = Some(input.sequence.fps());
+            watched.start(now, state, None);
+        }
+        watched
+    }
+
+    /// Takes notice of a redraw that ended at `now`. True if the trial has something to do.
+    pub(super) fn note(
+        &mut self,
+        redraw: &Redraw,
+        is_presented: bool,
+        now: Duration,
+        state: &State,
+    ) -> bool {
+        let Some(watched) = &mut self.watched else {
+            return false;
+        };
+        let is_over = watched.note(redraw, is_presented, self.frames, now, state);
+        if is_over {
+            self.finish(now, state);
+        }
+        is_over
+    }
+
+    fn finish(&mut self, now: Duration, state: &State) {
+        if let Some(watched) = self.watched.take() {
+            self.done.push(watched.finish(now, state));
+        }
+    }
+}
+
+/// Whether the first frame is drawn with all its points.
+fn is_whole(state: &State) -> bool {
+    let frame = state.player.as_ref().and_then(|player| player.shown());
+    frame.is_some_and(|frame| !frame.is_sample()) && state.is_drawn()
+}
+
+impl Watched {
+    fn begin(&self) -> Duration {
+        match self.phase {
+            Phase::Running { begin, .. } => begin,
+            Phase::Settling { .. } | Phase::Resting { .. } => self.begun_at,
+        }
+    }
+
+    /// From now on everything counts.
+    fn start(&mut self, now: Duration, state: &State, gesture: Option<Gesture>) {
+        self.phase = Phase::Running {
+            gesture,
+            begin: now,
+        };
+        self.processor = Processor::now();
+        self.pictures_before = state.counters.pictures;
+        self.panel_runs_before = state.counters.ui_passes;
+        self.frames_before = state.player.as_ref().map_or(0, Player::frames_shown);
+        self.found.parts_ms = Default::default();
+        self.found.points = [0; 2];
+    }
+
+    /// True once the step is over.
+    fn note(
+        &mut self,
+        redraw: &Redraw,
+        is_presented: bool,
+        most_frames: u64,
+        now: Duration,
+        state: &State,
+    ) -> bool {
+        let pictures = state.counters.pictures - self.pictures_before;
+        let is_picture = is_presented && pictures > self.found.pictures;
+        let player = state.player.as_ref();
+        let frames = player.map_or(0, Player::frames_shown) - self.frames_before;
+        match &mut self.phase {
+            Phase::Settling { still_since } => *still_since = now,
+            Phase::Resting { since } => {
+                let is_whole = is_picture || pictures == self.found.pictures;
+                if is_presented && is_whole && !state.is_picture_coarse() {
+                    let rest_ms = now.saturating_sub(*since).as_secs_f64() * 1e3;
+                    self.found.rest_ms = (self.step.action == Action::Turn).then_some(rest_ms);
+                    return true;
+                }
+            }
+            Phase::Running { begin, .. } => {
+                if is_presented {
+                    let late = self.pending.drain(..).map(|due| now.saturating_sub(due));
+                    self.found
+                        .latencies_ms
+                        .extend(late.map(|late| late.as_secs_f64() * 1e3));
+                }
+                if !is_picture {
+                    return false;
+                }
+                // The clock runs from the first picture on.
+                if self.step.action == Action::Play && self.found.pictures == 0 {
+                    *begin = now;
+                    self.processor = Processor::now();
+                }
+                self.found.pictures = pictures;
+                self.found.frames = frames;
+                let ms = |part: Duration| part.as_secs_f64() * 1e3;
+                let parts = [
+                    redraw.drawing,
+                    redraw.panels,
+                    redraw.painting,
+                    redraw.presenting,
+                    redraw.waiting,
+                ];
+                for (known, part) in self.found.parts_ms.iter_mut().zip(parts) {
+                    known.push(ms(part));
+                }
+                if let Some(frame) = player.and_then(|player| player.shown()) {
+                    let frame = &frame.frame;
+                    self.found.points[0] += frame.len() as u64;
+                    self.found.points[1] +=
+                        (frame.points_in_file() - frame.dropped_points()) as u64;
+                }
+                return self.step.action == Action::Play && frames >= most_frames;
+            }
+        }
+        false
+    }
+
+    fn finish(mut self, now: Duration, state: &State) -> WindowAction {
+        if let Phase::Running { begin, .. } = self.phase {
+            self.found.seconds = now.saturating_sub(begin).as_secs_f64();
+        }
+        let used = Processor::now().since(&self.processor);
+        self.found.cpu_ms = used.as_ref().map(|used| used.all_ms);
+        self.found.cpu_ms_of = used
+            .as_ref()
+            .map(|used| [used.prepare_ms, used.driver_ms, used.helpers_ms]);
+        self.found.resident_bytes = Processor::resident_bytes();
+        self.found.panel_runs = state.counters.ui_passes - self.panel_runs_before;
+        if let Some(player) = &state.player {
+            self.found.frames_late = player.late_frames();
+            self.found.frames_skipped = player.clock().skipped();
+        }
+        self.found
+    }
+}

@@ -1,0 +1,253 @@
+//! Files that people own, read as far as they can be.
+//!
+//! **How it works.** Such a file outlives versions of this program. Its JSON object is read field by field ([`fields`]): what is
+//! not there, or has a value that cannot be read, is as by default; names that are not known are passed over. Whoever reads
+//! notes in a list what could not be read. If there is anything in it, the file is first copied to a name beside it
+//! ([`read_leniently`]), since the next change writes it anew. What cannot be copied is not written over.
+
+use super::{read, write_whole};
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+use std::fs;
+use std::io::{Error, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// The object that a file holds.
+pub(crate) type Fields = Map<String, Value>;
+
+/// Copies of one file. Whoever has so many has a fault that another copy does not mend.
+const MAX_COPIES: u32 = 99;
+
+/// Reasons that a text for a notice has room for.
+const MAX_REASONS: usize = 3;
+
+/// What was read of a file.
+#[derive(Debug)]
+pub(crate) struct Lenient<T> {
+    /// What could be read, and defaults for the rest.
+    pub(crate) value: T,
+    /// What could not, and where the copy is: a text for a notice.
+    pub(crate) problem: Option<String>,
+    /// The file, if it may be replaced.
+    pub(crate) file: Option<PathBuf>,
+}
+
+/// What can be read of `file`, which need not be there. `parse` is given its object and notes in the list what it could not
+/// read of it. `what` is what a notice calls the things in it.
+pub(crate) fn read_leniently<T: Default>(
+    file: &Path,
+    what: &str,
+    parse: impl FnOnce(&Fields, &mut Vec<String>) -> T,
+) -> Lenient<T> {
+    let mut unread = Vec::new();
+    let object = read(file).and_then(|bytes| match bytes {
+        Some(bytes) => serde_json::from_slice(&bytes).map_err(|reason| reason.to_string()),
+        None => Ok(None),
+    });
+    let value = match object {
+        Ok(Some(object)) => parse(&object, &mut unread),
+        Ok(None) => T::default(),
+        Err(reason) => {
+            unread.push(reason);
+            T::default()
+        }
+    };
+    let (problem, file) = if unread.is_empty() {
+        (None, Some(file.to_owned()))
+    } else {
+        let (problem, file) = copied(file, what, &in_short(&unread));
+        (Some(problem), file)
+    };
+    Lenient {
+        value,
+        problem,
+        file,
+    }
+}
+
+/// Copies `file`, of which not all can be read. Returns the text for a notice, and the file if it was copied.
+fn copied(file: &Path, what: &str, reasons: &str) -> (String, Option<PathBuf>) {
+    let unread = format!(
+        "Not all of {what} in {} can be read ({reasons})",
+        file.display()
+    );
+    match copy_beside(file) {
+        Ok(copy) => (
+            format!(
+                "{unread}: the file as it is was copied to {}",
+                copy.display()
+            ),
+            Some(file.to_owned()),
+        ),
+        Err(reason) => (
+            format!(
+                "{unread}, nor can the file be copied ({reason}): it stays as it is, and changes are not kept"
+            ),
+            None,
+        ),
+    }
+}
+
+/// The fields of `T` that `stored` has, each by itself: what cannot be read is as by default and noted in `unread`. `T` must
+/// take defaults for what is missing (`#[serde(default)]`).
+pub(crate) fn fields<T: DeserializeOwned + Default>(
+    stored: &Fields,
+    unread: &mut Vec<String>,
+) -> T {
+    let mut readable = stored.clone();
+    readable.retain(|name, value| {
+        let alone = Fields::from_iter([(name.clone(), value.clone())]);
+        let read = serde_json::from_value::<T>(Value::Object(alone));
+        if let Err(reason) = &read {
+            unread.push(format!("{name}: {reason}"));
+        }
+        read.is_ok()
+    });
+    serde_json::from_value(Value::Object(readable)).unwrap_or_else(|reason| {
+        unread.push(reason.to_string());
+        T::default()
+    })
+}
+
+/// The entries of the list `name` in `stored`; none, which is noted, if it is no list. A list that is not there has none.
+pub(crate) fn entries<'a>(stored: &'a Fields, name: &str, unread: &mut Vec<String>) -> &'a [Value] {
+    match stored.get(name) {
+        Some(Value::Array(entries)) => entries,
+        Some(_) => {
+            unread.push(format!("{name}: it is no list"));
+            &[]
+        }
+        None => &[],
+    }
+}
+
+/// Notes if `stored` is of a later version than `known`: what it has may mean something else.
+pub(crate) fn note_later_version(stored: &Fields, known: u32, unread: &mut Vec<String>) {
+    let version = stored.get("version").and_then(Value::as_u64);
+    if let Some(version) = version.filter(|&version| version > u64::from(known)) {
+        unread.push(format!(
+            "it has version {version}, this program knows {known}"
+        ));
+    }
+}
+
+fn in_short(reasons: &[String]) -> String {
+    let shown = &reasons[..reasons.len().min(MAX_REASONS)];
+    let text = shown.join("; ");
+    match reasons.len() - shown.len() {
+        0 => text,
+        more => format!("{text}; {more} more"),
+    }
+}
+
+/// Copies `file` to the first of `name.unreadable`, `name.unreadable-2` and so on that is free, or has the same bytes already.
+fn copy_beside(file: &Path) -> std::io::Result<PathBuf> {
+    let bytes = fs::read(file)?;
+    for number in 1..=MAX_COPIES {
+        let mut name = file.file_name().unwrap_or_default().to_owned();
+        name.push(".unreadable");
+        if number > 1 {
+            name.push(format!("-{number}"));
+        }
+        let copy = file.with_file_name(name);
+        match fs::read(&copy) {
+            Ok(there) if there == bytes => return Ok(copy),
+            Err(reason) if reason.kind() == ErrorKind::NotFound => {
+                write_whole(&copy, &bytes)?;
+                return Ok(copy);
+            }
+            // Something else is there, and stays.
+            Ok(_) | Err(_) => {}
+        }
+    }
+    Err(Error::other(format!("there are {MAX_COPIES} copies of it")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Default, PartialEq, Deserialize)]
+    #[serde(default)]
+    struct Few {
+        edge: u32,
+        name: String,
+    }
+
+    fn read_few(file: &Path) -> Lenient<Few> {
+        read_leniently(file, "the settings", |stored, unread| {
+            note_later_version(stored, 3, unread);
+            fields(stored, unread)
+        })
+    }
+
+    fn few(edge: u32, name: &str) -> Few {
+        let name = name.to_owned();
+        Few { edge, name }
+    }
+
+    #[test]
+    fn each_field_is_read_by_itself() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("few.json");
+        for (text, expected, is_whole) in [
+            (r#"{"edge": 3, "name": "a"}"#, few(3, "a"), true),
+            (r#"{"name": "a", "version": 3}"#, few(0, "a"), true),
+            (r#"{"edge": 3, "later": [1]}"#, few(3, ""), true),
+            (r#"{"edge": "three", "name": "a"}"#, few(0, "a"), false),
+            (r#"{"edge": 3, "version": 4}"#, few(3, ""), false),
+            (r"[]", few(0, ""), false),
+            (r#"{"edge": 3"#, few(0, ""), false),
+        ] {
+            fs::write(&file, text).unwrap();
+            let read = read_few(&file);
+            assert_eq!(read.value, expected, "{text}");
+            assert_eq!(read.problem.is_none(), is_whole, "{text}: {read:?}");
+            assert_eq!(read.file.as_ref(), Some(&file), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_copied_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("few.json");
+        let copies = || fs::read_dir(folder.path()).unwrap().count() - 1;
+        for (text, name) in [
+            ("{", "few.json.unreadable"),
+            ("{", "few.json.unreadable"),
+            ("[", "few.json.unreadable-2"),
+            ("{", "few.json.unreadable"),
+        ] {
+            fs::write(&file, text).unwrap();
+            let problem = read_few(&file).problem.unwrap();
+            let copy = folder.path().join(name);
+            assert!(problem.ends_with(&copy.display().to_string()), "{problem}");
+            assert_eq!(fs::read_to_string(copy).unwrap(), text);
+        }
+        assert_eq!(copies(), 2);
+        fs::write(&file, "{}").unwrap();
+        assert!(read_few(&file).problem.is_none());
+        assert_eq!(copies(), 2);
+    }
+
+    #[test]
+    fn what_cannot_be_copied_is_not_written_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let read = read_few(folder.path());
+        assert_eq!(read.file, None);
+        assert!(read.problem.unwrap().contains("changes are not kept"));
+        // What is not there loses nothing.
+        let file = folder.path().join("deeper/few.json");
+        let read = read_few(&file);
+        assert_eq!((read.value, read.problem), (few(0, ""), None));
+        assert_eq!(read.file, Some(file));
+    }
+
+    #[test]
+    fn a_notice_has_the_first_reasons() {
+        let reasons: Vec<String> = (0..5).map(|number| format!("r{number}")).collect();
+        assert_eq!(in_short(&reasons[..2]), "r0; r1");
+        assert_eq!(in_short(&reasons), "r0; r1; r2; 2 more");
+    }
+}

@@ -1,0 +1,123 @@
+//! Messages of one kind: a hundred frames with the same fault are one thing to say, not a hundred.
+//!
+//! Messages are made where something is found, by many hands, and name the file, the place in it and what stands there. Two of them are
+//! of one kind if they differ in nothing else: in numbers, in names of files, in what is quoted from a file.
+
+/// What `message` says apart from numbers, names of files and what stands between grave accents. Messages of one kind have the same.
+pub(crate) fn kind_of(message: &str) -> String {
+    let mut kind = String::with_capacity(message.len());
+    for (place, part) in message.split('`').enumerate() {
+        // Every second part stands between two accents.
+        if place % 2 == 1 {
+            kind.push_str("``");
+            continue;
+        }
+        for word in part.split_inclusive(char::is_whitespace) {
+            push_kind_of_word(word, &mut kind);
+        }
+    }
+    kind
+}
+
+fn push_kind_of_word(word: &str, kind: &mut String) {
+    let is_bracket = |c: char| c.is_whitespace() || "()[]{},;:.!?\"'".contains(c);
+    let bare = word.trim_matches(is_bracket);
+    let (before, after) = match word.find(bare) {
+        Some(start) => (&word[..start], &word[start + bare.len()..]),
+        None => ("", word),
+    };
+    kind.push_str(before);
+    if bare.parse::<f64>().is_ok() {
+        kind.push('#');
+    } else if names_a_file(bare) {
+        kind.push('/');
+    } else {
+        let mut was_digit = false;
+        for c in bare.chars() {
+            let is_digit = c.is_ascii_digit();
+            if !is_digit {
+                kind.push(c);
+            } else if !was_digit {
+                kind.push('#');
+            }
+            was_digit = is_digit;
+        }
+    }
+    kind.push_str(after);
+}
+
+/// Whether a word is a path, or ends like the name of a file.
+fn names_a_file(word: &str) -> bool {
+    let has_extension = word.rsplit_once('.').is_some_and(|(stem, extension)| {
+        !stem.is_empty()
+            && (1..=4).contains(&extension.len())
+            && extension.chars().all(|c| c.is_ascii_alphanumeric())
+    });
+    has_extension || word.contains(['/', '\\'])
+}
+
+/// Messages in the order in which their kinds came up: the first one of each kind, and how many more there are.
+pub(crate) fn by_kind<'a>(messages: impl IntoIterator<Item = &'a str>) -> Vec<(&'a str, usize)> {
+    let mut kinds: Vec<(String, &str, usize)> = Vec::new();
+    for message in messages {
+        let kind = kind_of(message);
+        match kinds.iter_mut().find(|(known, _, _)| *known == kind) {
+            Some((_, _, more)) => *more += 1,
+            None => kinds.push((kind, message, 0)),
+        }
+    }
+    let without_kind = |(_, first, more)| (first, more);
+    kinds.into_iter().map(without_kind).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_files_and_quotes_do_not_part_messages() {
+        for (one, other) in [
+            (
+                "/data/a_1.ply, vertex 12: the file ends here (ply file)",
+                "/data/a_10.ply, vertex 7: the file ends here (ply file)",
+            ),
+            (
+                "my scans/left.ply is empty (0 bytes)",
+                "my scans/right.ply is empty (0 bytes)",
+            ),
+            (
+                "it names vertex -1.5e3, expected",
+                "it names vertex NaN, expected",
+            ),
+            (
+                "line 3: property `y` of vertex 0 is `two`",
+                "line 4: property `z` of vertex 1 is `1 oops`",
+            ),
+            ("frame3 breaks off", "frame12 breaks off"),
+        ] {
+            assert_eq!(kind_of(one), kind_of(other));
+        }
+    }
+
+    #[test]
+    fn what_is_said_parts_them() {
+        for (one, other) in [
+            ("a.ply is empty", "a.ply cannot be read"),
+            (
+                "a.ply, vertex 1: the file ends",
+                "a.ply, face 1: the file ends",
+            ),
+            ("3 frames", "3 points"),
+            ("", "3"),
+        ] {
+            assert_ne!(kind_of(one), kind_of(other));
+        }
+    }
+
+    #[test]
+    fn the_first_of_each_kind_stays_in_its_order() {
+        let messages = ["b 1", "a 1", "b 2", "c", "b 3", "a 2"];
+        assert_eq!(by_kind(messages), [("b 1", 2), ("a 1", 1), ("c", 0)]);
+        assert_eq!(by_kind([]), []);
+    }
+}
