@@ -503,7 +503,8 @@ fn progress_reaches_its_total() {
 
 #[test]
 fn a_cancelled_run_stops_at_the_next_step() {
-    for &suite in Suite::ALL {
+    // A window measures itself, and is cancelled by being closed.
+    for &suite in Suite::ALL.iter().filter(|&&suite| suite != Suite::Window) {
         let cancel = AtomicBool::new(false);
         let seen = RefCell::new(0);
         let watch = |progress: Progress| {

@@ -525,7 +525,7 @@ fn bench_names_its_suites() {
     assert_eq!(output.status.code(), Some(2));
     assert!(
         stderr(&output)
-            .contains("expected surfels, octree, voxels, accuracy, render, play or error"),
+            .contains("expected surfels, octree, voxels, accuracy, render, play, window or error"),
         "{}",
         stderr(&output)
     );

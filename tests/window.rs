@@ -22,6 +22,7 @@ painted_by_each!(
     a_sequence_beside_itself_is_two_equal_halves,
     what_was_covered_is_shown_again,
     a_window_on_a_display_of_another_scale_shows_a_cloud,
+    a_window_measures_itself,
 );
 
 /// Keysyms of X11.
@@ -341,6 +342,48 @@ fn a_machine_without_vulkan_has_a_window() {
     let (code, said, _) = run("gpu", "auto");
     assert_eq!(code, Some(1), "{said}");
     assert!(said.contains("no Vulkan"), "{said}");
+}
+
+fn a_window_measures_itself(painter: &str) {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    let file = home.path().join("window.json");
+    let output = server
+        .program(home.path())
+        .args(["bench", "window", "demo:", "--present", painter])
+        .args(["--size", "800x600", "--frames", "30", "--json"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    let told =
+        |key: &str| -> Vec<&str> { rows.iter().map(|row| row[key].as_str().unwrap()).collect() };
+    assert_eq!(
+        told("primitive"),
+        [
+            "point", "point", "point", "surfel", "surfel", "surfel", "voxel", "voxel", "voxel"
+        ]
+    );
+    assert_eq!(told("action"), ["play", "turn", "scrub"].repeat(3));
+    let number = |row: &serde_json::Value, key: &str| row[key].as_f64().unwrap();
+    for row in rows {
+        assert!(number(row, "fps_presented") > 0.0, "{row}");
+        assert!(number(row, "paint_ms_median") > 0.0, "{row}");
+        match row["action"].as_str().unwrap() {
+            "play" => {
+                assert_eq!(number(row, "fps_asked"), 24.0);
+                assert!(number(row, "frames_shown") >= 30.0, "{row}");
+            }
+            _ => assert!(number(row, "latency_ms_median") > 0.0, "{row}"),
+        }
+        // Nobody else paints where the processor does.
+        if painter == "cpu" {
+            assert_eq!(number(row, "driver_cpu_ms"), 0.0, "{row}");
+        }
+    }
 }
 
 #[test]

@@ -167,6 +167,8 @@ struct App {
     sight: Sight,
     /// Something has been presented.
     has_been_shown: bool,
+    /// When a picture was presented for the first time.
+    first_picture_at: Option<Duration>,
     /// What has changed since the last redraw.
     change: Change,
     /// The window system asks for the window that it has lost.
@@ -224,6 +226,7 @@ impl App {
             woken: false,
             sight: Sight::default(),
             has_been_shown: false,
+            first_picture_at: None,
             change: Change::Panels,
             is_exposed: false,
             is_redraw_queued: false,

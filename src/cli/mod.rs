@@ -94,7 +94,8 @@ pub fn main() -> ExitCode {
 /// What is logged is said like the warnings of a verb, unless somebody has asked for the log.
 fn start_log() {
     const LEVELS: &str = "RUST_LOG";
-    let usual = "warn,wgpu_hal=error,wgpu_core=error,rfd=off";
+    // What these libraries warn of is nothing that a person could mend.
+    let usual = "warn,wgpu_hal=error,wgpu_core=error,winit=error,rfd=off";
     let mut log = env_logger::Builder::from_env(env_logger::Env::new().filter_or(LEVELS, usual));
     log.format_target(false);
     if std::env::var_os(LEVELS).is_none() {

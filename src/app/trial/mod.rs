@@ -19,8 +19,8 @@ use egui::Event;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// How long the mouse turns or scrubs.
-const GESTURE_TIME: Duration = Duration::from_secs(4);
+/// How long the mouse turns or scrubs for each frame that is played: 4 s for the usual 300.
+const GESTURE_TIME_PER_FRAME: Duration = Duration::from_micros(13_333);
 
 /// A window that has been still for so long rests.
 const REST: Duration = Duration::from_millis(600);
@@ -164,13 +164,14 @@ impl Trial {
                     *still_since = now;
                     return Vec::new();
                 }
+                let length = GESTURE_TIME_PER_FRAME.mul_f64(self.frames as f64);
                 let place = match watched.step.action {
                     Action::Scrub => state.timeline.bar_rect,
                     Action::Play | Action::Turn => state.viewport.rect,
                 };
                 let gesture = match watched.step.action {
-                    Action::Scrub => Gesture::along(place, now, GESTURE_TIME),
-                    Action::Play | Action::Turn => Gesture::around(place, now, GESTURE_TIME),
+                    Action::Scrub => Gesture::along(place, now, length),
+                    Action::Play | Action::Turn => Gesture::around(place, now, length),
                 };
                 watched.start(now, state, Some(gesture));
                 Vec::new()
@@ -317,6 +318,8 @@ impl Watched {
                 }
                 // The clock runs from the first picture on.
                 if self.step.action == Action::Play && self.found.pictures == 0 {
+                    let first_ms = now.saturating_sub(self.begun_at).as_secs_f64() * 1e3;
+                    self.found.first_ms = Some(first_ms);
                     *begin = now;
                     self.processor = Processor::now();
                 }

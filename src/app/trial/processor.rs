@@ -1,5 +1,6 @@
 //! The program's processor time, by what its threads are for.
 
+use std::collections::HashMap;
 use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
 
 /// Beginnings of the names of threads that prepare frames (`sequence/loader`).
@@ -8,9 +9,43 @@ const PREPARE: [&str; 2] = ["frame loader", "frame stages"];
 /// Beginnings of the names of threads of a driver: llvmpipe's, Mesa's window systems and queues, NVIDIA's.
 const DRIVER: [&str; 5] = ["llvmpipe", "WSI", "vk", "[vk", "lavapipe"];
 
-/// Processor time since the program began, milliseconds.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+/// What single threads are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Preparing frames.
+    Prepare,
+    /// A driver's.
+    Driver,
+    /// Helping the window's thread to draw, and everything else.
+    Helper,
+}
+
+impl Kind {
+    fn of(name: &str) -> Self {
+        let begins_with =
+            |prefixes: &[&str]| prefixes.iter().any(|prefix| name.starts_with(prefix));
+        if begins_with(&PREPARE) {
+            Self::Prepare
+        } else if begins_with(&DRIVER) {
+            Self::Driver
+        } else {
+            Self::Helper
+        }
+    }
+}
+
+/// Processor time of the program and of its threads, since each began.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Processor {
+    all_ms: f64,
+    /// Of all threads but the first, which the window is on. Empty where the system does not tell.
+    threads: HashMap<Pid, (Kind, f64)>,
+}
+
+/// Processor time of a while, milliseconds.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[expect(clippy::struct_field_names, reason = "names carry their unit")]
+pub(super) struct Used {
     /// Of all threads.
     pub(super) all_ms: f64,
     /// Of those that prepare frames.
@@ -19,8 +54,6 @@ pub(super) struct Processor {
     pub(super) driver_ms: f64,
     /// Of those that help the window's thread to draw, and of everything else.
     pub(super) helpers_ms: f64,
-    /// Whether the system tells it of single threads.
-    is_known: bool,
 }
 
 impl Processor {
@@ -36,38 +69,40 @@ impl Processor {
         let Some(process) = system.process(own) else {
             return Self::default();
         };
-        let mut used = Self {
+        let threads = process.tasks().into_iter().flatten();
+        let threads = threads.filter_map(|&thread| system.process(thread));
+        Self {
             all_ms: process.accumulated_cpu_time() as f64,
-            ..Self::default()
-        };
-        let tasks: Vec<Pid> = process.tasks().into_iter().flatten().copied().collect();
-        for task in tasks.iter().filter_map(|&task| system.process(task)) {
-            let name = task.name().to_string_lossy();
-            let ms = task.accumulated_cpu_time() as f64;
-            used.is_known = true;
-            if task.pid() == own {
-                continue;
-            }
-            if PREPARE.iter().any(|prefix| name.starts_with(prefix)) {
-                used.prepare_ms += ms;
-            } else if DRIVER.iter().any(|prefix| name.starts_with(prefix)) {
-                used.driver_ms += ms;
-            } else {
-                used.helpers_ms += ms;
-            }
+            threads: threads
+                .filter(|thread| thread.pid() != own)
+                .map(|thread| {
+                    let kind = Kind::of(&thread.name().to_string_lossy());
+                    (thread.pid(), (kind, thread.accumulated_cpu_time() as f64))
+                })
+                .collect(),
         }
-        used
     }
 
-    /// What was used since `before`; `None` where the system does not tell.
-    pub(super) fn since(&self, before: &Self) -> Option<Self> {
-        (self.is_known && before.is_known).then_some(Self {
+    /// What was used since `before`; `None` where the system does not tell. Threads that have ended meanwhile are in the whole alone.
+    pub(super) fn since(&self, before: &Self) -> Option<Used> {
+        if self.threads.is_empty() {
+            return None;
+        }
+        let mut used = Used {
             all_ms: self.all_ms - before.all_ms,
-            prepare_ms: self.prepare_ms - before.prepare_ms,
-            driver_ms: self.driver_ms - before.driver_ms,
-            helpers_ms: self.helpers_ms - before.helpers_ms,
-            is_known: true,
-        })
+            ..Used::default()
+        };
+        for (thread, (kind, ms)) in &self.threads {
+            let ms_before = before.threads.get(thread).map_or(0.0, |(_, ms)| *ms);
+            let sum = match kind {
+                Kind::Prepare => &mut used.prepare_ms,
+                Kind::Driver => &mut used.driver_ms,
+                Kind::Helper => &mut used.helpers_ms,
+            };
+            // The system may give the number of a thread that has ended to another.
+            *sum += (ms - ms_before).max(0.0);
+        }
+        Some(used)
     }
 
     /// Memory of the program that is in the machine's.
@@ -82,31 +117,64 @@ impl Processor {
     }
 }
 
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::{Duration, Instant};
 
     #[test]
-    fn the_time_of_a_loader_is_told_from_that_of_helpers() {
-        let before = Processor::now();
-        let busy = |name: &str| {
-            let thread = std::thread::Builder::new().name(name.to_owned());
-            thread.spawn(|| {
-                let begin = Instant::now();
-                while begin.elapsed() < Duration::from_millis(300) {
-                    std::hint::spin_loop();
-                }
-                // Looked at before it ends: its time is that of the program alone afterwards.
-                Processor::now()
-            })
+    fn threads_are_told_apart_by_their_names() {
+        assert_eq!(Kind::of("frame loader 3"), Kind::Prepare);
+        assert_eq!(Kind::of("frame stages 0"), Kind::Prepare);
+        assert_eq!(Kind::of("llvmpipe-1"), Kind::Driver);
+        assert_eq!(Kind::of("pointreel"), Kind::Helper);
+    }
+
+    #[test]
+    fn a_while_is_the_difference_of_each_thread() {
+        let at = |all_ms, threads: &[(u32, Kind, f64)]| Processor {
+            all_ms,
+            threads: threads
+                .iter()
+                .map(|&(id, kind, ms)| (Pid::from_u32(id), (kind, ms)))
+                .collect(),
         };
-        let loading = busy("frame loader 0").unwrap().join().unwrap();
-        let used = loading.since(&before).unwrap();
-        assert!(used.prepare_ms >= 50.0, "{used:?}");
-        assert!(used.all_ms >= used.prepare_ms, "{used:?}");
-        let helping = busy("painter").unwrap().join().unwrap();
-        let used = helping.since(&before).unwrap();
-        assert!(used.helpers_ms >= 50.0, "{used:?}");
+        let before = at(100.0, &[(2, Kind::Prepare, 40.0), (3, Kind::Helper, 30.0)]);
+        // The third has ended, the fourth and the fifth are new.
+        let now = at(
+            190.0,
+            &[
+                (2, Kind::Prepare, 60.0),
+                (4, Kind::Driver, 7.0),
+                (5, Kind::Prepare, 5.0),
+            ],
+        );
+        let expected = Used {
+            all_ms: 90.0,
+            prepare_ms: 25.0,
+            driver_ms: 7.0,
+            helpers_ms: 0.0,
+        };
+        assert_eq!(now.since(&before), Some(expected));
+        assert_eq!(Processor::default().since(&before), None);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_system_tells_of_single_threads() {
+        let begin = std::time::Instant::now();
+        let busy = std::thread::Builder::new().name("frame loader 9".to_owned());
+        let seen = busy.spawn(move || {
+            while begin.elapsed() < std::time::Duration::from_millis(300) {
+                std::hint::spin_loop();
+            }
+            Processor::now()
+        });
+        let seen = seen.unwrap().join().unwrap();
+        let is_loader = |(kind, ms): &&(Kind, f64)| *kind == Kind::Prepare && *ms >= 50.0;
+        assert!(
+            seen.threads.values().any(|thread| is_loader(&thread)),
+            "{seen:?}"
+        );
+        assert!(seen.all_ms >= 50.0);
     }
 }

@@ -93,9 +93,13 @@ impl App {
         let painted = painted?;
         if painted.presented && !std::mem::replace(&mut self.has_been_shown, true) {
             focus::take_if_unmanaged(&screen.window);
+        }
+        if painted.presented && self.first_picture_at.is_none() && self.state.is_drawn() {
+            let elapsed = self.now();
+            self.first_picture_at = Some(elapsed);
             log::info!(
-                "the window is shown {:.3} s after the start",
-                self.now().as_secs_f64()
+                "the first picture is shown after {:.3} s",
+                elapsed.as_secs_f64()
             );
         }
         if !painted.presented && !self.sight.is_occluded {

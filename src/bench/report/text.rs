@@ -83,7 +83,7 @@ impl Report {
                 "panels, showing; the first frame",
             ],
             Suite::Window => [
-                "a real window that plays, is turned and scrubbed by a mouse of 125 moves a second: pictures presented and frames                  held a second, from a move to its presented picture (latency), from the last move to the picture of all points                  (whole after); processor time of all threads (CPU), of those that prepare frames and of a driver's; times of                  drawing, panels, painting and presenting, medians of pictures",
+                "a real window that plays, is turned and scrubbed by a mouse of 125 moves a second: pictures presented and frames                  held a second, from opening to the first picture (first after), from a move to its presented picture (latency), from the last move to the picture of all points                  (whole after); processor time of all threads (CPU), of those that prepare frames and of a driver's; times of                  drawing, panels, painting and presenting, medians of pictures",
                 "the work of the X server or the compositor, which takes the same cores; the time until a screen shows the picture",
             ],
             Suite::Error => [

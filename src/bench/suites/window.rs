@@ -19,6 +19,7 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::percent("points_share", "points shown", 1),
     Column::number("latency_ms_median", "latency ms", 1),
     Column::number("latency_ms_p95", "95 %", 1),
+    Column::number("first_ms", "first after ms", 0),
     Column::number("rest_ms", "whole after ms", 0),
     Column::number("cpu_percent", "CPU % of a core", 0),
     Column::number("prepare_cpu_ms", "prepare ms a picture", 2),
@@ -69,6 +70,8 @@ pub struct WindowAction {
     pub points: [u64; 2],
     /// From each event to the presented picture that follows from it.
     pub latencies_ms: Vec<f64>,
+    /// From opening the sequence to its first presented picture.
+    pub first_ms: Option<f64>,
     /// From the last event to the presented picture of all points.
     pub rest_ms: Option<f64>,
     /// Processor time of all threads.
@@ -101,6 +104,7 @@ impl WindowAction {
             Cell::maybe((in_files > 0).then(|| shown as f64 / in_files as f64)),
             Cell::maybe(median(&self.latencies_ms)),
             Cell::maybe(percentile_95(&self.latencies_ms)),
+            Cell::maybe(self.first_ms),
             Cell::maybe(self.rest_ms),
             Cell::maybe(self.cpu_ms.map(|cpu_ms| cpu_ms / (10.0 * self.seconds))),
             Cell::maybe(cpu.map(|[prepare, ..]| prepare)),
