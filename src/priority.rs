@@ -1,4 +1,4 @@
-//! Which threads go first where there are more than processors.
+//! Which threads go first where there are more than processors, and who shares the work of the first thread.
 
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
@@ -16,9 +16,40 @@ pub(crate) fn go_behind_drawing() {
     }
 }
 
+/// Has this thread do its part of what it shares out. Otherwise it sleeps until others have done all, which must be woken first: while the
+/// threads that prepare frames have every processor, the system lets them end their slices, and a picture waits up to 4 ms.
+pub(crate) fn work_with_this_thread() {
+    let threads = rayon::ThreadPoolBuilder::new()
+        .thread_name(|number| format!("helper {number}"))
+        .use_current_thread()
+        .build();
+    match threads {
+        // They last as long as this one.
+        Ok(threads) => std::mem::forget(threads),
+        Err(reason) => log::debug!("a thread leaves its work to others: {reason}"),
+    }
+}
+
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_thread_does_its_part() {
+        let shares = std::thread::Builder::new().spawn(|| {
+            work_with_this_thread();
+            let threads = rayon::current_num_threads();
+            (rayon::current_thread_index(), threads)
+        });
+        let (index, threads) = shares.unwrap().join().unwrap();
+        assert_eq!(index, Some(0));
+        assert_eq!(
+            threads,
+            rayon::current_num_threads(),
+            "as many as elsewhere"
+        );
+        assert_eq!(rayon::current_thread_index(), None, "that one alone");
+    }
 
     #[test]
     fn the_system_knows_of_it() {

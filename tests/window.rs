@@ -386,6 +386,40 @@ fn a_window_measures_itself(painter: &str) {
     }
 }
 
+/// What a picture asks of a graphics card does not depend on which one it is.
+#[test]
+fn a_picture_and_its_panels_are_one_submission() {
+    let server = Xvfb::start();
+    let home = tempfile::tempdir().unwrap();
+    let file = home.path().join("window.json");
+    let output = server
+        .program(home.path())
+        .args(["bench", "window", "demo:", "--present", "gpu"])
+        .args(["--renderer", "gpu", "--size", "800x600"])
+        .args(["--frames", "72", "--json"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap();
+    for row in report["rows"].as_array().unwrap() {
+        assert_eq!(row["gpu_submissions"], 1.0, "{row}");
+        // With the background and the window.
+        let passes = if row["primitive"] == "surfel" {
+            5.0
+        } else {
+            3.0
+        };
+        assert_eq!(row["gpu_passes"], passes, "{row}");
+        // The points of a frame at rest, 130 KiB, are there already; the panels are new whenever egui has run.
+        if row["primitive"] == "point" && row["action"] == "turn" {
+            let uploaded_kib = row["gpu_uploaded_kib"].as_f64().unwrap();
+            assert!(uploaded_kib < 130.0, "{row}");
+        }
+    }
+}
+
 #[test]
 fn a_lost_device_is_opened_again() {
     let server = Xvfb::start();

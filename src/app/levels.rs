@@ -137,3 +137,115 @@ fn in_cells(settings: &Settings) -> Settings {
         ..*settings
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloud::{Frame, Positions, RawCloud};
+    use crate::math::Aabb;
+    use crate::scene::UpAxis;
+    use crate::sequence::prepare;
+    use glam::{DVec3, Vec3};
+    use std::sync::mpsc::sync_channel;
+
+    /// A square of points with what surfels need, and no octree.
+    fn square() -> Arc<PreparedFrame> {
+        let positions = (0..400_u16).map(|index| [index % 20, index / 20, 0].map(f32::from));
+        let raw = RawCloud::from_positions(Positions::F32(positions.collect()));
+        let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO).unwrap());
+        let needs = Scene::needs(&Settings::default());
+        let counters = PrepareCounters::default();
+        Arc::new(prepare(0, frame, 0.0, &needs, &counters))
+    }
+
+    /// The camera at step `step` of a motion.
+    fn camera(step: u32) -> Camera {
+        let edge = Vec3::splat(20.0 + step as f32);
+        Camera::framing(
+            &Aabb::from_points(&[Vec3::ZERO, edge]),
+            DVec3::ZERO,
+            UpAxis::Z,
+        )
+    }
+
+    /// Starts the making of levels, if they are wanted, and takes them.
+    fn make(levels: &mut Levels, frame: &Arc<PreparedFrame>, settings: &Settings) -> bool {
+        let (woken, wakes) = sync_channel(1);
+        let mut tasks = Tasks::new(Arc::new(move || woken.send(()).unwrap()));
+        levels.prepare(frame, settings, &tasks);
+        if levels.asked_for.is_none() {
+            return false;
+        }
+        wakes.recv_timeout(Duration::from_secs(30)).unwrap();
+        for outcome in tasks.take() {
+            let Outcome::Levels(made) = outcome else {
+                panic!("{outcome:?}");
+            };
+            levels.take(&made);
+        }
+        true
+    }
+
+    #[test]
+    fn a_slow_frame_is_coarse_while_the_camera_moves_and_whole_once_it_rests() {
+        let frame = square();
+        let settings = Settings::default();
+        let mut levels = Levels::default();
+        let ms = Duration::from_millis;
+        let (drawn, same) = levels.choose(&frame, &camera(0), &settings, ms(0));
+        assert!(Arc::ptr_eq(&drawn, &frame) && same == settings);
+        levels.note_whole_picture(&frame, 60.0);
+        // Levels are made once.
+        assert!(make(&mut levels, &frame, &settings));
+        assert!(!make(&mut levels, &frame, &settings));
+
+        let (drawn, coarse) = levels.choose(&frame, &camera(1), &settings, ms(100));
+        assert!(drawn.octree.is_some() && drawn.id == frame.id);
+        assert_eq!(coarse, in_cells(&settings));
+        assert!(levels.are_drawn());
+        // The picture of all points is due once the camera has rested, and no sooner.
+        assert_eq!(levels.next_deadline(), Some(ms(100) + REST));
+        let (_, still_coarse) = levels.choose(&frame, &camera(1), &settings, ms(149));
+        assert_eq!(still_coarse, in_cells(&settings));
+        let (drawn, whole) = levels.choose(&frame, &camera(1), &settings, ms(150));
+        assert!(Arc::ptr_eq(&drawn, &frame) && whole == settings);
+        assert_eq!(levels.next_deadline(), None);
+    }
+
+    #[test]
+    fn what_is_drawn_in_time_stays_as_it_is() {
+        let frame = square();
+        let points = Settings {
+            primitive: Primitive::Point,
+            ..Settings::default()
+        };
+        let cases = [
+            ("fast", Settings::default(), 27.0),
+            // They have no levels of detail.
+            ("points", points, 60.0),
+        ];
+        for (name, settings, whole_ms) in cases {
+            let mut levels = Levels::default();
+            levels.note_whole_picture(&frame, whole_ms);
+            assert!(!make(&mut levels, &frame, &settings), "{name}");
+            for step in 0..3 {
+                let now = Duration::from_millis(10 * u64::from(step));
+                let (drawn, same) = levels.choose(&frame, &camera(step), &settings, now);
+                assert!(Arc::ptr_eq(&drawn, &frame) && same == settings, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn levels_of_a_frame_before_are_not_taken_for_those_of_the_next() {
+        let [before, next] = [square(), square()];
+        let settings = Settings::default();
+        let mut levels = Levels::default();
+        levels.note_whole_picture(&before, 60.0);
+        assert!(make(&mut levels, &before, &settings));
+        levels.note_whole_picture(&next, 60.0);
+        levels.choose(&next, &camera(0), &settings, Duration::ZERO);
+        let (drawn, same) = levels.choose(&next, &camera(1), &settings, Duration::ZERO);
+        assert!(Arc::ptr_eq(&drawn, &next) && same == settings);
+    }
+}

@@ -1,4 +1,4 @@
-//! How long the parts of a redraw took.
+//! How long the parts of a redraw took, and what the graphics card had to do for it.
 
 use std::time::Duration;
 
@@ -19,4 +19,26 @@ pub struct Redraw {
     pub whole: Duration,
     /// Pixels of the window that were painted anew.
     pub painted_px: u64,
+    /// What was asked of the graphics card.
+    pub gpu: GpuWork,
+}
+
+/// What a redraw asked of a graphics card. All is zero where the processor does everything.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct GpuWork {
+    /// Submissions to its queue.
+    pub submissions: u64,
+    /// Passes, those of the pictures and that of the window.
+    pub passes: u64,
+    /// Bytes of points, voxels, pictures and panels that were uploaded; without the few hundred that say how a picture is seen.
+    pub uploaded_bytes: u64,
+}
+
+impl GpuWork {
+    /// Adds what was asked beside it.
+    pub fn add(&mut self, other: Self) {
+        self.submissions += other.submissions;
+        self.passes += other.passes;
+        self.uploaded_bytes += other.uploaded_bytes;
+    }
 }

@@ -16,6 +16,7 @@ use super::theme::apply_theme;
 use super::trial::Trial;
 use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::render::RenderError;
+use crate::scene::RendererChoice;
 use crate::sequence::Sequence;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -101,6 +102,7 @@ pub fn bench_window(
     inputs: &[Input],
     bench: &BenchOptions,
     present: PresentChoice,
+    renderer: RendererChoice,
 ) -> Result<Vec<WindowAction>, AppError> {
     let options = Options {
         state: StateOptions {
@@ -115,7 +117,7 @@ pub fn bench_window(
         size_px: Some(bench.viewport_px),
         ..Options::default()
     };
-    run_with(options, Some(Trial::new(inputs, bench)))
+    run_with(options, Some(Trial::new(inputs, bench, renderer)))
 }
 
 /// The window; what it found, if it is to do something by itself.

@@ -7,6 +7,7 @@ use super::{answer, say};
 use crate::app::{self, PresentChoice};
 use crate::bench::{self, BenchOptions, Input, Modes, Progress, Report, Suite};
 use crate::render::gpu::{Context, ContextOptions};
+use crate::scene::RendererChoice;
 use crate::sequence::{OpenOptions, Shape};
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -64,6 +65,10 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "WHO")]
     present: Option<PresentChoice>,
 
+    /// Who draws the pictures in it: auto, gpu or cpu
+    #[arg(long, value_name = "RENDERER")]
+    renderer: Option<RendererChoice>,
+
     /// Directions from which each frame is seen [default: 8; 2 for render and error]
     #[arg(long, value_name = "N", value_parser = count)]
     viewpoints: Option<usize>,
@@ -90,9 +95,10 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
             arguments.suite
         );
     }
-    if arguments.suite != Suite::Window && arguments.present.is_some() {
+    let chooses = arguments.present.is_some() || arguments.renderer.is_some();
+    if arguments.suite != Suite::Window && chooses {
         bail!(
-            "--present belongs to `bench window`, not to `bench {}`",
+            "--present and --renderer belong to `bench window`, not to `bench {}`",
             arguments.suite
         );
     }
@@ -118,7 +124,8 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
     };
     let report = if arguments.suite == Suite::Window {
         let present = arguments.present.unwrap_or_default();
-        let actions = app::bench_window(&inputs, &options, present)?;
+        let renderer = arguments.renderer.unwrap_or(RendererChoice::Auto);
+        let actions = app::bench_window(&inputs, &options, present, renderer)?;
         bench::window_report(&inputs, options, &actions)
     } else {
         measure(&inputs, &options)?

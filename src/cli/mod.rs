@@ -62,6 +62,7 @@ pub fn main() -> ExitCode {
     crate::memory::keep_freed_pages();
     device_select::leave_out_without_session();
     start_log();
+    crate::priority::work_with_this_thread();
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
     let has_window = matches!(arguments.verb, None | Some(Verb::View(_)));

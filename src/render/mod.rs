@@ -54,7 +54,7 @@ pub struct RenderStats {
     pub drawn_instances: u64,
     /// CPU time of the last [`Renderer::prepare`].
     pub prepare_ms: f64,
-    /// CPU time of the last [`Renderer::render`]: encoding and submission.
+    /// CPU time of the last [`Renderer::render`]: encoding and, unless the window does it, submission.
     pub encode_ms: f64,
     /// GPU time of the last picture that was measured; `None` where timestamps are not supported.
     pub gpu_ms: Option<f64>,

@@ -283,6 +283,41 @@ struct Buffer {
     pending: Vec<PixelRect>,
 }
 
+/// Threads share the painting of so many pixels; of parts they do not.
+#[test]
+fn a_large_window_is_the_same_in_one_and_in_parts() {
+    let mut scene = Scene::new(5);
+    scene.size_px = [2560, 1920];
+    let ctx = Context::default();
+    let mut painter = SoftwarePainter::new();
+    let mut input = RawInput::default();
+    let root = input.viewports.entry(egui::ViewportId::ROOT).or_default();
+    root.native_pixels_per_point = Some(16.0);
+    let mut shapes = Vec::new();
+    let mut output = ctx.run_ui(input, |ui| shapes = scene.shapes(ui.ctx()));
+    for changes in [&mut output.textures_delta, &mut scene.textures] {
+        painter.update_textures(changes);
+    }
+    painter.show(&ctx, shapes, output.pixels_per_point, scene.size_px);
+    let pictures = scene.pictures.iter().map(|(id, image)| (*id, image));
+    let pictures: Vec<_> = pictures.collect();
+    let mut pixels = [0x0012_3456, 0x0065_4321].map(|fill| vec![fill; 2560 * 1920]);
+    let [in_one, in_parts] = &mut pixels;
+    painter.paint(&pictures, &[PixelRect::of_size(scene.size_px)], in_one);
+    for row in 0..3 {
+        let part = PixelRect {
+            min: [0, 640 * row],
+            max: [2560, 640 * (row + 1)],
+        };
+        painter.paint(&pictures, &[part], in_parts);
+    }
+    assert!(in_one == in_parts);
+    let mut colors = in_one.clone();
+    colors.sort_unstable();
+    colors.dedup();
+    assert!(colors.len() > 100, "{} colours", colors.len());
+}
+
 #[test]
 fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
     let (mut damaged_px, mut all_px, mut unchanged) = (0, 0, 0);

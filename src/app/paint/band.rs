@@ -1,6 +1,6 @@
 //! From layers to pixels, in bands of rows that threads share.
 //!
-//! **How it works.** A rectangle of a band is painted from the last layer that hides all of it, or from black. If there is much to paint,
+//! **How it works.** A rectangle of a band is painted from the last layer that hides all of it, or from black. If there is very much to paint,
 //! bands are tasks; nothing is shared between them, and what a pixel becomes does not depend on how many there are.
 
 use super::PixelRect;
@@ -16,8 +16,9 @@ use rayon::prelude::*;
 /// Rows of a band: a few tasks for each thread, and layers are not gone through too often.
 const BAND_ROWS: usize = 64;
 
-/// Less than this is painted before another thread has woken.
-const WORTH_SHARING_PX: u64 = 100_000;
+/// Less than this is painted by one thread. Most of it is a picture, which is copied: a third of a millisecond for a million pixels, while
+/// on a busy machine another thread may not begin for four.
+const WORTH_SHARING_PX: u64 = 4_000_000;
 
 /// A mesh that is to be painted, and with what.
 #[derive(Debug, Clone, Copy)]

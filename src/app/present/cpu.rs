@@ -8,6 +8,7 @@
 
 use super::{Painted, Panels, Presenter, PresenterInfo};
 use crate::app::comparison::Side;
+use crate::app::meter::GpuWork;
 use crate::app::paint::{PixelRect, SoftwarePainter};
 use crate::render::cpu::CpuRenderer;
 use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
@@ -160,6 +161,7 @@ impl CpuPresenter {
             painting,
             presenting: begin.elapsed(),
             repainted_px: region.iter().map(PixelRect::area_px).sum(),
+            gpu: GpuWork::default(),
         })
     }
 }

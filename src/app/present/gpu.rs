@@ -3,16 +3,19 @@
 //! **How it works.** The renderer of the GPU draws a packet into its own `Rgba8Unorm` texture, which egui's painter shows as an image
 //! without filtering or conversion: both hold display-referred values, and so does the surface, for which a format
 //! without sRGB conversion is chosen. The picture is drawn only when there is a new packet; panels are painted over it as
-//! often as they ask, and those of before where only the picture is new. What the processor draws is copied to such a texture.
+//! often as they ask, and those of before, which are on the card already, where only the picture is new. What the processor draws is
+//! copied to such a texture. Pictures and panels are one submission.
 
 use super::software::{SoftwarePicture, picture_texture};
 use super::surface::{WindowSurface, acquire};
 use super::{Painted, Panels, Presenter, PresenterInfo};
 use crate::app::comparison::Side;
+use crate::app::meter::GpuWork;
 use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
 use crate::render::scaled_to;
 use crate::render::{RenderError, RenderStats, Renderer};
 use crate::scene::ScenePacket;
+use egui::epaint::Primitive;
 use egui::{ClippedPrimitive, TextureId};
 use egui_wgpu::{RendererOptions, ScreenDescriptor};
 use image::RgbaImage;
@@ -28,6 +31,10 @@ pub(super) struct GpuPresenter {
     /// What egui wanted to be painted last.
     primitives: Vec<ClippedPrimitive>,
     pixels_per_point: f32,
+    /// The size of the window for which `primitives` are on the card.
+    uploaded_for_px: Option<[u32; 2]>,
+    /// What was asked of the card since the window was painted.
+    work: GpuWork,
     picture: Picture,
     /// That of the other side of a comparison, once there was one.
     other_picture: Option<Picture>,
@@ -38,6 +45,8 @@ struct Picture {
     renderer: GpuRenderer,
     software: SoftwarePicture,
     drawn_by: DrawnBy,
+    /// What draws the picture, to be submitted with the window that shows it.
+    commands: Option<wgpu::CommandBuffer>,
     texture: TextureId,
     /// Which texture of which renderer `texture` stands for, and how it is scaled.
     shown: Option<(DrawnBy, u64, wgpu::FilterMode)>,
@@ -60,6 +69,7 @@ impl Picture {
             renderer: GpuRenderer::new(Arc::clone(context))?,
             software: SoftwarePicture::default(),
             drawn_by: DrawnBy::Gpu,
+            commands: None,
             texture,
             shown: None,
         })
@@ -77,7 +87,10 @@ impl Picture {
         context: &Context,
         painter: &mut egui_wgpu::Renderer,
         packet: &ScenePacket,
+        work: &mut GpuWork,
     ) -> Result<(), RenderError> {
+        // A window that could not be painted has left them.
+        self.submit(context, work);
         let choice = packet.settings.renderer;
         self.drawn_by = if choice.is_processor(context.is_software()) {
             DrawnBy::Processor
@@ -86,13 +99,17 @@ impl Picture {
         };
         let (generation, view) = match self.drawn_by {
             DrawnBy::Gpu => {
+                let before = self.renderer.stats();
                 self.renderer.prepare(packet)?;
-                self.renderer.render()?;
+                self.commands = self.renderer.encode()?;
+                let after = self.renderer.stats();
+                work.passes += after.passes - before.passes;
+                work.uploaded_bytes += after.uploaded_bytes - before.uploaded_bytes;
                 let view = self.renderer.color_view().cloned();
                 (self.renderer.color_generation(), view)
             }
             DrawnBy::Processor => {
-                self.software.draw(context, packet)?;
+                work.uploaded_bytes += self.software.draw(context, packet)?;
                 (self.software.generation, self.software.view())
             }
         };
@@ -117,8 +134,21 @@ impl Picture {
         Ok(())
     }
 
+    fn submit(&mut self, context: &Context, work: &mut GpuWork) {
+        if let Some(commands) = self.commands.take() {
+            context.queue.submit([commands]);
+            work.submissions += 1;
+        }
+    }
+
     /// Reads it back, in the size in which it is shown.
-    fn read(&mut self, shown_px: [u32; 2]) -> Result<RgbaImage, RenderError> {
+    fn read(
+        &mut self,
+        context: &Context,
+        shown_px: [u32; 2],
+        work: &mut GpuWork,
+    ) -> Result<RgbaImage, RenderError> {
+        self.submit(context, work);
         let image = match self.drawn_by {
             DrawnBy::Gpu => self.renderer.read_image(),
             DrawnBy::Processor => self.software.renderer.read_image(),
@@ -147,6 +177,8 @@ impl GpuPresenter {
             painter,
             primitives: Vec::new(),
             pixels_per_point: 1.0,
+            uploaded_for_px: None,
+            work: GpuWork::default(),
             picture,
             other_picture: None,
         })
@@ -179,9 +211,19 @@ impl GpuPresenter {
             label: Some("window"),
         });
         let primitives = &self.primitives;
-        let mut commands =
-            self.painter
-                .update_buffers(device, queue, &mut encoder, primitives, &screen);
+        let pictures = [Some(&mut self.picture), self.other_picture.as_mut()];
+        let mut commands: Vec<_> = pictures
+            .into_iter()
+            .flatten()
+            .filter_map(|picture| picture.commands.take())
+            .collect();
+        if self.uploaded_for_px.replace(screen.size_in_pixels) != Some(screen.size_in_pixels) {
+            let others =
+                self.painter
+                    .update_buffers(device, queue, &mut encoder, primitives, &screen);
+            commands.extend(others);
+            self.work.uploaded_bytes += bytes_of(primitives);
+        }
         let view = frame
             .texture
             .create_view(&wgpu::TextureViewDescriptor::default());
@@ -202,6 +244,8 @@ impl GpuPresenter {
             .render(&mut pass.forget_lifetime(), primitives, &screen);
         commands.push(encoder.finish());
         queue.submit(commands);
+        self.work.submissions += 1;
+        self.work.passes += 1;
         let painting = begin.elapsed();
         self.surface.window().pre_present_notify();
         let begin = Instant::now();
@@ -215,6 +259,7 @@ impl GpuPresenter {
             painting,
             presenting,
             repainted_px: width * height,
+            gpu: std::mem::take(&mut self.work),
         })
     }
 }
@@ -241,7 +286,7 @@ impl Presenter for GpuPresenter {
             (Side::B, Some(picture)) => picture,
             (Side::B, none) => none.insert(Picture::new(&self.context, &mut self.painter)?),
         };
-        picture.draw(&self.context, &mut self.painter, packet)
+        picture.draw(&self.context, &mut self.painter, packet, &mut self.work)
     }
 
     fn read(&mut self, side: Side, shown_px: [u32; 2]) -> Result<Option<RgbaImage>, RenderError> {
@@ -249,7 +294,9 @@ impl Presenter for GpuPresenter {
             Side::A => Some(&mut self.picture),
             Side::B => self.other_picture.as_mut(),
         };
-        picture.map(|picture| picture.read(shown_px)).transpose()
+        picture
+            .map(|picture| picture.read(&self.context, shown_px, &mut self.work))
+            .transpose()
     }
 
     fn was_drawn_by_gpu(&self) -> bool {
@@ -292,11 +339,14 @@ impl Presenter for GpuPresenter {
             let (device, queue) = (&self.context.device, &self.context.queue);
             for (id, deltas) in textures.set.drain() {
                 for delta in deltas {
+                    let [width, height] = delta.image.size();
+                    self.work.uploaded_bytes += 4 * (width * height) as u64;
                     self.painter.update_texture(device, queue, id, &delta);
                 }
             }
             self.primitives = egui.tessellate(shapes, pixels_per_point);
             self.pixels_per_point = pixels_per_point;
+            self.uploaded_for_px = None;
             unused.extend(textures.free.drain());
         }
         let prepared = begin.elapsed();
@@ -314,6 +364,18 @@ impl Presenter for GpuPresenter {
     fn simulate_loss(&self) {
         self.context.simulate_loss();
     }
+}
+
+/// What `primitives` take on the card.
+fn bytes_of(primitives: &[ClippedPrimitive]) -> u64 {
+    let meshes = primitives
+        .iter()
+        .filter_map(|clipped| match &clipped.primitive {
+            Primitive::Mesh(mesh) => Some(mesh),
+            Primitive::Callback(_) => None,
+        });
+    let bytes = meshes.map(|mesh| size_of_val(&mesh.vertices[..]) + size_of_val(&mesh.indices[..]));
+    bytes.sum::<usize>() as u64
 }
 
 /// Shown until there is a picture.

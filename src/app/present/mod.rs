@@ -13,6 +13,7 @@ mod software;
 mod surface;
 
 use super::comparison::Side;
+use super::meter::GpuWork;
 use super::present_choice::PresentChoice;
 use crate::render::gpu::may_have_gpu;
 use crate::render::{RenderError, RenderStats};
@@ -66,6 +67,8 @@ pub(super) struct Painted {
     pub(super) presenting: Duration,
     /// Pixels that were painted anew.
     pub(super) repainted_px: u64,
+    /// What the graphics card had to do since it was painted before.
+    pub(super) gpu: GpuWork,
 }
 
 /// Brings one window onto the screen.

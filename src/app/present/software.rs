@@ -17,12 +17,12 @@ pub(super) struct SoftwarePicture {
 }
 
 impl SoftwarePicture {
-    /// Draws a packet.
+    /// Draws a packet; returns how many bytes were uploaded for it.
     pub(super) fn draw(
         &mut self,
         context: &Context,
         packet: &ScenePacket,
-    ) -> Result<(), RenderError> {
+    ) -> Result<u64, RenderError> {
         self.renderer.prepare(packet)?;
         self.renderer.render()?;
         let frames = self.renderer.stats().frames;
@@ -40,7 +40,7 @@ impl SoftwarePicture {
             self.texture = Some(picture_texture(&context.device, size));
             self.generation += 1;
         } else if self.frames_uploaded == frames {
-            return Ok(());
+            return Ok(0);
         }
         if let Some(texture) = &self.texture {
             context.queue.write_texture(
@@ -55,7 +55,7 @@ impl SoftwarePicture {
             );
         }
         self.frames_uploaded = frames;
-        Ok(())
+        Ok(4 * u64::from(width) * u64::from(height))
     }
 
     /// The picture; `None` before the first one.

@@ -10,11 +10,11 @@ mod processor;
 
 use self::gesture::Gesture;
 use self::processor::Processor;
-use super::meter::Redraw;
+use super::meter::{GpuWork, Redraw};
 use super::state::State;
 use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::playback::Player;
-use crate::scene::{Primitive, Settings};
+use crate::scene::{Primitive, RendererChoice, Settings};
 use egui::Event;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -77,6 +77,7 @@ struct Watched {
     begun_at: Duration,
     found: WindowAction,
     processor: Processor,
+    gpu: GpuWork,
     /// When events were due whose picture has not been presented.
     pending: Vec<Duration>,
     pictures_before: u64,
@@ -89,6 +90,7 @@ struct Watched {
 pub(super) struct Trial {
     inputs: Vec<Input>,
     frames: u64,
+    renderer: RendererChoice,
     steps: VecDeque<Step>,
     watched: Option<Watched>,
     done: Vec<WindowAction>,
@@ -96,7 +98,7 @@ pub(super) struct Trial {
 
 impl Trial {
     /// All actions for all primitives on each sequence.
-    pub(super) fn new(inputs: &[Input], options: &BenchOptions) -> Self {
+    pub(super) fn new(inputs: &[Input], options: &BenchOptions, renderer: RendererChoice) -> Self {
         let steps = inputs.iter().enumerate().flat_map(|(index, input)| {
             let moves = input.sequence.len() > 1;
             PRIMITIVES.into_iter().flat_map(move |primitive| {
@@ -114,6 +116,7 @@ impl Trial {
         Self {
             inputs: inputs.to_vec(),
             frames: options.frames as u64,
+            renderer,
             steps: steps.collect(),
             watched: None,
             done: Vec::new(),
@@ -195,6 +198,7 @@ impl Trial {
         let input = &self.inputs[step.input];
         state.settings = Settings {
             primitive: step.primitive,
+            renderer: self.renderer,
             ..Settings::default()
         };
         // As from the beginning: with a loader that knows nothing.
@@ -218,6 +222,7 @@ impl Trial {
                 ..WindowAction::default()
             },
             processor: Processor::now(),
+            gpu: GpuWork::default(),
             pending: Vec::new(),
             pictures_before: 0,
             panel_runs_before: 0,
@@ -276,6 +281,7 @@ impl Watched {
             begin: now,
         };
         self.processor = Processor::now();
+        self.gpu = GpuWork::default();
         self.pictures_before = state.counters.pictures;
         self.panel_runs_before = state.counters.ui_passes;
         self.frames_before = state.player.as_ref().map_or(0, Player::frames_shown);
@@ -324,6 +330,7 @@ impl Watched {
                     self.processor = Processor::now();
                 }
                 self.found.pictures = pictures;
+                self.gpu.add(redraw.gpu);
                 self.found.frames = frames;
                 let ms = |part: Duration| part.as_secs_f64() * 1e3;
                 let parts = [
@@ -358,6 +365,12 @@ impl Watched {
             .as_ref()
             .map(|used| [used.prepare_ms, used.driver_ms, used.helpers_ms]);
         self.found.resident_bytes = Processor::resident_bytes();
+        let GpuWork {
+            submissions,
+            passes,
+            uploaded_bytes,
+        } = self.gpu;
+        self.found.gpu = (submissions > 0).then_some([submissions, passes, uploaded_bytes]);
         self.found.panel_runs = state.counters.ui_passes - self.panel_runs_before;
         if let Some(player) = &state.player {
             self.found.frames_late = player.late_frames();

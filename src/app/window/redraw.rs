@@ -131,6 +131,7 @@ impl App {
             waiting: painted.waited,
             whole: begin.elapsed(),
             painted_px: painted.repainted_px,
+            gpu: painted.gpu,
         };
         // A wait for the next picture of the screen costs nothing; what is beyond it is a driver, or a window system, that is behind.
         let idle = painted.waited.min(self.refresh_interval);

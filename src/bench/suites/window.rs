@@ -36,6 +36,9 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("frames_late", "late", 0),
     Column::number("frames_skipped", "skipped", 0),
     Column::number("resident_mib", "RSS MiB", 0),
+    Column::number("gpu_submissions", "submissions a picture", 2).hidden(),
+    Column::number("gpu_passes", "passes a picture", 2).hidden(),
+    Column::number("gpu_uploaded_kib", "uploaded KiB a picture", 1).hidden(),
 ];
 
 /// The column that a bar chart shows.
@@ -82,6 +85,8 @@ pub struct WindowAction {
     pub parts_ms: [Vec<f64>; 5],
     /// Memory of the program at the end.
     pub resident_bytes: u64,
+    /// Submissions, passes and uploaded bytes that the pictures took of a graphics card, where one paints the window.
+    pub gpu: Option<[u64; 3]>,
 }
 
 impl WindowAction {
@@ -89,8 +94,9 @@ impl WindowAction {
         let a_second = |count: u64| count as f64 / self.seconds.max(1e-9);
         let median = |values: &[f64]| Quantiles::of(values).map(|quantiles| quantiles.median);
         let [draw, panels, paint, present, wait] = &self.parts_ms;
-        let a_picture = |cpu_ms: f64| cpu_ms / self.pictures.max(1) as f64;
+        let a_picture = |of_all: f64| of_all / self.pictures.max(1) as f64;
         let cpu = self.cpu_ms_of.map(|of| of.map(a_picture));
+        let gpu = self.gpu.map(|of| of.map(|count| a_picture(count as f64)));
         let [shown, in_files] = self.points;
         let held = (self.frames > 1).then(|| a_second(self.frames - 1));
         Row::new(vec![
@@ -121,6 +127,9 @@ impl WindowAction {
             Cell::Number(self.frames_late as f64),
             Cell::Number(self.frames_skipped as f64),
             Cell::Number(self.resident_bytes as f64 / f64::from(1 << 20)),
+            Cell::maybe(gpu.map(|[submissions, ..]| submissions)),
+            Cell::maybe(gpu.map(|[_, passes, _]| passes)),
+            Cell::maybe(gpu.map(|[.., bytes]| bytes / 1024.0)),
         ])
     }
 }
@@ -210,6 +219,7 @@ mod tests {
             cpu_ms_of: Some([100.0, 0.0, 20.0]),
             parts_ms: [vec![3.0, 1.0, 2.0], vec![], vec![], vec![], vec![]],
             resident_bytes: 3 << 20,
+            gpu: Some([100, 400, 204_800]),
             ..WindowAction::default()
         };
         let report = window_report(&[], BenchOptions::new(Suite::Window), &[action]);
@@ -224,6 +234,9 @@ mod tests {
         assert_eq!(number("latency_ms_median"), Some(50.5));
         assert_eq!(number("latency_ms_p95"), Some(96.0));
         assert_eq!(number("resident_mib"), Some(3.0));
+        assert_eq!(number("gpu_submissions"), Some(1.0));
+        assert_eq!(number("gpu_passes"), Some(4.0));
+        assert_eq!(number("gpu_uploaded_kib"), Some(2.0));
         assert_eq!(number("panels_ms_median"), None);
         let again = window_report_of_json(&report.to_json()).unwrap();
         assert_eq!(again.rows, report.rows);

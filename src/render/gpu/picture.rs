@@ -100,7 +100,10 @@ impl Plan {
 const FAR: f32 = 0.0;
 
 impl GpuRenderer {
-    pub(super) fn encode_and_submit(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+    pub(super) fn encode_picture(
+        &mut self,
+        packet: &ScenePacket,
+    ) -> Result<wgpu::CommandBuffer, RenderError> {
         let plan = Plan::new(packet);
         let Self {
             context,
@@ -218,11 +221,7 @@ impl GpuRenderer {
         if let Some(timer) = timer {
             timer.end(&mut encoder);
         }
-        context.queue.submit([encoder.finish()]);
-        if let Some(timer) = timer {
-            timer.submitted();
-        }
-        Ok(())
+        Ok(encoder.finish())
     }
 }
 

@@ -118,6 +118,22 @@ impl GpuRenderer {
         self.residency.set_budget_bytes(budget_bytes);
     }
 
+    /// The commands that draw what was prepared, for whoever submits them together with others; `None` if it is drawn already. They are
+    /// to be submitted before another packet is prepared, which overwrites what they read.
+    pub fn encode(&mut self) -> Result<Option<wgpu::CommandBuffer>, RenderError> {
+        self.context.check_alive()?;
+        let packet = self.prepared.clone().ok_or(RenderError::NothingPrepared)?;
+        if self.drawn.as_ref() == Some(&packet) {
+            return Ok(None);
+        }
+        let start = Instant::now();
+        let commands = self.encode_picture(&packet)?;
+        self.stats.frames += 1;
+        self.stats.encode_ms = start.elapsed().as_secs_f64() * 1e3;
+        self.drawn = Some(packet);
+        Ok(Some(commands))
+    }
+
     /// Forgets what was drawn, so that the same packet is drawn again: benchmarks measure that.
     pub fn invalidate(&mut self) {
         self.drawn = None;
@@ -269,16 +285,11 @@ impl Renderer for GpuRenderer {
     }
 
     fn render(&mut self) -> Result<(), RenderError> {
-        self.context.check_alive()?;
-        let packet = self.prepared.clone().ok_or(RenderError::NothingPrepared)?;
-        if self.drawn.as_ref() == Some(&packet) {
-            return Ok(());
+        if let Some(commands) = self.encode()? {
+            let start = Instant::now();
+            self.context.queue.submit([commands]);
+            self.stats.encode_ms += start.elapsed().as_secs_f64() * 1e3;
         }
-        let start = Instant::now();
-        self.encode_and_submit(&packet)?;
-        self.stats.frames += 1;
-        self.stats.encode_ms = start.elapsed().as_secs_f64() * 1e3;
-        self.drawn = Some(packet);
         Ok(())
     }
 

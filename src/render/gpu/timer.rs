@@ -59,30 +59,22 @@ impl Timer {
         }
     }
 
+    /// Asks for the result as well, which comes some time after the commands were submitted.
     pub(super) fn end(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        if self.recorded {
-            encoder.write_timestamp(&self.queries, 1);
-            encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
-            encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, QUERY_BYTES);
-        }
-    }
-
-    /// After submission: asks for the result without waiting.
-    pub(super) fn submitted(&mut self) {
-        if !self.recorded {
+        if !std::mem::take(&mut self.recorded) {
             return;
         }
-        self.recorded = false;
+        encoder.write_timestamp(&self.queries, 1);
+        encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, QUERY_BYTES);
         self.state.store(IN_FLIGHT, Ordering::Release);
         let state = Arc::clone(&self.state);
-        self.readable
-            .slice(..)
-            .map_async(wgpu::MapMode::Read, move |result| {
-                state.store(
-                    if result.is_ok() { MAPPED } else { IDLE },
-                    Ordering::Release,
-                );
-            });
+        encoder.map_buffer_on_submit(&self.readable, wgpu::MapMode::Read, .., move |result| {
+            state.store(
+                if result.is_ok() { MAPPED } else { IDLE },
+                Ordering::Release,
+            );
+        });
     }
 
     /// Takes a result that has arrived.
