@@ -57,6 +57,7 @@ need_library libxkbcommon.so.0 libxkbcommon0 "the keyboard"
 need_library libwayland-client.so.0 libwayland-client0 "windows on Wayland"
 if [[ $with_tests == yes ]]; then
     need_program Xvfb xvfb "the display of the window test"
+    need_program weston weston "its display on Wayland"
 fi
 
 if ((${#missing[@]} == 0)); then

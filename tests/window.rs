@@ -10,7 +10,7 @@ mod xvfb;
 
 use image::RgbaImage;
 use std::path::Path;
-use std::process::Child;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use xvfb::{PATIENCE, Process, Screen, Xvfb, has_a_cloud, painted_by_each, pngs};
 
@@ -23,6 +23,7 @@ painted_by_each!(
     what_was_covered_is_shown_again,
     a_window_on_a_display_of_another_scale_shows_a_cloud,
     a_window_measures_itself,
+    a_window_on_wayland_shows_a_cloud_and_ends,
 );
 
 /// Keysyms of X11.
@@ -418,6 +419,61 @@ fn a_picture_and_its_panels_are_one_submission() {
             assert!(uploaded_kib < 130.0, "{row}");
         }
     }
+}
+
+/// A Wayland compositor without a screen, and the folder of its socket.
+struct Weston {
+    _compositor: Process,
+    folder: tempfile::TempDir,
+}
+
+impl Weston {
+    const SOCKET: &str = "wayland-test";
+
+    fn start() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let compositor = Command::new("weston")
+            .args(["--backend=headless-backend.so", "--socket", Self::SOCKET])
+            .args(["--no-config", "--idle-time=0"])
+            .env("XDG_RUNTIME_DIR", folder.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("weston opens the window of this test: apt-get install weston");
+        let compositor = Process(compositor);
+        let begin = Instant::now();
+        while !folder.path().join(Self::SOCKET).exists() {
+            assert!(begin.elapsed() < PATIENCE, "weston opens no socket");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Self {
+            _compositor: compositor,
+            folder,
+        }
+    }
+}
+
+/// On Wayland buffers are lent by turns, decorations are the program's own, and what is shown has to go before the connection.
+fn a_window_on_wayland_shows_a_cloud_and_ends(painter: &str) {
+    let weston = Weston::start();
+    let home = weston.folder.path();
+    let file = home.join("wayland.png");
+    let output = Command::new(env!("CARGO_BIN_EXE_pointreel"))
+        .current_dir(home)
+        .env_remove("DISPLAY")
+        .env("WAYLAND_DISPLAY", Weston::SOCKET)
+        .env("XDG_RUNTIME_DIR", home)
+        .env("HOME", home)
+        .args(["view", "--present", painter, "--size", "800x600"])
+        .args(["--after-frames", "30", "--screenshot"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{}: {said}", output.status);
+    assert_eq!(said, "", "nothing that a person could mend");
+    let picture = image::open(file).unwrap().to_rgba8();
+    assert!(has_a_cloud(picture.as_raw()));
 }
 
 #[test]

@@ -256,6 +256,12 @@ impl App {
             .with_visible(false)
             // An alpha visual stays black on software adapters under a bare X server.
             .with_transparent(false);
+        #[cfg(all(unix, not(target_os = "macos")))]
+        let attributes = {
+            use winit::platform::wayland::WindowAttributesExtWayland as _;
+            // By this desktops find its icon and keep its windows together, under X11 too.
+            attributes.with_name("pointreel", "pointreel")
+        };
         let left = self
             .options
             .state
@@ -507,5 +513,7 @@ impl ApplicationHandler<Message> for App {
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
         self.options.preferences_file.write();
         self.state.end_exports();
+        // What is on the screen goes before the connection to the window system, which ends with the event loop.
+        self.screen = None;
     }
 }
