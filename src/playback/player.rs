@@ -141,9 +141,9 @@ impl Player {
         self.waiting_for
     }
 
-    /// True when playing, or waiting for a frame to play on.
+    /// True when playing, or waiting for a frame to play on. One frame alone does not play: it is at rest, with all its points.
     pub fn is_playing(&self) -> bool {
-        self.clock.is_playing() || self.play_on_arrival
+        self.clock.is_moving() || self.play_on_arrival
     }
 
     /// Runs of frames with the same state, as of the last `refresh_runs`.

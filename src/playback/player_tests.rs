@@ -46,9 +46,13 @@ impl Drop for Fixture {
 
 impl Fixture {
     fn new(play: bool) -> Self {
+        Self::of_frames(10, play)
+    }
+
+    fn of_frames(count: u64, play: bool) -> Self {
         let gate = Arc::new(Gate::default());
         let waiting = Arc::clone(&gate);
-        let sources = (0..10).map(|number| Source {
+        let sources = (0..count).map(|number| Source {
             number: Some(number),
             ..Source::file(format!("frame_{number}.ply"))
         });
@@ -93,6 +97,17 @@ impl Fixture {
             }
         }
     }
+}
+
+#[test]
+fn one_frame_is_at_rest_once_it_is_there() {
+    let mut fixture = Fixture::of_frames(1, true);
+    fixture.update(Duration::ZERO);
+    assert!(fixture.player.is_playing(), "as far as anybody knows");
+    fixture.load(0..1);
+    assert_eq!(fixture.update(FRAME), Some(0));
+    assert!(!fixture.player.is_playing());
+    assert_eq!(fixture.player.next_deadline(), None);
 }
 
 #[test]

@@ -239,6 +239,12 @@ impl Clock {
         self.playing
     }
 
+    /// Whether it plays, and there is another frame to play than the one that it is on.
+    pub fn is_moving(&self) -> bool {
+        let frames = self.travel.frames();
+        self.playing && (frames.len() > 1 || (frames.len() == 1 && !frames.contains(&self.frame)))
+    }
+
     /// Where the playhead goes next; turns by itself in [`LoopMode::PingPong`].
     pub fn direction(&self) -> Direction {
         self.direction
@@ -276,10 +282,8 @@ impl Clock {
 
     /// When [`Clock::advance`] will next change something; `None` if it never will by itself.
     pub fn next_deadline(&self) -> Option<Duration> {
-        let frames = self.travel.frames();
-        let moves = frames.len() > 1 || (frames.len() == 1 && !frames.contains(&self.frame));
-        let changes = moves || self.travel.loop_mode == LoopMode::Off;
-        if !self.playing || !changes {
+        let ends = self.playing && self.travel.loop_mode == LoopMode::Off;
+        if !self.is_moving() && !ends {
             return None;
         }
         let frames = self.elapsed_at(self.steps + 1) - self.anchor.phase;

@@ -111,6 +111,9 @@ fn one_frame_never_wakes_anybody() {
         assert_eq!(clock.next_deadline(), None);
         assert_eq!(clock.advance(at(50.0)), 0);
         assert_eq!((clock.is_playing(), clock.skipped()), (true, 0));
+        assert!(!clock.is_moving());
+        clock.set_frame_count(2, at(60.0));
+        assert!(clock.is_moving(), "a live source has sent another one");
     }
     let mut clock = playing(1, LoopMode::Off);
     assert_eq!(clock.next_deadline(), Some(at(0.1)));
