@@ -6,14 +6,13 @@
 //! often as they ask, and those of before, which are on the card already, where only the picture is new. What the processor draws is
 //! copied to such a texture. Pictures and panels are one submission.
 
-use super::software::{SoftwarePicture, picture_texture};
+use super::gpu_picture::{DrawnBy, Picture};
 use super::surface::{WindowSurface, acquire};
 use super::{Painted, Panels, Presenter, PresenterInfo};
 use crate::app::comparison::Side;
 use crate::app::meter::GpuWork;
-use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
-use crate::render::scaled_to;
-use crate::render::{RenderError, RenderStats, Renderer};
+use crate::render::gpu::{Context, ContextOptions};
+use crate::render::{RenderError, RenderStats};
 use crate::scene::ScenePacket;
 use egui::epaint::Primitive;
 use egui::{ClippedPrimitive, TextureId};
@@ -38,123 +37,6 @@ pub(super) struct GpuPresenter {
     picture: Picture,
     /// That of the other side of a comparison, once there was one.
     other_picture: Option<Picture>,
-}
-
-/// A 3-D picture: who draws it, and the texture that egui shows.
-struct Picture {
-    renderer: GpuRenderer,
-    software: SoftwarePicture,
-    drawn_by: DrawnBy,
-    /// What draws the picture, to be submitted with the window that shows it.
-    commands: Option<wgpu::CommandBuffer>,
-    texture: TextureId,
-    /// Which texture of which renderer `texture` stands for, and how it is scaled.
-    shown: Option<(DrawnBy, u64, wgpu::FilterMode)>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum DrawnBy {
-    Gpu,
-    Processor,
-}
-
-impl Picture {
-    fn new(context: &Arc<Context>, painter: &mut egui_wgpu::Renderer) -> Result<Self, RenderError> {
-        let texture = painter.register_native_texture(
-            &context.device,
-            &empty_picture(&context.device),
-            wgpu::FilterMode::Nearest,
-        );
-        Ok(Self {
-            renderer: GpuRenderer::new(Arc::clone(context))?,
-            software: SoftwarePicture::default(),
-            drawn_by: DrawnBy::Gpu,
-            commands: None,
-            texture,
-            shown: None,
-        })
-    }
-
-    fn stats(&self) -> RenderStats {
-        match self.drawn_by {
-            DrawnBy::Gpu => self.renderer.stats(),
-            DrawnBy::Processor => self.software.renderer.stats(),
-        }
-    }
-
-    fn draw(
-        &mut self,
-        context: &Context,
-        painter: &mut egui_wgpu::Renderer,
-        packet: &ScenePacket,
-        work: &mut GpuWork,
-    ) -> Result<(), RenderError> {
-        // A window that could not be painted has left them.
-        self.submit(context, work);
-        let choice = packet.settings.renderer;
-        self.drawn_by = if choice.is_processor(context.is_software()) {
-            DrawnBy::Processor
-        } else {
-            DrawnBy::Gpu
-        };
-        let (generation, view) = match self.drawn_by {
-            DrawnBy::Gpu => {
-                let before = self.renderer.stats();
-                self.renderer.prepare(packet)?;
-                self.commands = self.renderer.encode()?;
-                let after = self.renderer.stats();
-                work.passes += after.passes - before.passes;
-                work.uploaded_bytes += after.uploaded_bytes - before.uploaded_bytes;
-                let view = self.renderer.color_view().cloned();
-                (self.renderer.color_generation(), view)
-            }
-            DrawnBy::Processor => {
-                work.uploaded_bytes += self.software.draw(context, packet)?;
-                (self.software.generation, self.software.view())
-            }
-        };
-        // A picture of all pixels is shown as it is.
-        let filter = if packet.settings.resolution < 1.0 {
-            wgpu::FilterMode::Linear
-        } else {
-            wgpu::FilterMode::Nearest
-        };
-        let shown = Some((self.drawn_by, generation, filter));
-        if self.shown != shown
-            && let Some(view) = view
-        {
-            painter.update_egui_texture_from_wgpu_texture(
-                &context.device,
-                &view,
-                filter,
-                self.texture,
-            );
-            self.shown = shown;
-        }
-        Ok(())
-    }
-
-    fn submit(&mut self, context: &Context, work: &mut GpuWork) {
-        if let Some(commands) = self.commands.take() {
-            context.queue.submit([commands]);
-            work.submissions += 1;
-        }
-    }
-
-    /// Reads it back, in the size in which it is shown.
-    fn read(
-        &mut self,
-        context: &Context,
-        shown_px: [u32; 2],
-        work: &mut GpuWork,
-    ) -> Result<RgbaImage, RenderError> {
-        self.submit(context, work);
-        let image = match self.drawn_by {
-            DrawnBy::Gpu => self.renderer.read_image(),
-            DrawnBy::Processor => self.software.renderer.read_image(),
-        };
-        Ok(scaled_to(image?, shown_px))
-    }
 }
 
 impl GpuPresenter {
@@ -376,10 +258,4 @@ fn bytes_of(primitives: &[ClippedPrimitive]) -> u64 {
         });
     let bytes = meshes.map(|mesh| size_of_val(&mesh.vertices[..]) + size_of_val(&mesh.indices[..]));
     bytes.sum::<usize>() as u64
-}
-
-/// Shown until there is a picture.
-fn empty_picture(device: &wgpu::Device) -> wgpu::TextureView {
-    picture_texture(device, wgpu::Extent3d::default())
-        .create_view(&wgpu::TextureViewDescriptor::default())
 }

@@ -9,6 +9,7 @@
 
 mod cpu;
 mod gpu;
+mod gpu_picture;
 mod software;
 mod surface;
 

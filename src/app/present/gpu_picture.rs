@@ -1,0 +1,136 @@
+//! A 3-D picture in the window of the graphics card, whoever draws it.
+
+use super::software::{SoftwarePicture, picture_texture};
+use crate::app::meter::GpuWork;
+use crate::render::gpu::{Context, GpuRenderer};
+use crate::render::{RenderError, RenderStats, Renderer, scaled_to};
+use crate::scene::ScenePacket;
+use egui::TextureId;
+use image::RgbaImage;
+use std::sync::Arc;
+
+/// A 3-D picture: who draws it, and the texture that egui shows.
+pub(super) struct Picture {
+    pub(super) renderer: GpuRenderer,
+    software: SoftwarePicture,
+    pub(super) drawn_by: DrawnBy,
+    /// What draws the picture, to be submitted with the window that shows it.
+    pub(super) commands: Option<wgpu::CommandBuffer>,
+    pub(super) texture: TextureId,
+    /// Which texture of which renderer `texture` stands for, and how it is scaled.
+    shown: Option<(DrawnBy, u64, wgpu::FilterMode)>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum DrawnBy {
+    Gpu,
+    Processor,
+}
+
+impl Picture {
+    pub(super) fn new(
+        context: &Arc<Context>,
+        painter: &mut egui_wgpu::Renderer,
+    ) -> Result<Self, RenderError> {
+        let texture = painter.register_native_texture(
+            &context.device,
+            &empty_picture(&context.device),
+            wgpu::FilterMode::Nearest,
+        );
+        Ok(Self {
+            renderer: GpuRenderer::new(Arc::clone(context))?,
+            software: SoftwarePicture::default(),
+            drawn_by: DrawnBy::Gpu,
+            commands: None,
+            texture,
+            shown: None,
+        })
+    }
+
+    pub(super) fn stats(&self) -> RenderStats {
+        match self.drawn_by {
+            DrawnBy::Gpu => self.renderer.stats(),
+            DrawnBy::Processor => self.software.renderer.stats(),
+        }
+    }
+
+    pub(super) fn draw(
+        &mut self,
+        context: &Context,
+        painter: &mut egui_wgpu::Renderer,
+        packet: &ScenePacket,
+        work: &mut GpuWork,
+    ) -> Result<(), RenderError> {
+        // A window that could not be painted has left them.
+        self.submit(context, work);
+        let choice = packet.settings.renderer;
+        self.drawn_by = if choice.is_processor(context.is_software()) {
+            DrawnBy::Processor
+        } else {
+            DrawnBy::Gpu
+        };
+        let (generation, view) = match self.drawn_by {
+            DrawnBy::Gpu => {
+                let before = self.renderer.stats();
+                self.renderer.prepare(packet)?;
+                self.commands = self.renderer.encode()?;
+                let after = self.renderer.stats();
+                work.passes += after.passes - before.passes;
+                work.uploaded_bytes += after.uploaded_bytes - before.uploaded_bytes;
+                let view = self.renderer.color_view().cloned();
+                (self.renderer.color_generation(), view)
+            }
+            DrawnBy::Processor => {
+                work.uploaded_bytes += self.software.draw(context, packet)?;
+                (self.software.generation, self.software.view())
+            }
+        };
+        // A picture of all pixels is shown as it is.
+        let filter = if packet.settings.resolution < 1.0 {
+            wgpu::FilterMode::Linear
+        } else {
+            wgpu::FilterMode::Nearest
+        };
+        let shown = Some((self.drawn_by, generation, filter));
+        if self.shown != shown
+            && let Some(view) = view
+        {
+            painter.update_egui_texture_from_wgpu_texture(
+                &context.device,
+                &view,
+                filter,
+                self.texture,
+            );
+            self.shown = shown;
+        }
+        Ok(())
+    }
+
+    fn submit(&mut self, context: &Context, work: &mut GpuWork) {
+        if let Some(commands) = self.commands.take() {
+            context.queue.submit([commands]);
+            work.submissions += 1;
+        }
+    }
+
+    /// Reads it back, in the size in which it is shown.
+    pub(super) fn read(
+        &mut self,
+        context: &Context,
+        shown_px: [u32; 2],
+        work: &mut GpuWork,
+    ) -> Result<RgbaImage, RenderError> {
+        self.submit(context, work);
+        let image = match self.drawn_by {
+            DrawnBy::Gpu => self.renderer.read_image(),
+            DrawnBy::Processor => self.software.renderer.read_image(),
+        };
+        Ok(scaled_to(image?, shown_px))
+    }
+}
+
+/// Shown until there is a picture.
+fn empty_picture(device: &wgpu::Device) -> wgpu::TextureView {
+    picture_texture(device, wgpu::Extent3d::default())
+        .create_view(&wgpu::TextureViewDescriptor::default())
+}
