@@ -43,6 +43,34 @@ fn small_sequence() -> tempfile::TempDir {
 }
 
 #[test]
+fn help_has_headings_and_short_lines() {
+    let usual = [
+        "Options:",
+        "Reading:",
+        "Picture:",
+        "Level of detail:",
+        "View:",
+    ];
+    let of_verbs = [
+        ("view", usual.to_vec()),
+        ("render", [&usual[..], &["Video:", "Other poses:"]].concat()),
+    ];
+    for (verb, headings) in of_verbs {
+        let output = pointreel(&[verb, "--help"]);
+        assert!(output.status.success(), "{verb}");
+        let help = String::from_utf8(output.stdout).unwrap();
+        let lines: Vec<&str> = help.lines().collect();
+        for heading in headings {
+            let count = lines.iter().filter(|&&line| line == heading).count();
+            assert_eq!(count, 1, "{verb}: {heading}");
+        }
+        for line in lines {
+            assert!(line.chars().count() <= 115, "{verb}: {line}");
+        }
+    }
+}
+
+#[test]
 fn info_says_what_is_there() {
     let folder = small_sequence();
     let output = pointreel(&["info", text(folder.path()), "--json"]);

@@ -20,6 +20,10 @@ use std::sync::Arc;
 /// The name of the built-in sequence where an INPUT is expected.
 pub(super) const DEMO_INPUT: &str = "demo:";
 
+/// Headings of the help.
+pub(super) const VIEW: &str = "View";
+const LEVEL_OF_DETAIL: &str = "Level of detail";
+
 /// Opens what a person named; nothing or `demo:` is the built-in sequence.
 pub(super) fn open_sequence(
     inputs: &[PathBuf],
@@ -50,14 +54,13 @@ pub(super) fn open_sequence_and_tell(
 
 /// How files are read.
 #[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Reading")]
 pub(super) struct ReadArgs {
-    /// Most memory that reading one frame may take (usually half of the machine's): bytes, or a number with KB, MB, GB, KiB,
-    /// MiB or GiB
+    /// Most memory that reading one frame may take, such as 2GB (usually half of all)
     #[arg(long, value_name = "SIZE", value_parser = byte_count)]
     max_memory: Option<u64>,
 
-    /// Sample so many points evenly from the faces of a mesh, in place of its vertices (in pictures 100,000 of OBJ, OFF, STL and
-    /// glTF without being asked)
+    /// Sample so many points evenly from the faces of a mesh (in pictures usually 100,000)
     #[arg(long, value_name = "N")]
     sample: Option<NonZeroUsize>,
 
@@ -65,8 +68,7 @@ pub(super) struct ReadArgs {
     #[arg(long)]
     merge_scans: bool,
 
-    /// The topic of a recording (MCAP, ROS bag) whose point clouds are the frames (usually the one that has the most; `info` lists
-    /// them)
+    /// Topic of a recording (MCAP, ROS bag) that has the frames; `info` lists them
     #[arg(long, value_name = "NAME")]
     topic: Option<String>,
 }
@@ -100,12 +102,13 @@ impl ReadArgs {
 
 /// How a picture looks; what is not given is as usual: in a window as it was left, else as in a new one.
 #[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Picture")]
 pub(super) struct PictureArgs {
     /// What points become: surfel, voxel or point
     #[arg(long, value_name = "PRIMITIVE")]
     primitive: Option<Primitive>,
 
-    /// Who draws: auto (the GPU if there is a real one, else the processor), gpu or cpu
+    /// Who draws: auto (a real GPU, else the processor), gpu or cpu
     #[arg(long, value_name = "RENDERER")]
     renderer: Option<RendererChoice>,
 
@@ -125,12 +128,6 @@ pub(super) struct PictureArgs {
     #[arg(long, value_name = "STRATEGY")]
     instancing: Option<Strategy>,
 
-    #[command(flatten)]
-    stop: StopArgs,
-
-    #[command(flatten)]
-    lod: LodArgs,
-
     /// Edge of a point in pixels
     #[arg(long, value_name = "PX", value_parser = positive)]
     point_size: Option<f32>,
@@ -143,7 +140,7 @@ pub(super) struct PictureArgs {
     #[arg(long, value_name = "SOURCE", value_parser = color_source)]
     colors: Option<ColorSource>,
 
-    /// dusk, black, gray, white, sky, #rrggbb or #rrggbb-#rrggbb (top to bottom); `render` knows transparent too
+    /// dusk, black, gray, white, sky, transparent (in files), #rrggbb or #rrggbb-#rrggbb
     #[arg(long, value_name = "COLOR")]
     background: Option<Behind>,
 
@@ -151,16 +148,15 @@ pub(super) struct PictureArgs {
     #[arg(long)]
     two_sided: bool,
 
-    /// Draw one surfel for each cell of the octree that is small on the screen, as --lod, --lod-level, --lod-budget or
-    /// --lod-time say, instead of all points
-    #[arg(long)]
+    /// Draw surfels of octree cells, as --lod… says, instead of all points
+    #[arg(long, help_heading = LEVEL_OF_DETAIL)]
     surfel_lod: bool,
 
-    /// Draw a picture of this share of its edges, 0.25 to 1, and scale it up: fewer pixels, less time
+    /// Draw a picture of this share of its edges, 0.25 to 1, and scale it up
     #[arg(long, value_name = "SHARE", value_parser = resolution)]
     resolution: Option<f32>,
-    /// What the software renderer draws surfels from: disks (exact), or masks or pixels (from the byte code of the octree, as
-    /// finely as --lod, --lod-level, --lod-budget or --lod-time say)
+
+    /// What the processor draws surfels from: disks, or byte codes as masks or pixels
     #[arg(long, value_name = "FOOTPRINT")]
     footprint: Option<Footprint>,
 
@@ -172,13 +168,19 @@ pub(super) struct PictureArgs {
     #[arg(long, value_name = "BITS")]
     offset_bits: Option<OffsetBits>,
 
-    /// Draw only points within this box, in the coordinates of the file
-    #[arg(long, value_name = "MINX,MINY,MINZ,MAXX,MAXY,MAXZ", allow_hyphen_values = true, value_parser = clip_box)]
+    /// Draw only points from the first to the second corner, coordinates of the file
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true, value_parser = clip_box)]
     clip_box: Option<ClipShape>,
 
     /// Draw what is outside of --clip-box instead
     #[arg(long, requires = "clip_box")]
     clip_outside: bool,
+
+    #[command(flatten)]
+    stop: StopArgs,
+
+    #[command(flatten)]
+    lod: LodArgs,
 }
 
 /// What is behind the cloud.
@@ -243,8 +245,9 @@ impl PictureArgs {
 /// When the octree's cells are no longer divided: one of these.
 #[derive(Debug, Clone, Default, Args)]
 #[group(multiple = false)]
+#[command(next_help_heading = LEVEL_OF_DETAIL)]
 struct StopArgs {
-    /// Divide the octree until at most this share of the points has no leaf of its own, 0 to 0.6 (usually 0.05)
+    /// Divide the octree until this share of the points has no leaf of its own (usually 0.05)
     #[arg(long, value_name = "D", value_parser = delta)]
     delta: Option<f32>,
 
@@ -270,6 +273,7 @@ impl StopArgs {
 /// Which cells of the octree are drawn: one of these.
 #[derive(Debug, Clone, Default, Args)]
 #[group(multiple = false)]
+#[command(next_help_heading = LEVEL_OF_DETAIL)]
 struct LodArgs {
     /// Draw octree cells below this many pixels as one (usually 1)
     #[arg(long, value_name = "PX", value_parser = not_negative)]
@@ -300,8 +304,9 @@ impl LodArgs {
 
 /// Where the camera stands; what is not given frames the cloud.
 #[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = VIEW)]
 pub(super) struct CameraArgs {
-    /// A view as the window copies it (Ctrl+C): `pointreel view 1: target …`; the options below change parts of it
+    /// A view as the window copies it (Ctrl+C), of which other options change parts
     #[arg(long, value_name = "TEXT")]
     view: Option<Camera>,
 

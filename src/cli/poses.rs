@@ -11,13 +11,13 @@ use clap::Args;
 
 /// Which other poses.
 #[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Other poses")]
 pub(super) struct PosesArgs {
-    /// Colour points by their distance to the frame that is K later (negative: earlier), up to what 99 % do not exceed; --lighting
-    /// none leaves the colours as they are
+    /// Colour points by their distance to the frame that is K later (negative: earlier)
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     change: Option<i64>,
 
-    /// The distance in the last colour of --change, scene units
+    /// Distance in the last colour of --change (usually what 99 % do not exceed)
     #[arg(long, value_name = "D", requires = "change", value_parser = super::arguments::not_negative_f64)]
     change_range: Option<f64>,
 
@@ -29,7 +29,7 @@ pub(super) struct PosesArgs {
     #[arg(long, value_name = "N", requires = "onion", value_parser = clap::value_parser!(u16).range(1..))]
     onion_step: Option<u16>,
 
-    /// Draw the ways that the points of these indices (counted from 0) take through the frames of --frame, of one frame through all
+    /// Draw the ways of the points of these indices through the frames
     #[arg(long, value_name = "INDEX,…", value_delimiter = ',')]
     trail: Vec<u32>,
 }

@@ -34,16 +34,20 @@ pub(super) struct RenderArgs {
     )]
     output: Option<PathBuf>,
 
-    #[command(flatten)]
-    pub(super) video: VideoArgs,
-
-    /// A frame, or a range A..B with both ends included; counted from 0 [default: 0, of a video all]
+    /// Frame, or range A..B with both ends included [default: 0, of a video all]
     #[arg(long, value_name = "N|A..B")]
     pub(super) frame: Option<FrameRange>,
 
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size_px)]
     size: [u32; 2],
+
+    /// JSON file to write counters and times to
+    #[arg(long, value_name = "STATS.json")]
+    stats: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(super) video: VideoArgs,
 
     #[command(flatten)]
     read: ReadArgs,
@@ -56,10 +60,6 @@ pub(super) struct RenderArgs {
 
     #[command(flatten)]
     pub(super) camera: CameraArgs,
-
-    /// JSON file to write counters and times to
-    #[arg(long, value_name = "STATS.json")]
-    stats: Option<PathBuf>,
 }
 
 impl RenderArgs {

@@ -18,17 +18,17 @@ const DEFAULT_RATE: f64 = 30.0;
 
 /// What a video shows.
 #[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Video")]
 pub(super) struct VideoArgs {
-    /// Video to write: .mp4 (by ffmpeg), .gif or .webp; or PNG files in a folder, or named by {frame}. Without --path and --turntable
-    /// the camera stands still while the frames play
-    #[arg(long, value_name = "OUT.mp4|.gif|.webp|{frame}.png")]
+    /// Video to write: .mp4 (by ffmpeg), .gif, .webp, or PNG files named by {frame}
+    #[arg(long, value_name = "OUT")]
     video: Option<PathBuf>,
 
     /// Camera path: a JSON file of keyframes, saved in the window or written by hand
     #[arg(long, value_name = "PATH.json", requires = "video", conflicts_with_all = ["output", "turntable", "frame", "up", "azimuth", "elevation", "distance", "fov"])]
     path: Option<PathBuf>,
 
-    /// Turn the camera once about the up axis in so many pictures while the sequence plays, or holds the frame of --frame
+    /// Turn once about the up axis in so many pictures, while frames play or --frame is held
     #[arg(long, value_name = "PICTURES", requires = "video", conflicts_with = "output", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     turntable: Option<u32>,
 
@@ -36,11 +36,11 @@ pub(super) struct VideoArgs {
     #[arg(long, value_name = "N", requires = "turntable", allow_negative_numbers = true, value_parser = turns)]
     turns: Option<f64>,
 
-    /// Pictures a second (usually 30; as the sequence plays where the camera stands still)
+    /// Pictures a second (usually 30, or as the sequence plays)
     #[arg(long, value_name = "F", requires = "video", conflicts_with = "output", value_parser = rate)]
     fps: Option<f64>,
 
-    /// How long the video lasts: a path is played faster or slower, of other videos it says the pictures a second
+    /// How long the video lasts, in place of --fps or of the time of the path
     #[arg(long, value_name = "S", requires = "video", conflicts_with = "output", value_parser = seconds)]
     seconds: Option<f64>,
 }

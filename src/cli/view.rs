@@ -1,7 +1,7 @@
 //! `pointreel view`: the window.
 
 use super::arguments::{
-    DEMO_INPUT, PictureArgs, ReadArgs, byte_count, frame_rate, open_sequence, size_px,
+    DEMO_INPUT, PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, open_sequence, size_px,
 };
 use crate::app::{
     Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions,
@@ -21,26 +21,20 @@ pub(super) struct ViewArgs {
     #[arg(value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
-    /// Folder, file or glob pattern to show beside it by the same camera and clock; may be given more than once
+    /// Folder, file or pattern to show beside it by the same camera and clock
     #[arg(long, value_name = "INPUT")]
     compare: Vec<PathBuf>,
 
-    /// The topic of a recording in --compare (usually that of --topic, else the one that has the most point clouds)
+    /// Topic of a recording in --compare (usually that of --topic)
     #[arg(long, value_name = "NAME", requires = "compare")]
     compare_topic: Option<String>,
 
-    #[command(flatten)]
-    read: ReadArgs,
-
-    #[command(flatten)]
-    picture: PictureArgs,
-
     /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = VIEW)]
     up: Option<UpAxis>,
 
-    /// Begin with a view as the window copies it (Ctrl+C): `pointreel view 1: target …`
-    #[arg(long, value_name = "TEXT")]
+    /// Begin with a view as the window copies it (Ctrl+C)
+    #[arg(long, value_name = "TEXT", help_heading = VIEW)]
     view: Option<Camera>,
 
     /// Frames a second, all equally long (usually as their time stamps say, else 24)
@@ -55,11 +49,11 @@ pub(super) struct ViewArgs {
     #[arg(long)]
     paused: bool,
 
-    /// Memory for prepared frames: bytes, or a number with KB, MB, GB, KiB, MiB or GiB
+    /// Memory for prepared frames, such as 2GB
     #[arg(long, value_name = "SIZE", value_parser = byte_count)]
     memory: Option<u64>,
 
-    /// Who paints the window: auto (the GPU if there is a real one, else the processor), gpu or cpu
+    /// Who paints the window: auto (a real GPU, else the processor), gpu or cpu
     #[arg(long, value_name = "WHO")]
     present: Option<PresentChoice>,
 
@@ -78,6 +72,12 @@ pub(super) struct ViewArgs {
     /// End the GPU device after this many pictures, as a crashed driver would
     #[arg(long, value_name = "N", hide = true)]
     lose_device_after: Option<u64>,
+
+    #[command(flatten)]
+    read: ReadArgs,
+
+    #[command(flatten)]
+    picture: PictureArgs,
 }
 
 /// Opens the window and returns when it is closed.
