@@ -345,21 +345,27 @@ fn a_machine_without_vulkan_has_a_window() {
     assert!(said.contains("no Vulkan"), "{said}");
 }
 
-fn a_window_measures_itself(painter: &str) {
+/// The rows of `bench window` with the demo.
+fn measured_window(arguments: &[&str]) -> Vec<serde_json::Value> {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     let file = home.path().join("window.json");
     let output = server
         .program(home.path())
-        .args(["bench", "window", "demo:", "--present", painter])
-        .args(["--size", "800x600", "--frames", "30", "--json"])
+        .args(["bench", "window", "demo:", "--size", "800x600"])
+        .args(arguments)
+        .arg("--json")
         .arg(&file)
         .output()
         .unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap();
-    let rows = report["rows"].as_array().unwrap();
+    report["rows"].as_array().unwrap().clone()
+}
+
+fn a_window_measures_itself(painter: &str) {
+    let rows = measured_window(&["--present", painter, "--frames", "30"]);
     let told =
         |key: &str| -> Vec<&str> { rows.iter().map(|row| row[key].as_str().unwrap()).collect() };
     assert_eq!(
@@ -370,7 +376,7 @@ fn a_window_measures_itself(painter: &str) {
     );
     assert_eq!(told("action"), ["play", "turn", "scrub"].repeat(3));
     let number = |row: &serde_json::Value, key: &str| row[key].as_f64().unwrap();
-    for row in rows {
+    for row in &rows {
         assert!(number(row, "fps_presented") > 0.0, "{row}");
         assert!(number(row, "paint_ms_median") > 0.0, "{row}");
         match row["action"].as_str().unwrap() {
@@ -390,21 +396,7 @@ fn a_window_measures_itself(painter: &str) {
 /// What a picture asks of a graphics card does not depend on which one it is.
 #[test]
 fn a_picture_and_its_panels_are_one_submission() {
-    let server = Xvfb::start();
-    let home = tempfile::tempdir().unwrap();
-    let file = home.path().join("window.json");
-    let output = server
-        .program(home.path())
-        .args(["bench", "window", "demo:", "--present", "gpu"])
-        .args(["--renderer", "gpu", "--size", "800x600"])
-        .args(["--frames", "72", "--json"])
-        .arg(&file)
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap();
-    for row in report["rows"].as_array().unwrap() {
+    for row in measured_window(&["--present", "gpu", "--renderer", "gpu", "--frames", "72"]) {
         assert_eq!(row["gpu_submissions"], 1.0, "{row}");
         // With the background and the window.
         let passes = if row["primitive"] == "surfel" {

@@ -62,7 +62,6 @@ pub fn main() -> ExitCode {
     crate::memory::keep_freed_pages();
     device_select::leave_out_without_session();
     start_log();
-    crate::priority::work_with_this_thread();
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
     let has_window = matches!(arguments.verb, None | Some(Verb::View(_)));
@@ -71,6 +70,9 @@ pub fn main() -> ExitCode {
         (false, true) => When::FirstAtOnce,
         (false, false) => When::AtTheEnd,
     });
+    if has_window || matches!(arguments.verb, Some(Verb::Bench(_))) {
+        crate::priority::work_with_this_thread();
+    }
     let result = match arguments.verb {
         None => view::run(&arguments.view).map(done),
         Some(Verb::View(view)) => view::run(&view).map(done),
