@@ -114,7 +114,7 @@ fn print_bits(frame: &PreparedFrame) {
         return;
     };
     for (what, stop) in [
-        ("loss 5 %", StopCriterion::default()),
+        ("loss 5 %", StopCriterion::PAPER),
         (
             "cells as large as samples are far apart",
             StopCriterion::Depth(7),

@@ -5,6 +5,10 @@
 //! software renderer on one and on two threads, and by the adapter that the program would take (no read back), whose name is printed
 //! first. Points and surfels also from ten times as far, where the picture costs less, and from within, where most is culled.
 //!
+//! Eye-dome lighting and the grid at 1280×720, two threads: the time of what follows over the whole picture, as the renderer
+//! states it, of points that fill the picture, beside one read of as many depths; and whole pictures with and without it, since tiles
+//! have to keep their depths as well.
+//!
 //! `plain fill` is what the memory of the picture takes to be written.
 //!
 //! Not measured: decoding, normals, octrees, boxes around blocks of records (once a frame: `prepare`), showing.
@@ -17,7 +21,10 @@ use pointreel::octree::{Octree, StopCriterion};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
-use pointreel::scene::{Camera, Primitive, ScenePacket, Settings, UpAxis, Voxels};
+use pointreel::scene::{
+    Camera, EyeDome, GroundPlane, Primitive, ScenePacket, Settings, UpAxis, Voxels,
+};
+use rayon::prelude::*;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
@@ -60,11 +67,12 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
     let voxels = (primitive == Primitive::Voxel).then(|| {
         let sorted: Vec<Vec3> = points.iter().map(|point| point.position.into()).collect();
         let colors: Vec<[u8; 4]> = points.iter().map(|point| point.color).collect();
-        let octree = Octree::build(&sorted, &colors, StopCriterion::default());
+        let octree = Octree::build(&sorted, &colors, StopCriterion::PAPER);
         let mut records = Vec::new();
         octree.select(&view.select_view(1.0), &mut records);
         Voxels {
             records: Arc::new(records),
+            normals: None,
             cube_edge: octree.cube().edge,
         }
     });
@@ -79,6 +87,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
         shapes: (primitive == Primitive::Surfel).then(|| Arc::new(shapes.collect())),
         voxels,
         coded: None,
+        ground: None,
         bounds,
     }
 }
@@ -129,5 +138,54 @@ fn pictures(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, pictures);
+/// What follows over the whole picture.
+fn screen(criterion: &mut Criterion) {
+    let size_px = [1280, 720];
+    let mut packet = packet(1_000_000, Primitive::Point, 1.9);
+    packet.viewport_px = size_px;
+    let mut camera = Camera::framing(&packet.bounds, DVec3::ZERO, UpAxis::Z);
+    (camera.elevation_deg, camera.distance) = (40.0, 1.9);
+    packet.view = camera.transform(DVec3::ZERO, size_px);
+    packet.settings.point_size_px = 3.0;
+    let (_, pool) = threads::pools([1, 2]).last().expect("two pools");
+    let mut group = criterion.benchmark_group("screen/1280x720/2 threads");
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_secs(2));
+    let background = packet.settings.background;
+    let ground = GroundPlane::under(&packet.bounds, DVec3::ZERO, UpAxis::Z, background);
+    for (name, eye_dome, ground) in [
+        ("neither", EyeDome::Off, None),
+        ("eye-dome lighting", EyeDome::On, None),
+        ("grid", EyeDome::Off, Some(ground)),
+    ] {
+        packet.settings.eye_dome = eye_dome;
+        packet.ground = ground;
+        let mut renderer = CpuRenderer::new();
+        group.bench_function(format!("{name}, picture"), |bencher| {
+            bencher.iter(|| pool.install(|| draw_on_cpu(&mut renderer, &packet)));
+        });
+        if name == "neither" {
+            continue;
+        }
+        group.bench_function(format!("{name}, alone"), |bencher| {
+            bencher.iter_custom(|count| {
+                let once = |_| {
+                    pool.install(|| draw_on_cpu(&mut renderer, &packet));
+                    renderer.stats().screen_ms / 1e3
+                };
+                Duration::from_secs_f64((0..count).map(once).sum())
+            });
+        });
+    }
+    let depths = vec![0.5f32; size_px.iter().product::<u32>() as usize];
+    group.bench_function("a read of the depths", |bencher| {
+        let sum = |row: &[f32]| row.iter().map(|depth| depth.to_bits()).fold(0, u32::max);
+        bencher.iter(|| pool.install(|| black_box(&depths).par_chunks(32 * 1280).map(sum).max()));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, screen, pictures);
 criterion_main!(benches);

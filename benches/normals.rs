@@ -3,25 +3,31 @@
 //! Measured: 100,000 points in random order, k = 12, on one thread and on as many as there are cores, with everything
 //! allocated. *surface* is all of it (tree, neighbours, normals, radii, orientation over the spanning tree), *surface to
 //! sensor* without the spanning tree, *radii* what a file with normals needs, *neighbours* tree and neighbours with the
-//! lists put into file order, *planes* normals alone. *lazy planes* and *lazy radii* are those of so many percent of the
-//! points, consecutive ones in Morton order, with what they depend on: the tree over all points, and for radii the cells around
-//! and the sample that limits them.
+//! lists put into file order, *planes* normals alone.
+//!
+//! *large* is 4,000,000 points, whose signs are those of representatives: *surface*, *surface to sensor*, and beside them the neighbours
+//! alone, as sorted lists, and a plain read of the positions.
 //!
 //! Not measured: decoding, packing of records.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use pointreel::analysis::{
-    DEFAULT_NEIGHBOURS, LazySurface, PlaneFit, estimate_planes, estimate_surface,
-    nearest_neighbours, splat_ellipses, splat_radii,
+    DEFAULT_NEIGHBOURS, PlaneFit, estimate_planes, estimate_surface, nearest_neighbours,
+    splat_ellipses, splat_radii,
 };
 use pointreel::math::{Cube, order_of_codes};
 
 mod shapes;
 
+use rayon::prelude::*;
 use shapes::threads::bench_on_threads;
+use std::hint::black_box;
 
 const POINTS: usize = 100_000;
+
+/// More than are joined over all of their neighbourhood graph.
+const LARGE: usize = 4_000_000;
 
 fn normals(criterion: &mut Criterion) {
     pointreel::memory::keep_freed_pages();
@@ -35,37 +41,19 @@ fn normals(criterion: &mut Criterion) {
             .normals
             .len()
     };
-    let lazy = |percent: usize| {
-        let lazy = LazySurface::new(&in_morton_order, DEFAULT_NEIGHBOURS, None);
-        lazy.planes(0..POINTS / 100 * percent).normals.len()
-    };
-    let lazy_radii = |percent: usize| {
-        let lazy = LazySurface::new(&in_morton_order, DEFAULT_NEIGHBOURS, None);
-        lazy.radii(0..POINTS / 100 * percent).len()
-    };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let mut group = criterion.benchmark_group("analysis/100000");
     group.throughput(Throughput::Elements(POINTS as u64));
     group.sample_size(20);
-    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 13] = [
-        ("surface", &|| {
-            estimate_surface(&positions, None).normals.len()
-        }),
+    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 7] = [
+        ("surface", &|| surface(&positions, None)),
         ("surface to sensor", &|| {
-            estimate_surface(&positions, Some(Vec3::splat(9.0)))
-                .normals
-                .len()
+            surface(&positions, Some(Vec3::splat(9.0)))
         }),
         ("radii", &|| splat_radii(&positions, &known).len()),
         ("ellipses", &|| splat_ellipses(&positions, &known).len()),
         ("planes", &|| planes(PlaneFit::LeastSquares)),
         ("planes, robust", &|| planes(PlaneFit::Robust)),
-        ("lazy planes, 1 percent", &|| lazy(1)),
-        ("lazy planes, 10 percent", &|| lazy(10)),
-        ("lazy planes, 100 percent", &|| lazy(100)),
-        ("lazy radii, 1 percent", &|| lazy_radii(1)),
-        ("lazy radii, 10 percent", &|| lazy_radii(10)),
-        ("lazy radii, 100 percent", &|| lazy_radii(100)),
         ("neighbours", &|| {
             nearest_neighbours(&positions, DEFAULT_NEIGHBOURS).per_point()
         }),
@@ -74,5 +62,33 @@ fn normals(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, normals);
+fn surface(positions: &[Vec3], sensor: Option<Vec3>) -> usize {
+    estimate_surface(positions, sensor).normals.len()
+}
+
+fn large(criterion: &mut Criterion) {
+    pointreel::memory::keep_freed_pages();
+    let (positions, _) = shapes::bumpy_torus(LARGE);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut group = criterion.benchmark_group("analysis/4000000");
+    group.throughput(Throughput::Elements(LARGE as u64));
+    group.sample_size(10);
+    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 4] = [
+        ("surface", &|| surface(&positions, None)),
+        ("surface to sensor", &|| {
+            surface(&positions, Some(Vec3::splat(9.0)))
+        }),
+        ("neighbours", &|| {
+            nearest_neighbours(&positions, DEFAULT_NEIGHBOURS).per_point()
+        }),
+        ("plain read", &|| {
+            let sum: Vec3 = positions.par_iter().copied().sum();
+            usize::from(black_box(sum).is_finite())
+        }),
+    ];
+    bench_on_threads(&mut group, [1, cores], &functions);
+    group.finish();
+}
+
+criterion_group!(benches, normals, large);
 criterion_main!(benches);

@@ -70,6 +70,10 @@ fn build(criterion: &mut Criterion) {
             group.bench_function(by_points, |bencher| {
                 bencher.iter(|| build(StopCriterion::PointsPerOctant(8)));
             });
+            let by_spacing = BenchmarkId::new(format!("build, {threads} threads"), "spacing");
+            group.bench_function(by_spacing, |bencher| {
+                bencher.iter(|| build(StopCriterion::Spacing));
+            });
             let before = memory::peak_from_here();
             let tree = build(StopCriterion::Loss(0.02));
             let per_point = |bytes: usize| bytes as f64 / count as f64;

@@ -10,8 +10,13 @@
 //! of 100 frames within 0.5 s of opening. Criterion's `thrpt` is frames a second.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use pointreel::analysis::fake_color;
+use pointreel::cloud::{Frame, PointRecord, Positions, RawCloud, ScalarField};
 use pointreel::memory::MiMalloc;
-use pointreel::sequence::{Direction, Loader, LoaderOptions, Needs, PreparedFrame, Sequence};
+use pointreel::sequence::{
+    ColorHints, ColorSource, Coloring, Direction, HeightAxis, Loader, LoaderOptions, Needs,
+    PrepareCounters, PreparedFrame, Sequence, complete, prepare,
+};
 use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,7 +35,8 @@ const SURFELS: Needs = Needs {
     ellipses: false,
     octree: None,
     coded: false,
-    colors: pointreel::sequence::ColorSource::Auto,
+    colors: Coloring::of(ColorSource::Auto),
+    hints: ColorHints::NONE,
 };
 
 /// What a scanner's file has beside positions and colours.
@@ -177,5 +183,80 @@ fn bench(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, bench);
+/// A million points on a spiral, whose height is also a scalar field.
+fn spiral() -> Frame {
+    const COUNT: usize = 1_000_000;
+    let height = |index: usize| index as f32 / COUNT as f32;
+    let position = |index: usize| {
+        let angle = height(index) * 400.0 * TAU;
+        [angle.cos(), angle.sin(), height(index)]
+    };
+    let mut raw = RawCloud::from_positions(Positions::F32((0..COUNT).map(position).collect()));
+    raw.normals = Some(
+        (0..COUNT)
+            .map(|index| position(index).map(|x| -x))
+            .collect(),
+    );
+    let field = |name, value: fn(f32) -> f32| {
+        ScalarField::new(name, (0..COUNT).map(|index| value(height(index))).collect())
+    };
+    raw.scalars = vec![
+        field("intensity", |height| 300.0 * height),
+        field("classification", |height| (20.0 * height).floor()),
+    ];
+    Frame::from_raw(raw, glam::DVec3::ZERO).expect("a good cloud")
+}
+
+/// What another way to colour takes, beside a pass over the same points that writes records of one colour.
+fn recolor(criterion: &mut Criterion) {
+    pointreel::memory::keep_freed_pages();
+    let frame = Arc::new(spiral());
+    let counters = PrepareCounters::default();
+    let needs = |colors: Coloring| Needs {
+        colors,
+        ..Needs::default()
+    };
+    let before = needs(Coloring::of(ColorSource::Uniform));
+    let before = prepare(0, Arc::clone(&frame), 0.0, &before, &counters);
+    let mut group = criterion.benchmark_group("recolour 1M");
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_secs(1))
+        .measurement_time(Duration::from_secs(4))
+        .throughput(Throughput::Elements(frame.len() as u64));
+    group.bench_function("plain pass", |bencher| {
+        let color = fake_color(glam::Vec3::X);
+        bencher.iter(|| {
+            let positions = frame.positions().iter();
+            let record = |position: &glam::Vec3| PointRecord {
+                position: position.to_array(),
+                color,
+            };
+            positions.map(record).collect::<Vec<_>>()
+        });
+    });
+    let intensity = Coloring::of(ColorSource::Scalar(None));
+    let logarithmic = Coloring {
+        is_logarithmic: true,
+        ..intensity
+    };
+    for (name, colors) in [
+        ("scalar", intensity),
+        ("scalar by logarithms", logarithmic),
+        (
+            "height",
+            Coloring::of(ColorSource::Height(HeightAxis::Auto)),
+        ),
+        ("class", Coloring::of(ColorSource::Class)),
+        ("normal", Coloring::of(ColorSource::Normal)),
+    ] {
+        let needs = needs(colors);
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| complete(&before, &needs, &counters));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, bench, recolor);
 criterion_main!(benches);

@@ -72,6 +72,7 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
         shapes: (primitive == Primitive::Surfel).then(|| Arc::new(shapes.collect())),
         voxels: None,
         coded: None,
+        ground: None,
         bounds,
     }
 }

@@ -1,11 +1,15 @@
 //! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
 
+use crate::math::Aabb;
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
-use crate::scene::{Camera, Projection, Scene, ScenePacket, SceneStats, Settings, UpAxis};
-use crate::sequence::{Direction, FrameError, Loader, PreparedFrame, Sequence};
+use crate::scene::{
+    Camera, FirstLook, Projection, Scene, ScenePacket, SceneStats, Settings, UpAxis,
+};
+use crate::sequence::{ColorSource, Direction, FrameError, Loader, Needs, PreparedFrame, Sequence};
+use glam::DVec3;
 use image::RgbaImage;
 use serde::Serialize;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -36,15 +40,18 @@ pub struct CameraChoice {
     pub fov_deg: Option<f64>,
     /// How depth becomes size; perspective when not given.
     pub projection: Option<Projection>,
+    /// Shows all points, outliers and what is far away as well.
+    pub frames_all: bool,
 }
 
 impl CameraChoice {
-    /// A camera that shows all of `frame` unless a distance is given.
-    pub fn camera(&self, frame: &PreparedFrame, sequence: &Sequence) -> Camera {
-        let origin = sequence.origin();
-        let bounds = frame.frame.bounds();
-        let up = self.up.unwrap_or_else(|| UpAxis::guess(&frame.frame));
-        let framing = Camera::framing(&bounds, origin, up);
+    /// A camera that shows what `look` says of frames relative to `origin`, in a picture of `size_px`, but for what is given.
+    pub fn camera(&self, look: &FirstLook, origin: DVec3, size_px: [u32; 2]) -> Camera {
+        let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
+        let framing = match self.up {
+            Some(up) if up != look.up => look.clone().with_up(up).camera(origin, aspect),
+            _ => look.camera(origin, aspect),
+        };
         let mut camera = self.view.unwrap_or(framing);
         camera.up = self.up.unwrap_or(camera.up);
         camera.azimuth_deg = self.azimuth_deg.unwrap_or(camera.azimuth_deg);
@@ -52,7 +59,11 @@ impl CameraChoice {
         camera.fov_deg = self.fov_deg.unwrap_or(camera.fov_deg);
         camera.projection = self.projection.unwrap_or(camera.projection);
         if self.view.is_none() {
-            camera.frame_bounds(&bounds, origin);
+            if self.frames_all {
+                camera.frame_bounds(&look.full, origin);
+            } else {
+                look.frame(&mut camera, origin, aspect, &Aabb::EMPTY);
+            }
         }
         camera.distance = self.distance.unwrap_or(camera.distance);
         camera
@@ -109,6 +120,7 @@ pub struct Headless {
     loader: Loader,
     renderer: AnyRenderer,
     scene: Scene,
+    look: OnceLock<Arc<FirstLook>>,
 }
 
 impl Headless {
@@ -119,12 +131,39 @@ impl Headless {
             loader,
             renderer,
             scene: Scene::default(),
+            look: OnceLock::new(),
         }
     }
 
     /// What draws.
     pub fn renderer(&self) -> &AnyRenderer {
         &self.renderer
+    }
+
+    /// What to make of the sequence where nothing is chosen, told by its first readable frame and some others.
+    pub fn first_look(&self) -> Result<Arc<FirstLook>, FrameError> {
+        if let Some(look) = self.look.get() {
+            return Ok(Arc::clone(look));
+        }
+        // Whatever is needed for the picture is known only when this is.
+        let needs = Needs {
+            colors: ColorSource::Uniform.into(),
+            ..Needs::default()
+        };
+        let mut failure = None;
+        for index in 0..self.sequence.len() {
+            match self.loader.wait(index, &needs) {
+                Ok(frame) => {
+                    let look = FirstLook::of_sequence(&frame.frame, &self.sequence);
+                    return Ok(Arc::clone(self.look.get_or_init(|| Arc::new(look))));
+                }
+                Err(error) => failure = failure.or(Some(error)),
+            }
+        }
+        match failure {
+            Some(error) => Err(error),
+            None => Ok(Arc::new(FirstLook::of(&[], self.sequence.origin()))),
+        }
     }
 
     /// Waits for frame `index` with all that `settings` need; later frames are prepared meanwhile.

@@ -289,18 +289,19 @@ fn errors_are_measured_beside_times() {
     let never = AtomicBool::new(false);
     let report = run(&demo(), &options, Some(&common::context()), &watch, &never).unwrap();
     let last_step = last_step.into_inner().unwrap();
-    // 24 kinds of shapes; preparing, leaves and two distances.
-    assert_eq!((last_step.done, last_step.total), (27, 28));
+    // 24 kinds of shapes; preparing, leaves, two distances, and voxels beside surfels.
+    assert_eq!((last_step.done, last_step.total), (28, 29));
     assert_files_agree(&report);
     let names: Vec<String> = report
         .tables()
         .into_iter()
         .map(|table| table.name)
         .collect();
-    assert_eq!(names, ["normals", "leaves", "lod"]);
+    assert_eq!(names, ["normals", "leaves", "lod", "closed"]);
     assert_normals(&report);
     assert_leaves(&report);
     assert_levels_of_detail(&report);
+    assert_voxels_beside_surfels(&report);
     let bars = report.bars();
     assert_eq!(bars.len(), 8, "one a threshold and distance");
     assert_eq!(bars[3].0, "demo 8 1");
@@ -409,6 +410,17 @@ fn assert_leaves(report: &Report) {
             "a loss of {loss} where {delta} is acceptable"
         );
     }
+}
+
+fn assert_voxels_beside_surfels(report: &Report) {
+    let rows = rows_of(report, "closed");
+    let [covered, outside, flip] =
+        ["covered", "outside", "flip_surfels_mean"].map(|key| column(report, &rows, key));
+    // The paper's δ, leaves as large as the spacing lit by faces, and by normals.
+    assert!(covered[0] < 0.9 && covered[1] > 0.99, "{covered:?}");
+    assert_eq!(covered[1], covered[2], "light changes no silhouette");
+    assert!(outside[0] < outside[1] && outside[1] < 0.3, "{outside:?}");
+    assert!(flip[2] < flip[1] && flip[2] < flip[0], "{flip:?}");
 }
 
 fn assert_levels_of_detail(report: &Report) {
@@ -725,10 +737,12 @@ fn errors_of_ways_to_draw_are_in_the_order_that_theory_says() {
         flip("surfel two-pass CPU"),
         error(&again, "surfel two-pass CPU", "flip_object_mean")
     );
-    // The rear shines through without depth; squares cut each other in one pass; fewer cells and pixels show less.
+    // The rear shines through without depth; squares cut each other in one pass; fewer pixels show less.
     assert!(flip("surfel two-pass CPU") < flip("surfel regular CPU"));
     assert!(flip("surfel two-pass CPU") < flip("surfel no-depth CPU"));
-    assert!(flip("voxel δ 5 % τ 1 CPU") < flip("voxel δ 5 % τ 8 CPU"));
+    // Cells that close the surface are nearer to it than dots, and light on the surface in them than light on cubes.
+    assert!(flip("voxel by spacing τ 1 CPU") < flip("voxel by spacing lit by faces τ 1 CPU"));
+    assert!(flip("voxel by spacing τ 1 CPU") < flip("voxel δ 5 % τ 1 CPU"));
     assert!(flip("surfel two-pass CPU") < flip("surfel two-pass at 50 % CPU"));
     let holes = |label: &str| error(&report, label, "hole_share");
     assert!(

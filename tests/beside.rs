@@ -12,7 +12,7 @@ use pointreel::cloud::{Positions, RawCloud};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{Background, Primitive, Scene, ScenePacket, Settings};
-use pointreel::sequence::{Sequence, Shape, Source};
+use pointreel::sequence::{ColorSource, Sequence, Shape, Source};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -52,6 +52,8 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
     state.settings = Settings {
         primitive,
         background: Background::solid([0; 3]),
+        // Ranges of heights are of each sequence.
+        colors: ColorSource::Uniform.into(),
         ..Settings::default()
     };
     state.open(Arc::clone(a));

@@ -637,6 +637,8 @@ fn the_ways_of_points_are_drawn_and_where_they_break_is_said() {
             "200x200",
             "--distance",
             "6",
+            "--eye-dome",
+            "off",
         ];
         pointreel(&[&input[..], &how[..], more].concat())
     };

@@ -14,7 +14,7 @@
 )]
 
 use glam::Vec3;
-use pointreel::analysis::{Surface, estimate_surface, nearest_neighbours};
+use pointreel::analysis::{Orientation, Surface, estimate_surface, nearest_neighbours};
 use std::f32::consts::TAU;
 
 /// Points whose disks may cover a place, the nearest ones; leaving out those farther away can only make more holes.
@@ -250,6 +250,7 @@ fn noisy_points_leave_next_to_none() {
 fn rays_know_a_disk_from_a_hole() {
     let surface = Surface {
         normals: vec![Vec3::Z],
+        orientation: Orientation::Neighbours,
         radii: vec![1.0],
         without_plane: Vec::new(),
     };

@@ -16,8 +16,8 @@ use pointreel::octree::StopCriterion;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Camera, Footprint, Lighting, Lod, NormalBits, OffsetBits, RendererChoice, Scene, Settings,
-    Splatting, UpAxis,
+    BackFaces, Camera, FirstLook, Footprint, Lighting, Lod, NormalBits, OffsetBits, RendererChoice,
+    Scene, Settings, Splatting,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::path::Path;
@@ -75,6 +75,8 @@ fn coded() -> Settings {
         renderer: RendererChoice::Cpu,
         footprint: Footprint::Masks,
         lod: Lod::ThresholdPx(0.0),
+        // White alone would not be taken for colours.
+        colors: pointreel::sequence::ColorSource::File.into(),
         ..plain()
     }
 }
@@ -243,7 +245,7 @@ fn masks_beside_exact_disks_on_real_frames() {
         );
         let name = Path::new(folder).file_name().unwrap().to_str().unwrap();
         for (place, zoom, unlit_db, lit_db) in REAL_DB {
-            let up = UpAxis::guess(&frame.frame);
+            let up = FirstLook::of(&[&frame.frame], DVec3::ZERO).up;
             let mut camera = Camera::framing(&frame.frame.bounds(), DVec3::ZERO, up);
             camera.zoom(zoom);
             for lighting in [Lighting::PerFragment, Lighting::PerSurfel, Lighting::Unlit] {
@@ -316,7 +318,7 @@ fn culling_changes_no_pixel_of_a_closed_shape() {
             ..coded()
         };
         let not_culled = Settings {
-            cull_back_faces: false,
+            back_faces: BackFaces::Drawn,
             ..culled
         };
         let a = draw(&frame, &camera, &culled, SIZE);

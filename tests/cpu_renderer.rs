@@ -13,7 +13,8 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
-    Background, Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting, Voxels,
+    BackFaces, Background, Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting,
+    Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Shape, prepare};
 use proptest::prelude::*;
@@ -95,7 +96,7 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
     }
     for distance in [0.4, 1.02, 30.0] {
         let settings = Settings {
-            cull_back_faces: false,
+            back_faces: BackFaces::Drawn,
             splatting: Splatting::TwoPassEnlarged,
             ..Settings::default()
         };
@@ -130,7 +131,12 @@ fn voxels_in_every_light_from_outside_and_from_within() {
         }
     });
     let cells: Vec<VoxelRecord> = cells.filter(|cell| cell.color[1] % 4 != 0).collect();
-    for &lighting in Lighting::ALL {
+    // Directions that have nothing to do with the faces.
+    let normals = common::shapes_towards(cells.iter().map(|cell| cell.center));
+    let lights = Lighting::ALL.iter().flat_map(|&lighting| {
+        [None, Some(Arc::new(normals.clone()))].map(|normals| (lighting, normals))
+    });
+    for (lighting, normals) in lights {
         for distance in [3.0, 0.9] {
             let mut packet = surfel_scene(
                 Settings {
@@ -142,6 +148,7 @@ fn voxels_in_every_light_from_outside_and_from_within() {
             );
             packet.voxels = Some(Voxels {
                 records: Arc::new(cells.clone()),
+                normals: normals.clone(),
                 cube_edge: 2.0,
             });
             assert_same_picture(&packet, 52.0, 1e-4);
@@ -314,6 +321,7 @@ fn depths_of_points_and_voxels_are_their_distances() {
             color: [9; 3],
             level: 1,
         }]),
+        normals: None,
         cube_edge: 2.0,
     });
     let middle = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize;

@@ -41,7 +41,9 @@ fn settings() -> Settings {
 /// Frame 6 of the demo from near by: it reaches over the edges of the picture.
 fn near_by(headless: &Headless, settings: &Settings) -> (Arc<PreparedFrame>, Camera) {
     let frame = headless.frame(6, settings).unwrap();
-    let mut camera = CameraChoice::default().camera(&frame, headless.sequence());
+    let look = headless.first_look().unwrap();
+    let origin = headless.sequence().origin();
+    let mut camera = CameraChoice::default().camera(&look, origin, [1280, 720]);
     camera.distance *= 0.6;
     (frame, camera)
 }

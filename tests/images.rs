@@ -6,7 +6,7 @@ use common::{Surfel, camera_at, count_color, covered, draw, plain, sphere, surfe
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::VoxelRecord;
-use pointreel::scene::{Background, Camera, Lighting, Primitive, Settings, Splatting};
+use pointreel::scene::{BackFaces, Background, Camera, Lighting, Primitive, Settings, Splatting};
 
 const BLACK: [u8; 3] = [0, 0, 0];
 const RED: [u8; 3] = [255, 0, 0];
@@ -130,7 +130,7 @@ fn back_faces_are_culled_unless_asked_for() {
         let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
         assert_eq!(covered(&image, BLACK), 0, "{splatting}");
         let settings = Settings {
-            cull_back_faces: false,
+            back_faces: BackFaces::Drawn,
             ..settings
         };
         let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pointreel::cloud::RawCloud;
-use pointreel::io::{self, IoError};
+use pointreel::io::{self, IoError, Part, ReadOptions, read_part};
 use std::path::Path;
 
 fn read(name: &str, bytes: &[u8]) -> Result<RawCloud, IoError> {
@@ -138,6 +138,69 @@ fn bare_records_are_told_by_size_and_values() {
             .positions
             .len(),
         1
+    );
+}
+
+/// A street: 12,000 points of ground and walls, which is a multiple of all widths.
+fn street(is_shuffled: bool) -> Vec<[f32; 6]> {
+    let mut state = 9u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 24) as f32
+    };
+    let mut rows: Vec<[f32; 6]> = (0..12_000)
+        .map(|i| {
+            let turn = i as f32 * 0.01;
+            let range = 4.0 + 30.0 * (i % 64) as f32 / 64.0;
+            let (x, y) = (range * turn.cos(), range * turn.sin());
+            [
+                x,
+                y,
+                -1.7 + 0.02 * random(),
+                0.01 + random().powi(3),
+                (i % 64) as f32,
+                0.1 * random(),
+            ]
+        })
+        .collect();
+    if is_shuffled {
+        for last in (1..rows.len()).rev() {
+            rows.swap(last, (random() * last as f32) as usize);
+        }
+    }
+    rows
+}
+
+#[test]
+fn statistics_tell_how_many_numbers_a_point_has() {
+    for is_shuffled in [false, true] {
+        for width in 3..=6 {
+            let rows = street(is_shuffled);
+            let rows: Vec<&[f32]> = rows.iter().map(|row| &row[..width]).collect();
+            let cloud = read("scan.bin", &records(&rows)).unwrap();
+            let assumption = cloud.assumption.unwrap();
+            assert_eq!(cloud.positions.len(), rows.len(), "{width}: {assumption}");
+            assert!(
+                assumption.starts_with(&format!("{width} numbers a point: x y z")),
+                "{assumption}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_person_says_how_many_numbers_a_point_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scan.bin");
+    let rows: Vec<[f32; 6]> = street(false);
+    let rows: Vec<&[f32]> = rows.iter().map(|row| &row[..4]).collect();
+    std::fs::write(&file, records(&rows)).unwrap();
+    let options = ReadOptions::default().with_bin_columns(Some(3));
+    let cloud = read_part(&file, &Part::Whole, &options).unwrap();
+    assert_eq!(cloud.positions.len(), 16_000);
+    assert_eq!(
+        cloud.assumption.as_deref(),
+        Some("3 numbers a point: x y z (as asked for)")
     );
 }
 

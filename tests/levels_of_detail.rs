@@ -8,7 +8,7 @@ use common::{camera_at, covered, draw, plain, sphere};
 use glam::DVec3;
 use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::measure::{flip, mean_squared_error, psnr_db};
-use pointreel::scene::{Lod, Scene, ScenePacket, Settings};
+use pointreel::scene::{BackFaces, Lod, Scene, ScenePacket, Settings};
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
 
@@ -84,7 +84,7 @@ fn what_faces_away_is_left_out_and_not_missed() {
     let settings = by_octree(Lod::ThresholdPx(0.0));
     let frame = closed_sphere(&settings);
     let two_sided = Settings {
-        cull_back_faces: false,
+        back_faces: BackFaces::Drawn,
         ..settings
     };
     let front = packet(&frame, 2.0, &settings);

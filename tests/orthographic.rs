@@ -27,6 +27,7 @@ fn settings(primitive: Primitive) -> Settings {
         primitive,
         lighting: Lighting::Unlit,
         background: Background::solid([0; 3]),
+        point_size_px: 1.0,
         ..Settings::default()
     }
 }
@@ -62,6 +63,7 @@ fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> SceneP
         shapes: None::<Arc<Vec<ShapeRecord>>>,
         voxels: None,
         coded: None,
+        ground: None,
         bounds: Aabb::from_points(&positions),
     }
 }

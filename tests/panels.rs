@@ -19,6 +19,8 @@ mod camera_path;
 mod choices;
 #[path = "panels/clip.rs"]
 mod clip;
+#[path = "panels/colors.rs"]
+mod colors;
 #[path = "panels/comparison.rs"]
 mod comparison;
 #[path = "panels/export.rs"]

@@ -13,7 +13,9 @@ use pointreel::scene::{
     Background, Camera, Lighting, Lod, Primitive, Projection, Scene, ScenePacket, Settings, UpAxis,
     pick,
 };
-use pointreel::sequence::{ColorSource, Needs, PrepareCounters, PreparedFrame, Shape, prepare};
+use pointreel::sequence::{
+    ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Shape, prepare,
+};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -42,7 +44,7 @@ fn torus(count: usize, settings: &Settings) -> PreparedFrame {
     );
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     let needs = Needs {
-        colors: ColorSource::File,
+        colors: Coloring::of(ColorSource::File),
         ..Scene::needs(settings)
     };
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
@@ -71,7 +73,7 @@ fn settings(primitive: Primitive) -> Settings {
         lighting: Lighting::Unlit,
         // Number 0 is one more than none.
         background: Background::solid([0; 3]),
-        colors: ColorSource::File,
+        colors: Coloring::of(ColorSource::File),
         ..Settings::default()
     }
 }

@@ -11,8 +11,9 @@ use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::io::ReadOptions;
 use pointreel::octree::StopCriterion;
 use pointreel::sequence::{
-    ColorSource, DecodeFailure, Direction, FrameError, FrameState, Loader, LoaderOptions, LoopMode,
-    Needs, OpenOptions, PlayRange, PreparedFrame, Sequence, SequenceError, Slot, Source,
+    ColorHints, ColorSource, Coloring, DecodeFailure, Direction, FrameError, FrameState, Loader,
+    LoaderOptions, LoopMode, Needs, OpenOptions, PlayRange, PreparedFrame, Sequence, SequenceError,
+    Slot, Source,
 };
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,8 @@ const SURFELS: Needs = Needs {
     ellipses: false,
     octree: None,
     coded: false,
-    colors: ColorSource::Auto,
+    colors: Coloring::of(ColorSource::Auto),
+    hints: ColorHints::NONE,
 };
 
 fn voxels(delta: f32) -> Needs {
@@ -46,7 +48,8 @@ fn voxels(delta: f32) -> Needs {
         ellipses: false,
         octree: Some(StopCriterion::Loss(delta)),
         coded: false,
-        colors: ColorSource::Auto,
+        colors: Coloring::of(ColorSource::Auto),
+        hints: ColorHints::NONE,
     }
 }
 

@@ -28,14 +28,14 @@ const Z: u32 = 0x7a;
 
 /// Places in a window of 1000 × 700 pixels.
 const BAR: [[i16; 2]; 3] = [[60, 644], [500, 644], [900, 644]];
-const VOXELS: [i16; 2] = [822, 154];
+const VOXELS: [i16; 2] = [865, 154];
 const BODY: [[i16; 2]; 2] = [[345, 260], [345, 330]];
 /// Over the menu, where nothing lights up.
 const ASIDE: [i16; 2] = [640, 16];
 /// In the window of what was measured.
 const DELETE_ALL: [i16; 2] = [149, 541];
 /// In the window that *Export* opens.
-const EXPORT: [i16; 2] = [128, 395];
+const EXPORT: [i16; 2] = [128, 457];
 /// Height of the menu above the 3-D picture.
 const PICTURE_TOP: usize = 33;
 

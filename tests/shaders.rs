@@ -103,9 +103,14 @@ fn rust_and_wgsl_agree_on_every_layout() {
         cube_half_edge,
         depth_slack,
         lighting,
-        cull_back_faces,
-        unused,
+        back_faces,
+        ground_spacing,
         center_ndc,
-        unused_end
+        eye_dome_reach_px,
+        eye_dome,
+        ground_normal,
+        ground_right,
+        ground_forward,
+        ground_color
     );
 }

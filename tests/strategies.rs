@@ -10,8 +10,8 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Background, Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting, Strategy,
-    UpAxis,
+    BackFaces, Background, Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting,
+    Strategy, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -129,7 +129,7 @@ fn surfels_from_both_sides() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(1500, 1.0);
     let settings = Settings {
-        cull_back_faces: false,
+        back_faces: BackFaces::Drawn,
         ..plain()
     };
     let packet = surfels(&cloud, &close_camera(), settings, [90, 120]);
@@ -146,8 +146,13 @@ fn voxels_in_all_lights() {
             background: gradient(),
             ..plain()
         };
-        let packet = voxels(shell_voxels(), 2.0, &close_camera(), settings, [120, 90]);
+        let mut packet = voxels(shell_voxels(), 2.0, &close_camera(), settings, [120, 90]);
         assert_agreement(&mut renderer, &packet, &format!("voxels, light {lighting}"));
+        let voxels = packet.voxels.as_mut().unwrap();
+        let centers = voxels.records.iter().map(|voxel| voxel.center);
+        voxels.normals = Some(Arc::new(common::shapes_towards(centers)));
+        let what = format!("voxels, light {lighting} on normals");
+        assert_agreement(&mut renderer, &packet, &what);
     }
 }
 

@@ -3,6 +3,8 @@
 
 const AMBIENT: f32 = 0.25;
 const SPECULAR: f32 = 0.15;
+// Factor on the colour of a surfel that is seen from behind, where that is to be told.
+const BACK_SIDE: f32 = 0.8;
 
 // x: factor on the colour; y: white added by the highlight. `to_eye` need not have unit length.
 fn head_light(normal: vec3f, to_eye: vec3f) -> vec2f {

@@ -31,21 +31,39 @@ fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVe
     var clip = project(rotate_to_view(offset));
     // ε-z: the depth alone moves away along the ray, the footprint stays (one factor a surfel keeps it a plane).
     clip.z /= 1.0 + view.depth_slack * radius / max(length(center), view.near);
-    return SplatVertex(clip, point.color, shape.normal, light_at_vertex(n, center, offset));
+    return SplatVertex(clip, side_color(point.color, dot(n, center)), shape.normal, light_at_vertex(n, center, offset));
+}
+
+// The colour of the side of a surfel that is seen: of the back where the normal points away.
+fn side_color(color: u32, away: f32) -> u32 {
+    if (view.back_faces == BACK_FACES_DARKER && away > 0.0) {
+        return pack4x8unorm(unpack4x8unorm(color) * vec4f(vec3f(BACK_SIDE), 1.0));
+    }
+    return color;
 }
 
 // True unless the whole surfel faces away. Errs towards true: the rasteriser has the last word.
 fn surfel_may_face_eye(point: PointRecord, shape: ShapeRecord) -> bool {
     let to_eye = -offset_from_eye(point.position);
-    return view.cull_back_faces == 0u || dot(oct_decode(shape.normal), to_eye) > -1e-3 * length(to_eye);
+    return view.back_faces != BACK_FACES_CULLED || dot(oct_decode(shape.normal), to_eye) > -1e-3 * length(to_eye);
 }
 
 // One of the three faces of a cell that can face the eye: `face` is 0, 1, 2 for x, y, z.
 fn voxel_vertex(cell: PointRecord, face: u32, corner: u32) -> SplatVertex {
+    let normal = pack2x16snorm(face_oct(face, towards_eye(cell, face)));
+    return voxel_vertex_with_normal(cell, normal, face, corner);
+}
+
+// The side of a cell's face towards the eye. For an eye between the two planes it is turned away and culled.
+fn towards_eye(cell: PointRecord, face: u32) -> f32 {
+    return select(-1.0, 1.0, offset_from_eye(cell.position)[face] < 0.0);
+}
+
+// The same in the light that falls on a surface with a packed normal.
+fn voxel_vertex_with_normal(cell: PointRecord, lit_normal: u32, face: u32, corner: u32) -> SplatVertex {
     let half_edge = voxel_half_edge(cell);
     let center = offset_from_eye(cell.position);
-    // The face towards the eye. For an eye between the two planes it is turned away and culled.
-    let towards = select(-1.0, 1.0, center[face] < 0.0);
+    let towards = towards_eye(cell, face);
     var normal = vec3f(0.0);
     normal[face] = towards;
     // Two axes of the face, ordered so that the corners run counter-clockwise seen from outside.
@@ -57,7 +75,8 @@ fn voxel_vertex(cell: PointRecord, face: u32, corner: u32) -> SplatVertex {
     let face_center = center + normal * half_edge;
     let offset = face_center + (u * q.x + v * q.y) * half_edge;
     let clip = project(rotate_to_view(offset));
-    return SplatVertex(clip, cell.color, pack2x16snorm(face_oct(face, towards)), light_at_vertex(normal, face_center, offset));
+    let light = light_at_vertex(oct_decode(lit_normal), face_center, offset);
+    return SplatVertex(clip, cell.color, lit_normal, light);
 }
 
 fn voxel_half_edge(cell: PointRecord) -> f32 {

@@ -27,13 +27,28 @@ struct View {
     depth_slack: f32,
     // LIGHTING_* below.
     lighting: u32,
-    // 1: what faces away is dropped.
-    cull_back_faces: u32,
-    unused: u32,
+    // BACK_FACES_* below.
+    back_faces: u32,
+    // Between two lines on the ground, scene units.
+    ground_spacing: f32,
     // Where the view axis meets the picture: 0, but for a part of a larger one.
     center_ndc: vec2f,
-    unused_end: vec2f,
+    // How far the neighbours of eye-dome lighting are, straight and on diagonals.
+    eye_dome_reach_px: vec2i,
+    // Its gains straight and on diagonals, what a step adds at most, and the darkness of edges.
+    eye_dome: vec4f,
+    // The plane with lines, in view space: its normal, and how far along that it is from the eye.
+    ground_normal: vec4f,
+    // Two directions across the lines, and how far along each the point is where two of them cross.
+    ground_right: vec4f,
+    ground_forward: vec4f,
+    // Of lines; the fourth: how far from that point they are seen, scene units.
+    ground_color: vec4f,
 }
+
+// Else drawn as fronts are.
+const BACK_FACES_CULLED: u32 = 1u;
+const BACK_FACES_DARKER: u32 = 2u;
 
 const LIGHTING_UNLIT: u32 = 0u;
 const LIGHTING_PER_SURFEL: u32 = 1u;

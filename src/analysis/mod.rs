@@ -2,14 +2,18 @@
 //!
 //! Nothing here depends on timing or on the number of threads in rayon's pool: the same points give the same bits.
 
+#[cfg(test)]
+mod block_tests;
+mod blocks;
 mod bucket_search;
+mod classes;
+mod color_maps;
+mod color_places;
+mod color_scale;
 mod colors;
 mod ellipses;
 mod four_matrices;
 mod lanes;
-mod lazy_surface;
-#[cfg(test)]
-mod lazy_tests;
 mod nearest_point;
 mod neighbours;
 mod normals;
@@ -26,15 +30,18 @@ pub(crate) mod test_shapes;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use colors::between_steps;
-pub use colors::{fake_color, map_color, scalar_colors};
-pub use lazy_surface::{Estimated, LazySurface};
+pub use classes::{class_color, class_name, class_of};
+pub use color_maps::ColorMap;
+pub(crate) use color_places::{NO_PLACE, Placer};
+pub use color_scale::{ColorScale, histogram, quantile_range};
+pub use colors::fake_color;
 pub use nearest_point::NearestPoint;
 pub use neighbours::{Neighbours, nearest_neighbours};
 pub use radii::LONE_RADIUS;
 
 use crate::cloud::Ellipse;
 use crate::progress::Progress;
+use blocks::SlotSurface;
 use glam::Vec3;
 use point_tree::PointTree;
 
@@ -44,11 +51,27 @@ use point_tree::PointTree;
 /// sides, few enough not to reach round corners. The point itself is not counted.
 pub const DEFAULT_NEIGHBOURS: usize = 12;
 
+/// By what the signs of normals were decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Orientation {
+    /// They are as the file has them.
+    File,
+    /// All normals point to where the sensor stood.
+    Sensor,
+    /// They agree over the neighbourhood graph of all points, and each connected component faces outwards.
+    Neighbours,
+    /// The same of one point in 64, with which those around it agree: right nearly everywhere on smooth surfaces, by chance
+    /// where two sheets are nearer to each other than these points.
+    Representatives,
+}
+
 /// The surface around each point, in the order of the points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Unit normals, consistently oriented.
+    /// Unit normals, oriented as [`Surface::orientation`] says.
     pub normals: Vec<Vec3>,
+    /// By what the signs of the normals were decided.
+    pub orientation: Orientation,
     /// Splat radii in scene units; positive and finite.
     pub radii: Vec<f32>,
     /// The points whose neighbours define no plane, ascending: they lie on a line or in one place, as far as f32
@@ -109,12 +132,20 @@ pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
     }
 }
 
+/// Most points whose normals are made to agree over all of their neighbourhood graph.
+///
+/// That takes one thread half a microsecond a point and 100 bytes, most of a frame's time and memory; surfels with a back side, as
+/// clouds without a sensor have, look the same with any sign. Playing sequences have fewer points a frame, and keep the exact signs.
+pub const MOST_JOINED: usize = 1 << 21;
+
 /// Estimates normals and radii from [`DEFAULT_NEIGHBOURS`] neighbours.
 ///
 /// Normals point to `sensor` if it is given; else they are made consistent over the neighbourhood graph, and each
-/// connected component faces outwards. Positions must be finite. Every number of points is fine: a point without a
-/// surface around it (fewer than three distinct points nearby, or all in a line) gets a normal across what there is,
-/// and +Z where there is nothing.
+/// connected component faces outwards: of all points up to [`MOST_JOINED`], beyond it of representatives. Positions must be finite.
+/// Every number of points is fine: a point without a surface around it (fewer than three distinct points nearby, or all in a
+/// line) gets a normal across what there is, and +Z where there is nothing.
+///
+/// Takes some 70 bytes a point at most beside the positions and the answer; 130 where all points are joined.
 pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
     estimate_surface_observed(positions, sensor, &Progress::default())
 }
@@ -126,50 +157,86 @@ pub fn estimate_surface_observed(
     sensor: Option<Vec3>,
     progress: &Progress,
 ) -> Surface {
-    let goes_on = |steps: usize| {
-        progress.advance(steps * positions.len());
-        !progress.is_cancelled()
-    };
-    let of_no_use = || Surface {
+    let orientation = orientation_of(positions.len(), sensor);
+    let estimated = estimated_surface(positions, sensor, orientation, progress);
+    estimated.unwrap_or_else(|| Surface {
         normals: vec![Vec3::Z; positions.len()],
+        orientation,
         radii: vec![0.0; positions.len()],
         without_plane: Vec::new(),
+    })
+}
+
+/// By what the signs of so many estimated normals are decided.
+fn orientation_of(points: usize, sensor: Option<Vec3>) -> Orientation {
+    match sensor {
+        Some(_) => Orientation::Sensor,
+        None if points <= MOST_JOINED => Orientation::Neighbours,
+        None => Orientation::Representatives,
+    }
+}
+
+/// `None` once `progress` is cancelled.
+fn estimated_surface(
+    positions: &[Vec3],
+    sensor: Option<Vec3>,
+    orientation: Orientation,
+    progress: &Progress,
+) -> Option<Surface> {
+    let goes_on = |steps: usize| {
+        progress.advance(steps * positions.len());
+        (!progress.is_cancelled()).then_some(())
     };
-    let tree = PointTree::new(positions);
-    if !goes_on(TREE_STEPS) {
-        return of_no_use();
-    }
-    let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
-    if !goes_on(NEIGHBOURS_STEPS) {
-        return of_no_use();
-    }
-    let planes = normals::fit_planes(&tree, &neighbours, 0..tree.len());
-    let mut normals = planes.normals;
-    if !goes_on(PLANES_STEPS) {
-        return of_no_use();
-    }
-    let radii = radii::closing_radii(&tree, &neighbours, &normals);
-    if !goes_on(RADII_STEPS) {
-        return of_no_use();
-    }
-    if let Some(sensor) = sensor {
-        orientation::face_sensor(&tree, sensor, 0, &mut normals);
-    } else {
+    let mut tree = PointTree::new(positions);
+    goes_on(TREE_STEPS)?;
+    let mut by_slot = if orientation == Orientation::Neighbours {
+        let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
+        goes_on(NEIGHBOURS_STEPS)?;
+        let planes = normals::fit_planes(&tree, &neighbours, 0..tree.len());
+        goes_on(PLANES_STEPS)?;
+        let radii = radii::closing_radii(&tree, &neighbours, &planes.normals);
+        goes_on(RADII_STEPS)?;
+        let mut normals = planes.normals;
         orientation::face_outwards(&tree, &neighbours, &mut normals);
-        goes_on(OUTWARDS_STEPS);
+        goes_on(OUTWARDS_STEPS)?;
+        SlotSurface {
+            normals,
+            radii,
+            without_plane: planes.without_plane,
+        }
+    } else {
+        blocks::surface(&tree, DEFAULT_NEIGHBOURS, progress)?
+    };
+    tree.forget_boxes();
+    if let Some(sensor) = sensor {
+        orientation::face_sensor(&tree, sensor, 0, &mut by_slot.normals);
+    } else if orientation == Orientation::Representatives {
+        orientation::face_as_representatives(&tree, DEFAULT_NEIGHBOURS, &mut by_slot.normals);
+        goes_on(REPRESENTATIVES_STEPS)?;
     }
-    Surface {
-        normals: tree.to_file_order(&normals),
-        radii: tree.to_file_order(&radii),
-        without_plane: tree.to_file_indices(&planes.without_plane),
-    }
+    let without_plane = tree.to_file_indices(&by_slot.without_plane);
+    let SlotSurface { normals, radii, .. } = by_slot;
+    let order = tree.into_file_order();
+    // Each gives its memory back before the next is rearranged.
+    let in_file_order = |normals: Vec<Vec3>| order.of(&normals);
+    let normals = in_file_order(normals);
+    Some(Surface {
+        normals,
+        orientation,
+        radii: order.of(&radii),
+        without_plane,
+    })
 }
 
 /// Steps that [`estimate_surface_observed`] takes: about a hundredth of a microsecond each.
 pub fn surface_steps(points: usize, sensor: Option<Vec3>) -> usize {
     let per_point = TREE_STEPS + NEIGHBOURS_STEPS + PLANES_STEPS + RADII_STEPS;
-    let outwards = if sensor.is_some() { 0 } else { OUTWARDS_STEPS };
-    points * (per_point + outwards)
+    let orientation = match orientation_of(points, sensor) {
+        Orientation::File | Orientation::Sensor => 0,
+        Orientation::Neighbours => OUTWARDS_STEPS,
+        Orientation::Representatives => REPRESENTATIVES_STEPS,
+    };
+    points * (per_point + orientation)
 }
 
 /// Steps a point of each stage, in proportion to its time with two threads (`benches/README.md`).
@@ -179,6 +246,7 @@ const PLANES_STEPS: usize = 3;
 const RADII_STEPS: usize = 3;
 /// One thread joins the neighbourhoods.
 const OUTWARDS_STEPS: usize = 32;
+const REPRESENTATIVES_STEPS: usize = 1;
 
 /// The radii of [`estimate_surface`] for points that have normals.
 ///

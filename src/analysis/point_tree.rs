@@ -15,6 +15,7 @@
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use std::cmp::Ordering;
+use std::sync::OnceLock;
 
 /// Points a bucket, and boxes a row: one SIMD register.
 pub(super) const LANES: usize = 8;
@@ -29,8 +30,8 @@ const PARALLEL_SPLIT: usize = 4096;
 #[derive(Debug)]
 pub(super) struct PointTree {
     points: Vec<SlotPoint>,
-    /// The slot of each point of the file.
-    slot: Vec<u32>,
+    /// The slot of each point of the file, once somebody asks: searches do not.
+    slots: OnceLock<Vec<u32>>,
     pub(super) buckets: Vec<Bucket>,
     /// Boxes of the buckets first, one row at the end; none without points.
     pub(super) levels: Vec<Vec<BoxRow>>,
@@ -132,18 +133,20 @@ impl PointTree {
         let bucket_count = points.len().div_ceil(LANES);
         split(&mut points, bucket_count.next_power_of_two() / 2 * LANES);
 
-        let mut slot = vec![0; points.len()];
-        for (point, index) in points.iter().zip(0..) {
-            slot[point.file_index as usize] = index;
-        }
         let boxes = points.chunks(LANES).map(NodeBox::around).collect();
         Self {
             buckets: points.chunks(LANES).map(Bucket::new).collect(),
             points,
-            slot,
+            slots: OnceLock::new(),
             levels: rows_above(boxes),
             unit,
         }
+    }
+
+    /// Gives back what only searches need, the larger half.
+    pub(super) fn forget_boxes(&mut self) {
+        self.buckets = Vec::new();
+        self.levels = Vec::new();
     }
 
     /// Number of points.
@@ -163,16 +166,30 @@ impl PointTree {
 
     /// The slot of a point of the file.
     pub(super) fn slot_of(&self, file_index: u32) -> u32 {
-        self.slot[file_index as usize]
+        self.slots()[file_index as usize]
+    }
+
+    fn slots(&self) -> &[u32] {
+        self.slots.get_or_init(|| {
+            let mut slots = vec![0; self.points.len()];
+            for (point, slot) in self.points.iter().zip(0..) {
+                slots[point.file_index as usize] = slot;
+            }
+            slots
+        })
     }
 
     /// `values` by slot, rearranged to the order of the file.
     pub(super) fn to_file_order<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
-        self.slot
-            .par_iter()
-            .with_min_len(1 << 13)
-            .map(|&slot| values[slot as usize])
-            .collect()
+        at_slots(self.slots(), values)
+    }
+
+    /// What leads back to the order of the file, without the tree.
+    pub(super) fn into_file_order(self) -> FileOrder {
+        self.slots();
+        FileOrder {
+            slots: self.slots.into_inner().unwrap_or_default(),
+        }
     }
 
     /// The points of the file in these slots, ascending.
@@ -191,6 +208,27 @@ impl PointTree {
             .map(|point| values[point.file_index as usize])
             .collect()
     }
+}
+
+/// Where the points of a file stand in a tree.
+#[derive(Debug)]
+pub(super) struct FileOrder {
+    slots: Vec<u32>,
+}
+
+impl FileOrder {
+    /// `values` by slot, rearranged to the order of the file.
+    pub(super) fn of<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
+        at_slots(&self.slots, values)
+    }
+}
+
+fn at_slots<T: Copy + Send + Sync>(slots: &[u32], values: &[T]) -> Vec<T> {
+    let values = slots
+        .par_iter()
+        .with_min_len(1 << 13)
+        .map(|&slot| values[slot as usize]);
+    values.collect()
 }
 
 impl Bucket {

@@ -100,6 +100,11 @@ pub(super) fn inverse_of(radius: f32) -> f32 {
     if radius > 0.0 { 1.0 / radius } else { 0.0 }
 }
 
+/// The sum of the inverse radii of a point's neighbours: from zero and in their order, for another sum may differ in its last bit.
+pub(super) fn sum_in_order(inverse: impl Iterator<Item = f32>) -> f32 {
+    inverse.fold(0.0, |sum, inverse| sum + inverse)
+}
+
 /// What the radii of a cloud are limited by.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
@@ -309,7 +314,7 @@ fn inverse_sums(inverse: &[f32], neighbours: &Neighbours, first_slot: usize, cou
 }
 
 /// Values that a median is taken of: it is off by four percent of the ranks at most times, which limits of many times the
-/// median do not feel. Who asks for few radii has to measure all of the sample, too.
+/// median do not feel.
 const SAMPLE: usize = 1 << 9;
 
 /// Evenly spaced slots of a cloud, of whose cells the median is taken; all where there are few.

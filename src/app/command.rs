@@ -43,6 +43,8 @@ pub enum Command {
     PreviousMarker,
     /// The camera as it was when the sequence was opened.
     ResetView,
+    /// Move back until all points are seen, outliers and what is far away as well.
+    FrameAll,
     /// Look along an axis.
     Look(ViewPreset),
     /// Parallel rays and back.
@@ -57,6 +59,10 @@ pub enum Command {
     PasteView,
     /// Choose what a click on the picture does, or put that away.
     ToggleTool(Tool),
+    /// Show or hide lines on the ground.
+    ToggleGrid,
+    /// Show or hide the scale bar.
+    ToggleScaleBar,
     /// Smaller splats or points.
     Smaller,
     /// Larger splats or points.
@@ -107,6 +113,8 @@ pub enum Command {
     ToggleTrails,
     /// The window is light, dark, or as the system is.
     Theme(ThemePreference),
+    /// Show or hide what the colours mean.
+    ToggleLegend,
     /// Show or hide small pictures over the timeline.
     ToggleThumbnails,
     /// Make them anew.

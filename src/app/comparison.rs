@@ -7,7 +7,7 @@
 use super::tasks::{Outcome, Tasks};
 use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db, ssim};
 use crate::render::scaled_to;
-use crate::scene::{Camera, Scene, ScenePacket, Settings};
+use crate::scene::{Camera, FirstLook, Scene, ScenePacket, Settings};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use glam::DVec3;
 use image::RgbaImage;
@@ -105,13 +105,15 @@ impl Comparison {
         frame: &PreparedFrame,
         origin: DVec3,
         camera: &Camera,
+        look: Option<&FirstLook>,
         viewport_px: [u32; 2],
     ) -> Option<ScenePacket> {
         let known = self
             .frame
             .take()
             .filter(|known| Arc::ptr_eq(&known.frame, &frame.frame));
-        let needs = Scene::needs(&self.other);
+        let other = look.map_or(self.other, |look| self.other.resolved(look));
+        let needs = Scene::needs(&other);
         let frame = complete(
             known.as_ref().unwrap_or(frame),
             &needs,
@@ -119,7 +121,7 @@ impl Comparison {
         );
         let packet = self
             .scene
-            .packet(&frame, origin, camera, &self.other, viewport_px);
+            .packet(&frame, origin, camera, &other, viewport_px);
         self.frame = Some(frame);
         if self.packet.as_ref() == Some(&packet) {
             return None;

@@ -6,6 +6,7 @@
 //! each would take the time of the points that it saves.
 
 use super::tasks::{Outcome, Tasks};
+use crate::playback::can_draw;
 use crate::scene::{Camera, Lod, Primitive, Scene, Settings};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete};
 use std::sync::Arc;
@@ -57,6 +58,8 @@ impl Levels {
             || self.asked_for == Some(frame.id)
             || settings.primitive == Primitive::Point
             || settings.draws_codes()
+            // What it lacks is on its way, or not wanted.
+            || !can_draw(frame, settings.primitive)
         {
             return;
         }

@@ -14,6 +14,8 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
         Command::ToggleThumbnails,
     ),
     ("Make thumbnails anew", Command::RedoThumbnails),
+    ("Show or hide the legend", Command::ToggleLegend),
+    ("Show or hide the scale bar", Command::ToggleScaleBar),
     (
         "Theme of the system",
         Command::Theme(ThemePreference::System),

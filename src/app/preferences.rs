@@ -50,6 +50,8 @@ pub struct Preferences {
     pub panels: OpenPanels,
     /// Whether small pictures are shown over the timeline.
     pub thumbnails: bool,
+    /// Whether the picture has a scale bar.
+    pub scale_bar: bool,
     /// Whether the window is light or dark.
     #[serde(with = "Theme")]
     pub theme: ThemePreference,
@@ -66,6 +68,7 @@ impl Default for Preferences {
             speed: 1.0,
             panels: OpenPanels::default(),
             thumbnails: true,
+            scale_bar: true,
             theme: ThemePreference::System,
             window_size: None,
         }
@@ -138,6 +141,7 @@ pub(super) fn offered_settings(settings: Settings) -> Settings {
         splat_scale: clamp(settings.splat_scale, SPLAT_SCALE_RANGE),
         enlargement: clamp(settings.enlargement, ENLARGEMENT_RANGE),
         point_size_px: clamp(settings.point_size_px, POINT_SIZE_RANGE_PX),
+        eye_dome_strength: clamp(settings.eye_dome_strength, Settings::EYE_DOME_STRENGTHS),
         stop: offered_stop(settings.stop),
         lod: settings.lod.offered(),
         resolution: clamp(settings.resolution, Settings::RESOLUTIONS),
@@ -148,6 +152,7 @@ pub(super) fn offered_settings(settings: Settings) -> Settings {
 /// The nearest stop criterion that the window offers.
 fn offered_stop(stop: StopCriterion) -> StopCriterion {
     match stop {
+        StopCriterion::Spacing => StopCriterion::Spacing,
         StopCriterion::Loss(delta) if delta.is_nan() => StopCriterion::default(),
         StopCriterion::Loss(delta) => StopCriterion::Loss(delta.clamp(0.0, Settings::MAX_DELTA)),
         StopCriterion::Depth(depth) => StopCriterion::Depth(depth.min(*Lod::LEVELS.end())),

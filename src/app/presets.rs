@@ -8,7 +8,7 @@
 use super::preferences::offered_settings;
 use crate::kept::{self, Fields};
 use crate::octree::StopCriterion;
-use crate::scene::{Lod, Primitive, Settings};
+use crate::scene::{Lod, Primitive, Settings, VoxelLight};
 use serde::Serialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -79,10 +79,11 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Settings); 4] {
         ),
         (
             "Voxels",
-            "Cells of an octree with a loss δ of 5 %",
+            "Cells of an octree, as large as it takes to close surfaces",
             Settings {
                 primitive: Primitive::Voxel,
-                stop: StopCriterion::Loss(0.05),
+                stop: StopCriterion::Spacing,
+                voxel_light: VoxelLight::Normals,
                 ..settings
             },
         ),

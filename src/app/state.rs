@@ -2,14 +2,18 @@
 
 mod actions;
 mod companion;
+mod first_look;
 mod inspecting;
 mod parts;
 mod reading;
 
 pub(super) use actions::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE, picture_folder};
+use first_look::Looked;
+pub(super) use first_look::{Chosen, LookedAtMore};
 pub use parts::{
     Change, Counters, GraphicsInfo, OpenPanels, StateOptions, Viewport, WindowRequest,
 };
+pub(super) use reading::PictureStage;
 
 use super::benchmark::Benchmark;
 use super::beside::Beside;
@@ -41,7 +45,7 @@ use crate::math::Aabb;
 use crate::playback::Player;
 use crate::render::RenderStats;
 use crate::scene::{Camera, RendererChoice, ScenePacket, SceneStats, Settings};
-use crate::sequence::{Clock, OpenOptions, Sequence, watch};
+use crate::sequence::{Clock, OpenOptions, Paint, PreparedFrame, Sequence, watch};
 use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -100,6 +104,8 @@ pub struct State {
     pub temporal: Temporal,
     /// Small pictures of the frames.
     pub thumbnails: Thumbnails,
+    /// Whether the picture has a scale bar.
+    pub shows_scale_bar: bool,
     /// Whether the window is light or dark.
     pub theme: egui::ThemePreference,
     /// Who paints the window.
@@ -120,12 +126,14 @@ pub struct State {
     options: StateOptions,
     now: Duration,
     glide: Option<Glide>,
-    /// True once the camera was set for the open sequence.
-    framed: bool,
+    /// What is made of the open sequence.
+    looked: Looked,
     requests: Vec<WindowRequest>,
     drawing: Drawing,
     /// Who was chosen to draw when the graphics card's device was lost: the processor draws until that is chosen anew.
     without_gpu: Option<RendererChoice>,
+    /// What the drawn frame was painted with when this was last looked at: the panels say it.
+    painted_with: Option<Paint>,
     /// Where [`State::quality`] is kept; known once sequence and adapter are.
     quality_key: Option<QualityKey>,
 }
@@ -167,6 +175,7 @@ impl State {
             export: Export::default(),
             temporal: Temporal::default(),
             thumbnails: Thumbnails::new(options.preferences.thumbnails),
+            shows_scale_bar: options.preferences.scale_bar,
             theme: options.preferences.theme,
             present: options.preferences.present,
             trails: Trails::default(),
@@ -178,10 +187,11 @@ impl State {
             tasks: Tasks::new(Arc::clone(&options.wake)),
             now: Duration::ZERO,
             glide: None,
-            framed: false,
+            looked: Looked::default(),
             requests: Vec::new(),
             drawing: Drawing::default(),
             without_gpu: None,
+            painted_with: None,
             quality_key: None,
             options,
         }
@@ -206,7 +216,11 @@ impl State {
     pub fn preferences(&self) -> Preferences {
         let clock = self.player.as_ref().map(Player::clock);
         Preferences {
-            settings: self.settings,
+            // The primitive is chosen for one sequence, and kept with it.
+            settings: Settings {
+                primitive: self.options.preferences.settings.primitive,
+                ..self.settings
+            },
             present: self.present,
             loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
@@ -216,9 +230,11 @@ impl State {
             panels: OpenPanels {
                 settings: self.panels.settings,
                 statistics: self.panels.statistics,
+                legend: self.panels.legend,
                 ..OpenPanels::default()
             },
             thumbnails: self.thumbnails.is_on,
+            scale_bar: self.shows_scale_bar,
             theme: self.theme,
             window_size: None,
         }
@@ -250,6 +266,8 @@ impl State {
         };
         player.set_loop_mode(loop_mode, self.now);
         player.set_speed(speed, self.now);
+        // The window may take a while to open.
+        player.begin(&self.settings);
         if let Some(before) = self.player.replace(player) {
             self.leave(before);
         }
@@ -325,15 +343,17 @@ impl State {
             self.requests.push(WindowRequest::Compare);
             visible = true;
         }
+        self.keep_primitive();
+        let settings = self.drawn_settings();
         let Some(player) = &mut self.player else {
             return Change::of_panels(visible);
         };
         let (change, of_b) = match &mut self.beside {
             Some(beside) => {
-                let [of_a, of_b] = beside.update(player, now, &self.settings);
+                let [of_a, of_b] = beside.update(player, now, &settings);
                 (of_a, Some(of_b))
             }
-            None => (player.update(now, &self.settings), None),
+            None => (player.update(now, &settings), None),
         };
         let is_another_frame = change.visible;
         visible |= change.beyond_frame;
@@ -350,19 +370,21 @@ impl State {
         {
             self.notices.warn(text);
         }
-        visible |= self
-            .temporal
-            .follow(player, &self.settings, &self.tasks, now);
+        visible |= self.temporal.follow(player, &settings, &self.tasks, now);
         if let Some(frame) = player.shown() {
             self.inspection
                 .follow(Side::A, frame, player.sequence().origin());
             visible |= self.trails.follow(player, &self.inspection, &self.tasks);
-            if !self.framed {
-                // What stands beside it may be here already, or not: the view is the same.
-                self.frame_with(&Aabb::EMPTY);
-                self.framed = true;
+            if self.looked.is_empty() {
+                let frame = Arc::clone(frame);
+                self.look_first(&frame);
                 visible = true;
             }
+        }
+        let paint = self.drawn_frame().map(|frame| *frame.paint());
+        if self.painted_with != paint {
+            self.painted_with = paint;
+            visible = true;
         }
         self.follow_thumbnails();
         if let Some(of_b) = of_b {
@@ -375,6 +397,12 @@ impl State {
             false => Change::Nothing,
         };
         Change::of_panels(visible).max(of_frame)
+    }
+
+    /// The frame that is drawn: the shown one, or what other poses made of it.
+    pub(super) fn drawn_frame(&self) -> Option<&Arc<PreparedFrame>> {
+        let made = self.temporal.shown().map(Made::frame);
+        made.or_else(|| self.player.as_ref()?.shown())
     }
 
     /// Whether a picture that is coarse because the camera moved is to be drawn as a whole.
@@ -402,10 +430,11 @@ impl State {
     /// Begins the next small picture if there is time for it.
     pub(super) fn follow_thumbnails(&mut self) {
         // The first picture goes first.
-        let Some(player) = self.player.as_ref().filter(|_| self.framed) else {
+        let Some(player) = self.player.as_ref().filter(|_| self.first_look().is_some()) else {
             return;
         };
-        let key = (self.camera.up, self.settings.colors);
+        let settings = &self.settings;
+        let key = (self.camera.up, settings.colors, settings.color_hints);
         let is_measured = matches!(self.benchmark, Benchmark::Running(_));
         self.thumbnails
             .follow(player, key, is_measured, &self.tasks, self.now);
@@ -413,9 +442,10 @@ impl State {
 
     /// Takes in at once what the panels have changed about other poses.
     pub(super) fn follow_poses(&mut self) {
+        let settings = self.drawn_settings();
         if let Some(player) = &self.player {
             self.temporal
-                .follow(player, &self.settings, &self.tasks, self.now);
+                .follow(player, &settings, &self.tasks, self.now);
             self.trails.follow(player, &self.inspection, &self.tasks);
         }
     }
@@ -448,7 +478,7 @@ impl State {
             pose: Arc::clone(made.map_or(pose, Made::pose)),
             origin,
         };
-        let mut settings = self.settings;
+        let mut settings = self.drawn_settings();
         if self.without_gpu == Some(settings.renderer) {
             settings.renderer = RendererChoice::Cpu;
         } else {
@@ -470,21 +500,24 @@ impl State {
         self.graphics.frame_ms = frame_ms;
         self.graphics.render = render;
         let draw_ms = self.graphics.picture_ms();
+        let settings = self.drawn_settings();
         let Some(player) = &self.player else { return };
         let noted = self.drawing.note_draw_ms(draw_ms);
-        if let Some(points) = noted {
+        // What stands for a frame that is on its way says nothing about its picture, and levels of it would be in its way.
+        let is_partial = player.is_partial();
+        if let Some(points) = noted.filter(|_| !is_partial) {
             player.note_picture_ms(points, draw_ms);
         }
-        let is_at_rest = !player.is_playing();
+        let is_at_rest = !player.is_playing() && !is_partial;
         if is_at_rest {
-            self.drawing.prepare_levels(&self.settings, &self.tasks);
+            self.drawing.prepare_levels(&settings, &self.tasks);
         }
         if let Some(beside) = &mut self.beside {
             if let Some(points) = beside.drawing.note_draw_ms(draw_ms) {
                 beside.companion.note_picture_ms(points, draw_ms);
             }
             if is_at_rest {
-                beside.drawing.prepare_levels(&self.settings, &self.tasks);
+                beside.drawing.prepare_levels(&settings, &self.tasks);
             }
         }
     }
@@ -495,6 +528,7 @@ impl State {
         if self.beside.is_some() {
             return self.next_packet_beside();
         }
+        let look = self.looked.look();
         let comparison = self.comparison.as_mut()?;
         let player = self.player.as_ref()?;
         let frame = player.shown()?;
@@ -504,7 +538,8 @@ impl State {
         let origin = player.sequence().origin();
         let size_px = self.viewport.size_px;
         comparison.other.clip = self.settings.clip;
-        let packet = comparison.next_packet(frame, origin, &self.camera, size_px)?;
+        let packet =
+            comparison.next_packet(frame, origin, &self.camera, look.as_deref(), size_px)?;
         comparison.pictures.note_change(self.now);
         Some(packet)
     }

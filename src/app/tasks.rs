@@ -8,6 +8,7 @@ use super::camera_path::Draft;
 use super::comparison::{PictureDifference, Side};
 use super::export::Exported;
 use super::progress::Progress;
+use super::state::LookedAtMore;
 use super::temporal::Made;
 use super::thumbnails::Delivery;
 use super::trails::Traced;
@@ -137,6 +138,8 @@ pub enum Outcome {
     MadeFrame(Option<Box<Made>>),
     /// A frame has got levels of detail.
     Levels(Arc<PreparedFrame>),
+    /// Several frames of a sequence were looked at.
+    Looked(Box<LookedAtMore>),
     /// A small picture of a frame was made.
     Thumbnail(Box<Delivery>),
     /// Points were followed through the frames.

@@ -7,11 +7,12 @@
 
 use super::progress::Progress;
 use super::tasks::{Outcome, Tasks};
+use crate::analysis::ColorMap;
 use crate::measure::Change;
 use crate::playback::Player;
 use crate::scene::{Scene, Settings};
 pub use crate::sequence::OnionSkin;
-use crate::sequence::{Ghost, Needs, PreparedFrame, Sequence, Slot, with_ghosts};
+use crate::sequence::{Ghost, Needs, Paint, PreparedFrame, Sequence, Slot, with_ghosts};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -48,6 +49,7 @@ struct Request {
 struct ChangeRequest {
     to: usize,
     range: Option<f64>,
+    map: ColorMap,
 }
 
 impl PartialEq for Request {
@@ -203,7 +205,11 @@ impl Temporal {
         // The pose to compare with may be in memory; if not, the task reads it.
         let other = request.change.and_then(|change| {
             match player.loader().get(change.to, &Needs::default()) {
-                Slot::Ready(frame) | Slot::Stale(frame) if !frame.is_sample() => Some(frame),
+                Slot::Ready(frame) | Slot::Partial(frame) | Slot::Stale(frame)
+                    if !frame.is_sample() =>
+                {
+                    Some(frame)
+                }
                 _ => None,
             }
         });
@@ -263,9 +269,10 @@ impl Temporal {
         let change = self.other_frame(pose.index, frame_count);
         let change = change.filter(|_| self.change.is_on);
         let ghost = |(index, share, tint)| match player.loader().get(index, &needs) {
-            Slot::Ready(frame) | Slot::Coarse(frame) | Slot::Stale(frame) => {
-                Some(Ghost { frame, share, tint })
-            }
+            Slot::Ready(frame)
+            | Slot::Coarse(frame)
+            | Slot::Partial(frame)
+            | Slot::Stale(frame) => Some(Ghost { frame, share, tint }),
             Slot::Pending | Slot::Failed(_) => None,
         };
         let ghosts = Some(self.onion).filter(|onion| onion.is_on);
@@ -275,6 +282,7 @@ impl Temporal {
             change: change.map(|to| ChangeRequest {
                 to,
                 range: self.change.range,
+                map: settings.colors.map,
             }),
             ghosts: ghosts.into_iter().filter_map(ghost).collect(),
             needs,
@@ -298,7 +306,7 @@ fn make(
 ) -> Option<Made> {
     let is_wanted = || !progress.is_cancelled();
     let (mut frame, mut change, mut problem) = (Arc::clone(&request.pose), known, None);
-    if let Some(ChangeRequest { to, range }) = request.change {
+    if let Some(ChangeRequest { to, range, map }) = request.change {
         if change.is_none() {
             let positions = request.pose.frame.positions();
             let measured = match other {
@@ -322,7 +330,8 @@ fn make(
         match &change {
             Some(change) => {
                 let range = range.unwrap_or(change.usual_range());
-                frame = Arc::new(frame.in_colors(&change.colors(range)));
+                let paint = Paint::change(range, map);
+                frame = Arc::new(frame.in_colors(&change.colors(range, map), paint));
             }
             None if problem.is_none() => {
                 problem = Some(format!("Frame {} has no points", to + 1));

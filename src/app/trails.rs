@@ -6,7 +6,7 @@
 
 use super::inspection::{Anchor, Inspection};
 use super::tasks::{Outcome, Tasks};
-use crate::analysis::map_color;
+use crate::analysis::ColorMap;
 use crate::export::TrailLook;
 use crate::playback::Player;
 use crate::sequence::{self, Needs, PreparedFrame, Slot, TrailMeasure, TrailRequest};
@@ -133,7 +133,7 @@ impl Trails {
         let [picked, others] = self.parts();
         let count = others.len();
         let other = |(number, trail): (usize, usize)| {
-            let [red, green, blue, _] = map_color(field_place(number, count));
+            let [red, green, blue, _] = ColorMap::Viridis.color(field_place(number, count));
             TrailLook {
                 trail,
                 tint: [red, green, blue],
@@ -298,7 +298,7 @@ fn spread(points_in_file: usize, count: usize) -> impl Iterator<Item = u32> {
 fn resident(player: &Player, request: &TrailRequest) -> BTreeMap<usize, Weak<PreparedFrame>> {
     let frames = request.frames.clone().chain([request.chosen_in]);
     let frame = |index| match player.loader().get(index, &Needs::default()) {
-        Slot::Ready(frame) | Slot::Stale(frame) if !frame.is_sample() => {
+        Slot::Ready(frame) | Slot::Partial(frame) | Slot::Stale(frame) if !frame.is_sample() => {
             Some((index, Arc::downgrade(&frame)))
         }
         _ => None,

@@ -11,7 +11,7 @@ use super::pacing::{Agenda, Sight};
 use super::preferences::{Preferences, PreferencesFile};
 use super::present::{self, Presenter};
 use super::present_choice::PresentChoice;
-use super::state::{Change, State, StateOptions};
+use super::state::{Change, PictureStage, State, StateOptions};
 use super::theme::apply_theme;
 use super::trial::Trial;
 use crate::bench::{BenchOptions, Input, WindowAction};
@@ -169,8 +169,8 @@ struct App {
     sight: Sight,
     /// Something has been presented.
     has_been_shown: bool,
-    /// When a picture was presented for the first time.
-    first_picture_at: Option<Duration>,
+    /// How much of its frame the last presented picture had.
+    stage_shown: Option<PictureStage>,
     /// What has changed since the last redraw.
     change: Change,
     /// The window system asks for the window that it has lost.
@@ -228,7 +228,7 @@ impl App {
             woken: false,
             sight: Sight::default(),
             has_been_shown: false,
-            first_picture_at: None,
+            stage_shown: None,
             change: Change::Panels,
             is_exposed: false,
             is_redraw_queued: false,

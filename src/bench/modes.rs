@@ -35,12 +35,17 @@ impl Modes {
     /// Whether `settings`, which name who draws, are among them.
     pub fn admit(&self, settings: &Settings) -> bool {
         let is_gpu = settings.renderer == RendererChoice::Gpu;
-        let is_surfel = settings.primitive == Primitive::Surfel;
+        let is_surfel = settings.draws_surfels();
+        let primitive = if is_surfel {
+            Primitive::Surfel
+        } else {
+            settings.primitive
+        };
         let any_what = self.primitives.is_empty() && self.splattings.is_empty();
         let what = if is_surfel && !self.splattings.is_empty() {
             self.splattings.contains(&settings.splatting)
         } else {
-            any_what || self.primitives.contains(&settings.primitive)
+            any_what || self.primitives.contains(&primitive)
         };
         let how =
             self.strategies.is_empty() || is_gpu && self.strategies.contains(&settings.strategy);
@@ -59,7 +64,8 @@ impl FromStr for Modes {
             let is_renderer = |choice: &RendererChoice| *choice != RendererChoice::Auto;
             if let Some(renderer) = word.parse().ok().filter(is_renderer) {
                 modes.renderers.push(renderer);
-            } else if let Ok(primitive) = word.parse::<Primitive>() {
+            } else if let Some(primitive) = word.parse().ok().filter(|&one| one != Primitive::Auto)
+            {
                 modes.primitives.push(primitive);
             } else if let Ok(splatting) = word.parse::<Splatting>() {
                 modes.splattings.push(splatting);

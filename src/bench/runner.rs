@@ -98,6 +98,7 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
         shapes: packet.shapes.as_ref().map(first),
         voxels: packet.voxels.as_ref().map(|voxels| Voxels {
             records: first(&voxels.records),
+            normals: voxels.normals.as_ref().map(first),
             cube_edge: voxels.cube_edge,
         }),
         ..packet.clone()

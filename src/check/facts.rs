@@ -1,8 +1,7 @@
 //! What is remembered of a frame after it was looked at.
 
-use crate::cloud::{Positions, RawCloud};
-use crate::math::Aabb;
-use crate::scene::UpAxis;
+use crate::cloud::{Frame, Positions, RawCloud};
+use crate::scene::{FirstLook, UpAxis};
 use glam::DVec3;
 
 /// Facts of one frame, in file coordinates.
@@ -32,10 +31,10 @@ pub struct FrameFacts {
 
 impl FrameFacts {
     /// Looks at every point of `raw`.
-    pub fn of(raw: &RawCloud) -> Self {
+    pub fn of(raw: RawCloud) -> Self {
         let (finite_count, bounds) = raw.positions.finite_bounds();
         let zero_normals = raw.normals.iter().flatten().enumerate();
-        Self {
+        let facts = Self {
             point_count: raw.positions.len(),
             finite_count,
             bounds,
@@ -49,8 +48,12 @@ impl FrameFacts {
                 .count(),
             has_narrow_colors: raw.has_narrow_colors,
             is_single_precision: matches!(raw.positions, Positions::F32(_)),
-            probable_up: probable_up(bounds, raw.sensor),
+            probable_up: None,
             warnings: raw.warnings.clone(),
+        };
+        Self {
+            probable_up: probable_up(raw, bounds),
+            ..facts
         }
     }
 }
@@ -70,14 +73,11 @@ fn duplicates(positions: &Positions) -> usize {
     finite_count - keys.len()
 }
 
-/// The guess of the window, whose coordinates are near zero.
-fn probable_up(bounds: Option<(DVec3, DVec3)>, sensor: Option<DVec3>) -> Option<UpAxis> {
+/// What a window would take for up.
+fn probable_up(raw: RawCloud, bounds: Option<(DVec3, DVec3)>) -> Option<UpAxis> {
+    const SAMPLE_POINTS: usize = 1 << 17;
     let (min, max) = bounds?;
-    let middle = min * 0.5 + max * 0.5;
-    let near = |position: DVec3| (position - middle).as_vec3();
-    let bounds = Aabb {
-        min: near(min),
-        max: near(max),
-    };
-    Some(UpAxis::guess_of(&bounds, sensor.map(near)))
+    let origin = min * 0.5 + max * 0.5;
+    let frame = Frame::from_raw_sample(raw, origin, SAMPLE_POINTS).ok()?;
+    Some(FirstLook::of(&[&frame], origin).up)
 }

@@ -85,7 +85,7 @@ pub fn check(sequence: &Sequence, progress: &(dyn Fn(usize) + Sync)) -> CheckRep
     let facts: Vec<Result<FrameFacts, FrameError>> = (0..sequence.len())
         .into_par_iter()
         .map(|index| {
-            let facts = sequence.decode(index).map(|raw| FrameFacts::of(&raw));
+            let facts = sequence.decode(index).map(FrameFacts::of);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             facts
         })

@@ -1,14 +1,15 @@
 //! Arguments that several verbs share.
 
+use super::colors::ColorArgs;
 use super::warnings;
-use crate::headless::CameraChoice;
 use crate::io::ReadOptions;
 use crate::octree::StopCriterion;
 use crate::scene::{
-    Background, Camera, Clip, ClipShape, Footprint, Lighting, Lod, NormalBits, OffsetBits,
-    ParseChoiceError, Primitive, Projection, RendererChoice, Settings, Splatting, Strategy, UpAxis,
+    BackFaces, Background, Clip, ClipShape, EyeDome, Footprint, Lighting, Lod, NormalBits,
+    OffsetBits, ParseChoiceError, Primitive, RendererChoice, Settings, Splatting, Strategy,
+    VoxelLight,
 };
-use crate::sequence::{ColorSource, OpenOptions, Sequence, SequenceError};
+use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use clap::Args;
 use glam::DVec3;
 use std::num::NonZeroUsize;
@@ -64,6 +65,10 @@ pub(super) struct ReadArgs {
     #[arg(long, value_name = "N")]
     sample: Option<NonZeroUsize>,
 
+    /// Numbers a point in .bin files, 3 to 6 (usually told by statistics)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(3..=6))]
+    columns: Option<u8>,
+
     /// All scans of an E57 file are one frame, not a frame each
     #[arg(long)]
     merge_scans: bool,
@@ -92,7 +97,8 @@ impl ReadArgs {
         OpenOptions {
             read: default
                 .with_max_memory(max_memory_bytes)
-                .with_sample_count(self.sample),
+                .with_sample_count(self.sample)
+                .with_bin_columns(self.columns),
             fps: None,
             merge_scans: self.merge_scans,
             topic: self.topic.as_deref().map(Arc::from),
@@ -136,16 +142,20 @@ pub(super) struct PictureArgs {
     #[arg(long, value_name = "WHERE")]
     lighting: Option<Lighting>,
 
-    /// Where colours come from: auto, file, normal, scalar or uniform
-    #[arg(long, value_name = "SOURCE", value_parser = color_source)]
-    colors: Option<ColorSource>,
+    /// What the light of voxels falls on: normals (the surface in them) or faces
+    #[arg(long, value_name = "WHAT")]
+    voxel_light: Option<VoxelLight>,
 
     /// dusk, black, gray, white, sky, transparent (in files), #rrggbb or #rrggbb-#rrggbb
     #[arg(long, value_name = "COLOR")]
     background: Option<Behind>,
 
-    /// Draw surfels from behind too
-    #[arg(long)]
+    /// Surfels that face away: auto (left out if closed), drawn, darker or culled
+    #[arg(long, value_name = "FACES")]
+    back_faces: Option<BackFaces>,
+
+    /// The same as --back-faces drawn
+    #[arg(long, conflicts_with = "back_faces")]
     two_sided: bool,
 
     /// Draw surfels of octree cells, as --lod… says, instead of all points
@@ -175,6 +185,12 @@ pub(super) struct PictureArgs {
     /// Draw what is outside of --clip-box instead
     #[arg(long, requires = "clip_box")]
     clip_outside: bool,
+
+    #[command(flatten)]
+    colors: ColorArgs,
+
+    #[command(flatten)]
+    shown: ShownArgs,
 
     #[command(flatten)]
     stop: StopArgs,
@@ -208,6 +224,11 @@ impl PictureArgs {
         self.background == Some(Behind::Nothing)
     }
 
+    /// What was chosen for points to become.
+    pub(super) fn primitive(&self) -> Option<Primitive> {
+        self.primitive
+    }
+
     /// `default`, but for what is given.
     pub(super) fn settings_over(&self, default: Settings) -> Settings {
         Settings {
@@ -217,13 +238,22 @@ impl PictureArgs {
             strategy: self.instancing.unwrap_or(default.strategy),
             splat_scale: self.splat_scale.unwrap_or(default.splat_scale),
             enlargement: self.enlargement.unwrap_or(default.enlargement),
-            cull_back_faces: default.cull_back_faces && !self.two_sided,
+            back_faces: self
+                .back_faces
+                .or(self.two_sided.then_some(BackFaces::Drawn))
+                .unwrap_or(default.back_faces),
             lighting: self.lighting.unwrap_or(default.lighting),
+            voxel_light: self.voxel_light.unwrap_or(default.voxel_light),
+            eye_dome: self.shown.eye_dome.unwrap_or(default.eye_dome),
+            eye_dome_strength: (self.shown.eye_dome_strength).unwrap_or(default.eye_dome_strength),
+            grid: default.grid || self.shown.grid,
             background: match self.background {
                 Some(Behind::Colors(background)) => background,
                 Some(Behind::Nothing) | None => default.background,
             },
-            colors: self.colors.unwrap_or(default.colors),
+            colors: self.colors.over(default.colors),
+            color_hints: default.color_hints,
+            ground_box: default.ground_box,
             point_size_px: self.point_size.unwrap_or(default.point_size_px),
             stop: self.stop.criterion().unwrap_or(default.stop),
             lod: self.lod.choice().unwrap_or(default.lod),
@@ -242,12 +272,32 @@ impl PictureArgs {
     }
 }
 
+/// What else shows shape and place.
+#[derive(Debug, Clone, Default, Args)]
+struct ShownArgs {
+    /// Shade by depths (eye-dome lighting): auto, on or off
+    #[arg(long, value_name = "WHETHER")]
+    eye_dome: Option<EyeDome>,
+
+    /// How much --eye-dome shades (usually 1)
+    #[arg(long, value_name = "FACTOR", value_parser = not_negative)]
+    eye_dome_strength: Option<f32>,
+
+    /// Draw lines on the ground
+    #[arg(long)]
+    grid: bool,
+}
+
 /// When the octree's cells are no longer divided: one of these.
 #[derive(Debug, Clone, Default, Args)]
 #[group(multiple = false)]
 #[command(next_help_heading = LEVEL_OF_DETAIL)]
 struct StopArgs {
-    /// Divide the octree until this share of the points has no leaf of its own (usually 0.05)
+    /// Divide the octree down to the spacing of the points: closed surfaces (usual)
+    #[arg(long)]
+    spacing: bool,
+
+    /// Divide it until this share of the points has no leaf of its own (paper: 0.05)
     #[arg(long, value_name = "D", value_parser = delta)]
     delta: Option<f32>,
 
@@ -262,9 +312,11 @@ struct StopArgs {
 
 impl StopArgs {
     fn criterion(&self) -> Option<StopCriterion> {
+        let spacing = self.spacing.then_some(StopCriterion::Spacing);
         let delta = self.delta.map(StopCriterion::Loss);
         let depth = self.depth.map(StopCriterion::Depth);
-        delta
+        spacing
+            .or(delta)
             .or(depth)
             .or(self.octant_points.map(StopCriterion::PointsPerOctant))
     }
@@ -299,53 +351,6 @@ impl LodArgs {
         let budget = self.lod_budget.map(Lod::Budget);
         let time = self.lod_time.map(Lod::FrameTimeMs);
         threshold.or(level).or(budget).or(time)
-    }
-}
-
-/// Where the camera stands; what is not given frames the cloud.
-#[derive(Debug, Clone, Default, Args)]
-#[command(next_help_heading = VIEW)]
-pub(super) struct CameraArgs {
-    /// A view as the window copies it (Ctrl+C), of which other options change parts
-    #[arg(long, value_name = "TEXT")]
-    view: Option<Camera>,
-
-    /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
-    up: Option<UpAxis>,
-
-    /// Turn about the up axis in degrees; 0 is the front
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
-    azimuth: Option<f64>,
-
-    /// Height above the horizon in degrees, -90 to 90
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = elevation)]
-    elevation: Option<f64>,
-
-    /// From the middle of the cloud to the eye in scene units
-    #[arg(long, value_name = "D", value_parser = positive_f64)]
-    distance: Option<f64>,
-
-    /// Vertical field of view in degrees, 1 to 170
-    #[arg(long, value_name = "DEG", value_parser = field_of_view)]
-    fov: Option<f64>,
-
-    /// Draw by parallel rays: what is farther away is as large
-    #[arg(long)]
-    orthographic: bool,
-}
-
-impl CameraArgs {
-    pub(super) fn choice(&self) -> CameraChoice {
-        CameraChoice {
-            view: self.view,
-            projection: self.orthographic.then_some(Projection::Orthographic),
-            up: self.up,
-            azimuth_deg: self.azimuth,
-            elevation_deg: self.elevation,
-            distance: self.distance,
-            fov_deg: self.fov,
-        }
     }
 }
 
@@ -385,7 +390,7 @@ fn resolution(text: &str) -> Result<f32, String> {
     )
 }
 
-fn positive_f64(text: &str) -> Result<f64, String> {
+pub(super) fn positive_f64(text: &str) -> Result<f64, String> {
     number_in(
         text,
         |value: &f64| value.is_finite() && *value > 0.0,
@@ -417,11 +422,11 @@ fn delta(text: &str) -> Result<f32, String> {
     )
 }
 
-fn finite(text: &str) -> Result<f64, String> {
+pub(super) fn finite(text: &str) -> Result<f64, String> {
     number_in(text, |value: &f64| value.is_finite(), "degrees")
 }
 
-fn elevation(text: &str) -> Result<f64, String> {
+pub(super) fn elevation(text: &str) -> Result<f64, String> {
     number_in(
         text,
         |value| (-90.0..=90.0).contains(value),
@@ -429,7 +434,7 @@ fn elevation(text: &str) -> Result<f64, String> {
     )
 }
 
-fn field_of_view(text: &str) -> Result<f64, String> {
+pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
     number_in(
         text,
         |value| (1.0..=170.0).contains(value),
@@ -451,13 +456,6 @@ fn clip_box(text: &str) -> Result<ClipShape, String> {
             "expected six numbers, the smallest x,y,z and then the largest, such as 0,0,0,1.5,2,1"
                 .to_owned()
         })
-}
-
-fn color_source(text: &str) -> Result<ColorSource, String> {
-    ColorSource::ALL
-        .into_iter()
-        .find(|source| source.name() == text)
-        .ok_or_else(|| "expected auto, file, normal, scalar or uniform".to_owned())
 }
 
 /// Frames `first` to `last`, both included.

@@ -3,9 +3,11 @@
 use super::arguments::{ReadArgs, open_sequence_and_tell};
 use super::{answer, warnings};
 use crate::check::changed_attributes;
+use crate::scene::{BackFaces, FirstLook, Kind, Primitive, Settings};
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
 use clap::Args;
+use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -32,9 +34,31 @@ struct Info {
     origin: [f64; 3],
     /// At normal speed, for most of the time.
     fps: f64,
+    /// What is made of the sequence where nothing is chosen; absent where no frame has a point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    guess: Option<Guess>,
     /// Of recordings alone.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     recordings: Vec<RecordingInfo>,
+}
+
+/// How `view` and `render` show the sequence first, with the reasons.
+#[derive(Serialize)]
+struct Guess {
+    up: &'static str,
+    up_because: &'static str,
+    from: &'static str,
+    azimuth_deg: f64,
+    elevation_deg: f64,
+    kind: Kind,
+    primitive: Primitive,
+    primitive_because: &'static str,
+    planar_share: f32,
+    spacing_spread: f32,
+    back_faces: BackFaces,
+    /// Bounds without outliers, in file coordinates.
+    trimmed_min: [f64; 3],
+    trimmed_max: [f64; 3],
 }
 
 #[derive(Serialize)]
@@ -79,6 +103,9 @@ enum Content {
         attributes: Vec<String>,
         /// Triangles of a mesh.
         faces: usize,
+        /// What was assumed because nothing in the file says so.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        assumption: Option<String>,
         /// What else of the file could not be read.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         warnings: Vec<String>,
@@ -121,6 +148,7 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     }
     let info = Info {
         frames,
+        guess: guess(&sequence),
         origin: origin.to_array(),
         fps: sequence.fps(),
         recordings: sequence.recordings().iter().map(recording_info).collect(),
@@ -133,6 +161,32 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         answer(table(&info).trim_end());
     }
     Ok(())
+}
+
+/// From the first frame that can be read, and some others.
+fn guess(sequence: &Sequence) -> Option<Guess> {
+    let frame = (0..sequence.len()).find_map(|index| sequence.frame(index).ok())?;
+    let look = FirstLook::of_sequence(&frame, sequence);
+    if look.trimmed.is_empty() {
+        return None;
+    }
+    let in_file = |corner: Vec3| (sequence.origin() + corner.as_dvec3()).to_array();
+    let settings = Settings::default().resolved(&look);
+    Some(Guess {
+        up: look.up.name(),
+        up_because: look.up_why,
+        from: look.from.why,
+        azimuth_deg: look.from.azimuth_deg,
+        elevation_deg: look.from.elevation_deg,
+        kind: look.kind,
+        primitive: settings.primitive,
+        primitive_because: look.primitive_why,
+        planar_share: look.planar_share,
+        spacing_spread: look.spacing_spread,
+        back_faces: settings.back_faces,
+        trimmed_min: in_file(look.trimmed.min),
+        trimmed_max: in_file(look.trimmed.max),
+    })
 }
 
 fn recording_info(recording: &Recording) -> RecordingInfo {
@@ -158,6 +212,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
                 max: bounds.map(|(_, max)| max.to_array()),
                 attributes: raw.attributes().into_iter().map(str::to_owned).collect(),
                 faces: raw.faces.len(),
+                assumption: raw.assumption,
                 warnings: raw.warnings,
             }
         }
@@ -195,6 +250,7 @@ fn table(info: &Info) -> String {
                 max,
                 attributes,
                 faces,
+                assumption,
                 ..
             } => {
                 let bounds = match (min, max) {
@@ -208,9 +264,12 @@ fn table(info: &Info) -> String {
                     0 => String::new(),
                     faces => format!(" {faces} faces"),
                 };
+                let assumption = assumption
+                    .as_ref()
+                    .map_or_else(String::new, |assumption| format!(", {assumption}"));
                 writeln!(
                     text,
-                    "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}, {}",
+                    "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}{assumption}, {}",
                     frame.index,
                     attributes.join(" "),
                     place(frame)
@@ -235,6 +294,18 @@ fn table(info: &Info) -> String {
         });
         let topics: Vec<String> = topics.collect();
         let _ = writeln!(text, "{}: topics {}", recording.file, topics.join(", "));
+    }
+    if let Some(guess) = &info.guess {
+        let _ = writeln!(
+            text,
+            "shown as {}: {} is up ({}), seen {}; as {}s ({})",
+            guess.kind.name(),
+            guess.up,
+            guess.up_because,
+            guess.from,
+            guess.primitive,
+            guess.primitive_because
+        );
     }
     let [x, y, z] = info.origin;
     let _ = writeln!(

@@ -3,7 +3,9 @@
 
 mod arguments;
 mod bench;
+mod camera_arguments;
 mod check;
+mod colors;
 mod compare;
 mod compare_frames;
 mod convert;

@@ -1,8 +1,7 @@
 //! `pointreel render`: frames to PNG files, or to a video, with the code that draws the window.
 
-use super::arguments::{
-    CameraArgs, FrameRange, PictureArgs, ReadArgs, open_sequence_and_tell, size_px,
-};
+use super::arguments::{FrameRange, PictureArgs, ReadArgs, open_sequence_and_tell, size_px};
+use super::camera_arguments::CameraArgs;
 use super::poses::PosesArgs;
 use super::video::{VideoArgs, render_video};
 use super::warnings;
@@ -42,6 +41,13 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size_px)]
     size: [u32; 2],
 
+    /// Draw what the colours mean over the picture
+    #[arg(long)]
+    legend: bool,
+    /// Draw a bar of a round length, true at the distance of what the camera looks at
+    #[arg(long)]
+    scale_bar: bool,
+
     /// JSON file to write counters and times to
     #[arg(long, value_name = "STATS.json")]
     stats: Option<PathBuf>,
@@ -67,6 +73,8 @@ impl RenderArgs {
     pub(super) fn picture_size(&self) -> PictureSize {
         PictureSize {
             is_transparent: self.picture.is_transparent(),
+            has_legend: self.legend,
+            has_scale_bar: self.scale_bar,
             ..PictureSize::opaque(self.size)
         }
     }
@@ -102,6 +110,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
     let renderer = AnyRenderer::open(settings.renderer)?;
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
+    let settings = settings.resolved(&*headless.first_look()?);
     let mut stats = Stats {
         adapter: headless.renderer().summary(),
         size: arguments.size,
@@ -170,6 +179,7 @@ fn render_frames(
 ) -> anyhow::Result<Vec<(usize, String)>> {
     let sequence = Arc::clone(headless.sequence());
     make_folder(output, sequence.len())?;
+    let look = headless.first_look()?;
     let range = FrameRange { first, last };
     let poses = arguments.poses.poses(range, headless, settings)?;
     let mut failed = Vec::new();
@@ -186,8 +196,10 @@ fn render_frames(
                 continue;
             }
         };
-        let camera =
-            camera.get_or_insert_with(|| arguments.camera.choice().camera(&frame, &sequence));
+        let camera = camera.get_or_insert_with(|| {
+            let choice = arguments.camera.choice();
+            choice.camera(&look, sequence.origin(), arguments.size)
+        });
         let Dressed { frame, problems } = poses.dress(&frame, headless, settings)?;
         for problem in problems {
             warnings::warn_of_frame(&problem);

@@ -57,7 +57,7 @@ pub(super) fn render_video(
     };
     let (path, per_second, speed) = match &arguments.video.path {
         Some(file) => written_path(&arguments.video, &CameraPath::read(file)?)?,
-        None => path_around(arguments, settings, headless)?,
+        None => path_around(arguments, headless)?,
     };
     let last = headless.sequence().len() - 1;
     let range = arguments.frame.unwrap_or(FrameRange { first: 0, last });
@@ -117,7 +117,6 @@ fn written_path(video: &VideoArgs, path: &CameraPath) -> anyhow::Result<(CameraP
 /// A turntable, or a camera that stands still, as the arguments say.
 fn path_around(
     arguments: &RenderArgs,
-    settings: &Settings,
     headless: &Headless,
 ) -> anyhow::Result<(CameraPath, f64, f64)> {
     let video = &arguments.video;
@@ -153,8 +152,9 @@ fn path_around(
         Some(_) => video.turns.unwrap_or(1.0),
         None => 0.0,
     };
-    let frame = headless.frame(first, settings)?;
-    let camera = arguments.camera.choice().camera(&frame, sequence);
+    let look = headless.first_look()?;
+    let camera = arguments.camera.choice();
+    let camera = camera.camera(&look, sequence.origin(), arguments.picture_size().size_px);
     let path = CameraPath::turntable(
         camera,
         turns,

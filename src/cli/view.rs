@@ -120,6 +120,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
                 ..preferences
             },
             up: args.up,
+            primitive: args.picture.primitive(),
             view: args.view,
             open,
             follow: args.follow,

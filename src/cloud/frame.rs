@@ -3,9 +3,17 @@
 //! Points that are close in space are close in memory: whoever reads the points around a point, or the texels under it,
 //! finds them in the cache. [`Frame::file_index`] leads back to the file.
 
-use super::{Positions, RawCloud, ScalarField, even_places, radius_factor};
+use super::value_sample::{SharedSample, ValueSample};
+use super::{
+    AxisConvention, LengthUnit, Positions, RawCloud, ScalarField, even_places, radius_factor,
+};
 use crate::math::{Aabb, Cube, order_of_codes};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Points that are worth handing to another thread.
+const POINTS_PER_TASK: usize = 1 << 15;
 
 /// Why a decoded cloud cannot become a frame.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -47,11 +55,14 @@ pub struct Frame {
     radii: Option<Vec<f32>>,
     scalars: Vec<ScalarField>,
     sensor: Option<Vec3>,
+    convention: Option<AxisConvention>,
+    unit: Option<LengthUnit>,
     bounds: Aabb,
     dropped_points: usize,
     /// Points of the file that this one was not made from, as it is a sample.
     left_out: usize,
     warnings: Vec<String>,
+    sample: SharedSample,
 }
 
 impl Frame {
@@ -88,15 +99,18 @@ impl Frame {
                 .into_iter()
                 .map(|field| ScalarField {
                     values: gather(&field.values, &file_index, |scalar| {
-                        if scalar.is_finite() { scalar } else { 0.0 }
+                        if scalar.is_finite() { scalar } else { f32::NAN }
                     }),
                     ..field
                 })
                 .collect(),
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
+            convention: raw.convention,
+            unit: raw.unit,
             file_index,
             left_out: 0,
             warnings: raw.warnings,
+            sample: SharedSample::default(),
         })
     }
 
@@ -112,8 +126,21 @@ impl Frame {
             return Self::from_raw(raw, origin);
         }
         check_lengths(&raw)?;
-        let places = even_places(point_count, most_points);
-        raw.keep(&places);
+        raw.keep(&even_places(point_count, most_points));
+        Self::from_sampled(raw, origin, point_count)
+    }
+
+    /// [`Frame::from_raw_sample`] of a file of `point_count` points of which `raw` has those that it takes.
+    ///
+    /// # Panics
+    /// Precondition: no more points than in the file.
+    pub fn from_sampled(
+        mut raw: RawCloud,
+        origin: DVec3,
+        point_count: usize,
+    ) -> Result<Self, CloudError> {
+        let places = even_places(point_count, raw.positions.len());
+        assert_eq!(places.len(), raw.positions.len(), "points of a larger file");
         let factor = radius_factor(point_count, places.len());
         for radius in raw.radii.iter_mut().flatten() {
             *radius *= factor;
@@ -157,12 +184,16 @@ impl Frame {
             has_narrow_colors: false,
             faces: Vec::new(),
             sensor: self.sensor.map(Vec3::as_dvec3),
+            convention: self.convention,
+            assumption: None,
+            unit: self.unit,
             warnings: self.warnings.clone(),
         };
         let mut sample = Self::from_raw(raw, DVec3::ZERO)?;
         let slots = gather(&taken, &sample.file_index, |slot| slot);
         sample.file_index = gather(&self.file_index, &slots, |index| index);
         sample.left_out = self.points_in_file() - slots.len();
+        sample.share_sample(Arc::clone(self.value_sample()));
         Ok((sample, slots))
     }
 
@@ -201,12 +232,31 @@ impl Frame {
         self.radii.as_deref()
     }
 
-    /// The values of the first scalar field (intensity and the like), which colours show.
+    /// Some points of the first frame of the sequence, by which is decided what all frames have in common; of this one where it belongs
+    /// to none.
+    pub fn value_sample(&self) -> &Arc<ValueSample> {
+        self.sample.0.get_or_init(|| {
+            let (positions, colors) = (self.positions(), self.colors());
+            Arc::new(ValueSample::of_arrays(
+                positions,
+                colors,
+                &self.scalars,
+                self.sensor,
+            ))
+        })
+    }
+
+    /// Takes the sample of its sequence. Says nothing any more once it was asked for.
+    pub(crate) fn share_sample(&self, sample: Arc<ValueSample>) {
+        _ = self.sample.0.set(sample);
+    }
+
+    /// The values of the first scalar field (intensity and the like), the best to colour by; NaN where the file has no finite number.
     pub fn scalars(&self) -> Option<&[f32]> {
         self.scalars.first().map(|field| field.values.as_slice())
     }
 
-    /// All scalar fields of the file.
+    /// All scalar fields of the file; NaN where it has no finite number.
     pub fn scalar_fields(&self) -> &[ScalarField] {
         &self.scalars
     }
@@ -214,6 +264,16 @@ impl Frame {
     /// Where the sensor stood, relative to the sequence origin.
     pub fn sensor(&self) -> Option<Vec3> {
         self.sensor
+    }
+
+    /// What the file says about its axes.
+    pub fn convention(&self) -> Option<AxisConvention> {
+        self.convention
+    }
+
+    /// The unit of positions, if the file says it.
+    pub fn unit(&self) -> Option<LengthUnit> {
+        self.unit
     }
 
     /// The box around all positions.
@@ -239,6 +299,11 @@ impl Frame {
     /// What of the file could not be read although its points could: see [`RawCloud::warnings`].
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+
+    /// Adds to [`Frame::warnings`].
+    pub(crate) fn warn(&mut self, warning: String) {
+        self.warnings.push(warning);
     }
 
     /// Bytes of all arrays.
@@ -317,9 +382,14 @@ fn in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
 }
 
 /// What `convert` makes of the values at `indices`.
-fn gather<T: Copy, U>(values: &[T], indices: &[u32], convert: impl Fn(T) -> U) -> Vec<U> {
+fn gather<T: Copy + Sync, U: Send>(
+    values: &[T],
+    indices: &[u32],
+    convert: impl Fn(T) -> U + Sync,
+) -> Vec<U> {
     indices
-        .iter()
+        .par_iter()
+        .with_min_len(POINTS_PER_TASK)
         .map(|&index| convert(values[index as usize]))
         .collect()
 }

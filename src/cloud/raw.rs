@@ -1,5 +1,6 @@
 //! What a decoder hands over: arrays in file order and file coordinates, not yet checked.
 
+use super::LengthUnit;
 use glam::DVec3;
 
 /// Coordinates at the precision of the file, so that nothing is lost before the origin is subtracted.
@@ -90,6 +91,26 @@ impl ScalarField {
     }
 }
 
+/// Which way the axes of a file point, as its format or its header says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AxisConvention {
+    /// Y is up: glTF.
+    YUp,
+    /// Z is up: maps and surveys, LAS among them.
+    ZUp,
+    /// Z is up in most files of the format, though nothing says that it must be: KITTI, PTX, E57, ROS, STL.
+    UsuallyZUp,
+    /// Right, down, forward: a cloud in the optical frame of a camera.
+    Camera,
+}
+
+impl AxisConvention {
+    /// Whether a file that has other axes is wrong.
+    pub fn is_binding(self) -> bool {
+        !matches!(self, Self::UsuallyZUp)
+    }
+}
+
 /// A decoded point cloud. Every attribute that is there has one entry a point; [`super::Frame::from_raw`] checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawCloud {
@@ -109,6 +130,12 @@ pub struct RawCloud {
     pub faces: Vec<[u32; 3]>,
     /// Where the sensor stood, in file coordinates, if the file says so: normals are turned towards it.
     pub sensor: Option<DVec3>,
+    /// What the file says about its axes.
+    pub convention: Option<AxisConvention>,
+    /// What was assumed about the file because nothing in it says so.
+    pub assumption: Option<String>,
+    /// The unit of coordinates, if format or file say it.
+    pub unit: Option<LengthUnit>,
     /// What of the file could not be read although its points could: a sentence each, with file and place.
     pub warnings: Vec<String>,
 }
@@ -125,6 +152,9 @@ impl RawCloud {
             has_narrow_colors: false,
             faces: Vec::new(),
             sensor: None,
+            convention: None,
+            assumption: None,
+            unit: None,
             warnings: Vec::new(),
         }
     }

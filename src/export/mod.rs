@@ -10,10 +10,13 @@ mod changes;
 mod error;
 mod gif;
 mod mp4;
+mod overlay;
 mod picture;
 mod png_files;
 mod poses;
+mod scale_bar;
 mod sink;
+mod strokes;
 mod video;
 mod webp;
 

@@ -4,14 +4,18 @@
 //! 4096² pixels (or the largest texture) is drawn part by part, each as the same eye sees it through another piece of the same
 //! screen, and written a strip of parts after the other: a strip takes a quarter of a GiB at most, however large the picture is.
 //!
+//! Where eye-dome lighting looks at neighbours, parts are drawn with as many pixels around them as it looks far: no seams are seen.
+//!
 //! *Alpha* is found by drawing each part on black and on white. What covers a pixel by `alpha` and has the colour `c` leaves
 //! `alpha · c` on black and `alpha · c + 1 - alpha` on white, in every mode and by every renderer.
 
 use super::ExportError;
+use super::overlay::{Canvas, draw_legend};
+use super::scale_bar::PaintedBar;
 use crate::headless::{Headless, HeadlessError};
 use crate::kept::Partial;
 use crate::render::{AnyRenderer, RenderError, scaled_to};
-use crate::scene::{Background, Camera, ScenePacket, Settings};
+use crate::scene::{Background, Camera, EyeDomeLight, Legend, ScenePacket, Settings};
 use crate::sequence::PreparedFrame;
 use image::{RgbaImage, imageops};
 use std::fs::File;
@@ -35,6 +39,10 @@ pub struct PictureSize {
     pub size_px: [u32; 2],
     /// Nothing is behind the cloud: straight alpha in place of [`Settings::background`].
     pub is_transparent: bool,
+    /// What the colours mean is drawn over the picture, where they are numbers or classes.
+    pub has_legend: bool,
+    /// A bar of a round length is at the lower left.
+    pub has_scale_bar: bool,
     /// Longest edge of a part that is drawn at once; `None` for what suits the renderer.
     pub part_edge_px: Option<u32>,
 }
@@ -45,13 +53,17 @@ impl PictureSize {
         Self {
             size_px,
             is_transparent: false,
+            has_legend: false,
+            has_scale_bar: false,
             part_edge_px: None,
         }
     }
 
-    fn largest_part_px(&self, renderer: &AnyRenderer) -> [u32; 2] {
+    /// Without the halo that is drawn around a part.
+    fn largest_part_px(&self, renderer: &AnyRenderer, halo_px: u32) -> [u32; 2] {
         let edge = self.part_edge_px.unwrap_or(MAX_PART_EDGE_PX);
-        let edge = edge.clamp(1, renderer.max_edge_px());
+        let most = renderer.max_edge_px().saturating_sub(2 * halo_px);
+        let edge = edge.clamp(1, most.max(1));
         let rows = MAX_STRIP_BYTES / (4 * self.size_px[0]);
         [edge, edge.min(rows.max(1))]
     }
@@ -162,11 +174,32 @@ fn for_each_strip(
     let size_px @ [width, height] = size.size_px;
     check_size(size_px)?;
     let packet = headless.packet(frame, camera, settings, size_px);
-    let [part_width, part_height] = size.largest_part_px(headless.renderer());
+    let halo_px = EyeDomeLight::of(&packet).map_or(0, |light| light.halo_px());
+    let [part_width, part_height] = size.largest_part_px(headless.renderer(), halo_px);
+    let legend = Legend::of(frame).filter(|_| size.has_legend);
+    let unit = frame.frame.unit();
+    let bar = size
+        .has_scale_bar
+        .then(|| PaintedBar::of(camera, size_px, unit))
+        .flatten();
+    let mut take = |mut strip: RgbaImage, top: u32| {
+        if let Some(bar) = &bar {
+            bar.paint(&mut strip, top);
+        }
+        if let Some(legend) = &legend {
+            let mut canvas = Canvas {
+                rows: &mut strip,
+                top_px: top,
+                whole_px: size_px,
+            };
+            draw_legend(&mut canvas, legend);
+        }
+        take(strip)
+    };
     let [drawn_width, drawn_height] = packet.viewport_px;
     if drawn_width <= part_width && drawn_height <= part_height {
         let image = draw_part(headless, &packet, size.is_transparent)?;
-        take(scaled_to(image, size_px))?;
+        take(scaled_to(image, size_px), 0)?;
         return done(observe(1, 1));
     }
     if packet.viewport_px != size_px {
@@ -179,15 +212,40 @@ fn for_each_strip(
         let mut strip = RgbaImage::new(width, rows);
         for left in (0..width).step_by(part_width as usize) {
             let columns = part_width.min(width - left);
-            let part = packet.part([left, top], [columns, rows]);
-            let image = draw_part(headless, &part, size.is_transparent)?;
-            imageops::replace(&mut strip, &image, i64::from(left), 0);
+            let part = Part::with_halo([left, top], [columns, rows], size_px, halo_px);
+            let packet = packet.part(part.start, part.size);
+            let image = draw_part(headless, &packet, size.is_transparent)?;
+            let [inset_x, inset_y] = part.inset;
+            let image = imageops::crop_imm(&image, inset_x, inset_y, columns, rows);
+            imageops::replace(&mut strip, &*image, i64::from(left), 0);
             drawn += 1;
             done(observe(drawn, total))?;
         }
-        take(strip)?;
+        take(strip, top)?;
     }
     Ok(())
+}
+
+/// A part of a picture as it is drawn, in pixels: with pixels around it, as eye-dome lighting looks at neighbours.
+struct Part {
+    /// Its upper left pixel.
+    start: [u32; 2],
+    size: [u32; 2],
+    /// Where what is wanted of it begins.
+    inset: [u32; 2],
+}
+
+impl Part {
+    fn with_halo(start: [u32; 2], size: [u32; 2], whole: [u32; 2], halo: u32) -> Self {
+        let inset = start.map(|start| start.min(halo));
+        let end = |axis: usize| (start[axis] + size[axis] + halo).min(whole[axis]);
+        let first = |axis: usize| start[axis] - inset[axis];
+        Self {
+            start: [first(0), first(1)],
+            size: [end(0) - first(0), end(1) - first(1)],
+            inset,
+        }
+    }
 }
 
 fn done(answer: ControlFlow<()>) -> Result<(), ExportError> {

@@ -7,7 +7,9 @@ use crate::headless::Headless;
 use crate::measure::Change;
 use crate::octree::StopCriterion;
 use crate::scene::{Scene, Settings};
-use crate::sequence::{FrameError, Ghost, Needs, OnionSkin, PreparedFrame, Trails, with_ghosts};
+use crate::sequence::{
+    FrameError, Ghost, Needs, OnionSkin, Paint, PreparedFrame, Trails, with_ghosts,
+};
 use std::sync::Arc;
 
 /// Radius of trails, as a share of that of the frame.
@@ -166,8 +168,11 @@ impl ChangeColors {
         let places = dressed.frame.frame.positions();
         match Change::between(places, other.frame.positions(), || true) {
             Some(change) => {
-                let colors = change.colors(self.range.unwrap_or(change.usual_range()));
-                dressed.frame = Arc::new(dressed.frame.in_colors(&colors));
+                let range = self.range.unwrap_or(change.usual_range());
+                let map = settings.colors.map;
+                let paint = Paint::change(range, map);
+                let colors = change.colors(range, map);
+                dressed.frame = Arc::new(dressed.frame.in_colors(&colors, paint));
             }
             None => keeps(format!("frame {} has no points", other.index)),
         }

@@ -24,7 +24,13 @@ const ALPHA: [&str; 3] = ["alpha", "diffuse_alpha", "a"];
 
 const RADII: [&str; 2] = ["radius", "splat_radius"];
 
-/// Names of scalars, the best to colour by first. `CloudCompare` writes `scalar_` before them.
+/// What `CloudCompare` writes before the names of scalars: whatever follows is one.
+const SCALAR_PREFIX: &str = "scalar_";
+
+/// Scalars beyond those of known names that are taken.
+const MAX_OTHER_SCALARS: usize = 32;
+
+/// Names of scalars, the best to colour by first.
 const SCALARS: [&str; 22] = [
     "intensity",
     "reflectance",
@@ -68,7 +74,7 @@ pub(super) fn is_reserved(name: &str) -> bool {
 }
 
 fn is_scalar(name: &str) -> bool {
-    SCALARS.contains(&name.strip_prefix("scalar_").unwrap_or(name))
+    name.starts_with(SCALAR_PREFIX) || SCALARS.contains(&name)
 }
 
 /// Which column is what, by index; what their names do not say is left out.
@@ -126,15 +132,22 @@ impl Roles {
             .or_else(|| find_any(&PACKED_COLORS).map(Colors::Packed));
         let has_name = |column: &Column<'_>, name: &str| {
             let found = column.name.to_ascii_lowercase();
-            found.strip_prefix("scalar_").unwrap_or(&found) == name
+            found.strip_prefix(SCALAR_PREFIX).unwrap_or(&found) == name
         };
         let scalar = |name: &&str| columns.iter().position(|column| has_name(column, name));
+        let mut scalars: Vec<usize> = SCALARS.iter().filter_map(scalar).collect();
+        let others = (0..columns.len()).filter(|&index| {
+            let name = columns[index].name.to_ascii_lowercase();
+            name.starts_with(SCALAR_PREFIX) && !scalars.contains(&index)
+        });
+        let others: Vec<usize> = others.take(MAX_OTHER_SCALARS).collect();
+        scalars.extend(others);
         Ok(Self {
             positions,
             normals: NORMALS.iter().find_map(find_all),
             colors,
             radii: find_any(&RADII),
-            scalars: SCALARS.iter().filter_map(scalar).collect(),
+            scalars,
         })
     }
 

@@ -19,15 +19,24 @@ use crate::progress::Progress;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fs::File;
-use std::io::{self, Read, Seek as _, SeekFrom};
+use std::io::{self, BufReader, Read, Seek as _, SeekFrom};
 use std::path::Path;
 use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 /// What is read at once: about what a core's own cache holds. Less is slower, for threads meet more often.
 const PIECE_BYTES: usize = 1 << 20;
 
 /// More threads than steps only wait: reading, positions, other attributes.
 const STAGES: usize = 3;
+
+/// Rows that a thread looks for one after the other, and between two looks at the clock.
+const ROWS_PER_TASK: usize = 1 << 13;
+const ROWS_PER_LOOK: usize = 1 << 5;
+
+/// Rows that are nearer to each other than a page of memory are read with what is between them, so much at once.
+const NARROW_GAP_BYTES: usize = 1 << 12;
+const READ_AT_ONCE_BYTES: usize = 1 << 17;
 
 /// A number in each row.
 #[derive(Debug)]
@@ -52,6 +61,11 @@ pub(super) struct FixedRows {
 }
 
 impl FixedRows {
+    /// Bytes of the cloud in memory: about as many as in the file.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        (self.count as u64).saturating_mul(self.row_bytes as u64)
+    }
+
     /// The columns of rows that lie in `bytes` one after the other.
     pub(super) fn columns<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
         let column = |field: &Field| Column {
@@ -69,6 +83,70 @@ impl FixedRows {
 
     /// The cloud in the file at `path`; `None` where it takes the whole file to tell what it means or what is wrong.
     pub(super) fn read(&self, path: &Path, progress: &Progress) -> io::Result<Option<RawCloud>> {
+        let Some((roles, mut file)) = self.open(path)? else {
+            return Ok(None);
+        };
+        file.seek(SeekFrom::Start(self.start as u64))?;
+        let growing = Growing::new(roles, &self.columns(&[]), self.count);
+        progress.set(0, self.count * self.row_bytes);
+        self.append_pieces(file, &growing, PIECE_BYTES, progress)?;
+        let mut cloud = growing.finish();
+        cloud.sensor = self.sensor;
+        Ok(Some(cloud))
+    }
+
+    /// The cloud of the rows at `places` (ascending), of which little more than themselves is read; `None` as for [`FixedRows::read`], and
+    /// where that takes longer than `most_time`: a disk may have to look for every row.
+    ///
+    /// Precondition: each place is below the number of rows.
+    pub(super) fn read_at(
+        &self,
+        path: &Path,
+        places: &[usize],
+        most_time: Duration,
+    ) -> io::Result<Option<RawCloud>> {
+        let Some((roles, _)) = self.open(path)? else {
+            return Ok(None);
+        };
+        let begin = Instant::now();
+        let mut rows = vec![0; places.len() * self.row_bytes];
+        let gap_bytes = self.count * self.row_bytes / places.len().max(1);
+        let buffer_bytes = if gap_bytes < NARROW_GAP_BYTES {
+            READ_AT_ONCE_BYTES
+        } else {
+            self.row_bytes
+        };
+        rows.par_chunks_mut(ROWS_PER_TASK * self.row_bytes)
+            .zip(places.par_chunks(ROWS_PER_TASK))
+            .try_for_each(|(rows, places)| {
+                let mut reader = BufReader::with_capacity(buffer_bytes, File::open(path)?);
+                let mut at = 0;
+                for (index, place) in places.iter().enumerate() {
+                    let start = self.start + place * self.row_bytes;
+                    reader.seek_relative((start - at) as i64)?;
+                    reader.read_exact(&mut rows[index * self.row_bytes..][..self.row_bytes])?;
+                    at = start + self.row_bytes;
+                    if index % ROWS_PER_LOOK == 0 && begin.elapsed() > most_time {
+                        return Err(io::ErrorKind::TimedOut.into());
+                    }
+                }
+                Ok(())
+            })
+            .map(|()| {
+                let growing = Growing::new(roles, &self.columns(&[]), places.len());
+                growing.append(&self.columns(&rows), places.len(), ());
+                let mut cloud = growing.finish();
+                cloud.sensor = self.sensor;
+                Some(cloud)
+            })
+            .or_else(|error: io::Error| match error.kind() {
+                io::ErrorKind::TimedOut => Ok(None),
+                _ => Err(error),
+            })
+    }
+
+    /// What the columns are for, and the file at `path`, if each row tells all of its point and there are as many as the header claims.
+    fn open(&self, path: &Path) -> io::Result<Option<(Roles, File)>> {
         let columns = self.columns(&[]);
         let roles = Roles::of(&columns).ok();
         let roles = roles.filter(|roles| roles.are_local(&columns));
@@ -80,18 +158,9 @@ impl FixedRows {
         ) else {
             return Ok(None);
         };
-        let mut file = File::open(path)?;
+        let file = File::open(path)?;
         let available = file.metadata()?.len().saturating_sub(self.start as u64);
-        if available < bytes as u64 {
-            return Ok(None);
-        }
-        file.seek(SeekFrom::Start(self.start as u64))?;
-        let growing = Growing::new(roles, &columns, self.count);
-        progress.set(0, bytes);
-        self.append_pieces(file, &growing, PIECE_BYTES, progress)?;
-        let mut cloud = growing.finish();
-        cloud.sensor = self.sensor;
-        Ok(Some(cloud))
+        Ok((available >= bytes as u64).then_some((roles, file)))
     }
 
     /// Appends the rows that `reader` has, about `piece_bytes` at once.
@@ -137,6 +206,7 @@ impl FixedRows {
 mod tests {
     use super::super::{attributes, read, read_bytes};
     use super::*;
+    use crate::cloud::Frame;
 
     const COUNT: usize = 1000;
 
@@ -233,6 +303,36 @@ mod tests {
     }
 
     #[test]
+    fn some_rows_are_those_of_the_whole_and_no_others() {
+        let rows = rows(true);
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), bytes(&rows)).unwrap();
+        let whole = rows
+            .read(file.path(), &Progress::default())
+            .unwrap()
+            .unwrap();
+        for places in [vec![], vec![0, 1, 7, 500, COUNT - 1], (0..COUNT).collect()] {
+            let mut expected = whole.clone();
+            expected.keep(&places);
+            let found = rows.read_at(file.path(), &places, Duration::MAX).unwrap();
+            let found = found.unwrap();
+            assert_eq!(found.scalars.len(), 2);
+            // GPS times have an offset of their own.
+            let comparable = |mut cloud: RawCloud| {
+                cloud.scalars.retain(|field| field.name == "ring");
+                format!("{cloud:?}")
+            };
+            if places.is_empty() {
+                assert!(found.positions.is_empty());
+            } else {
+                assert!(comparable(found) == comparable(expected));
+            }
+        }
+        let in_no_time = rows.read_at(file.path(), &[1], Duration::ZERO).unwrap();
+        assert!(in_no_time.is_none(), "it takes too long");
+    }
+
+    #[test]
     fn what_rows_do_not_tell_is_left_to_the_reading_of_whole_files() {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), bytes(&rows(false))).unwrap();
@@ -253,6 +353,51 @@ mod tests {
         assert!(!changed(|rows| rows.fields[3].name.clear()), "no x");
         let beyond = |rows: &mut FixedRows| rows.fields[2].offset = rows.row_bytes - 1;
         assert!(!changed(beyond), "a field that is not in its row");
+    }
+
+    /// What is read of a file alone is what would be taken of all of it.
+    #[test]
+    fn a_sample_of_a_file_is_that_of_its_cloud() {
+        let file = tempfile::Builder::new().suffix(".ply").tempfile().unwrap();
+        let header = format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {COUNT}\nproperty float x\n\
+             property float y\nproperty float z\nproperty uchar red\nproperty uchar green\n\
+             property uchar blue\nend_header\n"
+        );
+        let mut bytes = header.into_bytes();
+        for index in 0..COUNT {
+            let place = [index * 37 % 101, index % 7, index].map(|axis| axis as f32);
+            bytes.extend(place.iter().flat_map(|axis| axis.to_le_bytes()));
+            bytes.extend([index as u8, (index >> 8) as u8, 9]);
+        }
+        std::fs::write(file.path(), &bytes).unwrap();
+        let sample = |most, fewest| {
+            super::super::read_sample(file.path(), most, fewest, Duration::MAX).unwrap()
+        };
+        assert!(sample(100, COUNT + 1).is_none());
+        let (raw, count) = sample(100, COUNT).unwrap();
+        let found = Frame::from_sampled(raw, DVec3::ZERO, count).unwrap();
+        let whole = read(file.path()).unwrap();
+        let expected = Frame::from_raw_sample(whole, DVec3::ZERO, 100).unwrap();
+        assert_eq!(found, expected);
+        assert_eq!((found.len(), found.points_in_file()), (100, COUNT));
+    }
+
+    #[test]
+    fn a_file_that_does_not_fit_the_memory_is_refused_before_it_is_read() {
+        let file = tempfile::Builder::new().suffix(".ply").tempfile().unwrap();
+        let header = "ply\nformat binary_little_endian 1.0\nelement vertex 1000\nproperty float x\n\
+                      property float y\nproperty float z\nend_header\n";
+        let mut bytes = header.as_bytes().to_vec();
+        bytes.resize(bytes.len() + 12_000, 0);
+        std::fs::write(file.path(), &bytes).unwrap();
+        let read = |most_bytes| {
+            let options = super::super::ReadOptions::default().with_max_memory(most_bytes);
+            super::super::read_part(file.path(), &super::super::Part::Whole, &options)
+        };
+        assert_eq!(read(12_000).unwrap().positions.len(), 1000);
+        let error = read(11_999).unwrap_err().to_string();
+        assert!(error.contains("1000 points would take"), "{error}");
     }
 
     #[test]

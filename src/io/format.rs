@@ -1,5 +1,6 @@
 //! Which format a file is in: its first bytes decide, its extension only where they cannot.
 
+use crate::cloud::{AxisConvention, LengthUnit};
 use std::fmt;
 use std::path::Path;
 
@@ -95,6 +96,16 @@ impl Format {
             .map(|&(format, _, _)| format)
     }
 
+    /// Which way its axes point, where its specification or the habit of those who write it says so.
+    pub(super) fn convention(self) -> Option<AxisConvention> {
+        match self {
+            Self::Gltf => Some(AxisConvention::YUp),
+            Self::Las => Some(AxisConvention::ZUp),
+            Self::E57 | Self::Ptx | Self::Bin | Self::Stl => Some(AxisConvention::UsuallyZUp),
+            _ => None,
+        }
+    }
+
     /// Whether a file of this format may hold more than one frame.
     pub fn holds_many(self) -> bool {
         matches!(self, Self::E57 | Self::Gltf) || self.is_container()
@@ -112,6 +123,16 @@ impl Format {
     /// Whether files of this format are surfaces of which the vertices alone show little.
     pub fn is_for_meshes(self) -> bool {
         matches!(self, Self::Obj | Self::Off | Self::Stl | Self::Gltf)
+    }
+
+    /// The unit of coordinates, where all files of this format have the same: ASTM E2807, Leica's PTX, glTF 2.0 (§3.4), the laser scans
+    /// of KITTI and nuScenes, and messages of ROS (REP 103) and Foxglove are in metres.
+    pub fn unit(self) -> Option<LengthUnit> {
+        matches!(
+            self,
+            Self::E57 | Self::Ptx | Self::Gltf | Self::Bin | Self::Mcap | Self::Bag | Self::Db3
+        )
+        .then_some(LengthUnit::Metre)
     }
 
     fn of_magic(name: &Path, bytes: &[u8]) -> Option<Self> {
@@ -171,6 +192,25 @@ impl fmt::Display for Format {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_formats_say_of_units() {
+        let of = |name: &str| Format::of_extension(Path::new(name)).and_then(Format::unit);
+        for name in [
+            "a.glb", "a.e57", "a.ptx", "000.bin", "a.mcap", "a.bag", "a.db3",
+        ] {
+            assert_eq!(of(name), Some(LengthUnit::Metre), "{name}");
+        }
+        for name in ["a.ply", "a.stl", "a.obj", "a.las", "a.npy", "a.zip"] {
+            assert_eq!(of(name), None, "{name}");
+        }
+        let unit = |name: &str, bytes: &[u8]| {
+            let cloud = crate::io::read_bytes(Path::new(name), bytes).unwrap();
+            cloud.unit
+        };
+        assert_eq!(unit("a.bin", &[0; 32]), Some(LengthUnit::Metre));
+        assert_eq!(unit("a.xyz", b"0 0 0\n1 2 3\n"), None);
+    }
 
     #[test]
     fn first_bytes_count_more_than_names() {

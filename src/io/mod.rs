@@ -48,12 +48,14 @@ pub use options::ReadOptions;
 pub use recording::Message;
 pub use write::{WriteFormat, write};
 
-use crate::cloud::RawCloud;
+use crate::cloud::{RawCloud, even_places};
 use crate::progress::Progress;
 use error::Fault;
+use fixed_rows::FixedRows;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
+use std::time::Duration;
 
 /// Reads the cloud in the file at `path`: by its first bytes, else by its extension. Of a file with many frames, all that belong
 /// together (scans) or the first one.
@@ -121,18 +123,55 @@ fn read_watched(
             }),
         };
     }
-    let rows = match Format::detect(path, &magic) {
-        Some(Format::Ply) => ply::fixed_rows(&magic),
-        Some(Format::Pcd) => pcd::fixed_rows(&magic),
-        _ => None,
-    };
-    if let Some(rows) = rows
-        && let Some(cloud) = rows.read(path, progress).map_err(failed)?
-    {
-        return Ok(cloud);
+    if let Some((format, rows)) = fixed_rows(path, &magic) {
+        // Of a header that claims more than there is the reading of whole files has to tell.
+        let available = std::fs::metadata(path).map_err(failed)?.len();
+        let needed = rows.memory_bytes().min(available);
+        if needed > options.max_memory_bytes {
+            let what = format!("{} points", rows.count);
+            let fault = Fault::too_large(&what, needed, options);
+            return Err(fault.of(path, format));
+        }
+        if let Some(cloud) = rows.read(path, progress).map_err(failed)? {
+            return Ok(cloud);
+        }
     }
     let bytes = watched::read_file(path, progress).map_err(failed)?;
     read_bytes_with(path, &bytes, part, options, progress)
+}
+
+/// At most `most_points` of the points in the file at `path`, and how many it has, where its rows are of one length and it has at least
+/// `fewest_points`: one point in each of as many equal parts, without the rest being read. `None` otherwise, and where looking for
+/// them takes longer than `most_time`.
+pub(crate) fn read_sample(
+    path: &Path,
+    most_points: usize,
+    fewest_points: usize,
+    most_time: Duration,
+) -> Result<Option<(RawCloud, usize)>, IoError> {
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let magic = first_bytes(path)?;
+    let rows = fixed_rows(path, &magic).map(|(_, rows)| rows);
+    let Some(rows) = rows.filter(|rows| rows.count >= fewest_points) else {
+        return Ok(None);
+    };
+    let places = even_places(rows.count, most_points);
+    let cloud = rows.read_at(path, &places, most_time).map_err(failed)?;
+    Ok(cloud.map(|cloud| (cloud, rows.count)))
+}
+
+/// The format and the rows of a file that begins with `magic`, if they are of one length.
+fn fixed_rows(path: &Path, magic: &[u8]) -> Option<(Format, FixedRows)> {
+    let format = Format::detect(path, magic)?;
+    let rows = match format {
+        Format::Ply => ply::fixed_rows(magic),
+        Format::Pcd => pcd::fixed_rows(magic),
+        _ => None,
+    };
+    rows.map(|rows| (format, rows))
 }
 
 /// Reads the cloud in `bytes`; `name` stands in error messages, and its extension tells the format where the first
@@ -166,7 +205,7 @@ fn read_bytes_with(
         Format::E57 => e57::decode(bytes, part, options, progress),
         Format::Draco => draco::decode(bytes, options),
         Format::Ptx => ptx::decode(bytes, progress),
-        Format::Bin => bin::decode(name, bytes),
+        Format::Bin => bin::decode(name, bytes, options.bin_columns),
         Format::Obj => obj::decode(bytes, progress),
         Format::Off => off::decode(bytes),
         Format::Stl => stl::decode(bytes),
@@ -178,6 +217,8 @@ fn read_bytes_with(
         )),
     };
     let sampled = |mut cloud: RawCloud| {
+        cloud.convention = cloud.convention.or(format.convention());
+        cloud.unit = cloud.unit.or(format.unit());
         for warning in &mut cloud.warnings {
             *warning = format!("{}, {warning} ({format} file)", name.display());
         }

@@ -14,6 +14,8 @@ pub struct ReadOptions {
     pub sample_count: Option<NonZeroUsize>,
     /// The same for files of formats that are for meshes, whose vertices alone show little.
     pub mesh_sample_count: Option<NonZeroUsize>,
+    /// How many numbers a point has in files without a header (`.bin`), 3 to 6; told by statistics if `None`.
+    pub bin_columns: Option<u8>,
 }
 
 impl ReadOptions {
@@ -31,6 +33,15 @@ impl ReadOptions {
     pub fn with_max_memory(self, max_memory_bytes: u64) -> Self {
         Self {
             max_memory_bytes,
+            ..self
+        }
+    }
+
+    /// The same with so many numbers a point in files without a header.
+    #[must_use]
+    pub fn with_bin_columns(self, bin_columns: Option<u8>) -> Self {
+        Self {
+            bin_columns,
             ..self
         }
     }
@@ -61,6 +72,7 @@ impl Default for ReadOptions {
         Self {
             max_memory_bytes: machine_bytes.map_or(Self::FALLBACK_BYTES, |bytes| bytes / 2),
             sample_count: None,
+            bin_columns: None,
             mesh_sample_count: None,
         }
     }

@@ -93,6 +93,13 @@ impl Aabb {
         }
     }
 
+    /// Whether it is much wider than high along Z, as a street, a room or a survey is.
+    pub fn is_flat_along_z(&self) -> bool {
+        const FLAT: f32 = 3.0;
+        let extent = self.extent();
+        extent.z * FLAT < extent.x.min(extent.y)
+    }
+
     /// Half the diagonal: the radius of the bounding sphere around [`Aabb::center`].
     pub fn radius(&self) -> f32 {
         0.5 * self.extent().length()

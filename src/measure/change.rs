@@ -4,7 +4,7 @@
 //! there before and is not any more is far from all that is; what only slid along a surface is near to its other points, so this
 //! is a change of shape and not a motion. Positions of both poses are relative to the same origin.
 
-use crate::analysis::{NearestPoint, map_color};
+use crate::analysis::{ColorMap, NearestPoint};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -95,8 +95,8 @@ impl Change {
         f64::from(self.quantile(0.99))
     }
 
-    /// The colours of the points, from distance 0 (dark violet) to `range` and beyond (yellow).
-    pub fn colors(&self, range: f64) -> Vec<[u8; 4]> {
+    /// The colours of the points, from distance 0 in the first colour of `map` to `range` and beyond in the last.
+    pub fn colors(&self, range: f64, map: ColorMap) -> Vec<[u8; 4]> {
         let share = |&distance: &f32| match f64::from(distance) / range {
             share if share.is_finite() => share as f32,
             // Of no range at all: what has changed is beyond it.
@@ -105,7 +105,7 @@ impl Change {
         self.distances
             .par_iter()
             .with_min_len(POINTS_PER_TASK)
-            .map(|distance| map_color(share(distance)))
+            .map(|distance| map.color(share(distance)))
             .collect()
     }
 
@@ -175,10 +175,11 @@ mod tests {
     fn colors_run_to_the_range_and_no_range_shows_what_has_changed() {
         let places = [0.0, 0.5, 1.0, 9.0].map(|x| Vec3::new(x, 0.0, 0.0));
         let change = Change::between(&places, &[Vec3::ZERO], || true).unwrap();
-        let expected = [0.0, 0.5, 1.0, 1.0].map(map_color);
-        assert_eq!(change.colors(1.0), expected);
-        let expected = [0.0, 1.0, 1.0, 1.0].map(map_color);
-        assert_eq!(change.colors(0.0), expected);
+        let map = ColorMap::Turbo;
+        let expected = [0.0, 0.5, 1.0, 1.0].map(|share| map.color(share));
+        assert_eq!(change.colors(1.0, map), expected);
+        let expected = [0.0, 1.0, 1.0, 1.0].map(|share| map.color(share));
+        assert_eq!(change.colors(0.0, map), expected);
         assert_eq!(change.usual_range(), 9.0);
     }
 

@@ -6,13 +6,13 @@
 //!    and on every deeper level. A histogram of these levels, summed up, counts the occupied cells of every level,
 //!    so one scan answers the stop criterion for all depths.
 //!
-//! That is all: nodes are read off the parting levels when they are asked for. Leaves on several levels, which the paper only
-//! compares with, are counted by going through the tree once.
+//! That is all: nodes are read off the parting levels when they are asked for. Leaves on several levels are runs of points
+//! (`spacing.rs`); those of at most so many points, which the paper only compares with, are counted by going through the tree once.
 
 use super::sorted_points::SortedPoints;
-use super::stop::{Leaves, StopCriterion};
+use super::stop::{Leaves, StopCriterion, level_of_loss};
 use super::{NodeRange, Octree};
-use crate::math::Cube;
+use crate::math::{Cube, morton::LEVELS};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -43,24 +43,47 @@ impl Octree {
 
     /// The tree of some points in a cube around them.
     pub(super) fn divided(cube: Cube, points: Arc<SortedPoints>, stop: StopCriterion) -> Self {
-        let point_count = points.cells.len();
-        let leaves = stop.leaves(&points.occupied, point_count);
+        let point_count = points.len();
+        let leaves = match stop {
+            _ if point_count == 0 => Leaves::OnLevel(0),
+            StopCriterion::Spacing => {
+                let found = points.leaves_by_spacing();
+                if let [run] = found.runs[..] {
+                    Leaves::OnLevel(run.level)
+                } else {
+                    return Self {
+                        cube,
+                        points,
+                        leaves: Leaves::InRuns(found.runs.into()),
+                        level_counts: found.level_counts,
+                        leaf_count: found.leaf_count,
+                    };
+                }
+            }
+            StopCriterion::Loss(delta) => {
+                Leaves::OnLevel(level_of_loss(delta, &points.occupied, point_count))
+            }
+            StopCriterion::Depth(depth) => Leaves::OnLevel(depth.min(LEVELS)),
+            StopCriterion::PointsPerOctant(most) => Leaves::OfPoints(most as usize),
+        };
+        Self::with_leaves(cube, points, leaves)
+    }
+
+    /// The tree of some points in a cube around them whose leaves are known. Precondition: runs of leaves are those of a tree.
+    pub(super) fn with_leaves(cube: Cube, points: Arc<SortedPoints>, leaves: Leaves) -> Self {
         let (level_counts, leaf_count) = match leaves {
-            _ if point_count == 0 => (Vec::new(), 0),
+            _ if points.len() == 0 => (Vec::new(), 0),
             Leaves::OnLevel(depth) => {
                 let counts = points.occupied[..=depth as usize].to_vec();
                 (counts, points.occupied[depth as usize])
             }
-            Leaves::OfPoints(_) => {
+            Leaves::InRuns(_) | Leaves::OfPoints(_) => {
                 let mut counts = Counts::default();
-                points.count_nodes_below(
-                    leaves,
-                    &NodeRange {
-                        level: 0,
-                        points: 0..point_count,
-                    },
-                    &mut counts,
-                );
+                let root = NodeRange {
+                    level: 0,
+                    points: 0..points.len(),
+                };
+                points.count_nodes_below(&leaves, &root, &mut counts);
                 (counts.of_levels, counts.leaves)
             }
         };
@@ -82,7 +105,7 @@ struct Counts {
 
 impl SortedPoints {
     /// Counts `node` and all below it. Recursion is bounded by the 21 levels.
-    fn count_nodes_below(&self, leaves: Leaves, node: &NodeRange, counts: &mut Counts) {
+    fn count_nodes_below(&self, leaves: &Leaves, node: &NodeRange, counts: &mut Counts) {
         let level = node.level as usize;
         if counts.of_levels.len() == level {
             counts.of_levels.push(0);

@@ -72,7 +72,7 @@ impl Octree {
             Leaves::OnLevel(_) => (0..self.depth())
                 .flat_map(|level| self.points.masks_of_level(level))
                 .collect(),
-            Leaves::OfPoints(_) => self.masks_by_division(),
+            Leaves::InRuns(_) | Leaves::OfPoints(_) => self.masks_by_division(),
         }
     }
 

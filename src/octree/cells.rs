@@ -107,12 +107,12 @@ impl SortedPoints {
 
     /// Whether the node of `level` with these points is not divided.
     #[inline]
-    pub(super) fn is_leaf(&self, leaves: Leaves, level: u32, points: &Range<usize>) -> bool {
+    pub(super) fn is_leaf(&self, leaves: &Leaves, level: u32, points: &Range<usize>) -> bool {
         match leaves {
-            Leaves::OnLevel(depth) => level == depth,
+            Leaves::OnLevel(_) | Leaves::InRuns(_) => leaves.only_level(points) == Some(level),
             // What one finest cell holds cannot be parted.
             Leaves::OfPoints(most) => {
-                points.len() <= most.max(1)
+                points.len() <= *most.max(&1)
                     || self.cells[points.start] == self.cells[points.end - 1]
             }
         }

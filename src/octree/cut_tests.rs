@@ -2,7 +2,7 @@
 
 use super::tests::{cell_of, view_from};
 use super::*;
-use crate::analysis::test_shapes::{self, Random};
+use crate::analysis::test_shapes::{self, Random, Sampled};
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
 use glam::Vec3;
 use std::collections::HashMap;
@@ -90,10 +90,12 @@ fn cuts_are_those_of_one_cell_after_the_other() {
     let even = torus_surfels(4_000, 1);
     // Cells of more points than are looked at together.
     let crowded = torus_surfels(300, 50);
+    // Leaves on several levels.
+    let uneven = uneven_surfels();
     let mut random = Random(8);
     let (mut kept, mut hidden) = (0, 0);
     for round in 0..200 {
-        let surfels = [&even, &crowded][round % 2];
+        let surfels = [&even, &crowded, &uneven][round % 3];
         let tree = surfels.octree();
         let eye = random.cube() * 4.0;
         let target = random.cube() * 0.3;
@@ -129,17 +131,34 @@ fn cuts_are_those_of_one_cell_after_the_other() {
 /// Surfels of as many places on a torus, several points in each.
 fn torus_surfels(places: usize, points_per_place: usize) -> LodSurfels {
     let torus = test_shapes::torus(places, 0.4, &mut Random(31));
-    let cube = crate::math::Cube::around(&torus.positions).unwrap();
-    let order = crate::math::order_of_codes(&cube.codes(&torus.positions));
+    surfels_of(&torus, points_per_place, StopCriterion::Depth(6))
+}
+
+/// Surfels of a torus and of a ball before it that is much denser.
+fn uneven_surfels() -> LodSurfels {
+    let mut random = Random(32);
+    let mut ball = test_shapes::sphere(1_000, &mut random);
+    for position in &mut ball.positions {
+        *position = 0.05 * *position + Vec3::Y;
+    }
+    let both = test_shapes::torus(3_000, 0.4, &mut random).and(ball);
+    let surfels = surfels_of(&both, 1, StopCriterion::Spacing);
+    assert!(matches!(surfels.octree().leaves, Leaves::InRuns(_)));
+    surfels
+}
+
+fn surfels_of(sampled: &Sampled, points_per_place: usize, stop: StopCriterion) -> LodSurfels {
+    let cube = crate::math::Cube::around(&sampled.positions).unwrap();
+    let order = crate::math::order_of_codes(&cube.codes(&sampled.positions));
     let places = order
         .iter()
         .flat_map(|&place| std::iter::repeat_n(place as usize, points_per_place));
     let points = places.clone().map(|place| PointRecord {
-        position: torus.positions[place].to_array(),
+        position: sampled.positions[place].to_array(),
         color: [0; 4],
     });
     let shapes = places.map(|place| ShapeRecord {
-        normal: oct_encode(torus.normals[place]),
+        normal: oct_encode(sampled.normals[place]),
         radius: 0.01,
         ellipse: 0,
         scalar: 0.0,
@@ -147,7 +166,7 @@ fn torus_surfels(places: usize, points_per_place: usize) -> LodSurfels {
     let points: Vec<PointRecord> = points.collect();
     let positions: Vec<Vec3> = points.iter().map(|point| point.position.into()).collect();
     let colors = vec![[0; 4]; points.len()];
-    let tree = Octree::build(&positions, &colors, StopCriterion::Depth(6));
+    let tree = Octree::build(&positions, &colors, stop);
     LodSurfels::new(Arc::new(tree), Arc::new(points), Arc::new(shapes.collect()))
 }
 
@@ -184,7 +203,7 @@ fn cells_one_by_one(tree: &Octree, view: &SelectView, hints: CutHints<'_>) -> Ve
                 Some(&level) => level > node.level,
                 None => edge_px >= lod_px,
             };
-            if node.level == self.tree.depth() || !is_divided {
+            if self.tree.is_leaf(node.level, &node.points) || !is_divided {
                 found.push((node.level, cell));
                 return;
             }

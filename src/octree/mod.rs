@@ -32,6 +32,9 @@ mod position_error;
 mod select;
 mod small_subtrees;
 mod sorted_points;
+mod spacing;
+#[cfg(test)]
+mod spacing_tests;
 mod stop;
 pub mod stored;
 #[cfg(test)]
@@ -40,6 +43,7 @@ mod surfels;
 #[cfg(test)]
 mod tests;
 mod traversal;
+mod voxel_normals;
 mod voxels;
 mod write;
 
@@ -75,13 +79,13 @@ pub struct Octree {
 }
 
 impl PartialEq for Octree {
-    /// Trees of the same points are equal when they have the same nodes, whatever was asked for: of two, one is the other with
-    /// some nodes divided further, and so the same if it has as many.
+    /// Trees of the same points are equal when they have the same nodes, whatever was asked for.
     fn eq(&self, other: &Self) -> bool {
         self.cube == other.cube
             && self.points == other.points
             && self.level_counts == other.level_counts
             && self.leaf_count == other.leaf_count
+            && self.has_same_leaves(other)
     }
 }
 
@@ -145,6 +149,15 @@ impl Octree {
         size_of::<Self>() + self.points.byte_size() + size_of_val(self.level_counts.as_slice())
     }
 
+    /// Whether trees of the same points that have as many nodes have the same. Of two that were divided by a rule for all nodes, one is
+    /// the other with some nodes divided further, and so the same.
+    fn has_same_leaves(&self, other: &Self) -> bool {
+        let are_in_runs = |tree: &Self| matches!(tree.leaves, Leaves::InRuns(_));
+        self.leaves == other.leaves
+            || !(are_in_runs(self) || are_in_runs(other))
+            || self.masks() == other.masks()
+    }
+
     /// The root, which has all points.
     fn root(&self) -> NodeRange {
         NodeRange {
@@ -156,6 +169,6 @@ impl Octree {
     /// Whether the node of `level` with these points is not divided.
     #[inline]
     fn is_leaf(&self, level: u32, points: &Range<usize>) -> bool {
-        self.points.is_leaf(self.leaves, level, points)
+        self.points.is_leaf(&self.leaves, level, points)
     }
 }

@@ -1,6 +1,6 @@
 //! How far points are from the voxels that stand for them.
 
-use super::{Octree, stop::Leaves};
+use super::Octree;
 use crate::math::morton::LEVELS;
 use glam::Vec3;
 
@@ -27,8 +27,8 @@ impl Octree {
 
     /// The level of the leaf that has a point.
     fn leaf_level(&self, slot: usize) -> u32 {
-        if let Leaves::OnLevel(depth) = self.leaves {
-            return depth;
+        if let Some(level) = self.leaves.only_level(&(slot..slot + 1)) {
+            return level;
         }
         let mut node = self.root();
         while !self.is_leaf(node.level, &node.points) {

@@ -1,14 +1,20 @@
 //! When subdivision ends.
 
 use crate::math::morton::LEVELS;
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Number of occupied cells of every level, the root's level first.
 pub(super) type OccupiedCells = [usize; LEVELS as usize + 1];
 
 /// How deep an octree goes.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StopCriterion {
+    /// Leaves are no smaller than the spacing of the points around them, so that cubes are closed surfaces: on one level where points
+    /// are spread evenly, on several where they are not. See `octree/spacing.rs`.
+    #[default]
+    Spacing,
     /// The paper's δ (000 §VI-A): level h is subdivided while `oct(h)/n < 1 − δ`, where `oct(h)` counts its occupied cells.
     ///
     /// δ is clamped to 0..=1 and NaN counts as 0; the interface offers 0 to 0.6. Subdivision also ends where no finer
@@ -22,35 +28,70 @@ pub enum StopCriterion {
     PointsPerOctant(u32),
 }
 
-impl Default for StopCriterion {
-    /// The δ of 5 % that the paper found good for its sequences.
-    fn default() -> Self {
-        Self::Loss(0.05)
-    }
-}
-
 impl StopCriterion {
-    /// The level of all leaves, or how many points a leaf may hold.
-    pub(super) fn leaves(self, occupied: &OccupiedCells, point_count: usize) -> Leaves {
+    /// The δ of 5 % that the paper found good for its sequences: most points have a leaf of their own.
+    pub const PAPER: Self = Self::Loss(0.05);
+
+    /// The same for surfels, whose leaves are drawn as the points that they hold: leaves that are as large as the spacing would spare
+    /// them the finest levels of detail.
+    #[must_use]
+    pub fn of_surfels(self) -> Self {
         match self {
-            Self::Loss(delta) => Leaves::OnLevel(level_of_loss(delta, occupied, point_count)),
-            Self::Depth(depth) => Leaves::OnLevel(depth.min(LEVELS)),
-            Self::PointsPerOctant(points) => Leaves::OfPoints(points as usize),
+            Self::Spacing => Self::PAPER,
+            Self::Loss(_) | Self::Depth(_) | Self::PointsPerOctant(_) => self,
         }
     }
 }
 
 /// Where the leaves of a tree are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Leaves {
     /// All on one level.
     OnLevel(u32),
+    /// On several, which are known: runs of leaves in Morton order, the last ending with the last point.
+    InRuns(Arc<[LeafRun]>),
     /// Wherever a cell holds at most so many points.
     OfPoints(usize),
 }
 
+impl Leaves {
+    /// The level of all leaves that have one of some points; `None` if there are several, or they are not known. Precondition: the
+    /// points are those of a node that is a leaf or above the leaves, or some of them.
+    #[inline]
+    pub(super) fn only_level(&self, points: &Range<usize>) -> Option<u32> {
+        match self {
+            Self::OnLevel(level) => Some(*level),
+            Self::InRuns(runs) => {
+                let run = runs.partition_point(|run| run.end <= points.start as u32);
+                let run = runs.get(run)?;
+                (run.end as usize >= points.end).then_some(run.level)
+            }
+            Self::OfPoints(_) => None,
+        }
+    }
+}
+
+/// Consecutive leaves of one level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct LeafRun {
+    /// The point after their last.
+    pub(super) end: u32,
+    pub(super) level: u32,
+}
+
+impl LeafRun {
+    /// Adds leaves of a level that end before the point `end` to those before them.
+    pub(super) fn push(runs: &mut Vec<Self>, end: usize, level: u32) {
+        let end = end as u32;
+        match runs.last_mut() {
+            Some(last) if last.level == level => last.end = end,
+            _ => runs.push(Self { end, level }),
+        }
+    }
+}
+
 /// The first level that need not be subdivided for a loss of `delta`.
-fn level_of_loss(delta: f32, occupied: &OccupiedCells, point_count: usize) -> u32 {
+pub(super) fn level_of_loss(delta: f32, occupied: &OccupiedCells, point_count: usize) -> u32 {
     let delta = if delta.is_nan() {
         0.0
     } else {

@@ -21,13 +21,15 @@ use std::sync::Arc;
 /// The surfels of an octree's nodes.
 #[derive(Debug)]
 pub struct LodSurfels {
-    octree: Arc<Octree>,
+    pub(super) octree: Arc<Octree>,
     points: Arc<Vec<PointRecord>>,
-    shapes: Arc<Vec<ShapeRecord>>,
+    pub(super) shapes: Arc<Vec<ShapeRecord>>,
     /// The one level whose nodes are tested for facing away: the finest at which that is less than drawing them. Those above
     /// it would each take a pass over all points, to spare some visits.
     cone_level: Option<u32>,
     levels: KeptLevels<NodeSurfel>,
+    /// Of voxels.
+    pub(super) normals: KeptLevels<ShapeRecord>,
 }
 
 /// Cells above this level are not tested for facing away: they are as large as the object.
@@ -59,6 +61,7 @@ impl LodSurfels {
             points,
             shapes,
             levels: KeptLevels::default(),
+            normals: KeptLevels::default(),
         }
     }
 
@@ -100,8 +103,12 @@ impl LodSurfels {
 
     /// Most bytes that the levels can come to, worked out or not.
     pub fn most_bytes(&self) -> usize {
-        let above_leaves = &self.octree.points.occupied[..self.octree.depth() as usize];
-        KeptLevels::<NodeSurfel>::most_bytes(above_leaves, self.points.len())
+        let sorted = &self.octree.points;
+        let above_leaves = &sorted.occupied[..self.octree.depth() as usize];
+        let count = self.points.len();
+        let (surfels, normals) = (above_leaves, sorted.coarse_levels());
+        KeptLevels::<NodeSurfel>::most_bytes(surfels, count)
+            + KeptLevels::<ShapeRecord>::most_bytes(normals, count)
     }
 
     /// Replaces the contents of `points` and `shapes` by the surfels of a cut of the octree; those of leaves are the points
@@ -184,7 +191,7 @@ impl Octree {
     fn is_leaf_range(&self, range: &NodeRange) -> bool {
         match self.leaves {
             Leaves::OnLevel(depth) => range.level == depth,
-            Leaves::OfPoints(_) => false,
+            Leaves::InRuns(_) | Leaves::OfPoints(_) => false,
         }
     }
 }

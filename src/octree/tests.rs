@@ -280,7 +280,7 @@ fn leaves_of_at_most_so_many_points() {
 /// Building for another stop criterion from what is there must give the tree that is built from nothing.
 #[test]
 fn another_stop_criterion_is_the_same_as_building_anew() {
-    use StopCriterion::{Depth, Loss, PointsPerOctant};
+    use StopCriterion::{Depth, Loss, PointsPerOctant, Spacing};
     let torus = test_shapes::torus(40_000, 0.4, &mut Random(17));
     let colors = random_colors(40_000, &mut Random(18));
     let stops = [
@@ -291,6 +291,7 @@ fn another_stop_criterion_is_the_same_as_building_anew() {
         Depth(7),
         Depth(99),
         PointsPerOctant(4),
+        Spacing,
     ];
     for from in stops {
         let tree = Octree::build(&torus.positions, &colors, from);
@@ -381,11 +382,20 @@ pub(super) fn cell_of(tree: &Octree, voxel: &VoxelRecord) -> (u32, [u32; 3]) {
 #[test]
 fn the_visible_set_is_that_of_brute_force() {
     let mut random = Random(4);
-    let torus = test_shapes::torus(3_000, 0.4, &mut random);
+    let mut torus = test_shapes::torus(2_000, 0.4, &mut random);
+    // A part of it is much denser.
+    let dense = test_shapes::sphere(1_000, &mut random).positions;
+    let dense = dense.into_iter().map(|place| 0.04 * place + Vec3::X);
+    torus.positions.extend(dense);
     let colors = random_colors(3_000, &mut random);
     let even = Octree::build(&torus.positions, &colors, StopCriterion::Loss(0.02));
     let uneven = even.with_stop(StopCriterion::PointsPerOctant(3));
     let uneven_leaves = leaves_by_brute_force(&torus.positions, 3);
+    let by_spacing = even.with_stop(StopCriterion::Spacing);
+    let voxels = by_spacing.level_voxels(by_spacing.depth());
+    let spacing_leaves: HashSet<_> = voxels.iter().map(|v| cell_of(&by_spacing, v)).collect();
+    let levels: HashSet<u32> = spacing_leaves.iter().map(|(level, _)| *level).collect();
+    assert!(levels.len() > 1, "leaves are on several levels: {levels:?}");
     let mut out = Vec::new();
     let mut levels_seen = HashSet::new();
     for round in 0..200 {
@@ -395,10 +405,11 @@ fn the_visible_set_is_that_of_brute_force() {
         let target = random.cube();
         let lod_px = [0.0, 1.0, 3.0, 10.0, 80.0][random.next_bits() as usize % 5];
         let view = view_from(eye, target, lod_px);
-        let tree = [&even, &uneven][round % 2];
-        let is_leaf = |level: u32, cell: [u32; 3]| match round % 2 {
+        let tree = [&even, &uneven, &by_spacing][round % 3];
+        let is_leaf = |level: u32, cell: [u32; 3]| match round % 3 {
             0 => level == even.depth(),
-            _ => uneven_leaves.contains_key(&(level, cell)),
+            1 => uneven_leaves.contains_key(&(level, cell)),
+            _ => spacing_leaves.contains(&(level, cell)),
         };
         let stats = tree.select(&view, &mut out);
         let expected = visible_by_brute_force(tree, &torus.positions, &view, is_leaf);
@@ -477,7 +488,11 @@ fn a_level_is_drawn_whole() {
     let torus = test_shapes::torus(5_000, 0.4, &mut Random(32));
     let colors = vec![[7; 4]; 5_000];
     let mut out = Vec::new();
-    for stop in [StopCriterion::Loss(0.02), StopCriterion::PointsPerOctant(5)] {
+    for stop in [
+        StopCriterion::Loss(0.02),
+        StopCriterion::PointsPerOctant(5),
+        StopCriterion::Spacing,
+    ] {
         let tree = Octree::build(&torus.positions, &colors, stop);
         for deepest_level in [0, 1, 4, tree.depth(), SelectView::ALL_LEVELS] {
             let view = SelectView {

@@ -26,11 +26,12 @@
 
 use super::cut::{Cut, CutByPoints, CutHints};
 use super::small_subtrees::Subtree;
-use super::{LodSurfels, NodeRange, Octree, select::SelectView, stop::Leaves};
+use super::{LodSurfels, NodeRange, Octree, select::SelectView};
 use crate::math::{Frustum, morton::LEVELS};
 use fearless_simd::Level;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 impl Octree {
     /// The nodes that stand for the cloud in `view`: they cover every leaf that can be seen, none twice.
@@ -197,7 +198,7 @@ impl Traversal<'_> {
         }
         if !is_ordered
             && node.points.len() <= SMALL_SUBTREE
-            && let Leaves::OnLevel(depth) = self.tree.leaves
+            && let Some(depth) = self.tree.leaves.only_level(&node.points)
         {
             let first_stop = self.first_stop(&node, distance, depth);
             let subtree = Subtree {
@@ -311,14 +312,12 @@ impl Traversal<'_> {
             && before.level > node.level
             && before.points.end >= node.points.end
             && farthest_squared <= limits(before.level - 1).must_stop_beyond_squared
-            && (self.is_leaf_level(before.level)
+            && (self.is_leaf_level(before.level, &node.points)
                 || nearest_squared > limits(before.level).may_stop_beyond_squared)
         {
             return Some(before.level);
         }
-        let Leaves::OnLevel(depth) = self.tree.leaves else {
-            return None;
-        };
+        let depth = self.tree.leaves.only_level(&node.points)?;
         let first_stop = self.first_stop(node, distance, depth);
         let all_stop =
             first_stop == depth || nearest_squared > limits(first_stop).must_stop_beyond_squared;
@@ -339,9 +338,9 @@ impl Traversal<'_> {
         (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN)
     }
 
-    /// Whether all nodes of a level are leaves.
-    fn is_leaf_level(&self, level: u32) -> bool {
-        self.tree.leaves == Leaves::OnLevel(level)
+    /// Whether all nodes of a level that have some points are leaves.
+    fn is_leaf_level(&self, level: u32, points: &Range<usize>) -> bool {
+        self.tree.leaves.only_level(points) == Some(level)
     }
 }
 

@@ -9,7 +9,7 @@
 
 use super::sorted_points::SortedPoints;
 use super::write::{BATCH, NodeWriter, Nodes};
-use super::{NodeRange, Octree, cut::Cut, stop::Leaves};
+use super::{NodeRange, Octree, cut::Cut};
 use crate::cloud::VoxelRecord;
 use crate::math::morton::{LEVELS, PackedCell};
 use bytemuck::Zeroable;
@@ -118,9 +118,11 @@ impl Octree {
             ranges.push(node);
             return;
         }
-        if let Leaves::OnLevel(_) = self.leaves {
-            let points = node.points;
-            ranges.push(NodeRange { level, points });
+        if let Some(leaf_level) = self.leaves.only_level(&node.points) {
+            ranges.push(NodeRange {
+                level: level.min(leaf_level),
+                points: node.points,
+            });
             return;
         }
         for (_, child) in self.points.children(&node) {

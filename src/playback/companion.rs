@@ -177,7 +177,7 @@ impl Companion {
             return true;
         };
         match self.loader.get(frame, &needs) {
-            Slot::Ready(_) | Slot::Coarse(_) | Slot::Failed(_) => true,
+            Slot::Ready(_) | Slot::Coarse(_) | Slot::Partial(_) | Slot::Failed(_) => true,
             Slot::Stale(frame) => can_draw(&frame, settings.primitive),
             Slot::Pending => false,
         }
@@ -192,7 +192,9 @@ impl Companion {
         match self.frame() {
             None => self.shown = None,
             Some(index) => match self.loader.get(index, &Scene::needs(settings)) {
-                Slot::Ready(frame) | Slot::Coarse(frame) => self.shown = Some(frame),
+                Slot::Ready(frame) | Slot::Coarse(frame) | Slot::Partial(frame) => {
+                    self.shown = Some(frame);
+                }
                 Slot::Stale(frame)
                     if can_draw(&frame, settings.primitive)
                         || self.shown.as_ref().is_some_and(|s| s.index == index) =>

@@ -36,6 +36,8 @@ pub struct Player {
     told: HashSet<usize>,
     /// The frame at the playhead, while it is not there.
     waiting_for: Option<usize>,
+    /// The frame in the picture lacks something that is being made.
+    is_partial: bool,
     /// The stopped clock goes on when the frame at the playhead is there.
     play_on_arrival: bool,
     requested: Option<(usize, Direction, Needs)>,
@@ -87,6 +89,7 @@ impl Player {
             failure: None,
             told: HashSet::new(),
             waiting_for: None,
+            is_partial: false,
             play_on_arrival: play,
             requested: None,
             runs: Vec::new(),
@@ -139,6 +142,24 @@ impl Player {
     /// The frame that is waited for.
     pub fn waiting_for(&self) -> Option<usize> {
         self.waiting_for
+    }
+
+    /// Whether the frame in the picture is on its way: some of its points are there, or all of them without what is estimated.
+    pub fn is_partial(&self) -> bool {
+        self.is_partial
+    }
+
+    /// Has the first frame made before there is a window to show it in.
+    pub fn begin(&mut self, settings: &Settings) {
+        self.loader.set_interval(self.interval(&self.clock));
+        let needs = Scene::needs(settings);
+        self.request(self.clock.frame(), self.clock.direction(), needs);
+    }
+
+    /// How long a frame lasts, if frames are played. One alone is at rest, whatever was asked for.
+    fn interval(&self, clock: &Clock) -> Option<Duration> {
+        let plays = self.is_playing() && clock.frame_count() > 1;
+        plays.then(|| clock.frame_interval())
     }
 
     /// True when playing, or waiting for a frame to play on. One frame alone does not play: it is at rest, with all its points.
@@ -282,8 +303,7 @@ impl Player {
         let mut ahead = self.clock.clone();
         let target = ahead.advance(now);
         self.request(target, ahead.direction(), needs);
-        let interval = playing_before.then(|| ahead.frame_interval());
-        self.loader.set_interval(interval);
+        self.loader.set_interval(self.interval(&ahead));
         let must_wait = !prepare(&ahead, playing_before) && playing_before;
 
         let mut change = PlayerChange {
@@ -291,8 +311,10 @@ impl Player {
             beyond_frame: has_grown,
             ..PlayerChange::default()
         };
-        let frame = match self.loader.get(target, &needs) {
-            Slot::Ready(frame) | Slot::Coarse(frame) => Some(frame),
+        let slot = self.loader.get(target, &needs);
+        self.is_partial = matches!(slot, Slot::Partial(_));
+        let frame = match slot {
+            Slot::Partial(frame) | Slot::Ready(frame) | Slot::Coarse(frame) => Some(frame),
             // An older picture of the same pose serves meanwhile; one that cannot be drawn as asked would only flash.
             Slot::Stale(frame) if can_draw(&frame, settings.primitive) || self.shows(target) => {
                 Some(frame)
@@ -371,7 +393,7 @@ impl Player {
         }
         if !self.shows(frame.index) {
             self.frames_shown += 1;
-            self.coarse_frames_shown += u64::from(frame.is_sample());
+            self.coarse_frames_shown += u64::from(frame.is_sample() && !self.is_partial);
             self.shown_at.push_back(now);
             while self.shown_at.len() > MAX_RATE_SAMPLES
                 || self
@@ -421,7 +443,7 @@ pub(super) fn new_warnings(frame: &PreparedFrame, told: &mut HashSet<usize>) -> 
 /// True if `frame` has what `primitive` is made from.
 pub fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
     match primitive {
-        Primitive::Surfel => frame.shapes.is_some(),
+        Primitive::Auto | Primitive::Surfel => frame.shapes.is_some(),
         Primitive::Voxel => frame.octree.is_some(),
         Primitive::Point => true,
     }
@@ -430,6 +452,10 @@ pub fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
 #[cfg(test)]
 #[path = "schedule_tests.rs"]
 mod schedule_tests;
+
+#[cfg(test)]
+#[path = "stage_tests.rs"]
+mod stage_tests;
 
 #[cfg(test)]
 #[path = "player_tests.rs"]

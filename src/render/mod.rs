@@ -19,6 +19,8 @@ const MASK_FALLOFF: f32 = 3.0;
 /// Light of a surface that is seen edge-on, and white that is added where it faces the eye (`shaders/common/light.wgsl`).
 const HEAD_LIGHT_AMBIENT: f32 = 0.25;
 const HEAD_LIGHT_SPECULAR: f32 = 0.15;
+/// Factor on the colour of a surfel that is seen from behind, where that is to be told.
+const BACK_SIDE: f32 = 0.8;
 
 /// Draws packets. Preparing and drawing are apart so that each can be measured.
 pub trait Renderer {
@@ -58,6 +60,8 @@ pub struct RenderStats {
     pub encode_ms: f64,
     /// GPU time of the last picture that was measured; `None` where timestamps are not supported.
     pub gpu_ms: Option<f64>,
+    /// Of that of the software renderer, the time of what follows over the whole picture: eye-dome lighting and the grid.
+    pub screen_ms: f64,
 }
 
 /// A picture in the size in which it is shown, where a smaller one was drawn (see [`Settings::resolution`](crate::scene::Settings::resolution)): interpolated linearly, as

@@ -4,7 +4,6 @@
 //! handed over as a sum of two f32, so that `(position - eye_high) - eye_low` loses nothing a pixel could show.
 
 use super::settings::{ParseChoiceError, Projection};
-use crate::cloud::Frame;
 use crate::math::{Aabb, Frustum};
 use crate::octree::SelectView;
 use glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
@@ -47,32 +46,16 @@ impl UpAxis {
             .map_or("y", |&(name, _)| name)
     }
 
-    /// The likely up axis of a frame.
-    pub fn guess(frame: &Frame) -> Self {
-        Self::guess_of(&frame.bounds(), frame.sensor())
-    }
-
-    /// The likely up axis of points within `bounds` that a sensor at `sensor` took, if that is known: depth cameras look along +Z
-    /// with Y down, laser scanners stand among what they see with Z up, surveys and `LiDAR` sweeps are wide and flat along Z, and
-    /// everything else is taken for a model with Y up.
-    pub fn guess_of(bounds: &Aabb, sensor: Option<Vec3>) -> Self {
-        // A street or a room is at least this much wider than high.
-        const FLAT: f32 = 3.0;
-        let extent = bounds.extent();
-        if let Some(sensor) = sensor {
-            let is_in_front = bounds.min.z >= sensor.z;
-            return if is_in_front { Self::NegY } else { Self::Z };
-        }
-        if extent.z * FLAT < extent.x.min(extent.y) {
-            Self::Z
-        } else {
-            Self::Y
-        }
-    }
-
     /// The unit vector that points up, in world space.
     pub fn direction(self) -> DVec3 {
         self.basis().col(1)
+    }
+
+    /// Azimuth and elevation, degrees, of an eye that is in this direction of the target. Precondition: a unit vector.
+    pub fn angles_of(self, toward_eye: DVec3) -> (f64, f64) {
+        let seen = self.basis().transpose() * toward_eye;
+        let elevation = seen.y.clamp(-1.0, 1.0).asin();
+        (seen.x.atan2(seen.z).to_degrees(), elevation.to_degrees())
     }
 
     /// Columns right, up, back of the view with azimuth and elevation 0, in world space.
@@ -199,6 +182,48 @@ impl Camera {
         self.distance = radius / (FRAMED_FRACTION * radius_at_1);
     }
 
+    /// Moves to where `points` (relative to `origin`) just fit into a picture whose width is `aspect` of its height, keeping the
+    /// direction. Precondition: finite points and a positive aspect.
+    ///
+    /// How it works: each side of the picture is a plane through the eye, and all points are to be on its inner side. What is left
+    /// and right tells how far away the eye is at least, and where it is across the view; so does what is above and below.
+    pub fn frame_points(&mut self, points: &[Vec3], origin: DVec3, aspect: f64) {
+        let bounds = Aabb::from_points(points);
+        if bounds.is_empty() || bounds.radius() == 0.0 {
+            return self.frame_bounds(&bounds, origin);
+        }
+        let center = bounds.center().as_dvec3();
+        let half_height = FRAMED_FRACTION * (0.5 * self.fov_deg).to_radians().tan();
+        let tangents = [half_height * aspect, half_height];
+        // How much a point spreads the picture for being nearer.
+        let nearness = match self.projection {
+            Projection::Perspective => 1.0,
+            Projection::Orthographic => 0.0,
+        };
+        let rotation = self.view_from_world_rotation();
+        // Of each axis of the picture: the farthest point to its low and to its high side.
+        let mut sides = [[f64::NEG_INFINITY; 2]; 2];
+        let mut nearest = f64::NEG_INFINITY;
+        for point in points {
+            let seen = rotation * (point.as_dvec3() - center);
+            nearest = nearest.max(seen.z);
+            for (axis, side) in sides.iter_mut().enumerate() {
+                let toward = nearness * tangents[axis] * seen.z;
+                side[0] = side[0].max(toward - seen[axis]);
+                side[1] = side[1].max(toward + seen[axis]);
+            }
+        }
+        let across = sides.map(|[low, high]| 0.5 * (high - low));
+        let least = |axis: usize| 0.5 * (sides[axis][0] + sides[axis][1]) / tangents[axis];
+        let distance = least(0).max(least(1));
+        // A cloud that is all along the view has no width to be fitted; it is to be beyond the near plane.
+        let before_eye = nearness * nearest / (1.0 - 2.0 * NEAR_FRACTION);
+        let distance = distance.max(before_eye + f64::from(bounds.radius()) * 1e-3);
+        let target = rotation.transpose() * DVec3::new(across[0], across[1], 0.0);
+        self.target_in_world = origin + center + target;
+        self.distance = distance;
+    }
+
     /// Looks along an axis; target and distance stay.
     pub fn look_from(&mut self, preset: ViewPreset) {
         if let Some(&(_, _, azimuth, elevation)) = ViewPreset::ALL
@@ -291,6 +316,7 @@ impl Camera {
             pixels_per_unit_at_1: (focal_y * height * 0.5) as f32,
             center_ndc: [0.0; 2],
             rows_of_whole: [0.0, 1.0],
+            telephoto: (lens.distance / self.distance) as f32,
         }
     }
 }
@@ -330,6 +356,8 @@ pub struct ViewTransform {
     pub center_ndc: [f32; 2],
     /// Where the upper and the lower edge are in the whole picture, as shares of its height from the top: `[0, 1]`, but for a part.
     pub rows_of_whole: [f32; 2],
+    /// How many times farther away the eye is than the camera's distance: 1 in perspective.
+    pub telephoto: f32,
 }
 
 impl ViewTransform {

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::cloud::{Frame, Positions, RawCloud};
-use crate::scene::{Camera, Footprint, Primitive, RendererChoice, Scene, Settings, UpAxis, pick};
+use crate::scene::{
+    BackFaces, Camera, Footprint, Primitive, RendererChoice, Scene, Settings, UpAxis, pick,
+};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -44,7 +46,7 @@ fn ways() -> Vec<Settings> {
         .iter()
         .map(|&primitive| Settings {
             primitive,
-            cull_back_faces: false,
+            back_faces: BackFaces::Drawn,
             ..Settings::default()
         })
         .collect();

@@ -5,7 +5,7 @@
 
 use super::clip::at;
 use super::lod::{Affordable, Lod};
-use super::{Camera, Clip, Primitive, Settings, ViewTransform};
+use super::{Camera, Clip, GroundPlane, Settings, ViewTransform};
 use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 use crate::math::Aabb;
 use crate::octree::{CodedCloud, Cut, CutHints, LodSurfels, Octree};
@@ -19,6 +19,8 @@ use std::time::{Duration, Instant};
 pub struct Voxels {
     /// One record a drawn cell.
     pub records: Arc<Vec<VoxelRecord>>,
+    /// Records of which only the normals count, one a cell, where light falls on them and not on faces.
+    pub normals: Option<Arc<Vec<ShapeRecord>>>,
     /// Edge of the octree's cube; a cell of level h has this edge / 2^h.
     pub cube_edge: f32,
 }
@@ -62,6 +64,8 @@ pub struct ScenePacket {
     pub coded: Option<CodedCells>,
     /// The box around the cloud, for the grey of [`super::Splatting::Visibility`].
     pub bounds: Aabb,
+    /// The plane of [`Settings::grid`], if it is on.
+    pub ground: Option<GroundPlane>,
 }
 
 impl ScenePacket {
@@ -86,20 +90,24 @@ impl ScenePacket {
     /// Whether two packets have the same records, however they draw them. Arrays are compared by identity, which costs nothing.
     pub fn has_same_records(&self, other: &Self) -> bool {
         let same_voxels = match (&self.voxels, &other.voxels) {
-            (Some(a), Some(b)) => Arc::ptr_eq(&a.records, &b.records) && a.cube_edge == b.cube_edge,
-            (None, None) => true,
-            _ => false,
-        };
-        let same_shapes = match (&self.shapes, &other.shapes) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (Some(a), Some(b)) => {
+                Arc::ptr_eq(&a.records, &b.records)
+                    && is_same(a.normals.as_ref(), b.normals.as_ref())
+                    && a.cube_edge == b.cube_edge
+            }
             (None, None) => true,
             _ => false,
         };
         same_voxels
-            && same_shapes
+            && is_same(self.shapes.as_ref(), other.shapes.as_ref())
             && self.coded == other.coded
             && Arc::ptr_eq(&self.points, &other.points)
     }
+}
+
+/// Whether both are nothing or one allocation.
+fn is_same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
+    a.map(Arc::as_ptr) == b.map(Arc::as_ptr)
 }
 
 impl PartialEq for ScenePacket {
@@ -110,6 +118,7 @@ impl PartialEq for ScenePacket {
             && self.view == other.view
             && self.settings == other.settings
             && self.bounds == other.bounds
+            && self.ground == other.ground
     }
 }
 
@@ -153,6 +162,8 @@ struct SelectedFrom {
     octree: Arc<Octree>,
     /// `None` for voxels.
     surfels: Option<Arc<LodSurfels>>,
+    /// What knows the normals of voxels, where light falls on them.
+    normals: Option<Arc<LodSurfels>>,
     cull_back_faces: bool,
     view: ViewTransform,
     viewport_px: [u32; 2],
@@ -198,16 +209,15 @@ impl Clipped {
 /// The records of a selection.
 #[derive(Debug, Clone)]
 enum Drawn {
-    Voxels(Arc<Vec<VoxelRecord>>),
+    Voxels(Arc<Vec<VoxelRecord>>, Option<Arc<Vec<ShapeRecord>>>),
     Surfels(Arc<Vec<PointRecord>>, Arc<Vec<ShapeRecord>>),
 }
 
 impl SelectedFrom {
     /// Whether the nodes are those of the same points, chosen in the same way.
     fn same_nodes(&self, other: &Self) -> bool {
-        let surfels = [self, other].map(|from| from.surfels.as_ref().map(Arc::as_ptr));
         Arc::ptr_eq(&self.octree, &other.octree)
-            && surfels[0] == surfels[1]
+            && is_same(self.surfels.as_ref(), other.surfels.as_ref())
             && self.cull_back_faces == other.cull_back_faces
             && self.lod == other.lod
     }
@@ -216,6 +226,7 @@ impl SelectedFrom {
 impl PartialEq for SelectedFrom {
     fn eq(&self, other: &Self) -> bool {
         self.same_nodes(other)
+            && is_same(self.normals.as_ref(), other.normals.as_ref())
             && self.view == other.view
             && self.viewport_px == other.viewport_px
             && self.affordable == other.affordable
@@ -236,11 +247,13 @@ impl Scene {
     /// What a frame must have for a picture with these settings.
     pub fn needs(settings: &Settings) -> Needs {
         Needs {
-            shapes: settings.primitive == Primitive::Surfel,
+            shapes: settings.draws_surfels() || settings.lights_voxels_by_normals(),
             ellipses: false,
-            octree: (settings.draws_cells() || settings.draws_codes()).then_some(settings.stop),
+            octree: (settings.draws_cells() || settings.draws_codes())
+                .then_some(settings.octree_stop()),
             coded: settings.draws_codes(),
             colors: settings.colors,
+            hints: settings.color_hints,
         }
     }
 
@@ -260,15 +273,18 @@ impl Scene {
         let view = camera.transform(origin, viewport_px);
         let clip = settings.clip.filter(|clip| clip.is_on);
         let clip = clip.map(|clip| clip.relative_to(origin));
-        let is_surfel = settings.primitive == Primitive::Surfel;
+        let is_surfel = settings.draws_surfels();
         let octree = frame.octree.as_ref().filter(|_| settings.draws_cells());
         let surfels = frame.lod_surfels.as_ref().filter(|_| is_surfel);
+        let normals = frame.lod_surfels.as_ref();
+        let normals = normals.filter(|_| settings.lights_voxels_by_normals());
         let selected = octree.filter(|_| surfels.is_some() == is_surfel);
         let selected = selected.map(|octree| {
             self.select(SelectedFrom {
                 octree: Arc::clone(octree),
                 surfels: surfels.map(Arc::clone),
-                cull_back_faces: settings.cull_back_faces,
+                normals: normals.map(Arc::clone),
+                cull_back_faces: settings.culls_back_faces(),
                 view,
                 viewport_px,
                 lod: settings.lod,
@@ -285,6 +301,14 @@ impl Scene {
             voxels: None,
             coded: self.coded(frame, settings).filter(|_| clip.is_none()),
             bounds: frame.frame.bounds(),
+            ground: settings.grid.then(|| {
+                GroundPlane::under(
+                    &settings.ground_box.unwrap_or(frame.frame.bounds()),
+                    origin,
+                    camera.up,
+                    settings.background,
+                )
+            }),
         };
         if let Some(coded) = &packet.coded
             && selected.is_none()
@@ -295,9 +319,12 @@ impl Scene {
                 .len();
         }
         match (selected, octree) {
-            (Some(Drawn::Voxels(records)), Some(octree)) => {
-                let cube_edge = octree.cube().edge;
-                packet.voxels = Some(Voxels { records, cube_edge });
+            (Some(Drawn::Voxels(records, normals)), Some(octree)) => {
+                packet.voxels = Some(Voxels {
+                    records,
+                    normals,
+                    cube_edge: octree.cube().edge,
+                });
             }
             (Some(Drawn::Surfels(points, shapes)), _) => {
                 packet.points = points;
@@ -396,7 +423,12 @@ impl Scene {
 fn draw(from: &SelectedFrom, cut: &Cut, last: Option<Drawn>) -> Drawn {
     let (mut voxels, mut points, mut shapes) = Default::default();
     match last {
-        Some(Drawn::Voxels(last)) => voxels = Arc::try_unwrap(last).unwrap_or_default(),
+        Some(Drawn::Voxels(last, last_normals)) => {
+            voxels = Arc::try_unwrap(last).unwrap_or_default();
+            shapes = last_normals
+                .and_then(|last| Arc::try_unwrap(last).ok())
+                .unwrap_or_default();
+        }
         Some(Drawn::Surfels(last_points, last_shapes)) => {
             points = Arc::try_unwrap(last_points).unwrap_or_default();
             shapes = Arc::try_unwrap(last_shapes).unwrap_or_default();
@@ -412,9 +444,17 @@ fn draw(from: &SelectedFrom, cut: &Cut, last: Option<Drawn>) -> Drawn {
         Drawn::Surfels(Arc::new(points), Arc::new(shapes))
     } else {
         from.octree.write_voxels(cut, &mut voxels);
-        if let Some(clip) = &from.clip {
-            voxels = at(&voxels, &clip.kept(&voxels));
+        if let Some(normals) = &from.normals {
+            normals.write_voxel_normals(cut, &mut shapes);
         }
-        Drawn::Voxels(Arc::new(voxels))
+        if let Some(clip) = &from.clip {
+            let kept = clip.kept(&voxels);
+            voxels = at(&voxels, &kept);
+            if from.normals.is_some() {
+                shapes = at(&shapes, &kept);
+            }
+        }
+        let normals = from.normals.is_some().then(|| Arc::new(shapes));
+        Drawn::Voxels(Arc::new(voxels), normals)
     }
 }

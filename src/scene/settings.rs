@@ -1,9 +1,9 @@
 //! Every choice a person has about a picture, with the words the command line and the window use for it.
 
-use super::{Clip, Lod};
+use super::{Background, Clip, EyeDome, FirstLook, Lod};
+use crate::math::Aabb;
 use crate::octree::StopCriterion;
-use crate::sequence::ColorSource;
-use std::str::FromStr;
+use crate::sequence::{ColorHints, Coloring};
 
 /// Writes an enum of unit variants once: its list, its names and how a name is read back, also in files.
 macro_rules! choices {
@@ -80,6 +80,8 @@ impl ParseChoiceError {
 choices! {
     /// What a point becomes on the screen.
     Primitive, "primitive" {
+        /// Surfels where the points sample a surface, else points; see [`super::FirstLook`]. Surfels where nobody has looked.
+        Auto = "auto",
         /// Oriented disks (paper 000 §V).
         Surfel = "surfel",
         /// Cubes of the octree's visible set (paper 000 §VI).
@@ -201,6 +203,39 @@ impl Splatting {
 }
 
 choices! {
+    /// Whether surfels are drawn whose normals point away from the eye.
+    BackFaces, "choice for back faces" {
+        /// Left out where the surface is closed, so that nothing is missed, else drawn, and darker where the normals are known to point
+        /// outwards; see [`super::FirstLook`]. Left out where nobody has looked.
+        Auto = "auto",
+        /// From behind as from the front.
+        Drawn = "drawn",
+        /// From behind a little darker than from the front, if there is light.
+        Darker = "darker",
+        /// Left out.
+        Culled = "culled",
+    }
+}
+
+/// What was written when there were two choices: to leave them out was the default, so it says nothing.
+#[derive(serde::Deserialize)]
+#[serde(untagged)]
+enum StoredBackFaces {
+    Are(BackFaces),
+    AreCulled(bool),
+}
+
+fn stored_back_faces<'de, D: serde::Deserializer<'de>>(
+    deserializer: D,
+) -> Result<BackFaces, D::Error> {
+    Ok(match serde::Deserialize::deserialize(deserializer)? {
+        StoredBackFaces::Are(choice) => choice,
+        StoredBackFaces::AreCulled(true) => BackFaces::Auto,
+        StoredBackFaces::AreCulled(false) => BackFaces::Drawn,
+    })
+}
+
+choices! {
     /// Whether what is farther away is smaller.
     Projection, "projection" {
         /// Through a point: the eye.
@@ -240,106 +275,14 @@ choices! {
     }
 }
 
-/// What is behind the cloud: a vertical gradient between two colours, or one colour when they are equal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(try_from = "StoredBackground")]
-pub struct Background {
-    /// Red, green, blue at the top edge.
-    pub top: [u8; 3],
-    /// Red, green, blue at the bottom edge.
-    pub bottom: [u8; 3],
-}
-
-impl Background {
-    /// Names and values of the presets.
-    pub const PRESETS: &'static [(&'static str, Self)] = &[
-        (
-            "dusk",
-            Self {
-                top: [44, 52, 66],
-                bottom: [17, 20, 26],
-            },
-        ),
-        ("black", Self::solid([0, 0, 0])),
-        ("gray", Self::solid([119, 119, 119])),
-        ("white", Self::solid([255, 255, 255])),
-        (
-            "sky",
-            Self {
-                top: [120, 165, 214],
-                bottom: [235, 240, 245],
-            },
-        ),
-    ];
-
-    /// One colour everywhere.
-    pub const fn solid(color: [u8; 3]) -> Self {
-        Self {
-            top: color,
-            bottom: color,
-        }
+choices! {
+    /// What the light of voxels falls on.
+    VoxelLight, "light of voxels" {
+        /// The mean normals of the points of cells, from either side; the faces of cubes where normals are not known yet.
+        Normals = "normals",
+        /// The faces of cubes (paper 000 §VI).
+        Faces = "faces",
     }
-}
-
-/// How a background is in a file: as it is written, or as the word of the command line, which `settings.json` had once.
-#[derive(serde::Deserialize)]
-#[serde(untagged)]
-enum StoredBackground {
-    Word(String),
-    Edges { top: [u8; 3], bottom: [u8; 3] },
-}
-
-impl TryFrom<StoredBackground> for Background {
-    type Error = ParseChoiceError;
-
-    fn try_from(stored: StoredBackground) -> Result<Self, Self::Error> {
-        match stored {
-            StoredBackground::Word(text) => text.parse(),
-            StoredBackground::Edges { top, bottom } => Ok(Self { top, bottom }),
-        }
-    }
-}
-
-impl Default for Background {
-    fn default() -> Self {
-        Self::PRESETS[0].1
-    }
-}
-
-impl FromStr for Background {
-    type Err = ParseChoiceError;
-
-    /// Reads a preset's name, `#rrggbb`, or `#rrggbb-#rrggbb` (top to bottom).
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let preset = Self::PRESETS
-            .iter()
-            .find(|(name, _)| *name == text)
-            .map(|&(_, preset)| preset);
-        let parsed = preset.or_else(|| match text.split_once('-') {
-            Some((top, bottom)) => Some(Self {
-                top: parse_hex(top)?,
-                bottom: parse_hex(bottom)?,
-            }),
-            None => parse_hex(text).map(Self::solid),
-        });
-        parsed.ok_or_else(|| {
-            let presets = Self::PRESETS.iter().map(|(name, _)| *name);
-            ParseChoiceError::new(
-                "background",
-                text,
-                presets.chain(["#rrggbb", "#rrggbb-#rrggbb"]),
-            )
-        })
-    }
-}
-
-fn parse_hex(text: &str) -> Option<[u8; 3]> {
-    let digits = text.strip_prefix('#')?;
-    if digits.len() != 6 || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
-        return None;
-    }
-    let value = u32::from_str_radix(digits, 16).ok()?;
-    Some([(value >> 16) as u8, (value >> 8) as u8, value as u8])
 }
 
 /// All choices about a picture but where the camera stands.
@@ -361,17 +304,29 @@ pub struct Settings {
     pub splat_scale: f32,
     /// Further factor of the enlarged passes; the paper uses 2.
     pub enlargement: f32,
-    /// Drop what faces away. Off for clouds whose normals cannot be trusted.
-    pub cull_back_faces: bool,
+    /// Whether what faces away is drawn.
+    #[serde(rename = "cull_back_faces", deserialize_with = "stored_back_faces")]
+    pub back_faces: BackFaces,
     /// Where light is evaluated.
     pub lighting: Lighting,
+    /// What the light of voxels falls on.
+    pub voxel_light: VoxelLight,
+    /// Whether depths shade the picture as well (eye-dome lighting).
+    pub eye_dome: EyeDome,
+    /// How much they do; 1 is usual.
+    pub eye_dome_strength: f32,
+    /// Whether lines show the ground.
+    pub grid: bool,
     /// What is behind the cloud.
     pub background: Background,
-    /// Where colours come from.
-    pub colors: ColorSource,
+    /// Where colours come from, and how numbers become colours.
+    pub colors: Coloring,
+    /// What colours can depend on beside the frames; of one sequence, so it is kept in no file.
+    #[serde(skip)]
+    pub color_hints: ColorHints,
     /// Edge of a drawn point in pixels.
     pub point_size_px: f32,
-    /// How deep the octree goes; a loss δ is offered from 0 to 0.6.
+    /// How deep the octree goes: as far as voxels are closed, or as is said; a loss δ is offered from 0 to 0.6.
     pub stop: StopCriterion,
     /// Which of its cells are drawn.
     pub lod: Lod,
@@ -385,6 +340,9 @@ pub struct Settings {
     pub normal_bits: NormalBits,
     /// Precision of offsets along normals drawn from byte codes.
     pub offset_bits: OffsetBits,
+    /// What the ground is below, relative to the origin; all points of a frame if `None`. Kept in no file, as it is of one sequence.
+    #[serde(skip)]
+    pub ground_box: Option<Aabb>,
     /// What of the cloud is drawn; all if `None`. Its numbers belong to one sequence, so it is kept in no file.
     #[serde(skip)]
     pub clip: Option<Clip>,
@@ -393,6 +351,8 @@ pub struct Settings {
 impl Settings {
     /// Largest δ offered.
     pub const MAX_DELTA: f32 = 0.6;
+    /// Values of [`Settings::eye_dome_strength`] that are offered.
+    pub const EYE_DOME_STRENGTHS: std::ops::RangeInclusive<f32> = 0.0..=4.0;
     /// Values of [`Settings::resolution`] that are offered.
     pub const RESOLUTIONS: std::ops::RangeInclusive<f32> = 0.25..=1.0;
 
@@ -401,24 +361,90 @@ impl Settings {
         shown_px.map(|edge| ((edge as f32 * self.resolution).round() as u32).max(1))
     }
 
-    /// These settings, but drawn as `way` is: the colours and the background stay, what is clipped, and whether back faces are left
-    /// out.
+    /// These settings, but drawn as `way` is: the colours, the background and the grid stay, what is clipped, and whether back faces
+    /// are left out. Eye-dome lighting is that of `way` where that decides, which ways to draw that are measured do not.
     #[must_use]
     pub fn drawn_as(&self, way: &Self) -> Self {
+        let decides = way.eye_dome != EyeDome::Auto;
+        let light = if decides { way } else { self };
         Self {
+            eye_dome: light.eye_dome,
+            eye_dome_strength: light.eye_dome_strength,
             colors: self.colors,
+            color_hints: self.color_hints,
             background: self.background,
-            cull_back_faces: self.cull_back_faces,
+            back_faces: self.back_faces,
+            grid: self.grid,
+            ground_box: self.ground_box,
             clip: self.clip,
             ..*way
         }
+    }
+
+    /// These settings, with what was guessed in place of every choice that is left open.
+    #[must_use]
+    pub fn resolved(&self, look: &FirstLook) -> Self {
+        let primitive = match self.primitive {
+            Primitive::Auto => look.primitive,
+            chosen => chosen,
+        };
+        let back_faces = match self.back_faces {
+            BackFaces::Auto if look.is_closed => BackFaces::Culled,
+            BackFaces::Auto if look.knows_outside => BackFaces::Darker,
+            BackFaces::Auto => BackFaces::Drawn,
+            chosen => chosen,
+        };
+        // Of points that sample no surface, normals are noise.
+        let shows_shape = primitive != Primitive::Point && look.primitive == Primitive::Surfel;
+        let eye_dome = match self.eye_dome {
+            EyeDome::Auto if shows_shape => EyeDome::Off,
+            EyeDome::Auto => EyeDome::On,
+            chosen => chosen,
+        };
+        Self {
+            primitive,
+            back_faces,
+            eye_dome,
+            // Whoever has chosen points has chosen their size.
+            point_size_px: if self.primitive == Primitive::Auto {
+                self.point_size_px.max(look.point_size_px)
+            } else {
+                self.point_size_px
+            },
+            background: if look.is_dark && self.background == Background::default() {
+                Background::BEHIND_DARK
+            } else {
+                self.background
+            },
+            ground_box: Some(look.trimmed),
+            color_hints: ColorHints {
+                up: Some(look.up.direction().as_vec3()),
+                prefers_height: Some(look.prefers_height()),
+            },
+            ..*self
+        }
+    }
+
+    /// Whether surfels are left out that face away.
+    pub fn culls_back_faces(&self) -> bool {
+        matches!(self.back_faces, BackFaces::Auto | BackFaces::Culled)
+    }
+
+    /// Whether the light shows which side of a surfel is seen.
+    pub fn darkens_back_faces(&self) -> bool {
+        self.back_faces == BackFaces::Darker && self.lighting != Lighting::Unlit
+    }
+
+    /// Whether points are drawn as surfels.
+    pub fn draws_surfels(&self) -> bool {
+        matches!(self.primitive, Primitive::Auto | Primitive::Surfel)
     }
 
     /// Whether what is drawn are cells of an octree.
     pub fn draws_cells(&self) -> bool {
         match self.primitive {
             // Who draws codes draws no cut of the tree; by itself the machine may decide for the GPU.
-            Primitive::Surfel => {
+            Primitive::Auto | Primitive::Surfel => {
                 self.surfel_lod && !(self.draws_codes() && self.renderer == RendererChoice::Cpu)
             }
             Primitive::Voxel => true,
@@ -426,10 +452,25 @@ impl Settings {
         }
     }
 
+    /// Whether voxels are drawn whose light falls on normals.
+    pub fn lights_voxels_by_normals(&self) -> bool {
+        self.primitive == Primitive::Voxel
+            && self.voxel_light == VoxelLight::Normals
+            && self.lighting != Lighting::Unlit
+    }
+
+    /// What the octree is to be divided for: surfels that it is drawn as have no use for leaves as large as the spacing.
+    pub fn octree_stop(&self) -> StopCriterion {
+        match self.primitive {
+            Primitive::Auto | Primitive::Surfel => self.stop.of_surfels(),
+            Primitive::Voxel | Primitive::Point => self.stop,
+        }
+    }
+
     /// Whether surfels are drawn from the byte code of an octree, if the processor draws; [`Settings::lod`] says how finely. While
     /// something is clipped the same surfels are drawn as disks: a code cannot be cut.
     pub fn draws_codes(&self) -> bool {
-        self.primitive == Primitive::Surfel
+        self.draws_surfels()
             && self.footprint != Footprint::Disks
             && self.renderer != RendererChoice::Gpu
             && !matches!(self.splatting, Splatting::Regular | Splatting::NoDepth)
@@ -439,17 +480,22 @@ impl Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            primitive: Primitive::Surfel,
+            primitive: Primitive::Auto,
             renderer: RendererChoice::Auto,
             splatting: Splatting::TwoPass,
             strategy: Strategy::Storage,
             splat_scale: 1.0,
             enlargement: 2.0,
-            cull_back_faces: true,
+            back_faces: BackFaces::Auto,
             lighting: Lighting::PerFragment,
+            voxel_light: VoxelLight::Normals,
+            eye_dome: EyeDome::Auto,
+            eye_dome_strength: 1.0,
+            grid: false,
             background: Background::default(),
-            colors: ColorSource::Auto,
-            point_size_px: 1.0,
+            colors: Coloring::default(),
+            color_hints: ColorHints::default(),
+            point_size_px: 2.0,
             stop: StopCriterion::default(),
             lod: Lod::default(),
             surfel_lod: false,
@@ -457,6 +503,7 @@ impl Default for Settings {
             footprint: Footprint::Disks,
             normal_bits: NormalBits::Thirteen,
             offset_bits: OffsetBits::Three,
+            ground_box: None,
             clip: None,
         }
     }
@@ -477,8 +524,22 @@ mod tests {
         let error = "cone".parse::<Primitive>().unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`cone` is no primitive: expected surfel, voxel, point"
+            "`cone` is no primitive: expected auto, surfel, voxel, point"
         );
+    }
+
+    #[test]
+    fn ways_to_draw_take_over_eye_dome_lighting_that_they_decide() {
+        let settings = |eye_dome, eye_dome_strength| Settings {
+            eye_dome,
+            eye_dome_strength,
+            ..Settings::default()
+        };
+        let (on, auto) = (settings(EyeDome::On, 2.0), settings(EyeDome::Auto, 0.5));
+        assert_eq!(on.drawn_as(&auto), on);
+        assert_eq!(auto.drawn_as(&on), on);
+        let grid = Settings { grid: true, ..on };
+        assert!(grid.drawn_as(&auto).grid);
     }
 
     #[test]
@@ -490,21 +551,5 @@ mod tests {
         assert_eq!(settings(1.0).drawn_px([1921, 1080]), [1921, 1080]);
         assert_eq!(settings(0.5).drawn_px([1921, 1080]), [961, 540]);
         assert_eq!(settings(0.25).drawn_px([1, 0]), [1, 1]);
-    }
-
-    #[test]
-    fn backgrounds_are_presets_colors_or_gradients() {
-        assert_eq!("black".parse(), Ok(Background::solid([0, 0, 0])));
-        assert_eq!("#0a10ff".parse(), Ok(Background::solid([10, 16, 255])));
-        assert_eq!(
-            "#000000-#ffffff".parse(),
-            Ok(Background {
-                top: [0; 3],
-                bottom: [255; 3]
-            })
-        );
-        for wrong in ["", "#12345", "#12345g", "#é1234", "000000", "#000000-"] {
-            assert!(wrong.parse::<Background>().is_err(), "{wrong}");
-        }
     }
 }

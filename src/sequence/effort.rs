@@ -81,6 +81,11 @@ impl Effort {
         is_other
     }
 
+    /// Whether nothing is played.
+    pub(super) fn is_at_rest(&self) -> bool {
+        self.interval.is_none()
+    }
+
     /// Other pictures are wanted: what they take has to be measured again.
     pub(super) fn forget(&mut self) {
         self.rest_ns_per_point = Average::default();

@@ -100,6 +100,24 @@ pub enum FrameError {
         /// What does not fit.
         reason: CloudError,
     },
+    /// The machine has not the memory for it.
+    #[error(
+        "{}: what {points} points are drawn from takes {:.1} GiB, more than the {:.1} GiB of this machine; \
+         they can be drawn as points (--primitive point), or thinned out (`pointreel convert`)",
+        path.display(), gibibytes(*needed_bytes), gibibytes(*machine_bytes)
+    )]
+    TooLarge {
+        /// Index in the sequence.
+        index: usize,
+        /// The file.
+        path: PathBuf,
+        /// Its points.
+        points: usize,
+        /// Bytes that are needed at once.
+        needed_bytes: u64,
+        /// Bytes that the machine has.
+        machine_bytes: u64,
+    },
     /// Somebody cancelled the reading of it.
     #[error("{} was not read to its end, as that was cancelled: open it again to read it", path.display())]
     Cancelled {
@@ -128,12 +146,17 @@ pub enum FrameError {
     },
 }
 
+fn gibibytes(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 30)
+}
+
 impl FrameError {
     /// Index in the sequence.
     pub fn index(&self) -> usize {
         match self {
             Self::Decode { index, .. }
             | Self::Invalid { index, .. }
+            | Self::TooLarge { index, .. }
             | Self::Cancelled { index, .. }
             | Self::Panic { index, .. }
             | Self::NoSuchFrame { index, .. } => *index,
@@ -145,6 +168,7 @@ impl FrameError {
         match self {
             Self::Decode { path, .. }
             | Self::Invalid { path, .. }
+            | Self::TooLarge { path, .. }
             | Self::Cancelled { path, .. }
             | Self::Panic { path, .. } => Some(path),
             Self::NoSuchFrame { .. } => None,

@@ -5,7 +5,7 @@
 //! as blended surfels have no order and voxels no transparency. The indices in the file of the merged frame lead back: those below
 //! the number of the pose's points are its slots, all others are ghosts.
 
-use super::{ColorSource, Needs, PrepareCounters, PreparedFrame, prepare};
+use super::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, prepare};
 use crate::cloud::{CloudError, Frame, Positions, RawCloud, oct_decode};
 use glam::DVec3;
 use std::sync::Arc;
@@ -76,14 +76,16 @@ pub fn with_ghosts(
     raw.colors = Some(colors);
     raw.normals = has_shapes.then_some(normals);
     raw.radii = has_shapes.then_some(radii);
+    raw.unit = pose.frame.unit();
     let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO)?);
     let needs = Needs {
         shapes: has_shapes,
-        colors: ColorSource::File,
+        colors: Coloring::of(ColorSource::File),
         ..*needs
     };
     let counters = PrepareCounters::default();
-    Ok(prepare(pose.index, frame, 0.0, &needs, &counters))
+    // What a legend says of the pose stays true.
+    Ok(prepare(pose.index, frame, 0.0, &needs, &counters).painted_as(pose))
 }
 
 #[cfg(test)]
@@ -109,6 +111,8 @@ mod tests {
         Needs {
             shapes: true,
             octree: Some(StopCriterion::default()),
+            // Black and white say nothing to the automatic choice.
+            colors: Coloring::of(ColorSource::File),
             ..Needs::default()
         }
     }

@@ -18,6 +18,7 @@
 //! ```
 
 mod clock;
+mod coloring;
 mod companions;
 mod demo;
 mod detail;
@@ -34,6 +35,7 @@ mod play_range;
 mod prepare;
 mod recording;
 mod records;
+mod scaled;
 mod shapes;
 mod source;
 mod stamps;
@@ -43,19 +45,26 @@ mod watch;
 
 pub use crate::io::natural_order;
 pub use clock::{Clock, DEFAULT_FPS, MAX_SPEED, MIN_SPEED};
+pub use coloring::{
+    ColorHints, ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint,
+    PaintValues, ParseColoringError, plain_field_name, value_kind,
+};
 pub use detail::Detail;
 pub use error::{FrameError, SequenceError};
 pub use ghosts::{Ghost, with_ghosts};
 #[cfg(test)]
 pub(crate) use loader::simulation;
-pub use loader::{FrameFacts, FrameState, Loader, LoaderOptions, LoaderStats, Reading, Slot};
-pub use needs::{ColorSource, Needs};
+pub use loader::{
+    FrameFacts, FrameState, Loader, LoaderOptions, LoaderStats, Reading, ReadingStage, Slot,
+};
+pub use needs::Needs;
 pub use onion::OnionSkin;
 pub use pace::Pace;
 pub use play_range::PlayRange;
 pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare};
 pub use recording::Recording;
 pub use records::UNIFORM_COLOR;
+pub use scaled::NO_VALUE_COLOR;
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use source::{Content, Decode, DecodeFailure, Source};
@@ -93,6 +102,8 @@ pub struct OpenOptions {
 pub struct Sequence {
     sources: RwLock<Vec<Arc<Source>>>,
     decode: Arc<Decode>,
+    /// How some points of a frame are read alone, where that is possible.
+    sample: Option<Arc<source::Sample>>,
     decode_count: AtomicU64,
     origin: OriginFinder,
     fps: Option<f64>,
@@ -150,6 +161,7 @@ impl Sequence {
             recordings: discovered.recordings,
             notes: discovered.notes,
             known: Mutex::new(known),
+            sample: Some(Arc::new(source::sample)),
             ..Self::with_observed_decoder(discovered.sources, decode)
         })
     }
@@ -236,6 +248,7 @@ impl Sequence {
         Self {
             sources: RwLock::new(sources.into_iter().map(Arc::new).collect()),
             decode: Arc::new(decode),
+            sample: None,
             decode_count: AtomicU64::new(0),
             origin: OriginFinder::default(),
             fps: None,
@@ -246,12 +259,26 @@ impl Sequence {
         }
     }
 
+    /// The same sequence, of whose frames `sample` reads some points alone: see [`source::Sample`].
+    #[cfg(test)]
+    pub(crate) fn with_sample(
+        mut self,
+        sample: impl Fn(&Source, usize, usize) -> Result<Option<(RawCloud, usize)>, DecodeFailure>
+        + Send
+        + Sync
+        + 'static,
+    ) -> Self {
+        self.sample = Some(Arc::new(sample));
+        self
+    }
+
     /// The same frames, of which nothing is decoded yet and the origin is not decided.
     #[must_use]
     pub(crate) fn anew(&self) -> Self {
         Self {
             sources: RwLock::new(self.sources()),
             decode: Arc::clone(&self.decode),
+            sample: self.sample.clone(),
             decode_count: AtomicU64::new(0),
             origin: OriginFinder::default(),
             fps: self.fps,
@@ -409,9 +436,44 @@ impl Sequence {
             path: self.source(index).path.clone(),
             reason,
         })?;
+        if let Some(sample) = self.origin.sample() {
+            frame.share_sample(Arc::clone(sample));
+        }
         Ok(LoadedFrame {
             frame,
             decode_ms: decoder_ms + milliseconds_since(start),
+            decoder_ms,
+        })
+    }
+
+    /// At most `most_points` of frame `index`, if it has at least `fewest_points` and they can be read without the others.
+    pub(crate) fn load_sample(
+        &self,
+        index: usize,
+        most_points: usize,
+        fewest_points: usize,
+    ) -> Option<LoadedFrame> {
+        let start = Instant::now();
+        let source = self.source(index);
+        let sample = self.sample.as_ref()?;
+        // What is wrong is said when all of it is read.
+        let sampled = error::catch_panic(index, &source.path, || {
+            sample(&source, most_points, fewest_points).map_err(|reason| FrameError::Decode {
+                index,
+                path: source.path.clone(),
+                reason: reason.into(),
+            })
+        });
+        let (raw, point_count) = sampled.ok().flatten()?;
+        let origin = match index {
+            0 => self.origin.decided_by(&raw)?,
+            _ => self.origin.known()?,
+        };
+        let decoder_ms = milliseconds_since(start);
+        let frame = Frame::from_sampled(raw, origin, point_count).ok()?;
+        Some(LoadedFrame {
+            frame,
+            decode_ms: milliseconds_since(start),
             decoder_ms,
         })
     }

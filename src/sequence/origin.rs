@@ -5,6 +5,9 @@
 //! that the origin becomes the centre, rounded to a grid whose step is a power of two near the extent. Rounding keeps
 //! the origin short in binary, so that subtracting it from f32 coordinates is exact.
 //!
+//! **By some points.** Of a large frame some points are shown before all are read: they decide then. The grid's step and the centre are
+//! those of all points, or so near to them that f32 from there keep as much.
+//!
 //! **Beside another sequence** its origin is taken where that keeps enough: the same coordinates of two files are then the same f32,
 //! and equal clouds have no distance.
 //!
@@ -12,7 +15,7 @@
 //! kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice, but for what was cancelled.
 
 use super::{FrameError, Sequence, lock};
-use crate::cloud::RawCloud;
+use crate::cloud::{RawCloud, ValueSample};
 use crate::progress::Progress;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -39,18 +42,19 @@ pub(super) struct OriginFinder {
     /// Whose origin is taken if it can be.
     beside: OnceLock<Arc<Sequence>>,
     kept: Mutex<BTreeMap<usize, Kept>>,
+    /// Points of the frame that decided it.
+    sample: OnceLock<Arc<ValueSample>>,
 }
 
 impl OriginFinder {
     /// The origin; `None` if that took decoding, which was cancelled.
     pub(super) fn origin(&self, sequence: &Sequence, progress: &Progress) -> Option<DVec3> {
-        let known = || self.origin.get().copied();
-        known().or_else(|| {
+        self.known().or_else(|| {
             let given_up = || self.given_up.load(Ordering::Relaxed);
             let before = given_up();
             let _turn = lock(&self.deciding);
             // Somebody else may have decided it meanwhile; what was cancelled is not done again by all who waited for it.
-            known().or_else(|| {
+            self.known().or_else(|| {
                 if given_up() != before {
                     return None;
                 }
@@ -70,6 +74,24 @@ impl OriginFinder {
         }
     }
 
+    /// The origin, if it is decided.
+    pub(super) fn known(&self) -> Option<DVec3> {
+        self.origin.get().copied()
+    }
+
+    /// The origin, decided by some points of the first frame if it is not known; `None` where it depends on another sequence.
+    pub(super) fn decided_by(&self, sample: &RawCloud) -> Option<DVec3> {
+        self.known().or_else(|| {
+            let _turn = lock(&self.deciding);
+            self.known().or_else(|| {
+                let (_, bounds) = sample.positions.finite_bounds();
+                let (min, max) = bounds.filter(|_| self.beside.get().is_none())?;
+                let origin = origin_of_bounds(min, max);
+                Some(*self.origin.get_or_init(|| origin))
+            })
+        })
+    }
+
     fn decide(&self, sequence: &Sequence, progress: &Progress) -> Option<DVec3> {
         for index in 0..sequence.len() {
             if progress.is_cancelled() {
@@ -81,14 +103,19 @@ impl OriginFinder {
                 .map(|(raw, _)| raw.positions.finite_bounds().1);
             match bounds {
                 Ok(Some((min, max))) => {
-                    lock(&self.kept).insert(index, decoded);
                     let beside = match self.beside.get() {
                         Some(other) => Some(other.origin.origin(other, progress)?),
                         None => None,
                     };
                     let shared =
                         beside.filter(|&origin| is_near(origin, min, max, FAR_BESIDE_IN_EXTENTS));
-                    return Some(shared.unwrap_or_else(|| origin_of_bounds(min, max)));
+                    let origin = shared.unwrap_or_else(|| origin_of_bounds(min, max));
+                    if let Ok((raw, _)) = &decoded {
+                        let sample = Arc::new(ValueSample::of_raw(raw, origin));
+                        self.sample.get_or_init(|| sample);
+                    }
+                    lock(&self.kept).insert(index, decoded);
+                    return Some(origin);
                 }
                 // A frame without a finite point decides nothing; keeping many of them could fill the memory.
                 Ok(None) => {}
@@ -108,6 +135,11 @@ impl OriginFinder {
             Ok(_) => kept.remove(&index),
             Err(error) => Some(Err(error.clone())),
         }
+    }
+
+    /// Points of the frame that decided the origin; `None` before, and where no frame has a point.
+    pub(super) fn sample(&self) -> Option<&Arc<ValueSample>> {
+        self.sample.get()
     }
 
     pub(super) fn kept_bytes(&self) -> usize {
@@ -171,6 +203,8 @@ fn origin_of_bounds(min: DVec3, max: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::{Positions, even_places};
+    use crate::sequence::Source;
     use proptest::prelude::*;
 
     #[test]
@@ -179,6 +213,36 @@ mod tests {
             origin_of_bounds(DVec3::new(-1.0, 0.0, 2.0), DVec3::new(1.0, 2.0, 3.0)),
             DVec3::ZERO
         );
+    }
+
+    #[test]
+    fn some_points_of_the_first_frame_decide_for_all() {
+        let cloud = |places: Vec<usize>| {
+            let far = |index: usize| [1e6 + index as f64 / 128.0, 0.0, 0.0];
+            let positions = places.into_iter().map(far).collect();
+            RawCloud::from_positions(Positions::F64(positions))
+        };
+        let sources = ["a.ply", "b.ply"].map(Source::file);
+        let sequence =
+            Sequence::with_decoder(sources.into(), move |_| Ok(cloud((0..1000).collect())));
+        let sequence = sequence.with_sample(move |_, most, fewest| {
+            Ok((fewest <= 1000).then(|| (cloud(even_places(1000, most)), 1000)))
+        });
+        assert!(
+            sequence.load_sample(1, 100, 0).is_none(),
+            "the first one decides"
+        );
+        assert!(sequence.load_sample(0, 100, 1001).is_none(), "too few");
+        let sample = sequence.load_sample(0, 100, 1000).unwrap().frame;
+        assert_eq!((sample.len(), sample.points_in_file()), (100, 1000));
+        assert!((sequence.origin().x - 1e6).abs() <= 16.0);
+        assert!(sequence.load_sample(1, 100, 0).is_some());
+        assert_eq!(sequence.decode_count(), 0, "nothing is read whole");
+        let whole = sequence.frame(0).unwrap();
+        for (&index, at) in sample.file_index().iter().zip(sample.positions()) {
+            let slot = whole.file_index().iter().position(|&i| i == index);
+            assert_eq!(*at, whole.positions()[slot.unwrap()]);
+        }
     }
 
     #[test]

@@ -18,7 +18,8 @@
 //! colours were asked for.
 
 use super::records::{self, SurfaceWork};
-use super::{ColorSource, Needs, milliseconds_since};
+use super::{ColorHints, ColorSource, Coloring, Needs, Paint, milliseconds_since};
+use crate::analysis::Orientation;
 use crate::cloud::{CloudError, Frame, PointRecord, ShapeRecord, radius_factor};
 use crate::octree::{CodedCloud, LodSurfels, Octree, StopCriterion};
 use crate::progress::Progress;
@@ -90,6 +91,9 @@ pub struct PreparedFrame {
     pub points: Arc<Vec<PointRecord>>,
     /// One record a point, if asked for, or if estimating normals for colours brought them anyway.
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
+    /// By what the signs of the normals in `shapes` were decided: the back of a surfel says nothing unless they are right. `None`
+    /// without shapes.
+    pub orientation: Option<Orientation>,
     /// The index of the points in the colours of `points`, if it was asked for.
     pub octree: Option<Arc<Octree>>,
     /// The surfels of the octree's nodes, if both surfels and an octree were asked for; worked out when they are drawn.
@@ -98,7 +102,9 @@ pub struct PreparedFrame {
     pub coded: Option<Arc<CodedCloud>>,
     /// What the last completion took; decoding included if it happened then.
     pub timings: Timings,
-    colors: ColorSource,
+    /// What was asked for, and what that is for this frame.
+    asked: (Coloring, ColorHints),
+    paint: Paint,
     has_ellipses: bool,
     octree_stop: Option<StopCriterion>,
 }
@@ -106,16 +112,26 @@ pub struct PreparedFrame {
 impl PreparedFrame {
     /// True when completing it for `needs` would change nothing.
     pub fn satisfies(&self, needs: &Needs) -> bool {
-        self.colors == needs.colors.resolve(&self.frame)
+        self.is_painted_for(needs)
             && (!needs.shapes || self.shapes.is_some())
             && (!needs.ellipses || self.has_ellipses)
             && (needs.octree.is_none() || needs.octree == self.octree_stop)
             && (!needs.asks_for_codes() || self.coded.is_some())
     }
 
-    /// Where the colours of the points come from; never [`ColorSource::Auto`].
+    fn is_painted_for(&self, needs: &Needs) -> bool {
+        self.asked == (needs.colors, needs.hints)
+            || self.paint == needs.colors.paint(&needs.hints, &self.frame)
+    }
+
+    /// Where the colours of the points come from: see [`Paint::source`].
     pub fn colors(&self) -> ColorSource {
-        self.colors
+        self.paint.source()
+    }
+
+    /// What the points are painted with.
+    pub fn paint(&self) -> &Paint {
+        &self.paint
     }
 
     /// What the octree was built for.
@@ -128,10 +144,10 @@ impl PreparedFrame {
         self.frame.is_sample()
     }
 
-    /// The same points in `colors`, one a point, under an id of their own: octree, byte code and surfels of its nodes are made anew
+    /// The same points in `colors`, one a point, which `paint` says, under an id of their own: octree, byte code and surfels of its nodes are made anew
     /// if there are any. To be drawn, not to be completed: what is added later would have the colours of the file again.
     #[must_use]
-    pub fn in_colors(&self, colors: &[[u8; 4]]) -> Self {
+    pub fn in_colors(&self, colors: &[[u8; 4]], paint: Paint) -> Self {
         let points = self.points.iter().zip(colors);
         let points = points.map(|(&point, &color)| PointRecord { color, ..point });
         let points = Arc::new(points.collect::<Vec<_>>());
@@ -157,8 +173,17 @@ impl PreparedFrame {
             octree,
             lod_surfels,
             coded,
+            paint,
             ..self.clone()
         }
+    }
+
+    /// The same, said to be painted as another frame: its points are among these.
+    pub(super) fn painted_as(mut self, other: &Self) -> Self {
+        self.frame
+            .share_sample(Arc::clone(other.frame.value_sample()));
+        self.paint = other.paint;
+        self
     }
 
     /// Bytes of all parts.
@@ -205,7 +230,7 @@ pub(super) fn prepare_observed(
         ..Timings::default()
     };
     let observers = (counters, progress);
-    build(index, frame, None, None, needs, timings, observers)
+    build((index, frame), None, None, needs, timings, observers)
 }
 
 /// Prepares at most `most_points` of the points of `existing`, taken evenly. Normals and radii that are known are not estimated again.
@@ -223,7 +248,7 @@ pub(super) fn prepare_sample(
             radius: factor * shapes[slot as usize].radius,
             ..shapes[slot as usize]
         };
-        Arc::new(slots.iter().map(shape).collect())
+        Arc::new(slots.iter().map(shape).collect::<Vec<_>>())
     });
     let timings = Timings {
         records_ms: milliseconds_since(start),
@@ -231,10 +256,9 @@ pub(super) fn prepare_sample(
     };
     let frame = Arc::new(frame);
     Ok(build(
-        existing.index,
-        frame,
+        (existing.index, frame),
         None,
-        shapes,
+        shapes.zip(existing.orientation),
         needs,
         timings,
         (counters, &Progress::default()),
@@ -247,43 +271,50 @@ pub fn complete(
     needs: &Needs,
     counters: &PrepareCounters,
 ) -> PreparedFrame {
+    complete_observed(existing, needs, counters, &Progress::default())
+}
+
+/// [`complete`], observed as [`prepare_observed`].
+pub(super) fn complete_observed(
+    existing: &PreparedFrame,
+    needs: &Needs,
+    counters: &PrepareCounters,
+    progress: &Progress,
+) -> PreparedFrame {
     if existing.satisfies(needs) {
         return existing.clone();
     }
     build(
-        existing.index,
-        Arc::clone(&existing.frame),
+        (existing.index, Arc::clone(&existing.frame)),
         Some(existing),
-        existing.shapes.clone(),
+        existing.shapes.clone().zip(existing.orientation),
         needs,
         Timings::default(),
-        (counters, &Progress::default()),
+        (counters, progress),
     )
 }
 
 /// Makes what `needs` ask for and is not known: of the frame `existing` was made from, or `shapes`, if they are known.
 fn build(
-    index: usize,
-    frame: Arc<Frame>,
+    (index, frame): (usize, Arc<Frame>),
     existing: Option<&PreparedFrame>,
-    mut shapes: Option<Arc<Vec<ShapeRecord>>>,
+    known: Option<(Arc<Vec<ShapeRecord>>, Orientation)>,
     needs: &Needs,
     mut timings: Timings,
     (counters, progress): (&PrepareCounters, &Progress),
 ) -> PreparedFrame {
-    let colors = needs.colors.resolve(&frame);
-    let same_colors = existing.filter(|existing| existing.colors == colors);
+    let (mut shapes, mut orientation) = known.unzip();
+    let same_colors = existing.filter(|existing| existing.is_painted_for(needs));
+    let paint = match same_colors {
+        Some(existing) => existing.paint,
+        None => needs.colors.paint(&needs.hints, &frame),
+    };
 
-    let colors_need_shapes = colors == ColorSource::Normal
-        && same_colors.is_none()
-        && records::file_normals(&frame).is_none();
+    let colors_need_shapes =
+        paint == Paint::Normal && same_colors.is_none() && records::file_normals(&frame).is_none();
     if shapes.is_none() && (needs.shapes || needs.ellipses || colors_need_shapes) {
-        shapes = Some(Arc::new(estimated_shapes(
-            &frame,
-            &mut timings,
-            counters,
-            progress,
-        )));
+        let (estimated, by) = estimated_shapes(&frame, &mut timings, counters, progress);
+        (shapes, orientation) = (Some(Arc::new(estimated)), Some(by));
     }
 
     let mut has_ellipses = existing.is_some_and(|existing| existing.has_ellipses);
@@ -300,7 +331,8 @@ fn build(
         (existing.id, Arc::clone(&existing.points))
     } else {
         let start = Instant::now();
-        let points = colored_points(&frame, colors, shapes.as_deref().map(Vec::as_slice));
+        let shapes = shapes.as_deref().map(Vec::as_slice);
+        let points = records::painted_points(&frame, &paint, shapes);
         timings.records_ms += milliseconds_since(start);
         counters
             .records_written
@@ -316,7 +348,7 @@ fn build(
         let start = Instant::now();
         let octree = match same_colors.and_then(|existing| existing.octree.as_ref()) {
             Some(octree) => octree.with_stop(stop),
-            None => build_octree(&frame, colors, &points, stop),
+            None => build_octree(&frame, &paint, &points, stop),
         };
         timings.octree_ms = milliseconds_since(start);
         counters.octrees_built.fetch_add(1, Ordering::Relaxed);
@@ -359,11 +391,13 @@ fn build(
         frame,
         points,
         shapes,
+        orientation,
         octree,
         lod_surfels,
         coded,
         timings,
-        colors,
+        asked: (needs.colors, needs.hints),
+        paint,
         has_ellipses,
         octree_stop,
     }
@@ -374,7 +408,7 @@ fn estimated_shapes(
     timings: &mut Timings,
     counters: &PrepareCounters,
     progress: &Progress,
-) -> Vec<ShapeRecord> {
+) -> (Vec<ShapeRecord>, Orientation) {
     let start = Instant::now();
     let (surface, work) = records::complete_surface(frame, progress);
     match work {
@@ -393,34 +427,17 @@ fn estimated_shapes(
     counters
         .records_written
         .fetch_add(shapes.len() as u64, Ordering::Relaxed);
-    shapes
-}
-
-/// Records in `colors`, which are resolved. Precondition: `shapes` for fake colours of a frame that lacks normals.
-fn colored_points(
-    frame: &Frame,
-    colors: ColorSource,
-    shapes: Option<&[ShapeRecord]>,
-) -> Vec<PointRecord> {
-    match (colors, shapes) {
-        (ColorSource::Auto | ColorSource::File, _) => records::points_in_file_colors(frame),
-        (ColorSource::Scalar, _) => records::points_in_scalar_colors(frame),
-        (ColorSource::Uniform, _) => records::points_in_one_color(frame),
-        (ColorSource::Normal, Some(shapes)) => records::points_in_shape_colors(frame, shapes),
-        (ColorSource::Normal, None) => {
-            records::points_in_normal_colors(frame, frame.normals().unwrap_or_default())
-        }
-    }
+    (shapes, surface.orientation)
 }
 
 fn build_octree(
     frame: &Frame,
-    colors: ColorSource,
+    paint: &Paint,
     points: &[PointRecord],
     stop: StopCriterion,
 ) -> Octree {
     match frame.colors() {
-        Some(file_colors) if colors == ColorSource::File => {
+        Some(file_colors) if *paint == Paint::File => {
             Octree::build(frame.positions(), file_colors, stop)
         }
         _ => {

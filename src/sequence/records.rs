@@ -1,21 +1,30 @@
 //! Frames → the records that are drawn, each array written in one pass into memory of the right size.
 
+use super::Paint;
+use super::scaled::{field, points_in_class_colors, points_on_scale};
 use crate::analysis::{
-    estimate_surface_observed, fake_color, scalar_colors, splat_ellipses, splat_radii,
-    surface_steps,
+    Orientation, estimate_surface_observed, fake_color, splat_ellipses, splat_radii, surface_steps,
 };
 use crate::cloud::{Frame, PointRecord, ShapeRecord, encode_ellipse, oct_decode, oct_encode};
 use crate::progress::Progress;
 use glam::Vec3;
+use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// The colour of every point under [`super::ColorSource::Uniform`]: a light grey that shows shading both ways.
+/// Points that are worth handing to another thread.
+const POINTS_PER_TASK: usize = 1 << 15;
+
+/// The usual colour of every point under [`super::ColorSource::Uniform`]: a light grey that shows shading both ways.
 pub const UNIFORM_COLOR: [u8; 4] = [200, 200, 200, 255];
+
+pub(super) const UNIFORM_RGB: [u8; 3] = [200, 200, 200];
 
 /// Normals and radii of every point of a frame, borrowed where the file has them.
 pub(super) struct CompleteSurface<'a> {
     normals: Cow<'a, [Vec3]>,
     radii: Cow<'a, [f32]>,
+    /// By what the signs of the normals were decided, of most of them.
+    pub(super) orientation: Orientation,
 }
 
 /// What it took to complete a surface.
@@ -34,6 +43,11 @@ pub(super) fn file_normals(frame: &Frame) -> Option<&[Vec3]> {
     frame
         .normals()
         .filter(|normals| normals.iter().all(|&normal| normal != Vec3::ZERO))
+}
+
+/// Whether normals or radii have to be estimated for surfels, which takes longest.
+pub(super) fn lacks_surface(frame: &Frame) -> bool {
+    file_normals(frame).is_none() || file_radii(frame).is_none()
 }
 
 /// The file's radii if every point has one.
@@ -55,6 +69,7 @@ pub(super) fn complete_surface<'a>(
             CompleteSurface {
                 normals: normals.into(),
                 radii: radii.into(),
+                orientation: Orientation::File,
             },
             SurfaceWork::None,
         ),
@@ -65,6 +80,7 @@ pub(super) fn complete_surface<'a>(
                 CompleteSurface {
                     normals: normals.into(),
                     radii: estimated.into(),
+                    orientation: Orientation::File,
                 },
                 SurfaceWork::Radii,
             )
@@ -80,6 +96,7 @@ pub(super) fn complete_surface<'a>(
                 CompleteSurface {
                     normals: surface.normals.into(),
                     radii: surface.radii.into(),
+                    orientation: surface.orientation,
                 },
                 SurfaceWork::Surface,
             )
@@ -96,7 +113,7 @@ fn keep_given<T: Copy>(estimated: &mut [T], given: Option<&[T]>, usable: impl Fn
     }
 }
 
-/// One record a point; a scalar that the file does not have is 0.
+/// One record a point; a scalar that the file does not have, or is no number there, is 0.
 pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec<ShapeRecord> {
     let record = |(&normal, &radius): (&Vec3, &f32), scalar| ShapeRecord {
         normal: oct_encode(normal),
@@ -104,11 +121,12 @@ pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec
         ellipse: 0,
         scalar,
     };
-    let shapes = surface.normals.iter().zip(surface.radii.iter());
+    let shapes = surface.normals.par_iter().zip(surface.radii.par_iter());
+    let shapes = shapes.with_min_len(POINTS_PER_TASK);
     match frame.scalars() {
         Some(scalars) => shapes
-            .zip(scalars)
-            .map(|(shape, &scalar)| record(shape, scalar))
+            .zip(scalars.par_iter())
+            .map(|(shape, &scalar)| record(shape, if scalar.is_nan() { 0.0 } else { scalar }))
             .collect(),
         None => shapes.map(|shape| record(shape, 0.0)).collect(),
     }
@@ -134,52 +152,62 @@ pub(super) fn with_ellipses(frame: &Frame, shapes: &[ShapeRecord]) -> Option<Vec
     Some(records.collect())
 }
 
-/// Records in the file's colours. Precondition: the frame has colours; without, the points are uniform.
-pub(super) fn points_in_file_colors(frame: &Frame) -> Vec<PointRecord> {
-    match frame.colors() {
-        Some(colors) => points(frame, colors.iter().copied()),
-        None => points_in_one_color(frame),
+/// Records in `paint`, which is that of this frame. Precondition: `shapes` for fake colours of a frame that lacks normals.
+pub(super) fn painted_points(
+    frame: &Frame,
+    paint: &Paint,
+    shapes: Option<&[ShapeRecord]>,
+) -> Vec<PointRecord> {
+    let in_one = |[red, green, blue]: [u8; 3]| {
+        let color = [red, green, blue, 255];
+        points(frame, rayon::iter::repeat_n(color, frame.len()))
+    };
+    match (paint, shapes) {
+        (Paint::Uniform(color), _) => in_one(*color),
+        (Paint::Normal, Some(shapes)) => points_in_shape_colors(frame, shapes),
+        (Paint::Normal, None) => {
+            points_in_normal_colors(frame, frame.normals().unwrap_or_default())
+        }
+        (Paint::File, _) => match frame.colors() {
+            Some(colors) => points(frame, colors.par_iter().copied()),
+            None => in_one(UNIFORM_RGB),
+        },
+        (Paint::Classes(name), _) => match field(frame, name) {
+            Some(field) => points_in_class_colors(frame, &field.values),
+            None => in_one(UNIFORM_RGB),
+        },
+        (Paint::Scale { values, map, scale }, _) => {
+            points_on_scale(frame, values, *map, scale).unwrap_or_else(|| in_one(UNIFORM_RGB))
+        }
     }
-}
-
-/// Records in the colours of the frame's scalars. Precondition: the frame has scalars; without, the points are uniform.
-pub(super) fn points_in_scalar_colors(frame: &Frame) -> Vec<PointRecord> {
-    match frame.scalars() {
-        Some(scalars) => points(frame, scalar_colors(scalars).into_iter()),
-        None => points_in_one_color(frame),
-    }
-}
-
-/// Records in [`UNIFORM_COLOR`].
-pub(super) fn points_in_one_color(frame: &Frame) -> Vec<PointRecord> {
-    points(frame, std::iter::repeat_n(UNIFORM_COLOR, frame.len()))
 }
 
 /// Records in the fake colours of `shapes`.
-pub(super) fn points_in_shape_colors(frame: &Frame, shapes: &[ShapeRecord]) -> Vec<PointRecord> {
+fn points_in_shape_colors(frame: &Frame, shapes: &[ShapeRecord]) -> Vec<PointRecord> {
     points(
         frame,
         shapes
-            .iter()
+            .par_iter()
             .map(|shape| fake_color(oct_decode(shape.normal))),
     )
 }
 
 /// Records in the fake colours of `normals`: the same bits as [`points_in_shape_colors`] for shapes with these normals.
-pub(super) fn points_in_normal_colors(frame: &Frame, normals: &[Vec3]) -> Vec<PointRecord> {
+fn points_in_normal_colors(frame: &Frame, normals: &[Vec3]) -> Vec<PointRecord> {
     points(
         frame,
         normals
-            .iter()
+            .par_iter()
             .map(|&normal| fake_color(oct_decode(oct_encode(normal)))),
     )
 }
 
-fn points(frame: &Frame, colors: impl Iterator<Item = [u8; 4]>) -> Vec<PointRecord> {
+fn points(frame: &Frame, colors: impl IndexedParallelIterator<Item = [u8; 4]>) -> Vec<PointRecord> {
     frame
         .positions()
-        .iter()
+        .par_iter()
         .zip(colors)
+        .with_min_len(POINTS_PER_TASK)
         .map(|(position, color)| PointRecord {
             position: position.to_array(),
             color,

@@ -14,6 +14,11 @@ pub type DecodeFailure = Box<dyn std::error::Error + Send + Sync>;
 /// returns after it was cancelled is not looked at.
 pub type Decode = dyn Fn(&Source, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync;
 
+/// Reads at most so many points of a source that has at least as many as the second number says, without reading the others, and says how
+/// many it has; `None` where that cannot be done.
+pub(super) type Sample =
+    dyn Fn(&Source, usize, usize) -> Result<Option<(RawCloud, usize)>, DecodeFailure> + Send + Sync;
+
 /// Where the bytes of a frame are.
 #[derive(Clone, PartialEq, Eq)]
 pub enum Content {
@@ -83,6 +88,26 @@ impl Source {
             content,
             normals: None,
         }
+    }
+}
+
+/// A disk that has to look for every point of a sample would take longer for them than for all: then there is none.
+const MOST_SAMPLE_TIME: Duration = Duration::from_secs(1);
+
+/// The [`Sample`] of files.
+pub(super) fn sample(
+    source: &Source,
+    most_points: usize,
+    fewest_points: usize,
+) -> Result<Option<(RawCloud, usize)>, DecodeFailure> {
+    match (&source.content, &source.normals) {
+        (Content::File(Part::Whole), None) => Ok(io::read_sample(
+            &source.path,
+            most_points,
+            fewest_points,
+            MOST_SAMPLE_TIME,
+        )?),
+        _ => Ok(None),
     }
 }
 

@@ -121,6 +121,7 @@ pub(crate) fn surfels(
         )),
         voxels: None,
         coded: None,
+        ground: None,
         bounds: Aabb::from_points(&positions),
     }
 }
@@ -145,11 +146,26 @@ pub(crate) fn voxels(
         shapes: None,
         voxels: Some(Voxels {
             records: Arc::new(records),
+            normals: None,
             cube_edge,
         }),
         coded: None,
+        ground: None,
         bounds: Aabb::from_points(&centers),
     }
+}
+
+/// Records whose normals point away from the origin, some of them inwards.
+pub(crate) fn shapes_towards(places: impl Iterator<Item = [f32; 3]>) -> Vec<ShapeRecord> {
+    places
+        .zip([1.0f32, 1.0, -1.0].into_iter().cycle())
+        .map(|(place, side)| ShapeRecord {
+            normal: oct_encode(side * Vec3::from_array(place).normalize_or(Vec3::Z)),
+            radius: 0.0,
+            ellipse: 0,
+            scalar: 0.0,
+        })
+        .collect()
 }
 
 /// `count` surfels on a sphere around the origin (golden spiral), coloured by where they are.

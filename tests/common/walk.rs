@@ -2,7 +2,7 @@
 
 use pointreel::app::{Preferences, State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::scene::Scene;
+use pointreel::scene::{Primitive, Scene, Settings};
 use pointreel::sequence::{Sequence, Source};
 use std::sync::Arc;
 use std::time::Duration;
@@ -34,6 +34,11 @@ pub(crate) fn options() -> StateOptions {
     StateOptions {
         preferences: Preferences {
             thumbnails: false,
+            // What `auto` makes of a handful of points is not what these tests are about.
+            settings: Settings {
+                primitive: Primitive::Surfel,
+                ..Settings::default()
+            },
             ..Preferences::default()
         },
         paused: true,
@@ -47,6 +52,18 @@ pub(crate) fn state_on(sequence: Arc<Sequence>, options: StateOptions) -> State 
     state.open(sequence);
     load_all(&mut state);
     state.update(Duration::ZERO);
+    // The view does not change by itself any more.
+    let is_shown = |state: &State| {
+        state
+            .player
+            .as_ref()
+            .is_some_and(|player| player.shown().is_some())
+    };
+    let begin = std::time::Instant::now();
+    while is_shown(&state) && !state.has_looked() && begin.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(1));
+        state.update(Duration::ZERO);
+    }
     state
 }
 

@@ -9,7 +9,7 @@ use pointreel::export::{
 };
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{Background, Footprint, Primitive, Settings, Splatting, Strategy};
+use pointreel::scene::{Background, EyeDome, Footprint, Primitive, Settings, Splatting, Strategy};
 use std::ops::ControlFlow;
 
 const SIZE_PX: [u32; 2] = [300, 220];
@@ -62,6 +62,15 @@ fn ways() -> Vec<Settings> {
         splatting,
         ..settings()
     }));
+    // In parts neighbours are seen beyond them, and lines go on.
+    ways.extend(
+        [Primitive::Surfel, Primitive::Voxel].map(|primitive| Settings {
+            primitive,
+            eye_dome: EyeDome::On,
+            grid: true,
+            ..settings()
+        }),
+    );
     ways
 }
 
@@ -118,9 +127,14 @@ fn over(picture: &RgbaImage, behind: [u8; 3]) -> RgbaImage {
 
 #[test]
 fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
-    for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
+    let primitives = [Primitive::Surfel, Primitive::Voxel, Primitive::Point];
+    for (primitive, eye_dome) in primitives
+        .into_iter()
+        .flat_map(|primitive| [EyeDome::Off, EyeDome::On].map(|eye_dome| (primitive, eye_dome)))
+    {
         let settings = Settings {
             primitive,
+            eye_dome,
             background: Background::solid([200, 60, 120]),
             ..Settings::default()
         };
@@ -146,6 +160,29 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
         assert!(share(255) > 1000, "{primitive}: nothing is opaque");
         assert_eq!(transparent.get_pixel(0, 0).0, [0; 4]);
     }
+}
+
+#[test]
+fn a_scale_bar_is_painted_over_the_same_picture() {
+    let settings = settings();
+    let mut headless = headless(AnyRenderer::cpu());
+    let (frame, camera) = near_by(&headless, &settings);
+    let mut draw = |has_scale_bar, part_edge_px| {
+        let size = PictureSize {
+            has_scale_bar,
+            part_edge_px,
+            ..PictureSize::opaque([320, 240])
+        };
+        draw_picture(&mut headless, &frame, &camera, &settings, size).unwrap()
+    };
+    let (plain, with_bar) = (draw(false, None), draw(true, None));
+    for (x, y, pixel) in with_bar.enumerate_pixels() {
+        let is_corner = x < 140 && y >= 210;
+        assert!(is_corner || pixel == plain.get_pixel(x, y), "{x} {y}");
+    }
+    assert!(common::count_color(&with_bar, [245; 3]) > 30);
+    let light = |picture: &RgbaImage| common::count_color(picture, [245; 3]);
+    assert_eq!(light(&draw(true, Some(77))), light(&with_bar));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::headless_of;
 use image::RgbaImage;
-use pointreel::analysis::map_color;
+use pointreel::analysis::ColorMap;
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::export::{
     ChangeColors, PictureSize, Poses, TrailLook, Video, draw_picture, export_video,
@@ -11,7 +11,9 @@ use pointreel::headless::Headless;
 use pointreel::math::Aabb;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{Background, Camera, CameraPath, Lighting, Primitive, Settings, UpAxis};
-use pointreel::sequence::{OnionSkin, Sequence, Source, TrailRequest, Trails};
+use pointreel::sequence::{
+    ColorSource, Coloring, OnionSkin, Sequence, Source, TrailRequest, Trails,
+};
 use std::collections::HashSet;
 use std::ops::ControlFlow;
 
@@ -40,6 +42,8 @@ fn settings() -> Settings {
         point_size_px: 3.0,
         lighting: Lighting::Unlit,
         background: Background::solid([0; 3]),
+        // All points are white, which says nothing to the automatic choice.
+        colors: Coloring::of(ColorSource::File),
         ..Settings::default()
     }
 }
@@ -144,7 +148,7 @@ fn points_have_the_colour_of_their_distance_to_the_other_pose() {
     // Every point is two units from the nearest one a frame later, four from that of two frames later.
     for (step, range, share) in [(1, Some(4.0), 0.5), (2, Some(16.0), 0.25), (-1, None, 1.0)] {
         let (pictures, said) = pictures(&change(step, range));
-        let [red, green, blue, _] = map_color(share);
+        let [red, green, blue, _] = ColorMap::Viridis.color(share);
         let mut without = 0;
         for (frame, picture) in pictures.iter().enumerate() {
             let is_there = (0..FRAMES as i64).contains(&(frame as i64 + step));

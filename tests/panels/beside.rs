@@ -479,7 +479,8 @@ fn clouds_that_do_not_meet_are_told_of_and_one_key_shows_both() {
     let radius = harness.state().camera.distance;
     press(&mut harness, Modifiers::NONE, Key::R);
     let camera = harness.state().camera;
-    assert_eq!(camera.target_in_world, DVec3::new(2.0, 2.5, 0.0));
+    let off_middle = camera.target_in_world - DVec3::new(2.0, 2.5, 0.0);
+    assert!(off_middle.length() < 1.0, "{off_middle}");
     assert!(camera.distance > radius);
     // Those that meet are nobody's news.
     let b = cubes("right", DVec3::new(0.9, 0.0, 0.0), 3, None, &[]);

@@ -25,8 +25,9 @@ fn the_projection_is_chosen_by_key_and_in_the_settings() {
     );
     let view = harness.state_mut().next_packet().unwrap().view;
     // The plane through the target keeps its size: farther away, by as much more of a telephoto lens.
+    let target = harness.state().camera.target_in_world;
     let size_px = |view: pointreel::scene::ViewTransform| {
-        f64::from(view.pixels_per_unit_at_1) / f64::from(view.eye_high.length())
+        f64::from(view.pixels_per_unit_at_1) / (view.eye_high.as_dvec3() - target).length()
     };
     assert!(view.eye_high.length() > 400.0 * seen_before.eye_high.length());
     assert!((size_px(view) / size_px(seen_before) - 1.0).abs() < 1e-5);
@@ -55,6 +56,7 @@ fn the_projection_is_chosen_by_key_and_in_the_settings() {
 fn a_reset_keeps_the_projection() {
     let mut harness = window();
     press(&mut harness, Modifiers::NONE, Key::O);
+    press(&mut harness, Modifiers::NONE, Key::R);
     let framed = harness.state().camera.distance;
     harness.state_mut().camera.zoom(0.2);
     press(&mut harness, Modifiers::NONE, Key::R);

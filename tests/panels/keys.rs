@@ -41,6 +41,10 @@ fn keys_do_what_the_table_says() {
     assert_eq!(harness.state().camera.elevation_deg, 90.0);
     press(&mut harness, NONE, Key::R);
     assert_eq!(harness.state().camera.elevation_deg, 15.0);
+    press(&mut harness, NONE, Key::G);
+    assert!(harness.state().settings.grid);
+    press(&mut harness, NONE, Key::G);
+    assert!(!harness.state().settings.grid);
     press(&mut harness, NONE, Key::Plus);
     assert_eq!(harness.state().settings.splat_scale, 1.25);
     press(&mut harness, NONE, Key::Minus);

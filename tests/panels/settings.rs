@@ -7,8 +7,8 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::State;
 use pointreel::octree::StopCriterion;
 use pointreel::scene::{
-    Background, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive, RendererChoice,
-    Settings, Splatting, Strategy, UpAxis,
+    BackFaces, Background, EyeDome, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive,
+    RendererChoice, Settings, Splatting, Strategy, UpAxis, VoxelLight,
 };
 use pointreel::sequence::ColorSource;
 
@@ -61,15 +61,16 @@ fn every_setting_can_be_changed_and_reset() {
     assert_eq!(harness.state().settings.resolution, 0.5);
     slide(&mut harness, "Splat scale", 2.5);
     assert_eq!(harness.state().settings.splat_scale, 2.5);
-    harness
-        .get_by_role_and_label(Role::CheckBox, "Back faces")
-        .click();
-    harness.run();
-    assert!(!harness.state().settings.cull_back_faces);
+    choose(&mut harness, "Back faces", "Drawn");
+    assert_eq!(harness.state().settings.back_faces, BackFaces::Drawn);
+    choose(&mut harness, "Eye-dome light", "On");
+    assert_eq!(harness.state().settings.eye_dome, EyeDome::On);
+    slide(&mut harness, "Strength", 1.5);
+    assert_eq!(harness.state().settings.eye_dome_strength, 1.5);
     choose(&mut harness, "Lighting", "Per vertex");
     assert_eq!(harness.state().settings.lighting, Lighting::PerVertex);
     choose(&mut harness, "Colours", "One colour");
-    assert_eq!(harness.state().settings.colors, ColorSource::Uniform);
+    assert_eq!(harness.state().settings.colors.source, ColorSource::Uniform);
     choose(&mut harness, "Preset", "White");
     assert_eq!(
         harness.state().settings.background,
@@ -82,6 +83,10 @@ fn every_setting_can_be_changed_and_reset() {
 
     tap(&mut harness, "Voxels");
     assert_eq!(harness.state().settings.primitive, Primitive::Voxel);
+    choose(&mut harness, "Light on", "Faces");
+    assert_eq!(harness.state().settings.voxel_light, VoxelLight::Faces);
+    choose(&mut harness, "Divide", "By loss");
+    assert_eq!(harness.state().settings.stop, StopCriterion::PAPER);
     slide(&mut harness, "Loss δ", 20.0);
     assert_eq!(harness.state().settings.stop, StopCriterion::Loss(0.2));
     choose(&mut harness, "Divide", "To a level");
@@ -93,6 +98,8 @@ fn every_setting_can_be_changed_and_reset() {
         harness.state().settings.stop,
         StopCriterion::PointsPerOctant(16)
     );
+    choose(&mut harness, "Divide", "By spacing");
+    assert_eq!(harness.state().settings.stop, StopCriterion::Spacing);
     slide(&mut harness, "Threshold τ", 8.0);
     assert_eq!(harness.state().settings.lod, Lod::ThresholdPx(8.0));
     choose(&mut harness, "Level of detail", "Fixed level");

@@ -119,7 +119,7 @@ fn changes_are_the_colours_of_the_picture_until_they_are_put_away() {
     assert!(
         colors
             .iter()
-            .all(|color| *color == pointreel::analysis::map_color(1.0))
+            .all(|color| *color == pointreel::analysis::ColorMap::Viridis.color(1.0))
     );
     check(&mut harness, "Change map");
     assert_eq!(until_points(&mut harness, 8), before);

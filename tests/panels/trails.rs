@@ -140,7 +140,7 @@ fn varying() -> Arc<Sequence> {
 #[test]
 fn where_indices_do_not_stay_with_the_points_the_panel_says_so() {
     let mut harness = picking(varying());
-    pick(&mut harness, 6);
+    pick(&mut harness, 7);
     click(&mut harness, "Trail");
     until_found(&mut harness);
     let text = "Frame 7 has 10 points, frame 6 has 8: indices do not stay with the points";

@@ -2,7 +2,10 @@
 
 use super::{load_all, window};
 use egui::{pos2, vec2};
-use pointreel::scene::Primitive;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use pointreel::app::{Command, State};
+use pointreel::scene::{Primitive, ScaleBar};
 use std::time::Duration;
 
 #[test]
@@ -108,4 +111,30 @@ fn the_picture_stays_until_the_new_primitive_is_there() {
     let packet = harness.state_mut().next_packet().unwrap();
     assert_eq!(packet.settings.primitive, Primitive::Voxel);
     assert!(packet.voxels.is_some());
+}
+
+#[test]
+fn the_picture_has_a_scale_bar_that_follows_the_camera() {
+    let mut harness = window();
+    let expected = |harness: &Harness<'_, State>| {
+        let state = harness.state();
+        let height = f64::from(state.viewport.rect.height());
+        let bar = ScaleBar::of(&state.camera, height, 1.0, None).unwrap();
+        format!("Scale bar: {}", bar.text())
+    };
+    let before = expected(&harness);
+    assert!(
+        before.ends_with("units") || before.ends_with("unit"),
+        "{before}"
+    );
+    harness.get_by_label(&before);
+    harness.state_mut().camera.zoom(10.0);
+    harness.run();
+    let after = expected(&harness);
+    assert_ne!(before, after);
+    harness.get_by_label(&after);
+    harness.state_mut().run(Command::ToggleScaleBar);
+    harness.run();
+    assert!(harness.query_by_label(&after).is_none());
+    assert!(!harness.state().preferences().scale_bar);
 }

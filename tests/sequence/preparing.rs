@@ -1,7 +1,7 @@
 //! Frames completed for pictures: what is there, what is shared, what is not done twice.
 
 use super::*;
-use pointreel::analysis::fake_color;
+use pointreel::analysis::{ColorMap, fake_color};
 use pointreel::cloud::{ScalarField, decode_ellipse, oct_decode};
 use pointreel::sequence::{PrepareCounters, UNIFORM_COLOR, complete, prepare};
 
@@ -114,14 +114,14 @@ fn colors_come_from_the_best_there_is() {
     );
     let values = (0..100).map(|i| i as f32).collect();
     raw.scalars = vec![ScalarField::new("intensity", values)];
-    assert_eq!(
-        auto(raw).0,
-        ColorSource::Normal,
-        "scalars are for those who ask"
-    );
+    let (source, color) = auto(raw.clone());
+    assert_eq!(source.to_string(), "scalar:intensity");
+    assert_eq!(color, ColorMap::Viridis.color(0.0));
+    raw.scalars[0].values.fill(7.0);
+    assert_eq!(auto(raw).0, ColorSource::Normal, "it says nothing");
 
     let uniform = Needs {
-        colors: ColorSource::Uniform,
+        colors: Coloring::of(ColorSource::Uniform),
         ..Needs::default()
     };
     let prepared = prepare(
@@ -139,7 +139,7 @@ fn colors_come_from_the_best_there_is() {
     );
     // Asked for what the file has not: as if automatic.
     let file = Needs {
-        colors: ColorSource::File,
+        colors: Coloring::of(ColorSource::File),
         ..Needs::default()
     };
     let prepared = prepare(
@@ -266,7 +266,7 @@ fn other_colors_rewrite_points_and_the_octree_only_if_it_is_needed() {
     assert_eq!(work(&counters), [1, 0, 0, 2 * N]);
     let recolored = Needs {
         shapes: true,
-        colors: ColorSource::Normal,
+        colors: Coloring::of(ColorSource::Normal),
         ..voxels(0.1)
     };
     let second = complete(&first, &recolored, &counters);
@@ -282,7 +282,7 @@ fn other_colors_rewrite_points_and_the_octree_only_if_it_is_needed() {
     assert_ne!(root_color(&first), root_color(&second));
     let without_octree = Needs {
         octree: None,
-        colors: ColorSource::Uniform,
+        colors: Coloring::of(ColorSource::Uniform),
         ..recolored
     };
     let third = complete(&second, &without_octree, &counters);
@@ -293,7 +293,7 @@ fn other_colors_rewrite_points_and_the_octree_only_if_it_is_needed() {
 #[test]
 fn the_order_of_wishes_does_not_change_the_picture() {
     let fake = Needs {
-        colors: ColorSource::Normal,
+        colors: Coloring::of(ColorSource::Normal),
         ..Needs::default()
     };
     let both = Needs {
@@ -324,13 +324,14 @@ fn the_order_of_wishes_does_not_change_the_picture() {
 fn frames_without_points_and_with_one_are_prepared() {
     for count in [0, 1] {
         let raw = RawCloud::from_positions(Positions::F32(vec![[1.0, 2.0, 3.0]; count]));
-        for colors in ColorSource::ALL {
+        for source in ColorSource::ALL {
             let needs = Needs {
                 shapes: true,
                 ellipses: true,
                 octree: Some(StopCriterion::Loss(0.05)),
                 coded: true,
-                colors,
+                colors: Coloring::of(source),
+                hints: ColorHints::NONE,
             };
             let prepared = prepare(
                 0,
@@ -377,7 +378,7 @@ fn byte_codes_stay_as_long_as_what_they_are_made_of() {
         ),
         (
             Needs {
-                colors: ColorSource::Uniform,
+                colors: Coloring::of(ColorSource::Uniform),
                 ..with
             },
             false,
@@ -407,6 +408,10 @@ fn every_byte_is_counted() {
     // Surfels of nodes are counted before they are worked out: a node above the leaves has 40 bytes, and of each level two
     // numbers of 4 bytes tell where the nodes of each 64 points are.
     let nodes = octree.internal_count() * 40 + octree.depth() as usize * 8;
-    let expected = 100 * (36 + 16 + 16) + octree.byte_size() + nodes;
+    // So are the normals of voxels, 16 bytes each, of the levels whose cells have three points and more.
+    let coarse = octree.level_counts().iter();
+    let coarse = coarse.take_while(|&&cells| 3 * cells <= 100);
+    let normals: usize = coarse.map(|cells| cells * 16 + 8).sum();
+    let expected = 100 * (36 + 16 + 16) + octree.byte_size() + nodes + normals;
     assert_eq!(prepared.byte_size(), expected);
 }

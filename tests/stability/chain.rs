@@ -6,9 +6,9 @@ use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::oct_decode;
 use pointreel::octree::{SelectView, StopCriterion};
-use pointreel::scene::{Background, Camera, Primitive, Scene, Settings, UpAxis};
+use pointreel::scene::{BackFaces, Background, Camera, Primitive, Scene, Settings, UpAxis};
 use pointreel::sequence::{
-    ColorSource, Direction, Loader, LoaderOptions, Needs, PreparedFrame, Sequence,
+    ColorHints, Coloring, Direction, Loader, LoaderOptions, Needs, PreparedFrame, Sequence,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -47,7 +47,8 @@ pub(crate) fn load(positions: &[DVec3], delta: f32) -> Chain {
         ellipses: false,
         octree: Some(StopCriterion::Loss(delta)),
         coded: false,
-        colors: ColorSource::Auto,
+        colors: Coloring::default(),
+        hints: ColorHints::NONE,
     };
     loader.request(0, Direction::Forward, &needs);
     Chain {
@@ -86,7 +87,7 @@ impl Chain {
     pub(crate) fn draw(&self, camera: &Camera, primitive: Primitive) -> RgbaImage {
         let settings = Settings {
             primitive,
-            cull_back_faces: false,
+            back_faces: BackFaces::Drawn,
             point_size_px: 3.0,
             background: Background::solid(BACKGROUND),
             ..Settings::default()

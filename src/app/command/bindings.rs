@@ -244,6 +244,13 @@ pub const BINDINGS: &[Binding] = &[
     ),
     binding(
         VIEW,
+        "Shift+R",
+        "Frame everything",
+        Command::FrameAll,
+        &[Chord::shift(Key::R)],
+    ),
+    binding(
+        VIEW,
         "1",
         "Front",
         Command::Look(ViewPreset::Front),
@@ -297,6 +304,13 @@ pub const BINDINGS: &[Binding] = &[
         "Turntable",
         Command::ToggleTurntable,
         &[Chord::plain(Key::T)],
+    ),
+    binding(
+        VIEW,
+        "G",
+        "Grid on the ground",
+        Command::ToggleGrid,
+        &[Chord::plain(Key::G)],
     ),
     binding(
         VIEW,

@@ -36,6 +36,10 @@ impl Subject {
 
 /// What a person chose, and what is known of the machine.
 #[derive(Debug, Clone)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a check box, and one is known of the machine"
+)]
 pub struct Export {
     /// What is shown.
     pub subject: Subject,
@@ -53,6 +57,10 @@ pub struct Export {
     pub holds_frame: bool,
     /// Nothing is behind the cloud, where the format can say so.
     pub is_transparent: bool,
+    /// What the colours mean is drawn over the pictures.
+    pub has_legend: bool,
+    /// A bar of a round length is at the lower left.
+    pub has_scale_bar: bool,
     /// The folder of the file.
     pub folder: String,
     /// Its name without extension; made from sequence and subject if `None`.
@@ -74,6 +82,8 @@ impl Default for Export {
             turns: 1.0,
             holds_frame: false,
             is_transparent: false,
+            has_legend: false,
+            has_scale_bar: false,
             folder: String::new(),
             name: None,
             has_ffmpeg: false,

@@ -225,6 +225,8 @@ impl State {
             per_second: export.per_second,
             size: PictureSize {
                 is_transparent: export.has_alpha(),
+                has_legend: export.has_legend,
+                has_scale_bar: export.has_scale_bar,
                 ..PictureSize::opaque(self.export_size_px())
             },
             output: self.export_output(),

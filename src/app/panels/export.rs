@@ -48,6 +48,18 @@ pub fn export_ui(ui: &mut Ui, state: &mut State) {
                     video(ui, state);
                 }
                 background(ui, &mut state.export);
+                row(
+                    ui,
+                    "Legend",
+                    "What the colours mean is drawn over the pictures, where they show numbers or classes",
+                    Checkbox::new(&mut state.export.has_legend, "Drawn"),
+                );
+                row(
+                    ui,
+                    "Scale bar",
+                    "A bar of a round length at the lower left; in perspective it is true at the distance of the middle of the orbit",
+                    Checkbox::new(&mut state.export.has_scale_bar, "Drawn"),
+                );
                 place(ui, state);
             });
             ui.separator();

@@ -69,7 +69,7 @@ fn words(point: &LabPoint) -> String {
 
 fn color(primitive: Primitive) -> Color32 {
     match primitive {
-        Primitive::Surfel => ACCENT,
+        Primitive::Auto | Primitive::Surfel => ACCENT,
         Primitive::Voxel => GOOD,
         Primitive::Point => ODD,
     }

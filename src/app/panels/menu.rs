@@ -172,6 +172,7 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     item(ui, state, "Redo", Command::Redo);
     ui.separator();
     item(ui, state, "Reset view", Command::ResetView);
+    item(ui, state, "Frame everything", Command::FrameAll);
     item(ui, state, "Copy view", Command::CopyView);
     item(ui, state, "Paste view", Command::PasteView);
     ui.separator();
@@ -179,11 +180,14 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     for (text, open, command) in [
         ("Orthographic", is_orthographic, Command::ToggleOrthographic),
         ("Turntable", state.turntable.is_on, Command::ToggleTurntable),
+        ("Grid", state.settings.grid, Command::ToggleGrid),
+        ("Scale bar", state.shows_scale_bar, Command::ToggleScaleBar),
         (
             "Thumbnails",
             state.thumbnails.is_on,
             Command::ToggleThumbnails,
         ),
+        ("Legend", state.panels.legend, Command::ToggleLegend),
         ("Settings", state.panels.settings, Command::ToggleSettings),
         (
             "Statistics",

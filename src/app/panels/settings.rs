@@ -1,17 +1,18 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
 use super::clip::clip_ui;
+use super::colors::colors_ui;
 use super::footprints::footprints_ui;
 use super::quality::quality_ui;
+use super::shading::shading;
 use super::temporal::temporal_settings_ui;
 use super::voxels::octree_ui;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use crate::app::{PresentChoice, State, Turntable};
 use crate::scene::{
-    Background, Lighting, Primitive, Projection, RendererChoice, Settings, Splatting, Strategy,
+    BackFaces, Background, Primitive, Projection, RendererChoice, Settings, Splatting, Strategy,
     UpAxis,
 };
-use crate::sequence::ColorSource;
 use egui::{Button, Checkbox, ComboBox, Grid, RichText, ScrollArea, Slider, Ui, Widget};
 
 /// The panel at the right.
@@ -19,17 +20,18 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         quality_ui(ui, state);
         heading(ui, "Picture");
-        primitive(ui, &mut state.settings);
+        primitive(ui, state);
+        let drawn = state.drawn_settings();
         rows(ui, "picture", |ui| {
-            if state.settings.primitive == Primitive::Surfel {
+            if drawn.draws_surfels() {
                 splatting(ui, &mut state.settings);
             }
             renderer(ui, &mut state.settings);
             strategy(ui, &mut state.settings);
             resolution(ui, &mut state.settings);
         });
-        match state.settings.primitive {
-            Primitive::Surfel => {
+        match drawn.primitive {
+            Primitive::Auto | Primitive::Surfel => {
                 surfels(ui, &mut state.settings);
                 let is_software = state.graphics.is_software;
                 let on_processor = state.settings.renderer.is_processor(is_software);
@@ -38,16 +40,23 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
             Primitive::Voxel => {}
             Primitive::Point => points(ui, &mut state.settings),
         }
-        if state.settings.draws_cells() || state.settings.draws_codes() {
+        if drawn.draws_cells() || drawn.draws_codes() {
             octree_ui(ui, &mut state.settings);
         }
+        colors_ui(ui, state);
         clip_ui(ui, state);
         temporal_settings_ui(ui, state);
         heading(ui, "Shading");
-        rows(ui, "shading", |ui| shading(ui, &mut state.settings));
+        rows(ui, "shading", |ui| shading(ui, &mut state.settings, &drawn));
         heading(ui, "Background");
         rows(ui, "background", |ui| {
             background(ui, &mut state.settings.background);
+            row(
+                ui,
+                "Ground",
+                "Lines on the plane below the cloud; a cell is a power of ten wide (G)",
+                Checkbox::new(&mut state.settings.grid, "Grid"),
+            );
         });
         heading(ui, "Camera");
         rows(ui, "camera", |ui| camera(ui, state));
@@ -59,7 +68,7 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
             .on_hover_text("Every setting of the picture as it is at first; the camera stays")
             .clicked()
         {
-            state.settings = Settings::default();
+            state.reset_settings();
         }
     });
 }
@@ -112,9 +121,14 @@ pub(super) fn choice<T: Copy + PartialEq>(
     ui.end_row();
 }
 
-fn primitive(ui: &mut Ui, settings: &mut Settings) {
+fn primitive(ui: &mut Ui, state: &mut State) {
     ui.horizontal(|ui| {
         for (primitive, text, tooltip) in [
+            (
+                Primitive::Auto,
+                "Auto",
+                "Surfels where the points sample a surface, else points",
+            ),
             (
                 Primitive::Surfel,
                 "Surfels",
@@ -131,13 +145,17 @@ fn primitive(ui: &mut Ui, settings: &mut Settings) {
                 "Plain squares of a size in pixels: the fastest",
             ),
         ] {
-            let button = Button::selectable(settings.primitive == primitive, text)
-                .min_size(egui::vec2(76.0, 26.0));
+            let button = Button::selectable(state.settings.primitive == primitive, text)
+                .min_size(egui::vec2(62.0, 26.0));
             if ui.add(button).on_hover_text(tooltip).clicked() {
-                settings.primitive = primitive;
+                state.settings.primitive = primitive;
             }
         }
     });
+    if let (Primitive::Auto, Some(look)) = (state.settings.primitive, state.first_look()) {
+        let text = format!("Drawn as {}s: {}", look.primitive, look.primitive_why);
+        ui.label(RichText::new(text).weak());
+    }
     ui.add_space(4.0);
 }
 
@@ -311,13 +329,7 @@ fn surfels(ui: &mut Ui, settings: &mut Settings) {
                 enlargement,
             );
         }
-        let tooltip = "Leave out surfels whose normal points away. Turn it off where normals cannot be trusted";
-        row(
-            ui,
-            "Back faces",
-            tooltip,
-            Checkbox::new(&mut settings.cull_back_faces, "Culled"),
-        );
+        back_faces(ui, settings);
         row(
             ui,
             "Surfel detail",
@@ -325,6 +337,33 @@ fn surfels(ui: &mut Ui, settings: &mut Settings) {
             Checkbox::new(&mut settings.surfel_lod, "By the octree"),
         );
     });
+}
+
+fn back_faces(ui: &mut Ui, settings: &mut Settings) {
+    choice(
+        ui,
+        "Back faces",
+        "Surfels that face away from the eye",
+        &mut settings.back_faces,
+        &[
+            (
+                "Auto",
+                BackFaces::Auto,
+                "Left out where the surface is closed, so that nothing is missed",
+            ),
+            ("Drawn", BackFaces::Drawn, "From behind as from the front"),
+            (
+                "Darker",
+                BackFaces::Darker,
+                "From behind a little darker than from the front",
+            ),
+            (
+                "Culled",
+                BackFaces::Culled,
+                "Left out: looks into rooms from outside",
+            ),
+        ],
+    );
 }
 
 fn points(ui: &mut Ui, settings: &mut Settings) {
@@ -340,57 +379,6 @@ fn points(ui: &mut Ui, settings: &mut Settings) {
             size,
         );
     });
-}
-
-fn shading(ui: &mut Ui, settings: &mut Settings) {
-    if settings.primitive != Primitive::Point {
-        choice(
-            ui,
-            "Lighting",
-            "Where the head light is evaluated",
-            &mut settings.lighting,
-            &[
-                ("None", Lighting::Unlit, "Plain colours"),
-                (
-                    "Per surfel or face",
-                    Lighting::PerSurfel,
-                    "Once for each surfel or voxel face",
-                ),
-                (
-                    "Per vertex",
-                    Lighting::PerVertex,
-                    "At each corner, interpolated between",
-                ),
-                ("Per fragment", Lighting::PerFragment, "At each pixel"),
-            ],
-        );
-    }
-    let sources = ColorSource::ALL.map(|source| match source {
-        ColorSource::Auto => (
-            "Automatic",
-            source,
-            "The file's colours, else its scalar, else the normal",
-        ),
-        ColorSource::File => ("From the file", source, "Red, green and blue of the file"),
-        ColorSource::Normal => (
-            "Normal",
-            source,
-            "The direction of the normal as a colour (the paper's fake colour)",
-        ),
-        ColorSource::Scalar => (
-            "Scalar",
-            source,
-            "Intensity or another scalar of the file through a colour map",
-        ),
-        ColorSource::Uniform => ("One colour", source, "The same for all points"),
-    });
-    choice(
-        ui,
-        "Colours",
-        "Where the colours of points come from",
-        &mut settings.colors,
-        &sources,
-    );
 }
 
 fn background(ui: &mut Ui, background: &mut Background) {
@@ -444,13 +432,22 @@ fn camera(ui: &mut Ui, state: &mut State) {
         )
     });
     let axes: Vec<_> = axes.collect();
+    let mut up = state.camera.up;
     choice(
         ui,
         "Up axis",
-        "The axis of the file that points up in the picture",
-        &mut state.camera.up,
+        "The axis of the file that points up in the picture, kept for this sequence",
+        &mut up,
         &axes,
     );
+    if up != state.camera.up {
+        state.choose_up(up);
+    }
+    if let Some(look) = state.first_look() {
+        ui.label("");
+        ui.label(RichText::new(look.up_why).weak());
+        ui.end_row();
+    }
     choice(
         ui,
         "Projection",

@@ -1,15 +1,13 @@
 //! What other poses say of the shown one: the choices, and the numbers of the change with its legend.
 
+use super::ramp::paint_ramp;
 use super::settings::{heading, row, rows};
 use super::trails;
-use crate::analysis::map_color;
+use crate::analysis::ColorMap;
 use crate::app::measuring::significant;
 use crate::app::{ChangeMap, OnionSkin, State};
 use crate::measure::Change;
-use egui::{
-    Align2, Checkbox, Color32, DragValue, Grid, Mesh, Rect, RichText, Sense, Slider, Ui, Window,
-    pos2, vec2,
-};
+use egui::{Align2, Checkbox, DragValue, Grid, RichText, Sense, Slider, Ui, Window, vec2};
 use std::fmt::Write as _;
 
 /// How far away the other pose may be, frames.
@@ -123,7 +121,7 @@ fn content(ui: &mut Ui, state: &mut State) {
             ui.weak(state.temporal.problem().unwrap_or("Being measured…"));
         }
         (Some(other), Some((change, range))) => {
-            legend(ui, range);
+            legend(ui, range, state.settings.colors.map);
             numbers(ui, change, [pose.index, other], map.threshold);
         }
     }
@@ -174,21 +172,12 @@ fn choices(ui: &mut Ui, map: &mut ChangeMap, range: f64) {
     );
 }
 
-/// The colours from 0 to `range`, scene units.
-fn legend(ui: &mut Ui, range: f64) {
-    const STEPS: u32 = 48;
+/// The colours of `map` from 0 to `range`, scene units.
+fn legend(ui: &mut Ui, range: f64, map: ColorMap) {
     let size = vec2(ui.available_width().max(220.0), 12.0);
     let (bar, response) = ui.allocate_exact_size(size, Sense::hover());
     response.on_hover_text("Distances to the nearest point of the other frame, scene units");
-    let mut mesh = Mesh::default();
-    for step in 0..STEPS {
-        let [left, right] =
-            [step, step + 1].map(|edge| bar.left() + bar.width() * edge as f32 / STEPS as f32);
-        let [red, green, blue, _] = map_color((step as f32 + 0.5) / STEPS as f32);
-        let strip = Rect::from_min_max(pos2(left, bar.top()), pos2(right, bar.bottom()));
-        mesh.add_colored_rect(strip, Color32::from_rgb(red, green, blue));
-    }
-    ui.painter().add(mesh);
+    paint_ramp(ui.painter(), bar, map, false);
     ui.horizontal(|ui| {
         ui.monospace("0");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -1,7 +1,7 @@
 //! Trails of points: buttons and numbers beside a point's values, and how they are painted over the picture.
 
 use super::marks::Canvas;
-use crate::analysis::map_color;
+use crate::analysis::ColorMap;
 use crate::app::State;
 use crate::app::theme::ODD;
 use crate::app::trails::{TrailField, field_place, pieces};
@@ -138,7 +138,7 @@ pub(super) fn paint_trails(canvas: &Canvas<'_>, state: &State) {
     let recent = (shown + 1).saturating_sub(state.trails.field.length + 1)..shown + 1;
     let count = others.len();
     for (number, trail) in others.enumerate() {
-        let [red, green, blue, _] = map_color(field_place(number, count));
+        let [red, green, blue, _] = ColorMap::Viridis.color(field_place(number, count));
         let stroke = Stroke::new(1.2, Color32::from_rgb(red, green, blue));
         for piece in pieces(trails, trail, recent.clone(), origin) {
             canvas.polyline(&piece, stroke);

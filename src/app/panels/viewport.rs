@@ -1,7 +1,9 @@
 //! The 3-D picture and the mouse on it. The panels are other widgets, so that nothing done to them moves the camera.
 
+use super::legend::legend_ui;
 use super::marks::marks_ui;
 use super::pair::{lay_out, pair_ui};
+use super::scale_bar::scale_bar_ui;
 use crate::app::command::Command;
 use crate::app::grip::{Grip, Pull};
 use crate::app::theme::{ACCENT, ODD};
@@ -31,6 +33,7 @@ pub fn viewport_ui(ui: &mut Ui, state: &mut State) {
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "3-D picture"));
     lay_out(state, rect, scale);
+    state.fit_first_view();
     state.viewport.pointer = response.hover_pos();
     move_camera(ui, &response, state);
     click(&response, state);
@@ -108,7 +111,7 @@ fn click(response: &Response, state: &mut State) {
     };
     if response.double_clicked() && state.inspection.tool != Tool::Measure {
         if !state.focus_at(place) {
-            state.frame_cloud();
+            state.frame_all();
         }
     } else if response.clicked() {
         state.click_at(place);
@@ -189,7 +192,9 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
                 banner(&painter, place, "Loading the first frame…", Color32::WHITE);
             }
             marks_ui(ui, state);
+            scale_bar_ui(ui, place, state);
             axes(&painter, rect, state);
+            legend_ui(&painter, place, state);
         }
     }
 }

@@ -2,15 +2,36 @@
 
 use super::settings::{choice, heading, row, rows};
 use crate::octree::StopCriterion;
-use crate::scene::{Lod, Settings};
+use crate::scene::{Lod, Primitive, Settings, VoxelLight};
 use egui::{Slider, Ui};
 
 /// The sections of the settings for what draws cells of the octree.
 pub(super) fn octree_ui(ui: &mut Ui, settings: &mut Settings) {
+    if settings.primitive == Primitive::Voxel {
+        heading(ui, "Cubes");
+        rows(ui, "cubes", |ui| light(ui, &mut settings.voxel_light));
+    }
     heading(ui, "Octree");
     rows(ui, "octree", |ui| stop(ui, &mut settings.stop));
     heading(ui, "Level of detail");
     rows(ui, "lod", |ui| lod(ui, &mut settings.lod));
+}
+
+fn light(ui: &mut Ui, voxel_light: &mut VoxelLight) {
+    choice(
+        ui,
+        "Light on",
+        "What the light of voxels falls on",
+        voxel_light,
+        &[
+            (
+                "Normals",
+                VoxelLight::Normals,
+                "The surface in a voxel: the mean normal of its points",
+            ),
+            ("Faces", VoxelLight::Faces, "The faces of the cubes"),
+        ],
+    );
 }
 
 /// The choices of a list are kinds; the number of a kind that is chosen anew is the usual one.
@@ -42,8 +63,13 @@ fn stop(ui: &mut Ui, stop: &mut StopCriterion) {
         stop,
         &[
             (
+                "By spacing",
+                StopCriterion::Spacing,
+                "Until voxels would be smaller than the spacing of the points in them: closed surfaces",
+            ),
+            (
                 "By loss",
-                StopCriterion::default(),
+                StopCriterion::PAPER,
                 "Until few enough points share a voxel; all voxels have one size",
             ),
             (
@@ -59,6 +85,7 @@ fn stop(ui: &mut Ui, stop: &mut StopCriterion) {
         ],
     );
     match stop {
+        StopCriterion::Spacing => {}
         StopCriterion::Loss(delta) => {
             // Shown in percent, kept as a fraction.
             let mut percent = *delta * 100.0;

@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::scene::{
-    Background, Footprint, Lighting, NormalBits, OffsetBits, Primitive, RendererChoice, Splatting,
-    Strategy,
+    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, Primitive,
+    RendererChoice, Splatting, Strategy, VoxelLight,
 };
-use crate::sequence::ColorSource;
+use crate::sequence::{ColorHints, ColorSource, Coloring};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
 use std::fs;
 
@@ -19,13 +19,18 @@ fn unusual() -> Preferences {
             strategy: Strategy::Compute,
             splat_scale: 1.25,
             enlargement: 3.5,
-            cull_back_faces: false,
+            back_faces: BackFaces::Drawn,
             lighting: Lighting::PerVertex,
+            voxel_light: VoxelLight::Faces,
+            eye_dome: EyeDome::On,
+            eye_dome_strength: 2.5,
+            grid: true,
+            ground_box: None,
             background: Background {
                 top: [1, 2, 250],
                 bottom: [0, 16, 255],
             },
-            colors: ColorSource::Scalar,
+            colors: Coloring::of(ColorSource::Scalar(None)),
             point_size_px: 7.0,
             stop: StopCriterion::Loss(0.31),
             lod: Lod::ThresholdPx(2.5),
@@ -34,6 +39,7 @@ fn unusual() -> Preferences {
             footprint: Footprint::Masks,
             normal_bits: NormalBits::Fifteen,
             offset_bits: OffsetBits::Two,
+            color_hints: ColorHints::NONE,
             clip: None,
         },
         present: PresentChoice::Cpu,
@@ -45,12 +51,14 @@ fn unusual() -> Preferences {
             ..OpenPanels::default()
         },
         thumbnails: false,
+        scale_bar: false,
         theme: ThemePreference::Light,
         window_size: Some([900.0, 700.0]),
     }
 }
 
-/// The file of version 6 of a program that had no [`PresentChoice`]; nothing in it is by default.
+/// The file of version 6 of a program that had no [`PresentChoice`], no [`VoxelLight`], no eye-dome lighting, no grid and no scale bar;
+/// nothing in it is by default.
 const OF_VERSION_6: &str = r##"{
   "version": 6,
   "primitive": "voxel",
@@ -89,9 +97,18 @@ const OF_VERSION_6: &str = r##"{
 
 /// What [`OF_VERSION_6`] says.
 fn of_version_6() -> Preferences {
+    let unusual = unusual();
     Preferences {
+        settings: Settings {
+            eye_dome: EyeDome::Auto,
+            eye_dome_strength: 1.0,
+            grid: false,
+            voxel_light: VoxelLight::Normals,
+            ..unusual.settings
+        },
         present: PresentChoice::Auto,
-        ..unusual()
+        scale_bar: true,
+        ..unusual
     }
 }
 
@@ -138,7 +155,7 @@ fn all_choices_survive() {
         .zip(LoopMode::ALL.into_iter().cycle())
     {
         let mut preferences = unusual();
-        preferences.settings.colors = colors;
+        preferences.settings.colors = Coloring::of(colors);
         preferences.loop_mode = loop_mode;
         assert_eq!(again(preferences), (preferences, true));
     }
@@ -232,13 +249,13 @@ fn each_value_is_read_by_itself() {
         (
             "\"voxel\"",
             "\"cone\"",
-            with(|s| s.primitive = Primitive::Surfel),
+            with(|s| s.primitive = Primitive::Auto),
             false,
         ),
         (
             "\"scalar\"",
             "\"sound\"",
-            with(|s| s.colors = ColorSource::Auto),
+            with(|s| s.colors = Coloring::default()),
             false,
         ),
         (

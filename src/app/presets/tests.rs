@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::scene::{
-    Background, Footprint, Lighting, NormalBits, OffsetBits, RendererChoice, Splatting, Strategy,
+    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, RendererChoice,
+    Splatting, Strategy, VoxelLight,
 };
-use crate::sequence::ColorSource;
+use crate::sequence::{ColorHints, ColorSource, Coloring};
 
 /// As version 0.1 wrote it when nothing was by default, and cut short.
 const OF_VERSION_1: &str = r#"{
@@ -51,13 +52,20 @@ fn of_version_1() -> Settings {
         strategy: Strategy::Compute,
         splat_scale: 1.25,
         enlargement: 3.5,
-        cull_back_faces: false,
+        back_faces: BackFaces::Drawn,
         lighting: Lighting::PerVertex,
+        // The file is older than the choice.
+        voxel_light: VoxelLight::Normals,
+        eye_dome: EyeDome::Auto,
+        eye_dome_strength: 1.0,
+        grid: false,
+        ground_box: None,
         background: Background {
             top: [1, 2, 250],
             bottom: [0, 16, 255],
         },
-        colors: ColorSource::Scalar,
+        colors: Coloring::of(ColorSource::Scalar(None)),
+        color_hints: ColorHints::default(),
         point_size_px: 7.0,
         stop: StopCriterion::Loss(0.31),
         lod: Lod::ThresholdPx(2.5),

@@ -10,9 +10,8 @@ use crate::app::history::Edited;
 use crate::app::palette::Palette;
 use crate::app::tasks::{DialogKind, Outcome, PicturePlace, ReportFormat};
 use crate::bench::{LabPoint, Quality, QualityKey, Suite};
-use crate::math::Aabb;
 use crate::playback::Player;
-use crate::scene::{Camera, Primitive, RendererChoice, Settings, UpAxis};
+use crate::scene::{Primitive, RendererChoice, Settings};
 use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange, Sequence, SequenceError};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -84,6 +83,7 @@ impl State {
                     beside.drawing.take_levels(&frame);
                 }
             }
+            Outcome::Looked(more) => self.take_more(*more),
             Outcome::Thumbnail(delivery) => self.thumbnails.take_in(*delivery),
             Outcome::Failed(text) => self.notices.error(text),
         }
@@ -120,31 +120,10 @@ impl State {
         }
     }
 
-    /// Puts the camera so that all of the shown frame is seen, and of that beside it, keeping its direction once the person has chosen
-    /// one.
-    pub fn frame_cloud(&mut self) {
-        self.frame_with(&self.bounds_beside());
-    }
-
-    /// [`State::frame_cloud`] with what is within `beside`, relative to the origin of the open sequence.
-    pub(super) fn frame_with(&mut self, beside: &Aabb) {
-        let Some(player) = &self.player else { return };
-        let Some(frame) = player.shown() else { return };
-        let origin = player.sequence().origin();
-        let bounds = frame.frame.bounds().union(beside);
-        if self.framed {
-            self.camera.frame_bounds(&bounds, origin);
-        } else if let Some(view) = self.options.view.take() {
-            self.camera = view;
-        } else {
-            let up = self
-                .options
-                .up
-                .unwrap_or_else(|| UpAxis::guess(&frame.frame));
-            let projection = self.camera.projection;
-            self.camera = Camera::framing(&bounds, origin, up);
-            self.camera.projection = projection;
-            self.camera.frame_bounds(&bounds, origin);
+    /// Moves the camera until all points are seen, and those beside them, keeping its direction.
+    pub fn frame_all(&mut self) {
+        if let Some(camera) = self.all_framed(&self.bounds_beside()) {
+            self.glide_to(camera);
         }
     }
 
@@ -178,6 +157,7 @@ impl State {
             Command::NextMarker => self.go_to_marker(true),
             Command::PreviousMarker => self.go_to_marker(false),
             Command::ResetView => self.reset_view(),
+            Command::FrameAll => self.frame_all(),
             Command::Look(preset) => self.camera.look_from(preset),
             Command::ToggleOrthographic => self.toggle_projection(),
             Command::ToggleTurntable => self.turntable.is_on ^= true,
@@ -185,6 +165,8 @@ impl State {
             Command::CopyView => self.copy_view(),
             Command::PasteView => self.requests.push(WindowRequest::PasteView),
             Command::ToggleTool(tool) => self.inspection.toggle(tool),
+            Command::ToggleGrid => self.settings.grid ^= true,
+            Command::ToggleScaleBar => self.shows_scale_bar ^= true,
             Command::Smaller => self.scale_size(1.0 / SIZE_STEP),
             Command::Larger => self.scale_size(SIZE_STEP),
             Command::OpenFiles => self.tasks.ask(DialogKind::OpenFiles, None),
@@ -225,6 +207,7 @@ impl State {
             }
             Command::ToggleTrails => self.toggle_trails(),
             Command::Theme(theme) => self.theme = theme,
+            Command::ToggleLegend => self.panels.legend ^= true,
             Command::ToggleThumbnails => self.thumbnails.is_on ^= true,
             Command::RedoThumbnails => self.thumbnails.redo(),
             Command::TogglePalette => {
@@ -256,18 +239,6 @@ impl State {
             Some(_) => None,
             None => Some(Comparison::new(self.settings)),
         };
-    }
-
-    /// The camera as for a sequence that was just opened; the up axis stays as it was chosen.
-    fn reset_view(&mut self) {
-        let up = self.camera.up;
-        self.framed = false;
-        self.frame_cloud();
-        self.framed = self
-            .player
-            .as_ref()
-            .is_some_and(|player| player.shown().is_some());
-        self.camera.up = up;
     }
 
     fn escape(&mut self) {
@@ -391,7 +362,7 @@ impl State {
 
     /// How an export draws: as the window does, but at full resolution.
     pub(in crate::app) fn settings_of_export(&self) -> Settings {
-        let mut settings = self.settings;
+        let mut settings = self.drawn_settings();
         settings.resolution = 1.0;
         if self.without_gpu == Some(settings.renderer) {
             settings.renderer = RendererChoice::Cpu;
@@ -426,9 +397,9 @@ impl State {
     }
 
     fn scale_size(&mut self, factor: f32) {
-        let (size, range) = match self.settings.primitive {
+        let (size, range) = match self.drawn_settings().primitive {
             Primitive::Point => (&mut self.settings.point_size_px, POINT_SIZE_RANGE_PX),
-            Primitive::Surfel | Primitive::Voxel => {
+            Primitive::Auto | Primitive::Surfel | Primitive::Voxel => {
                 (&mut self.settings.splat_scale, SPLAT_SCALE_RANGE)
             }
         };

@@ -131,6 +131,7 @@ impl State {
 
     pub(super) fn loader_options(&self, budget_bytes: usize) -> LoaderOptions {
         LoaderOptions {
+            shows_stages: true,
             wake: self.wake(),
             keeps_coarse_frames: true,
             budget_bytes,
@@ -202,6 +203,7 @@ impl State {
 
     /// The packet of the other sequence, if it differs from the last one.
     pub(super) fn next_packet_beside(&mut self) -> Option<ScenePacket> {
+        let mut settings = self.drawn_settings();
         let beside = self.beside.as_mut()?;
         let Some(frame) = beside.companion.shown() else {
             beside.pictures.forget_difference();
@@ -210,7 +212,6 @@ impl State {
         if self.viewport.other_size_px.contains(&0) {
             return None;
         }
-        let mut settings = self.settings;
         if self.without_gpu == Some(settings.renderer) {
             settings.renderer = RendererChoice::Cpu;
         }

@@ -64,7 +64,7 @@ impl State {
         }
     }
 
-    fn glide_to(&mut self, camera: Camera) {
+    pub(super) fn glide_to(&mut self, camera: Camera) {
         self.glide = Some(Glide::new(self.camera, camera, self.now));
     }
 
@@ -104,7 +104,9 @@ impl State {
         match text.parse() {
             Ok(camera) => {
                 self.camera = camera;
-                self.framed = true;
+                if self.first_look().is_none() {
+                    self.options.view = Some(camera);
+                }
             }
             Err(error) => self
                 .notices

@@ -7,7 +7,7 @@ use crate::app::recent::Recent;
 use crate::app::tasks::Wake;
 use crate::render::RenderStats;
 use crate::render::gpu::DEFAULT_RESIDENT_BUDGET_BYTES;
-use crate::scene::{Camera, UpAxis};
+use crate::scene::{Camera, Primitive, UpAxis};
 use crate::sequence::OpenOptions;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,6 +19,8 @@ pub struct StateOptions {
     pub preferences: Preferences,
     /// Which axis is up; guessed for each sequence if `None`.
     pub up: Option<UpAxis>,
+    /// What the first sequence is drawn as, whatever was kept with it.
+    pub primitive: Option<Primitive>,
     /// Where the first sequence is seen from, in place of a view that shows all of it.
     pub view: Option<Camera>,
     /// How inputs are opened.
@@ -44,6 +46,7 @@ impl Default for StateOptions {
         Self {
             preferences: Preferences::default(),
             up: None,
+            primitive: None,
             view: None,
             open: OpenOptions::default(),
             follow: false,
@@ -81,6 +84,8 @@ pub struct OpenPanels {
     /// The statistics at the left.
     #[serde(rename = "statistics_panel")]
     pub statistics: bool,
+    /// What the colours mean, over the picture.
+    pub legend: bool,
     /// The list of keys.
     #[serde(skip)]
     pub help: bool,
@@ -100,6 +105,7 @@ impl Default for OpenPanels {
         Self {
             settings: true,
             statistics: false,
+            legend: true,
             help: false,
             benchmark: false,
             path: false,

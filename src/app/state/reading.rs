@@ -1,16 +1,65 @@
 //! Frames that take long to read: their bars, and what becomes of a sequence whose first frame nobody waits for any more.
 
+use super::first_look::Looked;
 use super::{Scrubbing, State};
 use crate::app::progress::WorkKind;
 use crate::app::tasks::close;
 use crate::playback::Player;
-use crate::sequence::{Loader, Sequence};
+use crate::sequence::{Loader, Reading, ReadingStage, Sequence};
 use std::time::Duration;
 
 /// How often is looked at how far the reading of a frame is.
 const LOOK_INTERVAL: Duration = Duration::from_millis(100);
 
+/// How much of a frame is in the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::app) enum PictureStage {
+    /// Some of its points.
+    SomePoints,
+    /// All of its points, without what is still to be estimated.
+    AllPoints,
+    /// All that was asked for.
+    Whole,
+}
+
+/// The frame that is not here, or not as it is to be.
+fn expected(player: &Player) -> Option<usize> {
+    let partial = player.is_partial().then(|| player.clock().frame());
+    player.waiting_for().or(partial)
+}
+
+/// What a person calls the reading of the frame of this name.
+fn work_name(reading: &Reading, name: &str) -> String {
+    match reading.stage {
+        ReadingStage::Frame => format!("Reading {name}"),
+        ReadingStage::AllPoints(count) => format!("All {} points of {name}", in_words(count)),
+        ReadingStage::Normals => format!("Normals of {name}"),
+        ReadingStage::Octree => format!("Octree of {name}"),
+    }
+}
+
+/// A number of points to three digits.
+fn in_words(count: usize) -> String {
+    let millions = count as f64 / 1e6;
+    match count {
+        10_000_000.. => format!("{millions:.1} M"),
+        1_000_000.. => format!("{millions:.2} M"),
+        _ => format!("{:.0} k", count as f64 / 1e3),
+    }
+}
+
 impl State {
+    /// How much of the shown frame is in the picture; `None` without one.
+    pub(in crate::app) fn picture_stage(&self) -> Option<PictureStage> {
+        let player = self.player.as_ref()?;
+        let frame = player.shown().filter(|_| self.is_drawn())?;
+        Some(match (player.is_partial(), frame.is_sample()) {
+            (false, _) => PictureStage::Whole,
+            (true, false) => PictureStage::AllPoints,
+            (true, true) => PictureStage::SomePoints,
+        })
+    }
+
     /// Takes notice of frames that are waited for and being read, and of those that nobody waits for any more. True if something is
     /// closed.
     pub(super) fn follow_readings(&mut self) -> bool {
@@ -38,12 +87,12 @@ impl State {
             let mut readings = readings.iter();
             // Before the first frame is here, any is read to find where the sequence is.
             if let Some(reading) = readings.find(|reading| is_first || reading.index == frame) {
-                let name = || format!("Reading {}", sequence.source(frame).name);
+                let name = || work_name(reading, &sequence.source(frame).name);
                 works.watch(WorkKind::Read, name, &reading.progress, now);
             }
         };
         if let Some(player) = &self.player
-            && let Some(frame) = player.waiting_for()
+            && let Some(frame) = expected(player)
         {
             let is_first = player.shown().is_none();
             watch(player.loader(), player.sequence(), frame, is_first);
@@ -62,7 +111,7 @@ impl State {
     pub(super) fn next_look_at_readings(&self) -> Option<Duration> {
         let waits = self.player.as_ref().is_some_and(|player| {
             let companion = self.beside.as_ref().map(|beside| &beside.companion);
-            player.waiting_for().is_some()
+            expected(player).is_some()
                 || companion.is_some_and(|companion| companion.waiting_for().is_some())
         });
         let is_read = || self.works.has(WorkKind::Read);
@@ -83,7 +132,7 @@ impl State {
         self.settings.clip = None;
         // Its threads end what they are on; nobody waits for that here.
         close(before);
-        self.framed = false;
+        self.looked = Looked::default();
         self.glide = None;
         self.drawing.forget_frame();
         self.temporal.forget_frames();
@@ -93,5 +142,31 @@ impl State {
         self.scrubbing = Scrubbing::default();
         self.quality = None;
         self.quality_key = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::Progress;
+
+    #[test]
+    fn bars_say_which_stage_they_are_of() {
+        let name_of = |stage| {
+            let progress = Progress::default();
+            let reading = Reading {
+                index: 0,
+                stage,
+                progress,
+            };
+            work_name(&reading, "hall.ply")
+        };
+        assert_eq!(name_of(ReadingStage::Frame), "Reading hall.ply");
+        let all = |count| name_of(ReadingStage::AllPoints(count));
+        assert_eq!(all(13_809_899), "All 13.8 M points of hall.ply");
+        assert_eq!(all(1_000_000), "All 1.00 M points of hall.ply");
+        assert_eq!(all(600_400), "All 600 k points of hall.ply");
+        assert_eq!(name_of(ReadingStage::Normals), "Normals of hall.ply");
+        assert_eq!(name_of(ReadingStage::Octree), "Octree of hall.ply");
     }
 }

@@ -8,7 +8,8 @@ use crate::render::cpu::CpuRenderer;
 use crate::render::{RenderError, Renderer as _};
 use crate::scene::{Background, Camera, Primitive, ScenePacket, Settings, UpAxis};
 use crate::sequence::{
-    ColorSource, Detail, FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, prepare,
+    ColorHints, Coloring, Detail, FrameError, Needs, PrepareCounters, PreparedFrame, Sequence,
+    prepare,
 };
 use egui::ColorImage;
 use glam::{DVec3, Vec3};
@@ -50,7 +51,7 @@ pub(super) enum Task {
 pub(super) struct Job {
     pub(super) material: Material,
     pub(super) task: Task,
-    pub(super) colors: ColorSource,
+    pub(super) colors: (Coloring, ColorHints),
     pub(super) sequence: Arc<Sequence>,
 }
 
@@ -91,7 +92,8 @@ impl Job {
             &Progress::default(),
         )?;
         let needs = Needs {
-            colors: self.colors,
+            colors: self.colors.0,
+            hints: self.colors.1,
             ..Needs::default()
         };
         let frame = Arc::new(loaded.frame);
@@ -120,6 +122,7 @@ fn draw(frame: &PreparedFrame, camera: &Camera, origin: DVec3) -> Result<ColorIm
         shapes: None,
         voxels: None,
         coded: None,
+        ground: None,
         bounds: frame.frame.bounds(),
     };
     let mut renderer = CpuRenderer::new();
@@ -180,7 +183,7 @@ fn reach(camera: &Camera, bounds: &Aabb, origin: DVec3) -> f64 {
 mod tests {
     use super::*;
     use crate::cloud::{Positions, RawCloud};
-    use crate::sequence::Source;
+    use crate::sequence::{ColorSource, Source};
     use bytemuck::Zeroable as _;
     use proptest::prelude::*;
 
@@ -218,7 +221,7 @@ mod tests {
         Job {
             material,
             task,
-            colors: ColorSource::Auto,
+            colors: (Coloring::of(ColorSource::File), ColorHints::NONE),
             sequence: Arc::new(Sequence::with_decoder(sources.collect(), decode)),
         }
     }

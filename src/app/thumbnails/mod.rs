@@ -20,7 +20,7 @@ use crate::math::Aabb;
 use crate::playback::Player;
 use crate::priority;
 use crate::scene::{Camera, UpAxis};
-use crate::sequence::{ColorSource, Needs, Slot};
+use crate::sequence::{ColorHints, Coloring, Needs, Slot};
 use draw::{Job, Made, Material, Task};
 use egui::Context;
 use schedule::{Bustle, Leisure, Wanted, survey_frames};
@@ -39,7 +39,7 @@ const INTERVAL: Duration = Duration::from_millis(100);
 const IN_TIME: f64 = 0.9;
 
 /// Up axis and colours: what all pictures have in common.
-type Key = (UpAxis, ColorSource);
+type Key = (UpAxis, Coloring, ColorHints);
 
 /// The pictures of the open sequence.
 #[derive(Debug)]
@@ -166,7 +166,7 @@ impl Thumbnails {
         let job = Job {
             material,
             task,
-            colors: key.1,
+            colors: (key.1, key.2),
             sequence: Arc::clone(player.sequence()),
         };
         self.start(frame, job, tasks);
@@ -195,6 +195,7 @@ impl Thumbnails {
         let loader = player.loader();
         let needs = Needs {
             colors: key.1,
+            hints: key.2,
             ..Needs::default()
         };
         let mut material = None;
@@ -210,7 +211,7 @@ impl Thumbnails {
                         None
                     }
                     // What is in other colours will be in these before long.
-                    Slot::Stale(_) | Slot::Pending => {
+                    Slot::Partial(_) | Slot::Stale(_) | Slot::Pending => {
                         (leisure == Leisure::Reading).then_some(Material::File(frame))
                     }
                 };

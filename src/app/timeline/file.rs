@@ -6,13 +6,16 @@
 
 use super::Markers;
 use super::markers::Marker;
+use crate::app::state::Chosen;
 use crate::kept::{self, Fields, Lenient};
+use crate::scene::{Primitive, UpAxis};
 use crate::sequence::{PlayRange, Sequence};
 use serde::Serialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// Changes where the same word would mean something else. Further fields need no other version.
 const VERSION: u32 = 1;
@@ -22,6 +25,10 @@ struct Stored<'a> {
     version: u32,
     range: PlayRange,
     markers: &'a [Marker],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    up: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    primitive: Option<&'static str>,
 }
 
 /// The file in `folder` for `sequence`, which is known by path, name and size of its first frame: frames that are added later
@@ -47,13 +54,14 @@ pub(super) fn file_of(folder: &Path, sequence: &Sequence) -> Option<PathBuf> {
 }
 
 /// What was kept in `file`, which need not be there.
-pub(super) fn read(file: &Path) -> Lenient<(PlayRange, Markers)> {
+pub(super) fn read(file: &Path) -> Lenient<(PlayRange, Markers, Chosen)> {
     kept::read_leniently(file, "the markers", |stored, unread| {
         kept::note_later_version(stored, VERSION, unread);
         let markers = kept::entries(stored, "markers", unread);
         let markers = markers.iter().filter_map(|stored| marker(stored, unread));
         let markers = markers.collect();
-        (range(stored, unread), Markers::of(markers, unread))
+        let markers = Markers::of(markers, unread);
+        (range(stored, unread), markers, chosen(stored, unread))
     })
 }
 
@@ -73,6 +81,21 @@ fn range(stored: &Fields, unread: &mut Vec<String>) -> PlayRange {
     range
 }
 
+fn chosen(stored: &Fields, unread: &mut Vec<String>) -> Chosen {
+    fn word<T: FromStr>(stored: &Fields, field: &str, unread: &mut Vec<String>) -> Option<T> {
+        let text = stored.get(field)?;
+        let value = text.as_str().and_then(|text| text.parse().ok());
+        if value.is_none() {
+            unread.push(format!("{field}: {text} is not known"));
+        }
+        value
+    }
+    Chosen {
+        up: word(stored, "up", unread),
+        primitive: word(stored, "primitive", unread),
+    }
+}
+
 /// A marker that has a frame, if need be without a name.
 fn marker(stored: &Value, unread: &mut Vec<String>) -> Option<Marker> {
     let name = stored.get("name").map_or(Some(""), Value::as_str);
@@ -88,12 +111,19 @@ fn marker(stored: &Value, unread: &mut Vec<String>) -> Option<Marker> {
     Some(Marker { frame, name })
 }
 
-/// Keeps both. `Err` is a text for a notice.
-pub(super) fn write(file: &Path, range: PlayRange, markers: &Markers) -> Result<(), String> {
+/// Keeps all. `Err` is a text for a notice.
+pub(super) fn write(
+    file: &Path,
+    range: PlayRange,
+    markers: &Markers,
+    chosen: Chosen,
+) -> Result<(), String> {
     let stored = Stored {
         version: VERSION,
         range,
         markers: markers.list(),
+        up: chosen.up.map(UpAxis::name),
+        primitive: chosen.primitive.map(Primitive::name),
     };
     serde_json::to_vec_pretty(&stored)
         .map_err(std::io::Error::other)
@@ -127,13 +157,13 @@ mod tests {
   ]
 }"#;
 
-    fn of_version_1() -> (PlayRange, Markers) {
+    fn of_version_1() -> (PlayRange, Markers, Chosen) {
         let range = PlayRange::default().beginning_at(3).ending_at(8);
         let mut markers = Markers::default();
         markers.toggle(5);
         markers.rename(5, "turn \"left\"");
         markers.toggle(7);
-        (range, markers)
+        (range, markers, Chosen::default())
     }
 
     #[test]
@@ -141,11 +171,18 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("deeper/some.json");
         assert_eq!(read(&file).value, Default::default());
-        let (range, markers) = of_version_1();
-        write(&file, range, &markers).unwrap();
+        let (range, markers, nothing) = of_version_1();
+        write(&file, range, &markers, nothing).unwrap();
         assert_eq!(std::fs::read_to_string(&file).unwrap(), OF_VERSION_1);
-        let read = read(&file);
-        assert_eq!((read.value, read.problem), (of_version_1(), None));
+        let kept = read(&file);
+        assert_eq!((kept.value, kept.problem), (of_version_1(), None));
+        let chosen = Chosen {
+            up: Some(UpAxis::NegY),
+            primitive: Some(Primitive::Voxel),
+        };
+        write(&file, range, &markers, chosen).unwrap();
+        let kept = read(&file);
+        assert_eq!((kept.value, kept.problem), ((range, markers, chosen), None));
     }
 
     #[test]
@@ -154,7 +191,7 @@ mod tests {
         let file = folder.path().join("some.json");
         let copy = folder.path().join("some.json.unreadable");
         let whole = of_version_1();
-        let (range, markers) = whole.clone();
+        let (range, markers, nothing) = whole.clone();
         let without = |frame| {
             let mut markers = markers.clone();
             markers.toggle(frame);
@@ -174,17 +211,23 @@ mod tests {
             (
                 "\"first\": 3",
                 "\"first\": 9",
-                (open, markers.clone()),
+                (open, markers.clone(), nothing),
                 false,
             ),
             (
                 "\"first\": 3",
                 "\"first\": -3",
-                (open.ending_at(8), markers.clone()),
+                (open.ending_at(8), markers.clone(), nothing),
                 false,
             ),
-            ("\"frame\"", "\"fame\"", (range, without(5)), false),
-            ("\"turn \\\"left\\\"\"", "5", (range, unnamed()), false),
+            ("\"frame\"", "\"fame\"", (range, without(5), nothing), false),
+            (
+                "\"turn \\\"left\\\"\"",
+                "5",
+                (range, unnamed(), nothing),
+                false,
+            ),
+            ("{", "{\"up\": \"-q\", ", whole.clone(), false),
             ("{", "", Default::default(), false),
         ] {
             let changed = OF_VERSION_1.replacen(from, to, 1);

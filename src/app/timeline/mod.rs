@@ -10,6 +10,7 @@ pub use curve::Quantity;
 pub use markers::{Marker, Markers};
 
 use super::State;
+use super::state::Chosen;
 use crate::playback::Player;
 use crate::sequence::PlayRange;
 use std::path::PathBuf;
@@ -26,6 +27,8 @@ pub struct Timeline {
     pub(super) curve: Curve,
     /// Where the bar is in the window, points.
     pub(super) bar_rect: egui::Rect,
+    /// What was chosen for the sequence in place of what is guessed.
+    pub(super) chosen: Chosen,
     /// Where they are kept, if they may be.
     file: Option<PathBuf>,
 }
@@ -38,6 +41,7 @@ impl Default for Timeline {
             renaming: None,
             curve: Curve::default(),
             bar_rect: egui::Rect::ZERO,
+            chosen: Chosen::default(),
             file: None,
         }
     }
@@ -54,20 +58,27 @@ impl State {
         self.timeline.curve.forget();
         let file = folder.and_then(|folder| file::file_of(folder, player.sequence()));
         let kept = file.map(|file| file::read(&file));
-        let (file, problem, (range, markers)) = kept.map_or_else(Default::default, |kept| {
-            (kept.file, kept.problem, kept.value)
-        });
+        let (file, problem, (range, markers, chosen)) = kept
+            .map_or_else(Default::default, |kept| {
+                (kept.file, kept.problem, kept.value)
+            });
         self.timeline.file = file;
         if let Some(problem) = problem {
             self.notices.warn(problem);
         }
         player.set_range(range, now);
         self.timeline.markers = markers;
+        self.take_chosen(chosen);
     }
 
-    fn keep_timeline(&mut self) {
+    pub(super) fn keep_timeline(&mut self) {
         if let (Some(file), Some(player)) = (&self.timeline.file, &self.player)
-            && let Err(problem) = file::write(file, player.clock().range(), &self.timeline.markers)
+            && let Err(problem) = file::write(
+                file,
+                player.clock().range(),
+                &self.timeline.markers,
+                self.timeline.chosen,
+            )
         {
             self.notices.warn(problem);
         }

@@ -9,15 +9,19 @@ mod gesture;
 mod processor;
 
 use self::gesture::Gesture;
-use self::processor::Processor;
+pub(super) use self::processor::Processor;
 use super::meter::{GpuWork, Redraw};
-use super::state::State;
+use super::state::{PictureStage, State};
 use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::playback::Player;
 use crate::scene::{Primitive, RendererChoice, Settings};
 use egui::Event;
 use std::collections::VecDeque;
-use std::time::Duration;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// How long the mouse turns or scrubs for each frame that is played: 4 s for the usual 300.
 const GESTURE_TIME_PER_FRAME: Duration = Duration::from_micros(13_333);
@@ -25,7 +29,7 @@ const GESTURE_TIME_PER_FRAME: Duration = Duration::from_micros(13_333);
 /// A window that has been still for so long rests.
 const REST: Duration = Duration::from_millis(600);
 
-/// What does not come to its end by itself ends then.
+/// What does not come to its end by itself ends then; large files take their time.
 const MOST_TIME: Duration = Duration::from_mins(1);
 
 /// What is drawn.
@@ -33,6 +37,7 @@ const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primiti
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Action {
+    Open,
     Play,
     Turn,
     Scrub,
@@ -41,6 +46,7 @@ enum Action {
 impl Action {
     fn name(self) -> &'static str {
         match self {
+            Self::Open => "open",
             Self::Play => "play",
             Self::Turn => "turn",
             Self::Scrub => "scrub",
@@ -97,9 +103,14 @@ pub(super) struct Trial {
 }
 
 impl Trial {
-    /// All actions for all primitives on each sequence.
+    /// Opening with the settings of a new window, then all actions for all primitives, on each sequence.
     pub(super) fn new(inputs: &[Input], options: &BenchOptions, renderer: RendererChoice) -> Self {
-        let steps = inputs.iter().enumerate().flat_map(|(index, input)| {
+        let opened = (0..inputs.len()).map(|input| Step {
+            input,
+            primitive: Settings::default().primitive,
+            action: Action::Open,
+        });
+        let moved = inputs.iter().enumerate().flat_map(|(index, input)| {
             let moves = input.sequence.len() > 1;
             PRIMITIVES.into_iter().flat_map(move |primitive| {
                 let actions = [Action::Play, Action::Turn, Action::Scrub];
@@ -117,7 +128,7 @@ impl Trial {
             inputs: inputs.to_vec(),
             frames: options.frames as u64,
             renderer,
-            steps: steps.collect(),
+            steps: opened.chain(moved).collect(),
             watched: None,
             done: Vec::new(),
         }
@@ -168,13 +179,11 @@ impl Trial {
                     return Vec::new();
                 }
                 let length = GESTURE_TIME_PER_FRAME.mul_f64(self.frames as f64);
-                let place = match watched.step.action {
-                    Action::Scrub => state.timeline.bar_rect,
-                    Action::Play | Action::Turn => state.viewport.rect,
-                };
                 let gesture = match watched.step.action {
-                    Action::Scrub => Gesture::along(place, now, length),
-                    Action::Play | Action::Turn => Gesture::around(place, now, length),
+                    Action::Scrub => Gesture::along(state.timeline.bar_rect, now, length),
+                    Action::Open | Action::Play | Action::Turn => {
+                        Gesture::around(state.viewport.rect, now, length)
+                    }
                 };
                 watched.start(now, state, Some(gesture));
                 Vec::new()
@@ -201,11 +210,17 @@ impl Trial {
             renderer: self.renderer,
             ..Settings::default()
         };
-        // As from the beginning: with a loader that knows nothing.
-        state.open_fresh(
-            std::sync::Arc::clone(&input.sequence),
-            step.action == Action::Play,
-        );
+        let is_opened = step.action == Action::Open;
+        if is_opened {
+            Processor::forget_peak();
+        }
+        // As from the beginning: with a loader that knows nothing. What is opened has not even been looked at.
+        let sequence = if is_opened {
+            Arc::new(input.sequence.anew())
+        } else {
+            Arc::clone(&input.sequence)
+        };
+        state.open_fresh(sequence, step.action == Action::Play);
         let mut watched = Watched {
             step,
             phase: Phase::Settling { still_since: now },
@@ -228,6 +243,11 @@ impl Trial {
             panel_runs_before: 0,
             frames_before: 0,
         };
+        if is_opened {
+            let start_ms = Processor::since_start().map(|since| since.as_secs_f64() * 1e3);
+            watched.found.start_ms = start_ms.filter(|_| self.done.is_empty());
+            watched.start(now, state, None);
+        }
         if step.action == Action::Play {
             watched.found.fps_asked = Some(input.sequence.fps());
             watched.start(now, state, None);
@@ -262,8 +282,18 @@ impl Trial {
 
 /// Whether the first frame is drawn with all its points.
 fn is_whole(state: &State) -> bool {
-    let frame = state.player.as_ref().and_then(|player| player.shown());
+    let player = state.player.as_ref().filter(|player| !player.is_partial());
+    let frame = player.and_then(|player| player.shown());
     frame.is_some_and(|frame| !frame.is_sample()) && state.is_drawn()
+}
+
+/// How long it takes to read a file and do nothing with it; `None` where there is none.
+fn plain_read_ms(path: &Path) -> Option<f64> {
+    let begin = Instant::now();
+    let mut file = File::open(path).ok()?;
+    let mut piece = vec![0; 1 << 20];
+    while file.read(&mut piece).ok()? > 0 {}
+    Some(begin.elapsed().as_secs_f64() * 1e3)
 }
 
 impl Watched {
@@ -300,6 +330,13 @@ impl Watched {
     ) -> bool {
         let pictures = state.counters.pictures - self.pictures_before;
         let is_picture = is_presented && pictures > self.found.pictures;
+        if self.step.action == Action::Open {
+            if is_picture {
+                self.found.pictures = pictures;
+                self.note_opened(now, state);
+            }
+            return self.found.whole_ms.is_some();
+        }
         let player = state.player.as_ref();
         let frames = player.map_or(0, Player::frames_shown) - self.frames_before;
         match &mut self.phase {
@@ -355,7 +392,32 @@ impl Watched {
         false
     }
 
+    /// Takes notice of a presented picture of what is being opened.
+    fn note_opened(&mut self, now: Duration, state: &State) {
+        let Some(stage) = state.picture_stage() else {
+            return;
+        };
+        let ms = now.saturating_sub(self.begun_at).as_secs_f64() * 1e3;
+        let found = &mut self.found;
+        let times = [
+            (&mut found.first_ms, PictureStage::SomePoints),
+            (&mut found.all_points_ms, PictureStage::AllPoints),
+            (&mut found.whole_ms, PictureStage::Whole),
+        ];
+        for (time, _) in times.into_iter().filter(|&(_, least)| stage >= least) {
+            time.get_or_insert(ms);
+        }
+        found.peak_bytes = Processor::peak_resident_bytes();
+    }
+
     fn finish(mut self, now: Duration, state: &State) -> WindowAction {
+        if self.step.action == Action::Open {
+            let source = state
+                .player
+                .as_ref()
+                .map(|player| player.sequence().source(0));
+            self.found.read_ms = source.and_then(|source| plain_read_ms(&source.path));
+        }
         if let Phase::Running { begin, .. } = self.phase {
             self.found.seconds = now.saturating_sub(begin).as_secs_f64();
         }

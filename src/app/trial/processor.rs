@@ -1,6 +1,7 @@
 //! The program's processor time, by what its threads are for.
 
 use std::collections::HashMap;
+use std::time::Duration;
 use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
 
 /// Beginnings of the names of threads that prepare frames (`sequence/loader`).
@@ -36,7 +37,7 @@ impl Kind {
 
 /// Processor time of the program and of its threads, since each began.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Processor {
+pub(in crate::app) struct Processor {
     all_ms: f64,
     /// Of all threads but the first, which the window is on. Empty where the system does not tell.
     threads: HashMap<Pid, (Kind, f64)>,
@@ -105,6 +106,36 @@ impl Processor {
         Some(used)
     }
 
+    /// Time since the program was started, to a hundredth of a second; `None` where the system does not tell.
+    pub(in crate::app) fn since_start() -> Option<Duration> {
+        /// Of what Linux counts the time of programs in, for all of its machines.
+        const TICKS_PER_SECOND: f64 = 100.0;
+        let uptime = std::fs::read_to_string("/proc/uptime").ok()?;
+        let up_s: f64 = uptime.split_whitespace().next()?.parse().ok()?;
+        let line = std::fs::read_to_string("/proc/self/stat").ok()?;
+        // Field 22 of the line, 20 after the name in brackets.
+        let (_, after_name) = line.rsplit_once(')')?;
+        let started: f64 = after_name.split_whitespace().nth(19)?.parse().ok()?;
+        Duration::try_from_secs_f64(up_s - started / TICKS_PER_SECOND).ok()
+    }
+
+    /// From now on the peak is counted anew, where the system can do so.
+    pub(super) fn forget_peak() {
+        if let Err(reason) = std::fs::write("/proc/self/clear_refs", "5") {
+            log::debug!("the peak of the memory stays that since the start: {reason}");
+        }
+    }
+
+    /// The most memory of the program that was in the machine's at once; `None` where the system does not tell.
+    pub(super) fn peak_resident_bytes() -> Option<u64> {
+        let status = std::fs::read_to_string("/proc/self/status").ok()?;
+        let line = status
+            .lines()
+            .find_map(|line| line.strip_prefix("VmHWM:"))?;
+        let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+        Some(kibibytes << 10)
+    }
+
     /// Memory of the program that is in the machine's.
     pub(super) fn resident_bytes() -> u64 {
         let Ok(own) = sysinfo::get_current_pid() else {
@@ -156,6 +187,23 @@ mod tests {
         };
         assert_eq!(now.since(&before), Some(expected));
         assert_eq!(Processor::default().since(&before), None);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_system_tells_of_the_start_and_of_the_peak() {
+        let before = Processor::since_start().unwrap();
+        std::thread::sleep(Duration::from_millis(120));
+        let after = Processor::since_start().unwrap();
+        assert!((0.1..20.0).contains(&after.saturating_sub(before).as_secs_f64()));
+        Processor::forget_peak();
+        let page = vec![1_u8; 100 << 20];
+        let with_page = Processor::peak_resident_bytes().unwrap();
+        drop(page);
+        assert!(with_page >= 100 << 20, "{with_page}");
+        // The system counts pages of each processor apart, and adds them up now and then.
+        let after = Processor::peak_resident_bytes().unwrap();
+        assert!(after + (16 << 20) >= with_page, "{after} of {with_page}");
     }
 
     #[test]

@@ -10,8 +10,9 @@ use crate::app::focus;
 use crate::app::meter::Redraw;
 use crate::app::panels::window_ui;
 use crate::app::present::Panels;
-use crate::app::state::{Change, WindowRequest};
+use crate::app::state::{Change, PictureStage, WindowRequest};
 use crate::app::tasks::save_png;
+use crate::app::trial::Processor;
 use crate::render::RenderError;
 use egui::FullOutput;
 use std::path::PathBuf;
@@ -94,13 +95,8 @@ impl App {
         if painted.presented && !std::mem::replace(&mut self.has_been_shown, true) {
             focus::take_if_unmanaged(&screen.window);
         }
-        if painted.presented && self.first_picture_at.is_none() && self.state.is_drawn() {
-            let elapsed = self.now();
-            self.first_picture_at = Some(elapsed);
-            log::info!(
-                "the first picture is shown after {:.3} s",
-                elapsed.as_secs_f64()
-            );
+        if painted.presented {
+            self.tell_of_stage();
         }
         if !painted.presented && !self.sight.is_occluded {
             self.change = Change::Panels;
@@ -146,6 +142,27 @@ impl App {
             }
         }
         self.take_screenshot_if_due(event_loop, screen)
+    }
+
+    /// Says in the log when the program first shows a picture, and when more of its frame.
+    fn tell_of_stage(&mut self) {
+        let stage = self.state.picture_stage();
+        if stage != self.stage_shown
+            && let Some(shown) = stage
+            && self.stage_shown.is_none_or(|before| before < shown)
+        {
+            let since_start = Processor::since_start().unwrap_or_else(|| self.now());
+            log::info!(
+                "{} after {:.3} s",
+                match shown {
+                    PictureStage::SomePoints => "some points are shown",
+                    PictureStage::AllPoints => "all points are shown",
+                    PictureStage::Whole => "the frame is shown as it is to be",
+                },
+                since_start.as_secs_f64()
+            );
+            self.stage_shown = stage;
+        }
     }
 
     /// Whether egui is to be run.
@@ -258,7 +275,8 @@ impl App {
         } else {
             1
         };
-        if player.shown().is_some() && player.frames_shown() >= wanted && self.state.is_drawn() {
+        let is_whole = player.shown().is_some() && !player.is_partial();
+        if is_whole && player.frames_shown() >= wanted && self.state.is_drawn() {
             let Some(image) = self.read_joined(screen)? else {
                 return Ok(());
             };

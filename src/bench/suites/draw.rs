@@ -5,10 +5,10 @@
 //! meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
 //! and timed, warm-up rounds are drawn, then the rounds that count.
 
-use super::{Run, Subject, mean, surfel_settings};
+use super::{Run, Subject, mean, paper_voxel_settings, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::{BenchError, Quantiles, Suite};
-use crate::scene::{Primitive, Scene, ScenePacket, Settings, Strategy};
+use crate::scene::{Scene, ScenePacket, Settings, Strategy};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -130,13 +130,10 @@ fn measure_sequence(
     Ok(())
 }
 
-/// What the paper's tables draw; for Table IV cells of the default δ, down to a pixel.
+/// What the paper's tables draw; for Table IV cells of its δ, down to a pixel.
 fn settings(suite: Suite) -> Settings {
     match suite {
-        Suite::Voxels => Settings {
-            primitive: Primitive::Voxel,
-            ..Settings::default()
-        },
+        Suite::Voxels => paper_voxel_settings(),
         _ => surfel_settings(),
     }
 }

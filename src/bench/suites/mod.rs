@@ -16,9 +16,12 @@ use super::scenario::{self, Coverage, Viewpoint};
 use super::{
     BenchError, BenchOptions, Environment, Input, LabPoint, Progress, Report, check_cancelled,
 };
+use crate::octree::StopCriterion;
 use crate::render::AnyRenderer;
 use crate::render::gpu::Context;
-use crate::scene::{Background, Camera, Primitive, Scene, Settings, Splatting, UpAxis};
+use crate::scene::{
+    Background, Camera, FirstLook, Primitive, Scene, Settings, Splatting, VoxelLight,
+};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -50,6 +53,16 @@ fn surfel_settings() -> Settings {
     }
 }
 
+/// How Table IV draws: cells of the paper's δ, lit by their faces.
+fn paper_voxel_settings() -> Settings {
+    Settings {
+        primitive: Primitive::Voxel,
+        stop: StopCriterion::PAPER,
+        voxel_light: VoxelLight::Faces,
+        ..Settings::default()
+    }
+}
+
 /// One sequence of a run.
 pub(super) struct Subject<'a> {
     pub(super) name: &'a str,
@@ -57,6 +70,27 @@ pub(super) struct Subject<'a> {
     pub(super) shape: Option<Shape>,
     /// Indices of the frames to measure.
     pub(super) chosen: Vec<usize>,
+}
+
+impl Subject<'_> {
+    /// The whole of `frame`, upright.
+    fn framing(&self, frame: &PreparedFrame) -> Camera {
+        let origin = self.sequence.origin();
+        let up = FirstLook::of(&[&frame.frame], origin).up;
+        Camera::framing(&frame.frame.bounds(), origin, up)
+    }
+
+    /// `count` views of it from all around, so many times as far away.
+    fn views(&self, frame: &PreparedFrame, count: usize, distance: f64) -> Vec<Camera> {
+        let framing = self.framing(frame);
+        let view = |(azimuth_deg, elevation_deg)| Camera {
+            azimuth_deg,
+            elevation_deg,
+            distance: distance * framing.distance,
+            ..framing
+        };
+        scenario::directions(count).map(view).collect()
+    }
 }
 
 impl<'a> Run<'a> {
@@ -181,10 +215,9 @@ impl<'a> Run<'a> {
         settings: &Settings,
     ) -> Result<Vec<Viewpoint>, BenchError> {
         let origin = subject.sequence.origin();
-        let up = UpAxis::guess(&frame.frame);
         let framing = Camera {
             target_in_world: origin + mean_position(frame.frame.positions()),
-            ..Camera::framing(&frame.frame.bounds(), origin, up)
+            ..subject.framing(frame)
         };
         let height_px = f64::from(self.options.viewport_px[1]);
         let mut viewpoints = Vec::new();

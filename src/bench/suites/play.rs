@@ -11,7 +11,7 @@ use crate::bench::report::{Cell, Column, Row};
 use crate::bench::{BenchError, Quantiles};
 use crate::playback::Player;
 use crate::render::{AnyRenderer, Renderer};
-use crate::scene::{Camera, Primitive, Scene, Settings, UpAxis};
+use crate::scene::{Camera, Primitive, Scene, Settings};
 use crate::sequence::{LoaderOptions, PreparedFrame};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -200,9 +200,8 @@ impl Screen<'_> {
     /// Milliseconds from the frame to its finished picture.
     fn draw(&mut self, frame: &PreparedFrame) -> Result<f64, BenchError> {
         let origin = self.subject.sequence.origin();
-        let camera = self.camera.get_or_insert_with(|| {
-            Camera::framing(&frame.frame.bounds(), origin, UpAxis::guess(&frame.frame))
-        });
+        let subject = self.subject;
+        let camera = self.camera.get_or_insert_with(|| subject.framing(frame));
         let start = Instant::now();
         let packet = self
             .scene

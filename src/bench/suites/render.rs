@@ -6,12 +6,12 @@
 //!
 //! What it shows: costs that follow the cells and pixels that are seen, not those that there are.
 
-use super::{Run, Subject, mean, mean_position, scenario};
+use super::{Run, Subject, mean, mean_position};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::Runner;
 use crate::bench::{BenchError, Quantiles};
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, Primitive, Scene, ScenePacket, Settings, UpAxis};
+use crate::scene::{Camera, Primitive, Scene, ScenePacket, Settings};
 use crate::sequence::PreparedFrame;
 
 /// Columns, in the order in which [`Samples::row`] fills them.
@@ -113,23 +113,17 @@ fn packets(
     distance: f64,
 ) -> Vec<ScenePacket> {
     let origin = subject.sequence.origin();
-    let framing = Camera {
-        target_in_world: origin + mean_position(frame.frame.positions()),
-        ..Camera::framing(&frame.frame.bounds(), origin, UpAxis::guess(&frame.frame))
-    };
-    let packet = |(azimuth_deg, elevation_deg)| {
+    let target_in_world = origin + mean_position(frame.frame.positions());
+    let packet = |view| {
         let camera = Camera {
-            azimuth_deg,
-            elevation_deg,
-            distance: framing.distance * distance,
-            ..framing
+            target_in_world,
+            ..view
         };
         let viewport_px = run.options.viewport_px;
         Scene::default().packet(frame, origin, &camera, &settings(primitive), viewport_px)
     };
-    scenario::directions(run.options.viewpoints)
-        .map(packet)
-        .collect()
+    let views = subject.views(frame, run.options.viewpoints, distance);
+    views.into_iter().map(packet).collect()
 }
 
 impl Samples {

@@ -19,8 +19,11 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::percent("points_share", "points shown", 1),
     Column::number("latency_ms_median", "latency ms", 1),
     Column::number("latency_ms_p95", "95 %", 1),
+    Column::number("start_ms", "opened after ms", 0).hidden(),
     Column::number("first_ms", "first after ms", 0),
+    Column::number("all_points_ms", "all points after ms", 0),
     Column::number("rest_ms", "whole after ms", 0),
+    Column::number("read_ms", "plain read ms", 0),
     Column::number("cpu_percent", "CPU % of a core", 0),
     Column::number("prepare_cpu_ms", "prepare ms a picture", 2),
     Column::number("draw_ms_median", "draw ms", 2),
@@ -36,6 +39,7 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("frames_late", "late", 0),
     Column::number("frames_skipped", "skipped", 0),
     Column::number("resident_mib", "RSS MiB", 0),
+    Column::number("peak_mib", "peak RSS MiB", 0),
     Column::number("gpu_submissions", "submissions a picture", 2).hidden(),
     Column::number("gpu_passes", "passes a picture", 2).hidden(),
     Column::number("gpu_uploaded_kib", "uploaded KiB a picture", 1).hidden(),
@@ -73,8 +77,18 @@ pub struct WindowAction {
     pub points: [u64; 2],
     /// From each event to the presented picture that follows from it.
     pub latencies_ms: Vec<f64>,
+    /// From the start of the program to opening, where it is the first thing that is done.
+    pub start_ms: Option<f64>,
     /// From opening the sequence to its first presented picture.
     pub first_ms: Option<f64>,
+    /// From opening it to the presented picture of all points.
+    pub all_points_ms: Option<f64>,
+    /// From opening it to the presented picture with all that was asked for.
+    pub whole_ms: Option<f64>,
+    /// Reading the file, from the system's cache, and doing nothing with it.
+    pub read_ms: Option<f64>,
+    /// The most memory that the program had at once while it was opened.
+    pub peak_bytes: Option<u64>,
     /// From the last event to the presented picture of all points.
     pub rest_ms: Option<f64>,
     /// Processor time of all threads.
@@ -110,8 +124,11 @@ impl WindowAction {
             Cell::maybe((in_files > 0).then(|| shown as f64 / in_files as f64)),
             Cell::maybe(median(&self.latencies_ms)),
             Cell::maybe(percentile_95(&self.latencies_ms)),
+            Cell::maybe(self.start_ms),
             Cell::maybe(self.first_ms),
-            Cell::maybe(self.rest_ms),
+            Cell::maybe(self.all_points_ms),
+            Cell::maybe(self.whole_ms.or(self.rest_ms)),
+            Cell::maybe(self.read_ms),
             Cell::maybe(self.cpu_ms.map(|cpu_ms| cpu_ms / (10.0 * self.seconds))),
             Cell::maybe(cpu.map(|[prepare, ..]| prepare)),
             Cell::maybe(median(draw)),
@@ -126,12 +143,17 @@ impl WindowAction {
             Cell::Number(self.frames as f64),
             Cell::Number(self.frames_late as f64),
             Cell::Number(self.frames_skipped as f64),
-            Cell::Number(self.resident_bytes as f64 / f64::from(1 << 20)),
+            Cell::Number(mebibytes(self.resident_bytes)),
+            Cell::maybe(self.peak_bytes.map(mebibytes)),
             Cell::maybe(gpu.map(|[submissions, ..]| submissions)),
             Cell::maybe(gpu.map(|[_, passes, _]| passes)),
             Cell::maybe(gpu.map(|[.., bytes]| bytes / 1024.0)),
         ])
     }
+}
+
+fn mebibytes(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 20)
 }
 
 /// The value below which 95 % of `values` are; `None` without values.
@@ -238,6 +260,7 @@ mod tests {
         assert_eq!(number("gpu_passes"), Some(4.0));
         assert_eq!(number("gpu_uploaded_kib"), Some(2.0));
         assert_eq!(number("panels_ms_median"), None);
+        assert_eq!(number("all_points_ms"), None);
         let again = window_report_of_json(&report.to_json()).unwrap();
         assert_eq!(again.rows, report.rows);
         assert_eq!(again.tables(), report.tables());

@@ -15,6 +15,7 @@ mod points;
 mod scanner_channel;
 #[cfg(test)]
 mod tests;
+mod unit;
 pub(in crate::io) mod write;
 
 pub(in crate::io) use header::take;
@@ -55,10 +56,14 @@ pub(super) fn decode(
         let needed = header.count.saturating_mul(point_bytes);
         Err(Fault::too_large(&what, needed, options))
     };
+    let with_unit = |cloud: RawCloud| RawCloud {
+        unit: unit::unit(header.records(bytes)),
+        ..cloud
+    };
     if !header.compressed {
         let rows = rows(&header, bytes)?;
         check(cloud_bytes)?;
-        return Ok(points::cloud(&header, &extra, rows));
+        return Ok(with_unit(points::cloud(&header, &extra, rows)));
     }
 
     let record = header
@@ -97,7 +102,7 @@ pub(super) fn decode(
         check(point_bytes)?;
         compression.unpack_all(&header, bytes, progress)?
     };
-    Ok(points::cloud(&header, &extra, &rows))
+    Ok(with_unit(points::cloud(&header, &extra, &rows)))
 }
 
 /// The points of a file without compression.

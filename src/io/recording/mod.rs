@@ -183,6 +183,10 @@ pub(super) fn read(
     message
         .encoding
         .decode(&bytes, options)
+        .map(|cloud| RawCloud {
+            unit: format.unit(),
+            ..cloud
+        })
         .map_err(|fault| invalid(format!("the point cloud: {}", fault.problem)))
 }
 

@@ -5,11 +5,13 @@ use super::super::attributes;
 use super::super::column::{Column, Scalar, Values};
 use super::super::error::Fault;
 use super::bytes::Bytes;
-use crate::cloud::RawCloud;
+use crate::cloud::{AxisConvention, RawCloud};
 use std::time::Duration;
 
 /// Kind of CDR and options, before the message itself.
 const CDR_HEAD_BYTES: usize = 4;
+/// Is in the names of frames that look along Z with Y down (REP 103, "Suffix Frames").
+const OPTICAL: &[u8] = b"optical";
 const NANOS_PER_SECOND: u32 = 1_000_000_000;
 
 /// How the fields of a message are written one after the other.
@@ -60,6 +62,8 @@ struct Field {
 }
 
 struct Cloud<'a> {
+    /// The name of the coordinate frame.
+    frame_id: &'a [u8],
     height: u32,
     width: u32,
     fields: Vec<Field>,
@@ -75,7 +79,7 @@ fn parse(message: &[u8], serialisation: Serialisation) -> Option<Cloud<'_>> {
         let _sequence = fields.u32()?;
     }
     let _stamp = (fields.u32()?, fields.u32()?);
-    let _frame = fields.counted()?;
+    let frame_id = fields.counted()?;
     let (height, width) = (fields.u32()?, fields.u32()?);
     let field_count = fields.u32()?;
     // Not allocated for the count that is claimed: every field takes bytes that must be there.
@@ -89,6 +93,7 @@ fn parse(message: &[u8], serialisation: Serialisation) -> Option<Cloud<'_>> {
         });
     }
     Some(Cloud {
+        frame_id,
         height,
         width,
         fields: list,
@@ -171,7 +176,17 @@ pub(super) fn decode(
             },
         });
     }
-    attributes::cloud(&columns, count as usize)
+    let is_optical = cloud
+        .frame_id
+        .windows(OPTICAL.len())
+        .any(|part| part == OPTICAL);
+    let mut read = attributes::cloud(&columns, count as usize)?;
+    read.convention = Some(if is_optical {
+        AxisConvention::Camera
+    } else {
+        AxisConvention::UsuallyZUp
+    });
+    Ok(read)
 }
 
 fn scalar(datatype: u8) -> Option<Scalar> {

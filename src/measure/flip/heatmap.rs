@@ -1,27 +1,11 @@
 //! An error map as a picture: black where nothing differs, through purple and orange to pale yellow.
 //!
 //! How it works: as in the figures of the FLIP paper, colours are those of the map *magma* (Smith and van der Walt 2015, CC0),
-//! whose lightness rises evenly, so that a printed or colour-blind view orders errors the same. Ten of its colours stand at
-//! equal steps, with lines between them: no channel was more than 7 of 255 off the authors' own heatmap of the README's
-//! pictures.
+//! whose lightness rises evenly, so that a printed or colour-blind view orders errors the same.
 
 use super::ErrorMap;
-use crate::analysis::between_steps;
+use crate::analysis::ColorMap;
 use image::{Rgba, RgbaImage};
-
-/// Colours of the errors 0, 1/9, 2/9 … 1, as stored.
-const MAGMA: [[u8; 3]; 10] = [
-    [0x00, 0x00, 0x04],
-    [0x18, 0x0f, 0x3d],
-    [0x45, 0x10, 0x77],
-    [0x72, 0x1f, 0x81],
-    [0x9f, 0x2f, 0x7f],
-    [0xcd, 0x40, 0x71],
-    [0xf1, 0x60, 0x5d],
-    [0xfd, 0x95, 0x67],
-    [0xfe, 0xc9, 0x8d],
-    [0xfc, 0xfd, 0xbf],
-];
 
 impl ErrorMap {
     /// The map as an opaque picture of the same size, from black (0) to pale yellow (1).
@@ -41,7 +25,8 @@ impl ErrorMap {
 
 /// The colour of an error; beyond 0 to 1 that of the nearer end.
 fn color(error: f32) -> [u8; 3] {
-    between_steps(&MAGMA, error)
+    let [red, green, blue, _] = ColorMap::Magma.color(error);
+    [red, green, blue]
 }
 
 #[cfg(test)]
@@ -49,14 +34,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ends_and_stops_are_those_of_the_table() {
-        for (stop, expected) in MAGMA.into_iter().enumerate() {
-            assert_eq!(color(stop as f32 / 9.0), expected);
-        }
-        assert_eq!(color(-1.0), MAGMA[0]);
-        assert_eq!(color(2.0), MAGMA[9]);
-        // Half-way between the first two.
-        assert_eq!(color(0.5 / 9.0), [0x0c, 0x08, 0x21]);
+    fn ends_and_middle_are_those_of_the_table() {
+        assert_eq!(color(0.0), [0x00, 0x00, 0x04]);
+        assert_eq!(color(-1.0), color(0.0));
+        assert_eq!(color(1.0), [0xfc, 0xfd, 0xbf]);
+        assert_eq!(color(2.0), color(1.0));
+        // A colour of the table between the steps of the map.
+        let off = color(124.0 / 255.0).into_iter().zip([0xb0, 0x35, 0x7b]);
+        assert!(off.map(|(a, b): (u8, u8)| a.abs_diff(b)).max() <= Some(2));
     }
 
     #[test]

@@ -93,7 +93,9 @@ impl CodedCloud {
     ) -> Self {
         let tree = match octree.leaves {
             Leaves::OnLevel(_) => Cow::Borrowed(octree.as_ref()),
-            Leaves::OfPoints(_) => Cow::Owned(octree.with_stop(StopCriterion::default())),
+            Leaves::InRuns(_) | Leaves::OfPoints(_) => {
+                Cow::Owned(octree.with_stop(StopCriterion::PAPER))
+            }
         };
         let masks = tree.masks();
         let mut level_starts = vec![0];

@@ -247,7 +247,7 @@ fn leaves_on_several_levels_are_put_on_one() {
     let records = records(&sphere(2000, 0.05));
     let octree = tree_of(&records, StopCriterion::PointsPerOctant(10));
     let cloud = CodedCloud::new(&octree, &records.0, &records.1);
-    let on_one = octree.with_stop(StopCriterion::default());
+    let on_one = octree.with_stop(StopCriterion::PAPER);
     assert_eq!(cloud.masks(), on_one.masks());
     assert!(cloud.is_of(&octree, &records.0, &records.1));
 }

@@ -101,14 +101,6 @@ pub enum StoredOctreeError {
         /// Place of the point.
         point: usize,
     },
-    /// A cell is divided that holds no more points than another that is not.
-    #[error(
-        "stored octree: leaves hold up to {most_points} points, but a cell with no more than that is divided"
-    )]
-    Inconsistent {
-        /// Most points of a leaf that could be divided.
-        most_points: usize,
-    },
     /// Bits that should fill up a byte with zeros.
     #[error("stored octree: the bits after the last point are not zeros")]
     Padding,

@@ -3,9 +3,10 @@
 use super::bits::BitReader;
 use super::{MAGIC, SEVERAL_LEVELS, SHAPES, StoredOctree, StoredOctreeError, VERSION, columns};
 use crate::math::{Cube, morton::LEVELS};
+use crate::octree::Octree;
 use crate::octree::byte_code::{LeafLevels, leaves_of_masks};
 use crate::octree::sorted_points::SortedPoints;
-use crate::octree::{Octree, StopCriterion};
+use crate::octree::stop::{LeafRun, Leaves};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -44,7 +45,7 @@ impl StoredOctree {
             let trailing = rest.len();
             return Err(StoredOctreeError::TrailingBytes { trailing });
         }
-        let octree = header.octree(masks, &points, colors.as_chunks().0)?;
+        let octree = header.octree(points, colors.as_chunks().0);
         Ok(Self { octree, shapes })
     }
 }
@@ -131,27 +132,15 @@ impl Header {
         Ok(leaves)
     }
 
-    /// The tree, unless no stop criterion makes one of this shape from these points.
-    fn octree(
-        &self,
-        masks: &[u8],
-        points: &ReadPoints,
-        colors: &[[u8; 3]],
-    ) -> Result<Octree, StoredOctreeError> {
-        let stop = if self.has_several_levels {
-            // Whatever was asked for when it was built: the same cells are divided.
-            StopCriterion::PointsPerOctant(points.most_in_leaf as u32)
-        } else {
-            StopCriterion::Depth(self.depth)
-        };
+    /// The tree, whatever was asked for when it was built: leaves with points in each of them can only be where they were.
+    fn octree(&self, points: ReadPoints, colors: &[[u8; 3]]) -> Octree {
         let sorted = SortedPoints::from_codes(&points.codes, colors).expect("codes ascend");
-        let octree = Octree::divided(self.cube, Arc::new(sorted), stop);
-        // On one level, leaves with points in each of them can only be where they were.
-        if self.has_several_levels && octree.masks() != masks {
-            let most_points = points.most_in_leaf;
-            return Err(StoredOctreeError::Inconsistent { most_points });
-        }
-        Ok(octree)
+        let leaves = if self.has_several_levels {
+            Leaves::InRuns(points.runs.into())
+        } else {
+            Leaves::OnLevel(self.depth)
+        };
+        Octree::with_leaves(self.cube, Arc::new(sorted), leaves)
     }
 }
 
@@ -178,8 +167,8 @@ fn read_cube(bytes: &[u8]) -> Result<Cube, StoredOctreeError> {
 struct ReadPoints {
     /// Ascending.
     codes: Vec<u64>,
-    /// Most points of a leaf that could be divided; 1 if none could.
-    most_in_leaf: usize,
+    /// The levels of their leaves.
+    runs: Vec<LeafRun>,
 }
 
 /// The points of all leaves.
@@ -190,7 +179,7 @@ fn read_points(
     point_count: usize,
 ) -> Result<ReadPoints, StoredOctreeError> {
     let mut codes = Vec::with_capacity(point_count);
-    let mut most_in_leaf = 1;
+    let mut runs = Vec::new();
     let ended = || truncated("points", byte_count + 1, byte_count);
     for (leaf, &location) in leaves.iter().enumerate() {
         let below = location.leading_zeros();
@@ -210,16 +199,10 @@ fn read_points(
             codes.push(code);
             least = code;
         }
-        // The last code is the largest, so that all are equal if it is the first.
-        if found > 1 && codes[codes.len() - found] != least {
-            most_in_leaf = most_in_leaf.max(found);
-        }
+        LeafRun::push(&mut runs, codes.len(), LEVELS - below / 3);
     }
     match codes.len() {
-        found if found == point_count => Ok(ReadPoints {
-            codes,
-            most_in_leaf,
-        }),
+        found if found == point_count => Ok(ReadPoints { codes, runs }),
         found => Err(StoredOctreeError::TooFewInLeaves {
             expected: point_count,
             found,

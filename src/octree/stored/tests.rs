@@ -44,7 +44,8 @@ const FLAGS_AT: usize = 33;
 const MASK_COUNT_AT: usize = 34;
 const MASKS_AT: usize = 38;
 
-const STOPS: [StopCriterion; 9] = [
+const STOPS: [StopCriterion; 10] = [
+    StopCriterion::Spacing,
     StopCriterion::Loss(0.0),
     StopCriterion::Loss(0.02),
     StopCriterion::Loss(0.5),
@@ -110,7 +111,10 @@ fn a_view_selects_the_same_voxels() {
             };
             let (mut written, mut found) = (Vec::new(), Vec::new());
             let stats = tree.select(&view, &mut written);
-            assert_eq!(read.octree.select(&view, &mut found), stats);
+            // Leaves that are known to be on one level are not looked for one by one.
+            let stats_of_read = read.octree.select(&view, &mut found);
+            assert_eq!(stats_of_read.emitted, stats.emitted);
+            assert!(stats_of_read.visited_nodes <= stats.visited_nodes);
             assert_eq!(found, written);
             assert!(!found.is_empty());
         }
@@ -360,7 +364,7 @@ fn damaged_points_are_named() {
 }
 
 #[test]
-fn a_cell_divided_for_no_reason_is_refused() {
+fn cells_divided_for_any_reason_are_read() {
     // Eight points in octant 0 of the root, and one in each of two others: by points, octant 0 alone is divided.
     let mut points: Vec<Vec3> = (0..8)
         .map(|corner| Vec3::from_array([0, 1, 2].map(|axis| 0.2 * (corner >> axis & 1) as f32)))
@@ -371,9 +375,10 @@ fn a_cell_divided_for_no_reason_is_refused() {
     let mut bytes = bytes_of(&even, None);
     bytes[FLAGS_AT] |= SEVERAL_LEVELS;
     // Two points share an octant, and others with as few are divided.
-    let found = StoredOctree::read_from(&with_right_checksum(bytes));
-    let refused = matches!(found, Err(StoredOctreeError::Inconsistent { .. }));
-    assert!(refused, "{found:?}");
+    let bytes = with_right_checksum(bytes);
+    let read = StoredOctree::read_from(&bytes).unwrap();
+    assert_eq!(read.octree, even);
+    assert_eq!(bytes_of(&read.octree, None), bytes);
 }
 
 /// Whatever is read can be used and written again.

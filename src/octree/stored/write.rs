@@ -38,8 +38,8 @@ impl Octree {
     /// All up to the masks.
     fn header(&self, has_shapes: bool) -> Vec<u8> {
         let several_levels = match self.leaves {
-            Leaves::OfPoints(_) if self.point_count() > 0 => SEVERAL_LEVELS,
-            Leaves::OnLevel(_) | Leaves::OfPoints(_) => 0,
+            Leaves::InRuns(_) | Leaves::OfPoints(_) if self.point_count() > 0 => SEVERAL_LEVELS,
+            Leaves::OnLevel(_) | Leaves::InRuns(_) | Leaves::OfPoints(_) => 0,
         };
         let shapes = if has_shapes { SHAPES } else { 0 };
         let mut bytes = MAGIC.to_vec();
@@ -61,8 +61,20 @@ impl Octree {
     fn point_bits(&self) -> Vec<u8> {
         let mut bits = BitWriter::default();
         let root = self.root();
-        match self.leaves {
-            Leaves::OnLevel(level) => self.put_leaves(&NodeRange { level, ..root }, &mut bits),
+        match &self.leaves {
+            Leaves::OnLevel(level) => {
+                let level = *level;
+                self.put_leaves(&NodeRange { level, ..root }, &mut bits);
+            }
+            Leaves::InRuns(runs) => {
+                let mut start = 0;
+                for run in runs.iter() {
+                    let points = start..run.end as usize;
+                    start = points.end;
+                    let level = run.level;
+                    self.put_leaves(&NodeRange { level, points }, &mut bits);
+                }
+            }
             Leaves::OfPoints(_) if root.points.is_empty() => {}
             Leaves::OfPoints(_) => {
                 self.put_leaves_below(&root, &mut bits);

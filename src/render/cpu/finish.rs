@@ -1,7 +1,8 @@
 //! From the pixels of a tile to bytes of the picture: background, resolve and the grey of depths (`shaders/passes`).
 
+use super::Rows;
 use super::tile::{HEIGHT, LANES, NOWHERE, PIXELS, Tile, WIDTH};
-use super::view::PixelRect;
+use super::view::{PixelRect, PixelView};
 use crate::scene::{Background, ScenePacket};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8, u32x8};
 
@@ -101,44 +102,72 @@ impl Tile {
         }
     }
 
-    /// Writes a part of its pixels to their places in the rows of the picture that it is in.
+    /// Writes its pixels to their places in the rows of the picture that it is in.
     #[inline(always)]
-    pub(super) fn finish<S: Simd>(
+    pub(super) fn write<S: Simd>(
         &self,
         simd: S,
-        clip: PixelRect,
+        view: &PixelView,
         held: Held,
         gradient: &Gradient,
-        width_px: usize,
-        rows: &mut [u8],
+        rows: &mut Rows<'_>,
     ) {
+        let clip = self
+            .rect()
+            .intersection(PixelRect::of_picture(view.size_px));
+        let width_px = view.size_px[0] as usize;
         let columns = clip.start[0] as usize..clip.end[0] as usize;
         for (row, y) in (clip.start[1]..clip.end[1]).enumerate() {
-            let pixels = &mut rows[4 * width_px * row..][4 * columns.start..4 * columns.end];
-            let (pixels, _) = pixels.as_chunks_mut::<4>();
-            self.finish_row(simd, row, held, gradient.at_row(y), pixels);
+            let columns = width_px * row + columns.start..width_px * row + columns.end;
+            let byte_columns = 4 * columns.start..4 * columns.end;
+            match rows {
+                Rows::Bytes(bytes) => {
+                    let (pixels, _) = bytes[byte_columns].as_chunks_mut();
+                    self.finish_row(simd, row, held, gradient.at_row(y), pixels);
+                }
+                Rows::Unfinished { bytes, depths } => {
+                    let (pixels, _) = bytes[byte_columns].as_chunks_mut();
+                    self.finish_row(simd, row, held, gradient.at_row(y), pixels);
+                    let depths = &mut depths[columns];
+                    self.write_depths(row, held, depths);
+                    self.write_opacities(row, held, depths, pixels);
+                }
+                Rows::Distances(distances) => {
+                    let distances = &mut distances[columns];
+                    self.write_depths(row, held, distances);
+                    for distance in distances {
+                        *distance = view.near / *distance;
+                    }
+                }
+            }
         }
     }
 
-    /// Writes the distances of a part of its pixels along the view axis to their places in the rows of the picture that it is in.
+    /// Writes reversed depths of a row.
     #[inline(always)]
-    pub(super) fn write_depths(
-        &self,
-        clip: PixelRect,
-        held: Held,
-        near: f32,
-        width_px: usize,
-        rows: &mut [f32],
-    ) {
-        let columns = clip.start[0] as usize..clip.end[0] as usize;
-        for row in 0..(clip.end[1] - clip.start[1]) as usize {
-            let depths = &mut rows[width_px * row..][columns.clone()];
-            for (place, depth) in (WIDTH * row..).zip(depths) {
-                let reversed = match held {
-                    Held::Keys => f32::from_bits((self.keys[place] >> 32) as u32),
-                    _ => self.depth[place],
-                };
-                *depth = near / reversed;
+    fn write_depths(&self, row: usize, held: Held, depths: &mut [f32]) {
+        let first = WIDTH * row;
+        if let Held::Keys = held {
+            for (depth, key) in depths.iter_mut().zip(&self.keys[first..]) {
+                *depth = f32::from_bits((key >> 32) as u32);
+            }
+        } else {
+            let count = depths.len();
+            depths.copy_from_slice(&self.depth[first..first + count]);
+        }
+    }
+
+    /// Writes how much of the background the pixels of a row hide, in place of the alpha of an opaque picture.
+    #[inline(always)]
+    fn write_opacities(&self, row: usize, held: Held, depths: &[f32], pixels: &mut [[u8; 4]]) {
+        if let Held::Sums = held {
+            let weights = &self.weight[WIDTH * row..];
+            for (pixel, weight) in pixels.iter_mut().zip(weights) {
+                pixel[3] = ((weight * (255.0 / OPAQUE_WEIGHT)).min(255.0) + 0.5) as u8;
+            }
+        } else {
+            for (pixel, &depth) in pixels.iter_mut().zip(depths) {
+                pixel[3] = if depth > 0.0 { 255 } else { 0 };
             }
         }
     }
@@ -238,11 +267,11 @@ fn clear<T: Copy + Default>(values: &mut Vec<T>, count: usize) {
 }
 
 /// The highest byte of a pixel.
-const OPAQUE_ALPHA: u32 = 0xff00_0000;
+pub(super) const OPAQUE_ALPHA: u32 = 0xff00_0000;
 
 /// Bytes of eight colours, which are 0 to 1: red the lowest.
 #[inline(always)]
-fn opaque<S: Simd>(simd: S, colors: [f32x8<S>; 3]) -> u32x8<S> {
+pub(super) fn opaque<S: Simd>(simd: S, colors: [f32x8<S>; 3]) -> u32x8<S> {
     let byte = |channel: f32x8<S>| {
         let scaled = channel.mul_add(f32x8::splat(simd, 255.0), f32x8::splat(simd, 0.5));
         let within = scaled

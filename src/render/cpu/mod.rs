@@ -3,17 +3,21 @@
 //! How it works: the picture is divided into tiles whose pixels stay in the second cache while everything that may touch them is
 //! drawn (`blocks.rs`), pass after pass, and are then written to the picture once. Bands of tiles are tasks that share
 //! nothing, so there are no locks and no atomic operations, and pictures do not depend on the number of threads. Patches
-//! are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`).
+//! are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`). What looks beyond a tile, as eye-dome lighting
+//! does, follows when all of them are drawn (`screen.rs`).
 //!
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
 mod blocks;
 mod coded;
 mod eight;
+mod eye_dome;
 mod facet;
 mod finish;
+mod grid;
 mod points;
 mod raster;
+mod screen;
 mod shading;
 mod surfels;
 #[cfg(test)]
@@ -31,6 +35,7 @@ use finish::{Gradient, Held};
 use image::RgbaImage;
 use points::Points;
 use rayon::prelude::*;
+use screen::Screen;
 use std::time::Instant;
 use surfels::{Surfels, Waiting};
 use tile::{HEIGHT, Tile, Tiles, WIDTH};
@@ -45,6 +50,8 @@ pub struct CpuRenderer {
     /// Boxes around what the prepared packet draws, made for the records of this one.
     blocks: Option<(ScenePacket, Blocks)>,
     image: RgbaImage,
+    /// Reversed depths of the picture, where something follows that needs them.
+    depths: Vec<f32>,
     stats: RenderStats,
 }
 
@@ -70,7 +77,8 @@ impl CpuRenderer {
         };
         let size_px = packet.viewport_px;
         let mut depth = vec![f32::INFINITY; size_px.map(|edge| edge as usize).iter().product()];
-        rayon::scope(|_| draw(&of_surfaces(packet), blocks, 0.0, &mut depth));
+        let bands = bands_of(packet, &mut depth, 1).map(Rows::Distances);
+        rayon::scope(|_| draw(&of_surfaces(packet), blocks, 0.0, bands.collect()));
         Ok(DepthImage { size_px, depth })
     }
 
@@ -117,10 +125,32 @@ impl Renderer for CpuRenderer {
         if self.image.dimensions() != (width, height) {
             self.image = RgbaImage::new(width, height);
         }
-        let drawn_records = match coded::draw(packet, &mut self.image) {
-            Some(drawn_nodes) => drawn_nodes,
-            None => rayon::scope(|_| draw(packet, blocks, DEPTH_SLACK_RADII, &mut self.image)),
+        let screen = Screen::of(packet);
+        let pixels = if screen.is_some() {
+            self.image.len() / 4
+        } else {
+            0
         };
+        self.depths.resize(pixels, 0.0);
+        let bytes = bands_of(packet, &mut self.image, 4);
+        let bands: Vec<Rows<'_>> = if screen.is_some() {
+            let both = bytes.zip(bands_of(packet, &mut self.depths, 1));
+            both.map(|(bytes, depths)| Rows::Unfinished { bytes, depths })
+                .collect()
+        } else {
+            bytes.map(Rows::Bytes).collect()
+        };
+        let drawn_records = if packet.coded.is_some() && packet.settings.draws_codes() {
+            coded::draw(packet, bands)
+        } else {
+            rayon::scope(|_| draw(packet, blocks, DEPTH_SLACK_RADII, bands))
+        };
+        self.stats.screen_ms = 0.0;
+        if let Some(screen) = screen {
+            let start = Instant::now();
+            rayon::scope(|_| screen.draw(&mut self.image, &self.depths));
+            self.stats.screen_ms = milliseconds_since(start);
+        }
         self.stats.frames += 1;
         self.stats.passes += 1;
         self.stats.draw_calls = 1;
@@ -163,14 +193,16 @@ impl<'a> Drawable<'a> {
                 records: &packet.points,
                 size_px: settings.point_size_px,
             }),
-            Primitive::Surfel => packet.shapes.as_ref().map_or(Self::Nothing, |shapes| {
-                Self::Surfels(Surfels {
-                    points: &packet.points,
-                    shapes,
-                    settings,
-                    slack_radii,
+            Primitive::Auto | Primitive::Surfel => {
+                packet.shapes.as_ref().map_or(Self::Nothing, |shapes| {
+                    Self::Surfels(Surfels {
+                        points: &packet.points,
+                        shapes,
+                        settings,
+                        slack_radii,
+                    })
                 })
-            }),
+            }
             Primitive::Voxel => packet.voxels.as_ref().map_or(Self::Nothing, |voxels| {
                 Self::Cubes(Cubes::new(voxels, settings.lighting))
             }),
@@ -192,46 +224,30 @@ fn of_surfaces(packet: &ScenePacket) -> ScenePacket {
     packet
 }
 
-/// Some rows of what is made of the pixels of tiles.
+/// A row of tiles of what is made of their pixels.
 enum Rows<'a> {
     /// Of a picture, four bytes a pixel.
     Bytes(&'a mut [u8]),
+    /// Of a picture that [`Screen`] finishes: the fourth byte of a pixel is its opacity. And reversed depths.
+    Unfinished {
+        bytes: &'a mut [u8],
+        depths: &'a mut [f32],
+    },
     /// Distances along the view axis.
-    Depths(&'a mut [f32]),
+    Distances(&'a mut [f32]),
 }
 
-/// What [`Rows`] are made of.
-trait Output: Copy + Send + Sync {
-    /// How many of them a pixel has.
-    const PER_PIXEL: usize;
-
-    /// Rows of them.
-    fn rows(rows: &mut [Self]) -> Rows<'_>;
-}
-
-impl Output for u8 {
-    const PER_PIXEL: usize = 4;
-
-    fn rows(rows: &mut [Self]) -> Rows<'_> {
-        Rows::Bytes(rows)
-    }
-}
-
-impl Output for f32 {
-    const PER_PIXEL: usize = 1;
-
-    fn rows(rows: &mut [Self]) -> Rows<'_> {
-        Rows::Depths(rows)
-    }
+/// What belongs to rows of tiles, of as many values for each pixel of a picture.
+fn bands_of<'a, T>(
+    packet: &ScenePacket,
+    values: &'a mut [T],
+    per_pixel: usize,
+) -> impl Iterator<Item = &'a mut [T]> {
+    values.chunks_mut(per_pixel * packet.viewport_px[0] as usize * HEIGHT)
 }
 
 /// Draws a packet; how many records were handed to tiles.
-fn draw<T: Output>(
-    packet: &ScenePacket,
-    blocks: &Blocks,
-    slack_radii: f32,
-    output: &mut [T],
-) -> u64 {
+fn draw(packet: &ScenePacket, blocks: &Blocks, slack_radii: f32, bands: Vec<Rows<'_>>) -> u64 {
     let view = PixelView::new(packet);
     let tiles = Tiles::of_picture(packet.viewport_px);
     let drawable = Drawable::of(packet, slack_radii);
@@ -259,18 +275,14 @@ fn draw<T: Output>(
             && matches!(held, Held::Sums | Held::BlendedColors | Held::SolidColors),
     };
     let level = Level::new();
-    let width_px = packet.viewport_px[0] as usize;
-    output
-        .par_chunks_mut(T::PER_PIXEL * width_px * HEIGHT)
-        .enumerate()
-        .for_each_init(
-            || (Tile::new(), Waiting::new()),
-            |(tile, waiting), (row, band)| {
-                for column in 0..tiles.columns {
-                    dispatch!(level, simd => picture.draw_tile(simd, tile, waiting, [column, row], T::rows(band)));
-                }
-            },
-        );
+    bands.into_par_iter().enumerate().for_each_init(
+        || (Tile::new(), Waiting::new()),
+        |(tile, waiting), (row, mut band)| {
+            for column in 0..tiles.columns {
+                dispatch!(level, simd => picture.draw_tile(simd, tile, waiting, [column, row], &mut band));
+            }
+        },
+    );
     picture.lists.handed_out()
 }
 
@@ -295,7 +307,7 @@ impl Picture<'_> {
         tile: &mut Tile,
         waiting: &mut Waiting,
         [column, row]: [usize; 2],
-        rows: Rows<'_>,
+        rows: &mut Rows<'_>,
     ) {
         let origin = [(WIDTH * column) as i32, (HEIGHT * row) as i32];
         tile.begin(origin, self.held, &self.gradient);
@@ -323,12 +335,6 @@ impl Picture<'_> {
             ),
             Drawable::Nothing => {}
         }
-        let width_px = self.view.size_px[0] as usize;
-        match rows {
-            Rows::Bytes(rows) => tile.finish(simd, clip, self.held, &self.gradient, width_px, rows),
-            Rows::Depths(rows) => {
-                tile.write_depths(clip, self.held, self.view.near, width_px, rows);
-            }
-        }
+        tile.write(simd, &self.view, self.held, &self.gradient, rows);
     }
 }

@@ -274,6 +274,12 @@ impl Shading {
                 let facing = fragments.w * per_length;
                 head_light_of(simd, facing)
             }
+            Light::OfPixelsOn([p, q, w]) => {
+                let along_ray = fragments.q.mul_add(splat(*q), fragments.w * splat(*w));
+                let along_ray = fragments.p.mul_add(splat(*p), along_ray);
+                let facing = along_ray.abs() * load(simd, per_ray_length, at);
+                head_light_of(simd, facing)
+            }
         };
         let [red, green, blue] = self.color;
         let lit = |channel| splat(channel).mul_add(factor, white).min(splat(1.0));

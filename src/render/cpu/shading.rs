@@ -3,7 +3,9 @@
 use crate::scene::Lighting;
 use glam::Vec3;
 
-pub(super) use crate::render::{HEAD_LIGHT_AMBIENT as AMBIENT, HEAD_LIGHT_SPECULAR as SPECULAR};
+pub(super) use crate::render::{
+    BACK_SIDE, HEAD_LIGHT_AMBIENT as AMBIENT, HEAD_LIGHT_SPECULAR as SPECULAR,
+};
 
 /// The colour of a patch and its light.
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +24,9 @@ pub(super) enum Light {
     OfCorners([[f32; 4]; 2]),
     /// Worked out at each pixel.
     OfPixels,
+    /// The same on a surface in another direction than the patch: the sum of the functions `p`, `q` and `w` of pixels times these is
+    /// the product of its normal and the ray that has z = −1.
+    OfPixelsOn([f32; 3]),
 }
 
 impl Light {
@@ -54,6 +59,13 @@ pub(super) fn head_light_of_cosine(facing: f32) -> [f32; 2] {
         AMBIENT + (1.0 - AMBIENT) * facing,
         SPECULAR * facing8 * facing8 * facing8,
     ]
+}
+
+/// The colour of a surfel that faces away, if that is to be told.
+#[inline(always)]
+pub(super) fn seen_from_behind(color: [f32; 3]) -> [f32; 3] {
+    let [red, green, blue] = color;
+    [red * BACK_SIDE, green * BACK_SIDE, blue * BACK_SIDE]
 }
 
 /// A colour of bytes, 0 to 1.

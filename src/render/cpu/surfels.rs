@@ -4,7 +4,7 @@ use super::blocks::Placed;
 use super::eight::{Pyramid, Vectors, lanes_below, words};
 use super::facet::{Canvas, Facet, Facets, Outline, Patches};
 use super::raster;
-use super::shading::{Light, Shading, unit_color};
+use super::shading::{Light, Shading, seen_from_behind, unit_color};
 use super::tile::{LANES, Tile};
 use super::view::{PixelRect, PixelView};
 use crate::cloud::{PointRecord, ShapeRecord};
@@ -123,7 +123,7 @@ impl Surfels<'_> {
             view,
             clip,
             outline: Outline::Disk,
-            cull_back_faces: settings.cull_back_faces,
+            cull_back_faces: settings.culls_back_faces(),
         };
         match settings.splatting {
             Splatting::Regular | Splatting::NoDepth => {
@@ -178,8 +178,14 @@ impl Surfels<'_> {
                 v,
             )
         };
+        let color = unit_color([red, green, blue]);
+        let faces_away = seen.normals.lane(lane).dot(seen.centers.lane(lane)) > 0.0;
         Shading {
-            color: unit_color([red, green, blue]),
+            color: if faces_away && self.settings.darkens_back_faces() {
+                seen_from_behind(color)
+            } else {
+                color
+            },
             light,
         }
     }
@@ -203,7 +209,7 @@ fn axes<S: Simd>(simd: S, packed_normals: f32x8<S>) -> (Vectors<S>, Vectors<S>) 
 
 /// As [`oct_decode`](crate::cloud::oct_decode).
 #[inline(always)]
-fn oct_decode_each<S: Simd>(simd: S, packed: f32x8<S>) -> Vectors<S> {
+pub(super) fn oct_decode_each<S: Simd>(simd: S, packed: f32x8<S>) -> Vectors<S> {
     let splat = |value: f32| f32x8::splat(simd, value);
     let packed: i32x8<S> = packed.bitcast();
     let unit = |halves: i32x8<S>| simd.cvt_f32_i32x8(halves >> 16) * (1.0 / f32::from(i16::MAX));

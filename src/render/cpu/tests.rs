@@ -26,6 +26,7 @@ pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
         shapes: None,
         voxels: None,
         coded: None,
+        ground: None,
         bounds: Aabb {
             min: Vec3::splat(-1.0),
             max: Vec3::splat(1.0),

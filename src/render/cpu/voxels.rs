@@ -5,9 +5,10 @@ use super::eight::{Pyramid, Vectors, lanes_below, words};
 use super::facet::{Canvas, Facets, Outline, Patches};
 use super::raster;
 use super::shading::{Light, Shading, unit_color};
+use super::surfels::oct_decode_each;
 use super::tile::{LANES, Tile};
 use super::view::{PixelRect, PixelView};
-use crate::cloud::VoxelRecord;
+use crate::cloud::{ShapeRecord, VoxelRecord};
 use crate::scene::{Lighting, Voxels};
 use fearless_simd::{Bytes, Simd, SimdFloat, f32x8, mask32x8, u32x8};
 use std::ops::Range;
@@ -15,6 +16,8 @@ use std::ops::Range;
 /// Cells of a packet, and how they are drawn.
 pub(super) struct Cubes<'a> {
     records: &'a [VoxelRecord],
+    /// Of the surfaces in cells, where light falls on them.
+    normals: Option<&'a [ShapeRecord]>,
     cube_edge: f32,
     lighting: Lighting,
 }
@@ -38,6 +41,7 @@ impl<'a> Cubes<'a> {
     pub(super) fn new(voxels: &'a Voxels, lighting: Lighting) -> Self {
         Self {
             records: &voxels.records,
+            normals: voxels.normals.as_ref().map(|normals| normals.as_slice()),
             cube_edge: voxels.cube_edge,
             lighting,
         }
@@ -61,7 +65,7 @@ impl<'a> Cubes<'a> {
         for range in records {
             let end = range.end;
             for first in range.step_by(LANES) {
-                let eight = &self.records[first..end.min(first + LANES)];
+                let eight = first..end.min(first + LANES);
                 self.draw_eight(simd, view, tile, clip, &pyramid, eight);
             }
         }
@@ -75,8 +79,9 @@ impl<'a> Cubes<'a> {
         tile: &mut Tile,
         clip: PixelRect,
         pyramid: &Pyramid,
-        records: &[VoxelRecord],
+        eight: Range<usize>,
     ) {
+        let records = &self.records[eight.clone()];
         let [x, y, z, color_and_level] = words(simd, records);
         let offsets = view.offsets_from_eye(simd, [x, y, z]);
         let centers = view.rotate_each(simd, offsets);
@@ -103,16 +108,24 @@ impl<'a> Cubes<'a> {
             cells.faces(simd, &canvas, 1),
             cells.faces(simd, &canvas, 2),
         ];
+        let normals = self.normals.map(|normals| {
+            let [packed, ..] = words(simd, &normals[eight]);
+            view.rotate_each(simd, oct_decode_each(simd, packed))
+        });
         for (lane, record) in records.iter().enumerate() {
+            let normal = normals.as_ref().map(|normals| normals.lane(lane));
             for (axis, (patches, facets)) in faces.iter().enumerate() {
                 if let Some(facet) = facets.get(lane) {
-                    let light = if self.lighting == Lighting::PerFragment {
+                    let light = if self.lighting == Lighting::PerFragment && normal.is_none() {
                         Light::OfPixels
                     } else {
-                        let normal = view.rotation().col(axis);
+                        let normal = normal.unwrap_or_else(|| view.rotation().col(axis));
                         let center = patches.centers.lane(lane);
                         let [u, v] = [patches.u.lane(lane), patches.v.lane(lane)];
-                        Light::new(self.lighting, normal, center, u, v)
+                        match self.lighting {
+                            Lighting::PerFragment => facet.light_on(view, normal, [center, u, v]),
+                            lighting => Light::new(lighting, normal, center, u, v),
+                        }
                     };
                     let color = unit_color(record.color);
                     raster::solid(simd, tile, &facet, &Shading { color, light });

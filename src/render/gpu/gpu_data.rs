@@ -3,7 +3,7 @@
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
 use crate::render::DEPTH_SLACK_RADII;
-use crate::scene::{Lighting, ScenePacket, Settings, Splatting};
+use crate::scene::{EyeDomeLight, Lighting, ScenePacket, Settings, Splatting};
 use bytemuck::{Pod, Zeroable};
 
 /// Twin of `View` in `common/view.wgsl`.
@@ -27,10 +27,15 @@ pub struct ViewUniform {
     pub cube_half_edge: f32,
     pub depth_slack: f32,
     pub lighting: u32,
-    pub cull_back_faces: u32,
-    pub unused: u32,
+    pub back_faces: u32,
+    pub ground_spacing: f32,
     pub center_ndc: [f32; 2],
-    pub unused_end: [f32; 2],
+    pub eye_dome_reach_px: [i32; 2],
+    pub eye_dome: [f32; 4],
+    pub ground_normal: [f32; 4],
+    pub ground_right: [f32; 4],
+    pub ground_forward: [f32; 4],
+    pub ground_color: [f32; 4],
 }
 
 /// Twin of `SplatVertex` in `common/splat.wgsl`: one corner written by the compute strategy.
@@ -59,6 +64,14 @@ impl ViewUniform {
             let [top, bottom] = [background.top, background.bottom].map(normalized);
             std::array::from_fn(|channel| top[channel] * (1.0 - share) + bottom[channel] * share)
         });
+        let eye_dome = EyeDomeLight::of(packet);
+        let ground = packet.ground.map(|ground| ground.seen_by(&packet.view));
+        let ground_axis = |axis: usize| {
+            ground.map_or([0.0; 4], |ground| {
+                let along = ground.point_along_axes[axis];
+                ground.axes[axis].extend(along).to_array()
+            })
+        };
         let one_pass = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
         Self {
             rotation_x: rotation.x_axis.extend(0.0).to_array(),
@@ -85,10 +98,31 @@ impl ViewUniform {
                 Lighting::PerVertex => 2,
                 Lighting::PerFragment => 3,
             },
-            cull_back_faces: u32::from(packet.settings.cull_back_faces),
-            unused: 0,
+            back_faces: if packet.settings.culls_back_faces() {
+                1
+            } else if packet.settings.darkens_back_faces() {
+                2
+            } else {
+                0
+            },
+            ground_spacing: ground.map_or(1.0, |ground| ground.spacing),
             center_ndc: packet.view.center_ndc,
-            unused_end: [0.0; 2],
+            eye_dome_reach_px: eye_dome.map_or([0; 2], |light| {
+                light.reach_px.map(|reach_px| reach_px as i32)
+            }),
+            eye_dome: eye_dome.map_or([0.0; 4], |light| {
+                let [straight, diagonal] = light.gains;
+                [straight, diagonal, light.most, light.edge]
+            }),
+            ground_normal: ground.map_or([0.0; 4], |ground| {
+                ground.normal.extend(ground.height).to_array()
+            }),
+            ground_right: ground_axis(0),
+            ground_forward: ground_axis(1),
+            ground_color: ground.map_or([0.0; 4], |ground| {
+                let [red, green, blue] = ground.color;
+                [red, green, blue, ground.reach]
+            }),
         }
     }
 

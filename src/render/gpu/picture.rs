@@ -7,7 +7,10 @@
 //! | surfel `regular`, `no-depth` | background, splat |
 //! | surfel `visibility` | background, visibility, depth view |
 //! | surfel, other modes | background, visibility, attribute, resolve |
+//!
+//! Where it is asked for, eye-dome lighting follows, of sums before they are resolved; and the grid at the end.
 
+use super::context::Context;
 use super::gpu_data::ViewUniform;
 use super::instancing::{Draw, Stream, ViewBinding};
 use super::passes::GeometryKey;
@@ -16,7 +19,7 @@ use super::residency::StreamKey;
 use super::shaders::{Amplification, GeometryPass, ScreenPass};
 use super::targets::Targets;
 use crate::render::RenderError;
-use crate::scene::{Primitive, ScenePacket, Splatting};
+use crate::scene::{EyeDomeLight, Primitive, ScenePacket, Splatting};
 
 /// What a packet asks for.
 #[derive(Debug)]
@@ -26,40 +29,53 @@ pub(super) struct Plan {
     pub(super) streams: Vec<StreamKey>,
     geometry: &'static [GeometryPass],
     /// What follows the geometry.
-    finish: Option<ScreenPass>,
+    finish: Vec<ScreenPass>,
 }
 
 impl Plan {
     pub(super) fn new(packet: &ScenePacket) -> Self {
         let settings = &packet.settings;
         let amplification = match settings.primitive {
-            Primitive::Surfel => Amplification::Surfel,
-            Primitive::Voxel => Amplification::Voxel,
+            Primitive::Auto | Primitive::Surfel => Amplification::Surfel,
+            Primitive::Voxel => match &packet.voxels {
+                Some(voxels) if voxels.normals.is_some() => Amplification::VoxelWithNormal,
+                _ => Amplification::Voxel,
+            },
             Primitive::Point if settings.point_size_px <= 1.0 => Amplification::Pixel,
             Primitive::Point => Amplification::Square,
         };
-        let (geometry, finish): (&'static [GeometryPass], _) =
+        let (geometry, resolve): (&'static [GeometryPass], _) =
             match (settings.primitive, settings.splatting) {
                 (Primitive::Point, _) => (&[GeometryPass::Point], None),
                 (Primitive::Voxel, _) => (&[GeometryPass::Solid], None),
-                (Primitive::Surfel, Splatting::Regular) => (&[GeometryPass::Regular], None),
-                (Primitive::Surfel, Splatting::NoDepth) => (&[GeometryPass::NoDepth], None),
-                (Primitive::Surfel, Splatting::Visibility) => {
+                (_, Splatting::Regular) => (&[GeometryPass::Regular], None),
+                (_, Splatting::NoDepth) => (&[GeometryPass::NoDepth], None),
+                (_, Splatting::Visibility) => {
                     (&[GeometryPass::Visibility], Some(ScreenPass::DepthView))
                 }
-                (
-                    Primitive::Surfel,
-                    Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged,
-                ) => (
+                (_, Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged) => (
                     &[GeometryPass::Visibility, GeometryPass::Attribute],
                     Some(ScreenPass::Resolve),
                 ),
             };
+        let is_shaded = EyeDomeLight::of(packet).is_some();
+        let shading = |pass: ScreenPass| is_shaded.then_some(pass);
+        let finish: [Option<ScreenPass>; 3] = [
+            match resolve {
+                Some(ScreenPass::Resolve) => shading(ScreenPass::EyeDomeOfSums),
+                _ => resolve,
+            },
+            match resolve {
+                Some(ScreenPass::Resolve) => resolve,
+                _ => shading(ScreenPass::EyeDome),
+            },
+            packet.ground.map(|_| ScreenPass::Grid),
+        ];
         Self {
             amplification,
             streams: stream_keys(packet, amplification),
             geometry,
-            finish,
+            finish: finish.into_iter().flatten().collect(),
         }
     }
 
@@ -79,8 +95,7 @@ impl Plan {
         let strategy = packet.settings.strategy;
         let amplification = self.amplification;
         // The faces of a cube that do not face the eye are never right to draw.
-        let cull_back_faces =
-            amplification == Amplification::Voxel || packet.settings.cull_back_faces;
+        let cull_back_faces = amplification.draws_cells() || packet.settings.culls_back_faces();
         self.geometry.iter().map(move |&pass| GeometryKey {
             strategy,
             amplification,
@@ -92,7 +107,7 @@ impl Plan {
     pub(super) fn screen_passes(&self, packet: &ScenePacket) -> impl Iterator<Item = ScreenPass> {
         let background = packet.settings.background;
         let gradient = (background.top != background.bottom).then_some(ScreenPass::Background);
-        gradient.into_iter().chain(self.finish)
+        gradient.into_iter().chain(self.finish.iter().copied())
     }
 }
 
@@ -186,34 +201,25 @@ impl GpuRenderer {
             }
         }
 
-        if let Some(finish) = plan.finish
-            && let (Some(pipeline), Some(layout)) =
-                (pipelines.screen(finish), pipelines.source_layout(finish))
-        {
-            let source = match finish {
-                ScreenPass::DepthView => &targets.depth_view,
-                _ => &targets.accumulation_view,
+        for &finish in &plan.finish {
+            let Some(pipeline) = pipelines.screen(finish) else {
+                continue;
             };
-            let group = context
-                .device
-                .create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("screen source"),
-                    layout,
-                    entries: &[wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(source),
-                    }],
-                });
-            let mut pass = begin(
-                &mut encoder,
-                "finish",
-                Some((&targets.color_view, wgpu::LoadOp::Load)),
-                None,
-            );
+            let source = pipelines.source_layout(finish).map(|layout| {
+                let view = match finish {
+                    ScreenPass::Resolve => &targets.accumulation_view,
+                    _ => &targets.depth_view,
+                };
+                source_group(context, layout, view)
+            });
+            let has_depths = !matches!(plan.geometry, [GeometryPass::NoDepth]);
+            let mut pass = begin_finish(&mut encoder, finish, targets, has_depths);
             stats.passes += 1;
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &self.view_group, &[0]);
-            pass.set_bind_group(1, &group, &[]);
+            if let Some(source) = &source {
+                pass.set_bind_group(1, source, &[]);
+            }
             pass.draw(0..3, 0..1);
             stats.draw_calls += 1;
         }
@@ -248,6 +254,48 @@ fn begin_geometry<'e>(
         GeometryPass::NoDepth => begin(encoder, "splat without depth", keep_color, None),
         GeometryPass::Solid => begin(encoder, "solid", keep_color, clear_depth),
         GeometryPass::Point => begin(encoder, "point", keep_color, clear_depth),
+    }
+}
+
+/// What a pass over the screen reads.
+fn source_group(
+    context: &Context,
+    layout: &wgpu::BindGroupLayout,
+    source: &wgpu::TextureView,
+) -> wgpu::BindGroup {
+    context
+        .device
+        .create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("screen source"),
+            layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(source),
+            }],
+        })
+}
+
+fn begin_finish<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    pass: ScreenPass,
+    targets: &Targets,
+    has_depths: bool,
+) -> wgpu::RenderPass<'e> {
+    let onto = |view| Some((view, wgpu::LoadOp::Load));
+    match pass {
+        ScreenPass::EyeDomeOfSums => begin(
+            encoder,
+            "eye-dome lighting of sums",
+            onto(&targets.accumulation_view),
+            None,
+        ),
+        ScreenPass::Grid => {
+            // What is drawn without depth hides nothing.
+            let cleared = (!has_depths).then_some(wgpu::LoadOp::Clear(FAR));
+            let depth = Some((&targets.depth_view, cleared));
+            begin(encoder, "grid", onto(&targets.color_view), depth)
+        }
+        _ => begin(encoder, "finish", onto(&targets.color_view), None),
     }
 }
 

@@ -200,12 +200,18 @@ impl GpuRenderer {
             if let Some(voxels) = packet
                 .voxels
                 .as_ref()
-                .filter(|_| plan.amplification == Amplification::Voxel)
+                .filter(|_| plan.amplification.draws_cells())
             {
                 ensure(residency.ensure(&voxels.records, |records| {
                     let bytes = bytemuck::cast_slice(records);
-                    instancing::upload(instancing.as_ref(), context, Amplification::Voxel, bytes)
+                    instancing::upload(instancing.as_ref(), context, plan.amplification, bytes)
                 }));
+                if let Some(normals) = &voxels.normals {
+                    ensure(residency.ensure(normals, |records| {
+                        let bytes = bytemuck::cast_slice(records);
+                        instancing::upload(instancing.as_ref(), context, plan.amplification, bytes)
+                    }));
+                }
                 return;
             }
             // Surfels have the smallest chunks of what is drawn from a cloud. All its streams are cut for them, so that
@@ -328,7 +334,11 @@ fn quad_index_buffer(context: &Context, quads: u32) -> wgpu::Buffer {
 /// The streams that a packet draws, in the order of their bind groups.
 pub(super) fn stream_keys(packet: &ScenePacket, amplification: Amplification) -> Vec<StreamKey> {
     match (amplification, &packet.voxels, &packet.shapes) {
-        (Amplification::Voxel, Some(voxels), _) => vec![StreamKey::of(&voxels.records)],
+        (Amplification::Voxel | Amplification::VoxelWithNormal, Some(voxels), _) => {
+            let normals = voxels.normals.as_ref().map(StreamKey::of);
+            let records = StreamKey::of(&voxels.records);
+            std::iter::once(records).chain(normals).collect()
+        }
         (Amplification::Surfel, _, Some(shapes)) => {
             vec![StreamKey::of(&packet.points), StreamKey::of(shapes)]
         }

@@ -16,24 +16,37 @@ pub enum Amplification {
     Surfel,
     /// Three faces of a cube.
     Voxel,
+    /// The same, lit as the surface in it is.
+    VoxelWithNormal,
 }
 
 impl Amplification {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Pixel, Self::Square, Self::Surfel, Self::Voxel];
+    pub const ALL: [Self; 5] = [
+        Self::Pixel,
+        Self::Square,
+        Self::Surfel,
+        Self::Voxel,
+        Self::VoxelWithNormal,
+    ];
 
     /// Vertices that the vertex stage runs for a record; the WGSL constant `VERTICES_PER_RECORD`.
     pub fn vertices_per_record(self) -> u32 {
         match self {
             Self::Pixel => 1,
             Self::Square | Self::Surfel => 4,
-            Self::Voxel => 12,
+            Self::Voxel | Self::VoxelWithNormal => 12,
         }
     }
 
     /// Whether the [`super::gpu_data::ShapeRecord`] stream is needed.
     pub fn needs_shapes(self) -> bool {
-        self == Self::Surfel
+        matches!(self, Self::Surfel | Self::VoxelWithNormal)
+    }
+
+    /// Whether records are cells.
+    pub fn draws_cells(self) -> bool {
+        matches!(self, Self::Voxel | Self::VoxelWithNormal)
     }
 
     fn source(self) -> &'static str {
@@ -42,6 +55,9 @@ impl Amplification {
             Self::Square => include_str!("../../../shaders/amplify/square.wgsl"),
             Self::Surfel => include_str!("../../../shaders/amplify/surfel.wgsl"),
             Self::Voxel => include_str!("../../../shaders/amplify/voxel.wgsl"),
+            Self::VoxelWithNormal => {
+                include_str!("../../../shaders/amplify/voxel_with_normal.wgsl")
+            }
         }
     }
 }
@@ -80,7 +96,7 @@ impl GeometryPass {
             Self::Visibility | Self::Attribute | Self::Regular | Self::NoDepth => {
                 amplification == Amplification::Surfel
             }
-            Self::Solid => amplification == Amplification::Voxel,
+            Self::Solid => amplification.draws_cells(),
             Self::Point => matches!(amplification, Amplification::Pixel | Amplification::Square),
         }
     }
@@ -105,17 +121,34 @@ pub enum ScreenPass {
     Resolve,
     /// The visibility pass as grey.
     DepthView,
+    /// Eye-dome lighting of the picture.
+    EyeDome,
+    /// Eye-dome lighting of the sums of the attribute pass, to which the background is not added yet.
+    EyeDomeOfSums,
+    /// Lines on the ground.
+    Grid,
 }
 
 impl ScreenPass {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Background, Self::Resolve, Self::DepthView];
+    pub const ALL: [Self; 6] = [
+        Self::Background,
+        Self::Resolve,
+        Self::DepthView,
+        Self::EyeDome,
+        Self::EyeDomeOfSums,
+        Self::Grid,
+    ];
 
     fn source(self) -> &'static str {
         match self {
             Self::Background => include_str!("../../../shaders/passes/background.wgsl"),
             Self::Resolve => include_str!("../../../shaders/passes/resolve.wgsl"),
             Self::DepthView => include_str!("../../../shaders/passes/depth_view.wgsl"),
+            Self::EyeDome | Self::EyeDomeOfSums => {
+                include_str!("../../../shaders/passes/eye_dome.wgsl")
+            }
+            Self::Grid => include_str!("../../../shaders/passes/grid.wgsl"),
         }
     }
 }
@@ -202,7 +235,7 @@ impl Permutation {
 
 /// Plain points gain nothing from a compute pass that would write what the vertex stage computes once anyway.
 pub(super) fn compute_amplifies(amplification: Amplification) -> bool {
-    matches!(amplification, Amplification::Surfel | Amplification::Voxel)
+    amplification == Amplification::Surfel || amplification.draws_cells()
 }
 
 /// Whether the vertex stage reads corners that a compute pass wrote.

@@ -116,7 +116,7 @@ pub fn pick(
             let chosen = ray.choose(&squares, radius_px)?;
             slot_of(packet, frame, chosen.record)
         }
-        Primitive::Surfel => {
+        Primitive::Auto | Primitive::Surfel => {
             let shapes = packet.shapes.as_ref()?;
             let disks = Disks::new(&packet.points, shapes, &packet.settings);
             let chosen = ray.choose(&disks, radius_px)?;

@@ -75,7 +75,7 @@ impl Oracle<'_> {
         for (slot, (point, shape)) in self.packet.points.iter().zip(&**shapes).enumerate() {
             let offset = self.offset(point.position);
             let normal = oct_decode(shape.normal).as_dvec3();
-            if settings.cull_back_faces && normal.dot(offset) > 0.0 {
+            if settings.culls_back_faces() && normal.dot(offset) > 0.0 {
                 continue;
             }
             let radius = f64::from(shape.radius) * f64::from(settings.splat_scale);

@@ -71,7 +71,7 @@ impl<'a> Disks<'a> {
             points,
             shapes,
             scale: f64::from(settings.splat_scale) * f64::from(visibility),
-            cull_back_faces: settings.cull_back_faces,
+            cull_back_faces: settings.culls_back_faces(),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::oracle::Oracle;
 use super::*;
 use crate::cloud::{Frame, Positions, RawCloud, ScalarField};
-use crate::scene::{Camera, Projection, Scene, Settings, UpAxis};
+use crate::scene::{BackFaces, Camera, Projection, Scene, Settings, UpAxis};
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
 use proptest::prelude::*;
@@ -83,20 +83,21 @@ proptest! {
         px in (0..SIZE[0], 0..SIZE[1]),
         size_px in 1f32..9.0,
         is_far: bool,
-        cull_back_faces: bool,
+        culled: bool,
     ) {
         let origin = if is_far { ECEF } else { DVec3::ZERO };
         let frame = cloud(&places, 0.06, origin);
         let camera = camera(distance, azimuth_deg, origin);
         let place_px = [f64::from(px.0) + 0.3, f64::from(px.1) + 0.9];
+        let back_faces = if culled { BackFaces::Culled } else { BackFaces::Drawn };
         for &primitive in Primitive::ALL {
-            let settings = Settings { primitive, cull_back_faces, point_size_px: size_px, ..Settings::default() };
+            let settings = Settings { primitive, back_faces, point_size_px: size_px, ..Settings::default() };
             let packet = packet_of(&frame, origin, &camera, &settings);
             let oracle = Oracle { packet: &packet, px: DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5) };
             let found = pick(&packet, &frame, place_px, 0.0);
             match primitive {
                 Primitive::Point => prop_assert_eq!(found, oracle.point()),
-                Primitive::Surfel => prop_assert_eq!(found, oracle.surfel()),
+                Primitive::Auto | Primitive::Surfel => prop_assert_eq!(found, oracle.surfel()),
                 Primitive::Voxel => {
                     let Some(record) = oracle.voxel() else {
                         prop_assert_eq!(found, None);
@@ -146,7 +147,7 @@ fn nothing_is_picked_where_nothing_is() {
     for &primitive in Primitive::ALL {
         let settings = Settings {
             primitive,
-            cull_back_faces: false,
+            back_faces: BackFaces::Drawn,
             ..Settings::default()
         };
         let empty = cloud(&[], 0.1, origin);
@@ -207,7 +208,7 @@ fn the_front_one_wins_and_of_equals_the_last() {
     for &primitive in Primitive::ALL {
         let settings = Settings {
             primitive,
-            cull_back_faces: false,
+            back_faces: BackFaces::Drawn,
             ..settings
         };
         let packet = packet_of(&same, origin, &camera, &settings);
@@ -221,17 +222,18 @@ fn the_front_one_wins_and_of_equals_the_last() {
 fn back_faces_are_picked_only_where_they_are_drawn() {
     let origin = DVec3::ZERO;
     let camera = camera(3.0, 0.0, origin);
-    for (toward, cull_back_faces, expected) in [
-        (1.0, true, Some(0)),
-        (-1.0, true, None),
-        (-1.0, false, Some(0)),
+    for (toward, back_faces, expected) in [
+        (1.0, BackFaces::Culled, Some(0)),
+        (-1.0, BackFaces::Culled, None),
+        (-1.0, BackFaces::Drawn, Some(0)),
+        (-1.0, BackFaces::Darker, Some(0)),
     ] {
         let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]]));
         raw.normals = Some(vec![[0.0, 0.0, toward]]);
         raw.radii = Some(vec![0.5]);
         let frame = prepared(raw, origin);
         let settings = Settings {
-            cull_back_faces,
+            back_faces,
             ..Settings::default()
         };
         let packet = packet_of(&frame, origin, &camera, &settings);
@@ -247,7 +249,7 @@ fn a_lone_point_is_picked_from_beside_it() {
     for &primitive in Primitive::ALL {
         let settings = Settings {
             primitive,
-            cull_back_faces: false,
+            back_faces: BackFaces::Drawn,
             ..Settings::default()
         };
         let packet = packet_of(&frame, origin, &camera, &settings);

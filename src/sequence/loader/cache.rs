@@ -54,6 +54,8 @@ struct Entry {
     reserved_bytes: Option<usize>,
     /// Size when it was last prepared, and for which of the needs that there were.
     known_bytes: Option<(u64, usize)>,
+    /// For which of the needs that there were somebody has cancelled what it lacks.
+    settled: Option<u64>,
 }
 
 fn byte_size(frame: Option<&Arc<PreparedFrame>>) -> usize {
@@ -295,13 +297,27 @@ impl Cache {
         self.largest_bytes = Some(self.largest_bytes.map_or(bytes, |most| most.max(bytes)));
     }
 
-    /// Keeps a prepared frame in place of the one before of its kind.
-    pub(super) fn insert(&mut self, prepared: Arc<PreparedFrame>) {
+    /// Frame `index` stays as it is until other needs are asked for: somebody has cancelled what it lacks. False if nothing is there.
+    pub(super) fn settle(&mut self, index: usize) -> bool {
+        let entry = &mut self.entries[index];
+        let is_there = entry.full.is_some() || entry.coarse.is_some();
+        entry.settled = is_there.then_some(self.needs_epoch);
+        is_there
+    }
+
+    /// Whether frame `index` is to stay as it is.
+    pub(super) fn is_settled(&self, index: usize) -> bool {
+        let entry = self.entries.get(index);
+        entry.is_some_and(|entry| entry.settled == Some(self.needs_epoch))
+    }
+
+    /// Keeps a prepared frame in place of the one before of its kind. One that lacks what is asked for says nothing about sizes.
+    pub(super) fn insert(&mut self, prepared: Arc<PreparedFrame>, is_complete: bool) {
         let index = prepared.index;
         let bytes = prepared.byte_size();
         self.facts.note(&prepared);
         self.largest_points = self.largest_points.max(prepared.frame.points_in_file());
-        if !prepared.frame.is_empty() {
+        if is_complete && !prepared.frame.is_empty() {
             let per_point = bytes as f64 / prepared.frame.len() as f64;
             let most = self
                 .bytes_per_point
@@ -314,7 +330,9 @@ impl Cache {
             self.coarse_bytes += bytes;
             self.coarse.insert(index);
         } else {
-            self.learn_bytes(index, bytes);
+            if is_complete {
+                self.learn_bytes(index, bytes);
+            }
             let before = self.entries[index].full.replace(prepared);
             self.resident_bytes -= byte_size(before.as_ref());
             self.resident_bytes += bytes;

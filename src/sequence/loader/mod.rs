@@ -11,17 +11,19 @@ mod queue;
 mod readings;
 #[cfg(test)]
 pub(crate) mod simulation;
+pub(crate) mod stages;
 mod stats;
 mod worker;
 
 pub use facts::FrameFacts;
-pub use readings::Reading;
+pub use readings::{Reading, ReadingStage};
 pub use stats::{FrameState, LoaderStats};
 
 use super::travel::Travel;
 use super::{
     Direction, FrameError, LoopMode, Needs, PlayRange, PreparedFrame, Sequence, SequenceError,
 };
+use crate::memory;
 use cache::Focus;
 use queue::{Queue, Waiter};
 use readings::Readings;
@@ -47,6 +49,10 @@ pub struct LoaderOptions {
     /// Keep coarse copies of all frames of a sequence that is too long for the budget, in a quarter of it, so that each can be shown
     /// at once. They are made when nothing else is to be done.
     pub keeps_coarse_frames: bool,
+    /// Large frames that are looked at come in stages, for who shows them as they come: some points, all points, the rest.
+    pub shows_stages: bool,
+    /// Bytes that the machine has: what takes more is left out, and said.
+    pub machine_bytes: u64,
     /// Called on a worker thread whenever a frame is finished, has failed or was given up. Must not block.
     pub wake: Arc<dyn Fn() + Send + Sync>,
 }
@@ -60,6 +66,8 @@ impl Default for LoaderOptions {
                 .min(MAX_DEFAULT_WORKERS),
             budget_bytes: DEFAULT_BUDGET_BYTES,
             keeps_coarse_frames: false,
+            shows_stages: false,
+            machine_bytes: memory::machine_bytes().unwrap_or(u64::MAX),
             wake: Arc::new(|| {}),
         }
     }
@@ -72,6 +80,8 @@ impl std::fmt::Debug for LoaderOptions {
             .field("workers", &self.workers)
             .field("budget_bytes", &self.budget_bytes)
             .field("keeps_coarse_frames", &self.keeps_coarse_frames)
+            .field("shows_stages", &self.shows_stages)
+            .field("machine_bytes", &self.machine_bytes)
             .finish_non_exhaustive()
     }
 }
@@ -83,6 +93,8 @@ pub enum Slot {
     Ready(Arc<PreparedFrame>),
     /// Here with everything needed, but of fewer points than its file has: a picture that may be shown in its place.
     Coarse(Arc<PreparedFrame>),
+    /// A large frame on its way: some of its points, or all of them without what is estimated. To be shown as points meanwhile.
+    Partial(Arc<PreparedFrame>),
     /// Here for older needs: a picture to show meanwhile.
     Stale(Arc<PreparedFrame>),
     /// Not here.
@@ -138,9 +150,11 @@ impl Loader {
         Ok(Self {
             shared: Arc::new(Shared {
                 pool: worker::pool(options.workers.max(1))?,
+                first_pool: worker::first_pool(options.workers.max(1))?,
                 queue: Mutex::new(Queue::new(Arc::clone(&sequence), focus, &options)),
                 sequence,
                 readings: Readings::default(),
+                machine_bytes: options.machine_bytes,
                 work: Condvar::new(),
                 finished: Condvar::new(),
                 counters: super::PrepareCounters::default(),
@@ -238,9 +252,13 @@ impl Loader {
             return Slot::Failed(Arc::clone(error));
         }
         let stale = || queue.cache.full(index).or(queue.cache.coarse(index));
-        match (queue.best(index, needs), stale()) {
-            (Some(frame), _) if frame.is_sample() => Slot::Coarse(Arc::clone(frame)),
-            (Some(frame), _) => Slot::Ready(Arc::clone(frame)),
+        match (queue.best(index, needs), queue.partial(index)) {
+            (Some(frame), _) if !frame.is_sample() => return Slot::Ready(Arc::clone(frame)),
+            (Some(frame), None) => return Slot::Coarse(Arc::clone(frame)),
+            _ => {}
+        }
+        match (queue.partial(index), stale()) {
+            (Some(frame), _) => Slot::Partial(Arc::clone(frame)),
             (None, Some(frame)) => Slot::Stale(Arc::clone(frame)),
             (None, None) => Slot::Pending,
         }

@@ -13,6 +13,7 @@
 
 use super::LoaderOptions;
 use super::cache::{ALWAYS_AHEAD_FRAMES, Cache, Focus};
+use super::stages;
 use crate::sequence::effort::Effort;
 use crate::sequence::{Detail, FrameError, LoopMode, Needs, PreparedFrame, Sequence};
 use std::sync::Arc;
@@ -42,6 +43,19 @@ pub(super) struct Job {
     pub(super) existing: Option<Arc<PreparedFrame>>,
     /// A coarse copy of a frame that may be far from the playhead.
     pub(super) is_for_scrubbing: bool,
+    /// It may come in stages (see [`stages`]), the next of which is wanted.
+    pub(super) next_stage: Option<NextStage>,
+}
+
+/// What of a frame that comes in stages is to be made next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NextStage {
+    /// Some points, if they can be had without the others; else all.
+    Sample,
+    /// All points, of so many.
+    AllPoints(usize),
+    /// What the points lack.
+    Completion,
 }
 
 /// All that workers and the interface share, under one lock.
@@ -55,6 +69,8 @@ pub(super) struct Queue {
     /// Whether coarse copies of all frames are wanted, and where to look for the next that lacks one.
     keeps_coarse: bool,
     next_coarse: usize,
+    /// Whether large frames at rest come in stages.
+    has_stages: bool,
     pub(super) waiters: Vec<Waiter>,
     pub(super) shutdown: bool,
     pub(super) cancelled: u64,
@@ -73,6 +89,7 @@ impl Queue {
             effort: Effort::new(options.workers.max(1)),
             keeps_coarse: options.keeps_coarse_frames,
             next_coarse: 0,
+            has_stages: options.shows_stages,
             waiters: Vec::new(),
             shutdown: false,
             cancelled: 0,
@@ -100,6 +117,22 @@ impl Queue {
             .or_else(|| self.coarse_job(&needs))
     }
 
+    /// Whether the frame at the playhead is a large one at rest of which a stage is there, but not all: others wait for it.
+    fn is_between_stages(&self, needs: &Needs) -> bool {
+        let index = self.focus.playhead;
+        self.partial(index).is_some()
+            && self.cache.error(index).is_none()
+            && !self.serves(index, needs, Detail::Full)
+    }
+
+    /// Frame `index` as far as it has come, if it comes in stages.
+    pub(super) fn partial(&self, index: usize) -> Option<&Arc<PreparedFrame>> {
+        let frame = self.cache.full(index).or(self.cache.coarse(index))?;
+        let is_large = frame.frame.points_in_file() > stages::STAGED_POINTS;
+        let may_come_so = self.has_stages && self.effort.is_at_rest();
+        (may_come_so && is_large && !self.is_settled(index)).then_some(frame)
+    }
+
     fn waiters_job(&mut self) -> Option<Job> {
         let waiter = self
             .waiters
@@ -115,6 +148,9 @@ impl Queue {
     fn planned_job(&mut self, needs: &Needs, detail: Detail, ahead: usize) -> Option<Job> {
         let mut nearer_bytes = 0;
         for rank in 0..ahead {
+            if rank > 0 && self.is_between_stages(needs) {
+                return None;
+            }
             let index = self.focus.upcoming(rank)?;
             let done = self.cache.error(index).is_some()
                 || self.cache.is_in_flight(index)
@@ -136,13 +172,32 @@ impl Queue {
                 // Without a measure of what a frame takes, one at a time.
                 None => self.cache.in_flight() == 0,
             };
-            return fits.then(|| self.start(index, *needs, detail, bytes.unwrap_or(0)));
+            return fits.then(|| Job {
+                next_stage: self.next_stage(index, rank, detail),
+                ..self.start(index, *needs, detail, bytes.unwrap_or(0))
+            });
         }
         None
     }
 
+    /// What of frame `index` is made next if it comes in stages.
+    fn next_stage(&self, index: usize, rank: usize, detail: Detail) -> Option<NextStage> {
+        let may_come_so = self.has_stages && self.effort.is_at_rest();
+        if !may_come_so || rank > 0 || detail != Detail::Full {
+            return None;
+        }
+        Some(match (self.cache.full(index), self.cache.coarse(index)) {
+            (Some(_), _) => NextStage::Completion,
+            (None, Some(coarse)) => NextStage::AllPoints(coarse.frame.points_in_file()),
+            (None, None) => NextStage::Sample,
+        })
+    }
+
     /// Whether frame `index` is there as wanted.
     fn serves(&self, index: usize, needs: &Needs, detail: Detail) -> bool {
+        if self.is_settled(index) {
+            return true;
+        }
         let full = self
             .cache
             .full(index)
@@ -159,8 +214,16 @@ impl Queue {
             || coarse.is_some_and(|frame| detail.is_met_by(&frame.frame) && is_of_use(frame))
     }
 
+    /// Whether frame `index` is at rest and stays as it is, as what it lacks was cancelled or does not fit the memory.
+    fn is_settled(&self, index: usize) -> bool {
+        self.effort.is_at_rest() && self.cache.is_settled(index)
+    }
+
     /// The frame to show of those that are there and have what is needed.
     pub(super) fn best(&self, index: usize, needs: &Needs) -> Option<&Arc<PreparedFrame>> {
+        if self.is_settled(index) {
+            return self.cache.full(index).or(self.cache.coarse(index));
+        }
         let full = self
             .cache
             .full(index)
@@ -186,6 +249,9 @@ impl Queue {
 
     /// A coarse copy that is still missing, as long as there is memory for it.
     fn coarse_job(&mut self, needs: &Needs) -> Option<Job> {
+        if self.is_between_stages(needs) {
+            return None;
+        }
         let detail = self.detail_for_scrubbing()?;
         let count = self.cache.frame_count();
         for _ in 0..count.min(LOOK_AHEAD_FRAMES) {
@@ -261,6 +327,7 @@ impl Queue {
             detail,
             existing: existing.cloned(),
             is_for_scrubbing: false,
+            next_stage: None,
         }
     }
 
@@ -344,8 +411,20 @@ impl Queue {
             }
         }
         match outcome {
-            Ok(frame) => self.cache.insert(frame),
-            Err(error) => self.cache.fail(error),
+            Ok(frame) => {
+                let is_complete = self.needs.is_none_or(|needs| frame.satisfies(&needs));
+                self.cache.insert(frame, is_complete);
+            }
+            Err(error) => {
+                let is_for_more = matches!(
+                    *error,
+                    FrameError::Cancelled { .. } | FrameError::TooLarge { .. }
+                );
+                let may_stay = is_for_more && self.effort.is_at_rest();
+                if !may_stay || !self.cache.settle(index) {
+                    self.cache.fail(error);
+                }
+            }
         }
         self.note_peak();
         self.trim();

@@ -4,11 +4,26 @@ use crate::progress::Progress;
 use crate::sequence::lock;
 use std::sync::Mutex;
 
+/// What is being done for a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReadingStage {
+    /// It is read, and prepared as far as pictures need it.
+    Frame,
+    /// Some of its points can be shown, and all of them, so many, are being read.
+    AllPoints(usize),
+    /// Its points can be shown, and their normals and radii are being estimated, and whatever else they lack.
+    Normals,
+    /// Its points can be shown, and an octree of them is being made.
+    Octree,
+}
+
 /// A frame that is being read and prepared.
 #[derive(Debug, Clone)]
 pub struct Reading {
     /// Index of the frame that it is read for: the first one is read for any, as it decides the origin.
     pub index: usize,
+    /// What is being done.
+    pub stage: ReadingStage,
     /// How much of it is read, then how much of it is decoded, then how far its normals are if it has none.
     pub progress: Progress,
 }
@@ -43,7 +58,7 @@ pub(super) struct UnderWay<'a> {
 
 impl Readings {
     /// Frame `index` is about to be read. Where nothing is wanted any more, or the first one was cancelled, that is cancelled at once.
-    pub(super) fn begin(&self, index: usize) -> UnderWay<'_> {
+    pub(super) fn begin(&self, index: usize, stage: ReadingStage) -> UnderWay<'_> {
         let progress = Progress::default();
         let mut list = lock(&self.0);
         if list.is_over || (!list.has_read && list.was_cancelled()) {
@@ -51,6 +66,7 @@ impl Readings {
         }
         list.under_way.push(Reading {
             index,
+            stage,
             progress: progress.clone(),
         });
         UnderWay {

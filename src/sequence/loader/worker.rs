@@ -1,14 +1,16 @@
 //! The threads that make frames.
 
-use super::queue::{Job, Queue};
-use super::readings::Readings;
+use super::queue::{Job, NextStage, Queue};
+use super::readings::{ReadingStage, Readings};
+use super::stages;
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
 use crate::priority;
+use crate::progress::Progress;
 use crate::sequence::effort::Made;
 use crate::sequence::error::catch_panic;
-use crate::sequence::prepare::{prepare_observed, prepare_sample};
+use crate::sequence::prepare::{complete_observed, prepare, prepare_observed, prepare_sample};
 use crate::sequence::{
-    FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError, complete, lock,
+    FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError, lock,
 };
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -17,6 +19,8 @@ pub(super) struct Shared {
     /// Where a frame that is made alone has its stages shared out. Not the pool that draws: a picture must not wait for a
     /// frame that is not even in it.
     pub(super) pool: rayon::ThreadPool,
+    /// Where the points of a frame at rest are made: there is nothing else to draw, so these threads are behind nobody.
+    pub(super) first_pool: rayon::ThreadPool,
     pub(super) sequence: Arc<Sequence>,
     pub(super) queue: Mutex<Queue>,
     pub(super) readings: Readings,
@@ -25,6 +29,7 @@ pub(super) struct Shared {
     /// A frame was finished.
     pub(super) finished: Condvar,
     pub(super) counters: PrepareCounters,
+    pub(super) machine_bytes: u64,
     pub(super) wake: Arc<dyn Fn() + Send + Sync>,
 }
 
@@ -35,12 +40,13 @@ impl Shared {
 
     /// Runs the stages of one frame. On the worker's own thread while others are busy too: frames side by side waste less
     /// than stages side by side (measured: 10 %).
-    fn run_stages<T: Send>(&self, stages: impl FnOnce() -> T + Send) -> T {
+    fn run_stages<T: Send>(&self, job: &Job, stages: impl FnOnce() -> T + Send) -> T {
         let is_alone = self.queue().cache.in_flight() <= 1;
-        if is_alone {
-            self.pool.install(stages)
-        } else {
-            stages()
+        match job.next_stage {
+            // Two in one pool could wait for the origin within each other.
+            _ if !is_alone => stages(),
+            Some(NextStage::Sample | NextStage::AllPoints(_)) => self.first_pool.install(stages),
+            _ => self.pool.install(stages),
         }
     }
 
@@ -57,10 +63,22 @@ impl Shared {
 
 /// Threads for the stages of frames, which are behind those that draw: what they make is due later.
 pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool, SequenceError> {
+    pool_of(threads, |_| priority::go_behind_drawing())
+}
+
+/// Threads for what is waited for before anything can be drawn.
+pub(super) fn first_pool(threads: usize) -> Result<rayon::ThreadPool, SequenceError> {
+    pool_of(threads, |_| {})
+}
+
+fn pool_of(
+    threads: usize,
+    begin: impl Fn(usize) + Send + Sync + 'static,
+) -> Result<rayon::ThreadPool, SequenceError> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|number| format!("frame stages {number}"))
-        .start_handler(|_| priority::go_behind_drawing())
+        .start_handler(begin)
         .build()
         .map_err(|error| SequenceError::NoThread {
             reason: std::io::Error::other(error),
@@ -94,10 +112,23 @@ pub(super) fn run(shared: &Shared) {
 /// Hands over what came of a job.
 pub(super) fn finish(shared: &Shared, index: usize, outcome: Result<Finished, Arc<FrameError>>) {
     let mut queue = shared.queue();
-    if let Ok(finished) = &outcome {
+    let is_complete = |frame: &PreparedFrame| {
+        let needs = queue.needs.as_ref();
+        needs.is_none_or(|needs| frame.satisfies(needs))
+    };
+    // A stage says little about how long the whole takes.
+    if let Some(finished) = outcome
+        .as_ref()
+        .ok()
+        .filter(|made| is_complete(&made.frame))
+    {
         queue.effort.note_made(&finished.made());
     }
+    let is_settled = outcome.as_ref().is_ok_and(|made| made.is_settled);
     queue.finish(index, outcome.map(|finished| Arc::new(finished.frame)));
+    if is_settled {
+        queue.cache.settle(index);
+    }
 }
 
 /// A frame that was made.
@@ -105,6 +136,8 @@ pub(super) struct Finished {
     pub(super) frame: PreparedFrame,
     /// Time of the decoder alone, milliseconds; `None` if it was not called.
     pub(super) decoder_ms: Option<f32>,
+    /// It stays as it is, as there is no memory for what it lacks.
+    pub(super) is_settled: bool,
 }
 
 impl Finished {
@@ -137,22 +170,61 @@ fn next_job(shared: &Shared) -> Option<Job> {
 /// Decodes and prepares; `None` if nobody wants the frame any more.
 pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, FrameError> {
     if let Some(existing) = &job.existing {
-        let frame = shared.run_stages(|| from_existing(shared, existing, job))?;
+        let stage = match existing.shapes {
+            None if job.needs.shapes => ReadingStage::Normals,
+            _ => ReadingStage::Octree,
+        };
+        let reading = shared.readings.begin(job.index, stage);
+        let progress = &reading.progress;
+        if job.next_stage.is_some() {
+            progress.set(0, 0);
+            let fits = check_memory(shared, job.index, &existing.frame, &job.needs);
+            fits.inspect_err(|error| log::warn!("{error}"))?;
+        }
+        let frame = shared.run_stages(job, || from_existing(shared, existing, job, progress))?;
+        if progress.is_cancelled() {
+            return Err(shared.sequence.cancelled(job.index));
+        }
         return Ok(Some(Finished {
             frame,
             decoder_ms: None,
+            is_settled: false,
         }));
     }
-    let reading = shared.readings.begin(job.index);
-    let loaded = shared
-        .sequence
-        .load(job.index, job.detail, &reading.progress)?;
+    if job.next_stage == Some(NextStage::Sample)
+        && let Some(sample) = sample(shared, job)
+    {
+        return Ok(Some(sample));
+    }
+    let stage = match job.next_stage {
+        Some(NextStage::AllPoints(count)) => ReadingStage::AllPoints(count),
+        _ => ReadingStage::Frame,
+    };
+    let reading = shared.readings.begin(job.index, stage);
+    let load = || {
+        let sequence = &shared.sequence;
+        sequence.load(job.index, job.detail, &reading.progress)
+    };
+    let loaded = shared.run_stages(job, load)?;
     reading.note_read();
     let bytes = expected_bytes(&loaded.frame, &job.needs);
     let Some(needs) = shared.queue().still_wanted(job, bytes) else {
         return Ok(None);
     };
-    let frame = Arc::new(loaded.frame);
+    let mut frame = loaded.frame;
+    let in_stages = job.next_stage.is_some() && stages::comes_in_stages(&frame, &needs);
+    let fits = check_memory(shared, job.index, &frame, &needs);
+    let is_settled = in_stages && fits.is_err();
+    match fits {
+        Err(error) if in_stages => frame.warn(format!("{error}: its points are shown")),
+        fits => fits?,
+    }
+    let needs = if in_stages {
+        stages::points_alone(&frame, &needs)
+    } else {
+        needs
+    };
+    let frame = Arc::new(frame);
     let prepared = || {
         prepare_observed(
             job.index,
@@ -163,14 +235,60 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
             &reading.progress,
         )
     };
-    let frame = shared.run_stages(prepared);
+    let frame = shared.run_stages(job, prepared);
     if reading.progress.is_cancelled() {
         return Err(shared.sequence.cancelled(job.index));
     }
     Ok(Some(Finished {
         frame,
         decoder_ms: Some(loaded.decoder_ms),
+        is_settled,
     }))
+}
+
+/// Whether the machine has the memory that `frame` takes when it is completed for `needs`.
+fn check_memory(
+    shared: &Shared,
+    index: usize,
+    frame: &Frame,
+    needs: &Needs,
+) -> Result<(), FrameError> {
+    let needed_bytes = stages::completion_bytes(frame, needs);
+    if needed_bytes <= shared.machine_bytes {
+        return Ok(());
+    }
+    Err(FrameError::TooLarge {
+        index,
+        path: shared.sequence.source(index).path.clone(),
+        points: frame.len(),
+        needed_bytes,
+        machine_bytes: shared.machine_bytes,
+    })
+}
+
+/// The first stage of the frame that `job` is for, if there is one.
+fn sample(shared: &Shared, job: &Job) -> Option<Finished> {
+    let reading = shared.readings.begin(job.index, ReadingStage::Frame);
+    let prepared = || {
+        let (most, fewest) = (stages::SAMPLE_POINTS, stages::FEWEST_SAMPLED);
+        let loaded = shared.sequence.load_sample(job.index, most, fewest)?;
+        let frame = Arc::new(loaded.frame);
+        let needs = stages::points_alone(&frame, &job.needs);
+        Some(prepare(
+            job.index,
+            frame,
+            loaded.decode_ms,
+            &needs,
+            &shared.counters,
+        ))
+    };
+    let frame = shared.run_stages(job, prepared)?;
+    reading.note_read();
+    Some(Finished {
+        frame,
+        decoder_ms: None,
+        is_settled: false,
+    })
 }
 
 /// What `job` asks for from a frame that was prepared for other needs or with more points.
@@ -178,10 +296,12 @@ fn from_existing(
     shared: &Shared,
     existing: &PreparedFrame,
     job: &Job,
+    progress: &Progress,
 ) -> Result<PreparedFrame, FrameError> {
     let most_points = job.detail.most_points();
     if !job.detail.is_exceeded_by(&existing.frame) {
-        return Ok(complete(existing, &job.needs, &shared.counters));
+        let counters = &shared.counters;
+        return Ok(complete_observed(existing, &job.needs, counters, progress));
     }
     prepare_sample(existing, most_points, &job.needs, &shared.counters).map_err(|reason| {
         FrameError::Invalid {

@@ -2,7 +2,7 @@
 
 use super::Trails;
 use crate::cloud::{CloudError, Frame, Positions, RawCloud};
-use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
+use crate::sequence::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, prepare};
 use glam::{DVec3, Vec3};
 use std::f32::consts::TAU;
 use std::ops::Range;
@@ -66,6 +66,8 @@ impl Trails {
         raw.colors = Some(colors);
         let needs = Needs {
             shapes: true,
+            // They may be all the same, which the automatic choice would pass over.
+            colors: Coloring::of(ColorSource::File),
             ..Needs::default()
         };
         let points = Arc::new(Frame::from_raw(raw, DVec3::ZERO)?);

@@ -168,6 +168,11 @@ fn tooltip(state: &State, player: &Player, frame: usize) -> String {
             grouped(prepared.points.len() as u64),
             grouped(prepared.frame.points_in_file() as u64)
         ),
+        Slot::Partial(prepared) => format!(
+            "{} of {} points in memory, being made ready for these settings",
+            grouped(prepared.points.len() as u64),
+            grouped(prepared.frame.points_in_file() as u64)
+        ),
         Slot::Stale(_) => "in memory, being made ready for these settings".to_owned(),
         Slot::Pending => "not in memory".to_owned(),
         Slot::Failed(error) => error.to_string(),

@@ -119,12 +119,19 @@ fn place(ui: &mut Ui, state: &State) {
     }
     if let Some(frame) = player.shown().filter(|frame| frame.is_sample()) {
         let share = frame.frame.points_in_file() as f64 / frame.frame.len().max(1) as f64;
-        ui.label(RichText::new(format!("1/{share:.0} of points")).color(ui.visuals().warn_fg_color))
-            .on_hover_text(format!(
-                "{} of {} points are shown: there is no time for more at this frame rate. All are, when paused.",
-                grouped(frame.frame.len() as u64),
-                grouped(frame.frame.points_in_file() as u64),
-            ));
+        let why = if player.is_partial() {
+            "the others are being read"
+        } else {
+            "there is no time for more at this frame rate. All are, when paused"
+        };
+        ui.label(
+            RichText::new(format!("1/{share:.0} of points")).color(ui.visuals().warn_fg_color),
+        )
+        .on_hover_text(format!(
+            "{} of {} points are shown: {why}.",
+            grouped(frame.frame.len() as u64),
+            grouped(frame.frame.points_in_file() as u64),
+        ));
     }
     if !sequence.is_empty() {
         let source = sequence.source(frame);

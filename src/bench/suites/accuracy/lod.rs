@@ -12,12 +12,10 @@
 use super::pictures::{Drawing, Picture, draw, parts};
 use super::{LOD, row, voxel_settings};
 use crate::bench::report::{Cell, Row};
-use crate::bench::scenario;
 use crate::bench::suites::traversals::Traversals;
 use crate::bench::suites::{Run, Subject, mean, surfel_settings};
 use crate::bench::{BenchError, Quantiles};
 use crate::measure::psnr_db;
-use crate::scene::{Camera, UpAxis};
 use crate::sequence::PreparedFrame;
 
 /// LOD thresholds, pixels; the first is the truth.
@@ -50,16 +48,7 @@ impl Samples {
         frame: &PreparedFrame,
         distance: f64,
     ) -> Result<(), BenchError> {
-        let origin = subject.sequence.origin();
-        let framing = Camera::framing(&frame.frame.bounds(), origin, UpAxis::guess(&frame.frame));
-        let cameras: Vec<Camera> = scenario::directions(run.options.viewpoints)
-            .map(|(azimuth_deg, elevation_deg)| Camera {
-                azimuth_deg,
-                elevation_deg,
-                distance: distance * framing.distance,
-                ..framing
-            })
-            .collect();
+        let cameras = subject.views(frame, run.options.viewpoints, distance);
         for camera in &cameras {
             let mut draw = |settings| draw(run, subject, frame, camera, settings);
             let settings = LOD_PX.map(voxel_settings);

@@ -5,24 +5,27 @@
 //! | [`NORMALS`] | shapes whose normals are known, with and without noise and outliers | angle, by number of neighbours and way to fit |
 //! | [`LEAVES`] | the points of each sequence | distance to the middle of the leaf that stands for a point, by δ |
 //! | [`LOD`] | the picture of all leaves, τ = 0, and that of surfels | PSNR and FLIP of the picture, by LOD threshold τ |
+//! | [`CLOSED`] | the picture of surfels | what of it voxels cover, what they show beside it, and FLIP, by stop criterion and light |
 //!
-//! Three tables in one report: a column that a table has no use for is missing in its rows.
+//! Four tables in one report: a column that a table has no use for is missing in its rows.
 
+mod closed;
 mod leaves;
 mod lod;
 mod normals;
 mod pictures;
 
-use super::{Run, Subject};
+use super::{Run, Subject, paper_voxel_settings};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Column, Row};
-use crate::scene::{Lod, Primitive, Scene, Settings};
+use crate::scene::{Lod, Scene, Settings};
 use crate::sequence::Needs;
 
 /// Names of the tables.
 const NORMALS: &str = "normals";
 const LEAVES: &str = "leaves";
 const LOD: &str = "lod";
+const CLOSED: &str = "closed";
 
 /// Columns of all tables; the first says which one a row belongs to.
 pub(in crate::bench) const COLUMNS: &[Column] = &[
@@ -61,7 +64,8 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("leaf_distance_max_edges", "most / edge", 3),
     Column::number("leaf_distance_bound_edges", "bound / edge", 3),
     Column::number("points_without_leaf", "without leaf", 0),
-    // Levels of detail.
+    // Levels of detail, and voxels beside surfels.
+    Column::text("way", "voxels are"),
     Column::number("drawn_voxels", "voxels", 0),
     Column::number("visited_nodes", "visited", 0),
     Column::number("traverse_ms_median", "traverse ms", 3),
@@ -73,14 +77,16 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("flip_object_mean", "FLIP of object", 4),
     Column::number("flip_max", "most", 4),
     Column::number("flip_surfels_mean", "to surfels", 4),
+    Column::percent("covered", "covered", 2),
+    Column::percent("outside", "outside", 2),
     Column::number("pictures", "pictures", 0).hidden(),
 ];
 
 /// The column that a bar chart shows.
 pub(in crate::bench) const HEADLINE: &str = "flip_object_mean";
 
-/// One step to prepare a frame, one for its leaves, one for its levels of detail at each distance.
-const STEPS_PER_FRAME: usize = 2 + lod::DISTANCES.len();
+/// One step to prepare a frame, one for its leaves, one for its levels of detail at each distance, one for voxels beside surfels.
+const STEPS_PER_FRAME: usize = 3 + lod::DISTANCES.len();
 
 pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let subjects = run.subjects(STEPS_PER_FRAME)?;
@@ -99,6 +105,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
     };
     let mut leaves = leaves::Samples::default();
     let mut lod: [lod::Samples; lod::DISTANCES.len()] = Default::default();
+    let mut closed = closed::Samples::default();
     let mut point_counts = Vec::new();
     let mut first_failure = None;
     for &index in &subject.chosen {
@@ -119,6 +126,11 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             ))?;
             samples.measure(run, subject, &frame, distance)?;
         }
+        run.begin_step(format!(
+            "{} frame {index}: voxels beside surfels",
+            subject.name
+        ))?;
+        closed.measure(run, subject, &frame)?;
     }
     Run::check_measured(subject, &point_counts, first_failure)?;
     let lod_rows = lod::DISTANCES
@@ -126,16 +138,16 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         .zip(&lod)
         .flat_map(|(distance, samples)| samples.rows(subject.name, distance));
     let rows = leaves.rows(subject.name).chain(lod_rows);
+    let rows = rows.chain(closed.rows(subject.name));
     run.finish(subject, &point_counts, &[], rows.collect::<Vec<_>>());
     Ok(())
 }
 
-/// Cells of the default δ, drawn down to `lod_px`.
+/// Cells of the paper's δ, drawn down to `lod_px`.
 fn voxel_settings(lod_px: f32) -> Settings {
     Settings {
-        primitive: Primitive::Voxel,
         lod: Lod::ThresholdPx(lod_px),
-        ..Settings::default()
+        ..paper_voxel_settings()
     }
 }
 

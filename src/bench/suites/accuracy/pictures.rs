@@ -151,6 +151,23 @@ impl Picture {
         covered as f64 / self.whole_count.max(1) as f64
     }
 
+    /// Of the pixels that show the object in `other`, of the same view, the share that show it here as well; and those that show it here
+    /// alone, as a share of the same number.
+    pub(super) fn shares_of(&self, other: &Self) -> [f64; 2] {
+        let count = |is_counted: fn(bool, bool) -> bool| {
+            let pixels = self.shows_object.iter().zip(&other.shows_object);
+            pixels
+                .filter(|&(&here, &there)| is_counted(here, there))
+                .count() as f64
+        };
+        let there = count(|_, there| there).max(1.0);
+        [
+            count(|here, there| here && there),
+            count(|here, there| here && !there),
+        ]
+        .map(|pixels| pixels / there)
+    }
+
     /// The errors of this picture where `truth`, of the same view, is right.
     pub(super) fn compare(&self, truth: &Self) -> Result<PictureError, BenchError> {
         let map = truth.perceived.flip(&self.perceived)?;

@@ -336,7 +336,7 @@ impl Samples {
             }
             _ => None,
         };
-        let delta = match way.stop {
+        let delta = match way.octree_stop() {
             StopCriterion::Loss(delta) if way.draws_cells() => Some(f64::from(delta)),
             _ => None,
         };

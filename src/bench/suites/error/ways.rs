@@ -3,6 +3,7 @@
 use crate::octree::StopCriterion;
 use crate::scene::{
     Background, Footprint, Lighting, Lod, Primitive, RendererChoice, Settings, Splatting, Strategy,
+    VoxelLight,
 };
 use std::fmt::Write as _;
 
@@ -15,14 +16,15 @@ const RESOLUTIONS: [f32; 2] = [0.75, 0.5];
 /// LOD thresholds of surfels and of voxels in pixels, beside the default of 1.
 const THRESHOLDS_PX: [f32; 3] = [2.0, 4.0, 8.0];
 
-/// Acceptable losses, beside the default.
-const DELTAS: [f32; 3] = [0.02, 0.2, 0.5];
+/// Acceptable losses, beside leaves as large as the spacing of points.
+const DELTAS: [f32; 4] = [0.02, 0.05, 0.2, 0.5];
 
 /// All ways, first those of the processor, then those of the adapter if there is one.
 pub(super) fn ways(has_adapter: bool) -> Vec<Settings> {
     let base = Settings {
         renderer: RendererChoice::Cpu,
         background: Background::solid(BACKGROUND),
+        primitive: Primitive::Surfel,
         ..Settings::default()
     };
     let mut ways = of_renderer(&base);
@@ -87,6 +89,10 @@ fn of_renderer(base: &Settings) -> Vec<Settings> {
         lod: Lod::ThresholdPx(0.0),
         ..voxel
     });
+    ways.push(Settings {
+        voxel_light: VoxelLight::Faces,
+        ..voxel
+    });
     ways.extend(DELTAS.map(|delta| Settings {
         stop: StopCriterion::Loss(delta),
         ..voxel
@@ -127,7 +133,7 @@ pub(super) fn label(way: &Settings) -> String {
         let _ = write!(label, " {text}");
     };
     match way.primitive {
-        Primitive::Surfel => {
+        Primitive::Auto | Primitive::Surfel => {
             say(way.splatting.to_string());
             if way.splat_scale != default.splat_scale {
                 say(format!("×{}", way.splat_scale));
@@ -139,7 +145,12 @@ pub(super) fn label(way: &Settings) -> String {
                 say(format!("lit per {}", way.lighting));
             }
         }
-        Primitive::Voxel => say(stop(way)),
+        Primitive::Voxel => {
+            say(stop(way));
+            if way.voxel_light != default.voxel_light {
+                say(format!("lit by {}", way.voxel_light));
+            }
+        }
         Primitive::Point => say(format!("{} px", way.point_size_px)),
     }
     if let (true, Lod::ThresholdPx(threshold)) = (way.draws_cells() || way.draws_codes(), way.lod) {
@@ -157,7 +168,8 @@ pub(super) fn label(way: &Settings) -> String {
 
 /// When the octree's cells are no longer divided.
 pub(super) fn stop(way: &Settings) -> String {
-    match way.stop {
+    match way.octree_stop() {
+        StopCriterion::Spacing => "by spacing".to_owned(),
         StopCriterion::Loss(delta) => format!("δ {:.0} %", delta * 100.0),
         other => format!("{other:?}"),
     }

@@ -23,10 +23,11 @@ mod splat;
 mod tests;
 mod transform;
 
+use super::Rows;
 use super::facet::{Facet, Outline};
 use super::finish::{Gradient, Held};
 use super::raster;
-use super::shading::{Light, Shading, head_light_of_cosine, unit_color};
+use super::shading::{Light, Shading, head_light_of_cosine, seen_from_behind, unit_color};
 use super::tile::{HEIGHT, NOWHERE, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::cloud::{largest_normal_error, quantised_normals};
@@ -39,7 +40,6 @@ use decode::Decoder;
 use fearless_simd::{Level, Simd, dispatch};
 use footprints::Footprints;
 use glam::{Vec3, Vec4};
-use image::RgbaImage;
 use masks::{MASKS, Masks};
 use normals::SeenNormal;
 use rayon::prelude::*;
@@ -56,6 +56,7 @@ struct Coded<'a> {
     lod_px: f32,
     deepest_level: u32,
     cull_back_faces: bool,
+    darkens_back_faces: bool,
     /// Whether each node is a pixel, not a mask.
     are_pixels: bool,
     normal_bits: u32,
@@ -74,7 +75,8 @@ impl<'a> Coded<'a> {
             cloud: &coded.cloud,
             lod_px: coded.lod_px,
             deepest_level: coded.deepest_level,
-            cull_back_faces: settings.cull_back_faces,
+            cull_back_faces: settings.culls_back_faces(),
+            darkens_back_faces: settings.darkens_back_faces(),
             are_pixels: settings.footprint == Footprint::Pixels,
             normal_bits: settings.normal_bits.bits(),
             offset_bits: settings.offset_bits.bits(),
@@ -107,8 +109,10 @@ impl<'a> Coded<'a> {
 }
 
 /// Draws the byte code of a packet, if it is to be drawn; how many nodes were drawn, in blocks that may be seen.
-pub(super) fn draw(packet: &ScenePacket, image: &mut RgbaImage) -> Option<u64> {
-    let coded = Coded::of(packet)?;
+pub(super) fn draw(packet: &ScenePacket, bands: Vec<Rows<'_>>) -> u64 {
+    let Some(coded) = Coded::of(packet) else {
+        return 0;
+    };
     let view = PixelView::new(packet);
     let tiles = Tiles::of_picture(packet.viewport_px);
     let transform = Transform::new(&view, &coded.cloud.cube());
@@ -140,20 +144,16 @@ pub(super) fn draw(packet: &ScenePacket, image: &mut RgbaImage) -> Option<u64> {
         transform,
     };
     let level = Level::new();
-    let width_px = packet.viewport_px[0] as usize;
-    image
-        .par_chunks_mut(4 * width_px * HEIGHT)
-        .enumerate()
-        .for_each_init(
-            || (Canvas::new(), Decoder::default()),
-            |(canvas, decoder), (row, band)| {
-                for column in 0..tiles.columns {
-                    dispatch!(level, simd => picture.draw_tile(simd, canvas, decoder, [column, row], band));
-                }
-            },
-        );
+    bands.into_par_iter().enumerate().for_each_init(
+        || (Canvas::new(), Decoder::default()),
+        |(canvas, decoder), (row, mut band)| {
+            for column in 0..tiles.columns {
+                dispatch!(level, simd => picture.draw_tile(simd, canvas, decoder, [column, row], &mut band));
+            }
+        },
+    );
     let nodes = |block: &Block| block.nodes(picture.coded.cloud).len() as u64;
-    Some(picture.blocks.iter().map(nodes).sum())
+    picture.blocks.iter().map(nodes).sum()
 }
 
 /// What a thread draws with.
@@ -219,7 +219,7 @@ impl Picture<'_> {
         canvas: &mut Canvas,
         decoder: &mut Decoder,
         [column, row]: [usize; 2],
-        band: &mut [u8],
+        rows: &mut Rows<'_>,
     ) {
         let origin = [(WIDTH * column) as i32, (HEIGHT * row) as i32];
         canvas.tile.begin(origin, self.held, &self.gradient);
@@ -253,10 +253,9 @@ impl Picture<'_> {
         for (facet, shading) in &canvas.disks {
             raster::attribute(simd, &mut canvas.tile, facet, shading);
         }
-        let width_px = self.view.size_px[0] as usize;
         canvas
             .tile
-            .finish(simd, clip, self.held, &self.gradient, width_px, band);
+            .write(simd, &self.view, self.held, &self.gradient, rows);
     }
 
     /// A node at its place, unless it faces away or is not beyond the near plane.
@@ -403,7 +402,7 @@ impl Picture<'_> {
             && let Some(facet) = facet(attribute)
         {
             let shading = Shading {
-                color: unit_color(node.attributes.color),
+                color: self.color_of(node),
                 light,
             };
             waiting.push((facet, shading));
@@ -422,11 +421,22 @@ impl Picture<'_> {
         head_light_of_cosine(node.facing.abs() * node.per_distance / ray)
     }
 
+    /// The colour of a node without light, 0 to 1.
+    #[inline(always)]
+    fn color_of(&self, node: &SeenNode<'_>) -> [f32; 3] {
+        let color = unit_color(node.attributes.color);
+        if node.facing >= 0.0 && self.coded.darkens_back_faces {
+            seen_from_behind(color)
+        } else {
+            color
+        }
+    }
+
     /// The colour of a node with its light, 0 to 1.
     #[inline(always)]
     fn lit_color(&self, node: &SeenNode<'_>) -> [f32; 3] {
         let [factor, white] = self.light_at(node);
-        let [red, green, blue] = unit_color(node.attributes.color);
+        let [red, green, blue] = self.color_of(node);
         let lit = |channel: f32| (channel * factor + white).min(1.0);
         [lit(red), lit(green), lit(blue)]
     }

@@ -8,7 +8,7 @@ use super::transform::{Transform, homogeneous, in_view};
 use super::*;
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode, quantised_directions};
 use crate::octree::{Octree, StopCriterion};
-use crate::scene::{Camera, CodedCells, Projection, Settings, UpAxis};
+use crate::scene::{BackFaces, Camera, CodedCells, Projection, Settings, UpAxis};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -127,7 +127,7 @@ proptest! {
         lod_px in 0f32..60.0,
     ) {
         let mut packet = packet_of_points(&points, depth, &camera);
-        packet.settings.cull_back_faces = false;
+        packet.settings.back_faces = BackFaces::Drawn;
         packet.coded.as_mut().unwrap().lod_px = lod_px;
         let coded = Coded::of(&packet).unwrap();
         let view = PixelView::new(&packet);

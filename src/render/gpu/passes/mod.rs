@@ -2,6 +2,8 @@
 //! pipelines from that, once each.
 
 mod attribute;
+mod eye_dome;
+mod grid;
 mod pipelines;
 mod point;
 mod resolve;
@@ -78,5 +80,8 @@ fn screen_state(pass: ScreenPass) -> PassState {
             depth: None,
         },
         ScreenPass::Resolve | ScreenPass::DepthView => resolve::state(),
+        ScreenPass::EyeDome => eye_dome::state(),
+        ScreenPass::EyeDomeOfSums => eye_dome::of_sums_state(),
+        ScreenPass::Grid => grid::state(),
     }
 }

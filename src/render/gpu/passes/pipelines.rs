@@ -71,12 +71,14 @@ impl Pipelines {
         }
     }
 
-    /// Layout of the texture that a screen pass reads; `None` for the background.
+    /// Layout of the texture that a screen pass reads; `None` where it reads none.
     pub(crate) fn source_layout(&self, pass: ScreenPass) -> Option<&wgpu::BindGroupLayout> {
         match pass {
-            ScreenPass::Background => None,
+            ScreenPass::Background | ScreenPass::Grid => None,
             ScreenPass::Resolve => Some(&self.color_source_layout),
-            ScreenPass::DepthView => Some(&self.depth_source_layout),
+            ScreenPass::DepthView | ScreenPass::EyeDome | ScreenPass::EyeDomeOfSums => {
+                Some(&self.depth_source_layout)
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use super::super::transform::homogeneous;
 use super::*;
 use crate::analysis::test_shapes::Random;
 use crate::cloud::{coarser_normal, largest_normal_error, quantise_normal};
-use crate::scene::{Camera, Projection, ScenePacket, UpAxis};
+use crate::scene::{BackFaces, Camera, Projection, ScenePacket, UpAxis};
 use glam::{DVec3, Vec2};
 use proptest::prelude::*;
 
@@ -235,9 +235,12 @@ fn of_a_ball_much_is_skipped() {
     // From 4 radii, 38 % of it face the eye; blocks whose cones reach over the rim come too. Blocks have edges of a quarter, and
     // their own splats, which may reach into the picture, twice that.
     let above = -4.0 * 30f64.to_radians().tan() - 0.9;
-    for (target_y, cull_back_faces, largest_share) in [(0.0, true, 0.6), (above, false, 0.6)] {
+    for (target_y, back_faces, largest_share) in [
+        (0.0, BackFaces::Culled, 0.6),
+        (above, BackFaces::Drawn, 0.6),
+    ] {
         let mut packet = packet_of_surfels(&ball(), 7, &camera_at(0.0, 0.0, target_y));
-        packet.settings.cull_back_faces = cull_back_faces;
+        packet.settings.back_faces = back_faces;
         traversed(&packet, |traversal, blocks| {
             let cloud = traversal.coded.cloud;
             let drawn: usize = blocks.iter().map(|block| block.nodes(cloud).len()).sum();

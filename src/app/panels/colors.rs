@@ -1,0 +1,352 @@
+//! What colours show: the source, of those that are there, and how its numbers become colours.
+
+use super::ramp::{handles_ui, ramp_ui};
+use super::settings::{choice, heading, row, rows};
+use crate::analysis::{ColorMap, ColorScale};
+use crate::app::State;
+use crate::cloud::Frame;
+use crate::scene::{Legend, field_title};
+use crate::sequence::{
+    ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint, PaintValues,
+    PreparedFrame, plain_field_name, value_kind,
+};
+use egui::{Checkbox, DragValue, Ui};
+use std::sync::Arc;
+
+/// Fields that the list has room for.
+const MAX_FIELDS: usize = 64;
+
+/// The section of the settings.
+pub(super) fn colors_ui(ui: &mut Ui, state: &mut State) {
+    let shown = state
+        .player
+        .as_ref()
+        .and_then(|player| player.shown().cloned());
+    let shown = shown.as_ref();
+    heading(ui, "Colours");
+    let before = state.settings.colors;
+    let coloring = &mut state.settings.colors;
+    rows(ui, "colours", |ui| {
+        source(ui, coloring, shown);
+        match coloring.source {
+            ColorSource::Height(_) => height_axis(ui, coloring),
+            ColorSource::Uniform => one_color(ui, coloring),
+            _ => {}
+        }
+    });
+    if coloring.source != before.source {
+        // Numbers of one source mean nothing for another.
+        coloring.range = ColorRange::USUAL;
+        coloring.is_logarithmic = false;
+    }
+    let paint = shown.map(|frame| *frame.paint());
+    if let (Some(frame), Some(Paint::Scale { values, scale, .. })) = (shown, paint) {
+        rows(ui, "colour map", |ui| map(ui, coloring));
+        ramp_ui(ui, coloring.map);
+        range(ui, coloring, (&frame.frame, &values, &scale));
+    }
+    let has_legend = shown.is_some_and(|frame| Legend::of(frame).is_some());
+    if has_legend {
+        rows(ui, "legend", |ui| {
+            row(
+                ui,
+                "Legend",
+                "What the colours mean, over the picture at the right",
+                Checkbox::new(&mut state.panels.legend, "Shown"),
+            );
+        });
+    }
+}
+
+/// All that a frame can be coloured by: what it does not have is not listed.
+fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame>>) {
+    let frame = shown.map(|shown| &*shown.frame);
+    let named = fields(frame);
+    let mut sources: Vec<(&str, ColorSource, &str)> = vec![(
+        "Automatic",
+        ColorSource::Auto,
+        "The file's colours if they differ, else its intensity, its classes, the height of a scanned scene or the normal",
+    )];
+    let has_colors = frame.is_none_or(|frame| frame.colors().is_some());
+    if has_colors || coloring.source == ColorSource::File {
+        sources.push((
+            "From the file",
+            ColorSource::File,
+            "Red, green and blue of the file",
+        ));
+    }
+    if frame.is_none() || coloring.source == ColorSource::Scalar(None) {
+        sources.push((
+            "Scalar",
+            ColorSource::Scalar(None),
+            "Intensity or another scalar of the file through a colour map",
+        ));
+    }
+    let tooltip = "A scalar field of the file through a colour map";
+    sources.extend(
+        named
+            .iter()
+            .map(|(title, name)| (title.as_str(), ColorSource::Scalar(Some(*name)), tooltip)),
+    );
+    let axis = match coloring.source {
+        ColorSource::Height(axis) => axis,
+        _ => HeightAxis::Auto,
+    };
+    let from = match coloring.source {
+        ColorSource::Distance(from) => from,
+        _ => DistanceFrom::Sensor,
+    };
+    sources.extend([
+        (
+            "Height",
+            ColorSource::Height(axis),
+            "How high a point is, through a colour map",
+        ),
+        (
+            "Normal",
+            ColorSource::Normal,
+            "The direction of the normal as a colour (the paper's fake colour)",
+        ),
+        (
+            "Distance",
+            ColorSource::Distance(from),
+            "How far a point is from the sensor, or from the origin of the file where it names none, through a colour map",
+        ),
+    ]);
+    let has = |source| frame.is_none_or(|frame| ColorSource::is_of(source, frame));
+    if has(ColorSource::Time) || coloring.source == ColorSource::Time {
+        sources.push((
+            "Time",
+            ColorSource::Time,
+            "When a point was measured, through a colour map",
+        ));
+    }
+    if has(ColorSource::Class) || coloring.source == ColorSource::Class {
+        sources.push((
+            "Class",
+            ColorSource::Class,
+            "What a point is: the standard classes of LAS in their usual colours",
+        ));
+    }
+    sources.push((
+        "One colour",
+        ColorSource::Uniform,
+        "The same for all points",
+    ));
+    choice(
+        ui,
+        "Colours",
+        "Where the colours of points come from",
+        &mut coloring.source,
+        &sources,
+    );
+    if coloring.source == ColorSource::Auto
+        && let Some(shown) = shown
+    {
+        ui.label("");
+        ui.weak(found(shown.paint()));
+        ui.end_row();
+    }
+}
+
+/// The fields of a frame with their titles.
+fn fields(frame: Option<&Frame>) -> Vec<(String, FieldName)> {
+    let fields = frame.map_or(&[][..], Frame::scalar_fields);
+    let fields = fields.iter().take(MAX_FIELDS);
+    let mut named: Vec<(String, FieldName)> = fields
+        .map(|field| (field_title(&field.name), FieldName::new(&field.name)))
+        .collect();
+    // Titles are told apart by what they were made from.
+    let is_twice = |title: &str, all: &[(String, FieldName)]| {
+        let taken = [
+            "Automatic",
+            "From the file",
+            "Height",
+            "Normal",
+            "Distance",
+            "Time",
+            "Class",
+            "One colour",
+        ];
+        taken.contains(&title) || all.iter().filter(|(other, _)| other == title).count() > 1
+    };
+    let all = named.clone();
+    for (title, name) in &mut named {
+        if is_twice(title, &all) {
+            *title = format!("Field {}", plain_field_name(name.as_str()));
+        }
+    }
+    named
+}
+
+/// What the automatic choice found.
+fn found(paint: &Paint) -> String {
+    match paint {
+        Paint::File => "From the file".to_owned(),
+        Paint::Normal => "Normal".to_owned(),
+        Paint::Uniform(_) => "One colour".to_owned(),
+        Paint::Classes(name) => field_title(name.as_str()),
+        Paint::Scale { values, .. } => match values {
+            PaintValues::Field(name) => field_title(name.as_str()),
+            PaintValues::Height(_) => "Height".to_owned(),
+            PaintValues::Distance(_) => "Distance".to_owned(),
+            PaintValues::Change => "Change".to_owned(),
+        },
+    }
+}
+
+fn height_axis(ui: &mut Ui, coloring: &mut Coloring) {
+    let mut axes = vec![(
+        "As the picture",
+        ColorSource::Height(HeightAxis::Auto),
+        "The axis of the file that points up",
+    )];
+    let names = [["+X", "+Y", "+Z"], ["-X", "-Y", "-Z"]];
+    for (is_down, names) in [false, true].into_iter().zip(names) {
+        for (axis, name) in (0..).zip(names) {
+            let source = ColorSource::Height(HeightAxis::Axis(axis, is_down));
+            axes.push((name, source, "Along this axis of the file"));
+        }
+    }
+    choice(
+        ui,
+        "Along",
+        "The axis along which height grows",
+        &mut coloring.source,
+        &axes,
+    );
+}
+
+fn one_color(ui: &mut Ui, coloring: &mut Coloring) {
+    let tooltip = "The colour of all points";
+    let label = ui.label("Point colour").on_hover_text(tooltip);
+    ui.color_edit_button_srgb(&mut coloring.one_color)
+        .labelled_by(label.id)
+        .on_hover_text(tooltip);
+    ui.end_row();
+}
+
+fn map(ui: &mut Ui, coloring: &mut Coloring) {
+    let maps = ColorMap::ALL.map(|map| match map {
+        ColorMap::Viridis => (
+            "Viridis",
+            map,
+            "Dark violet to yellow, evenly lighter, also for the colour-blind",
+        ),
+        ColorMap::Turbo => (
+            "Turbo",
+            map,
+            "Blue over green to red: many colours, so that details are told apart",
+        ),
+        ColorMap::Magma => (
+            "Magma",
+            map,
+            "Black over purple to pale yellow, evenly lighter",
+        ),
+        ColorMap::Grey => ("Grey", map, "Black to white"),
+        ColorMap::Diverging => (
+            "Diverging",
+            map,
+            "Blue over grey to red: for values on both sides of a middle",
+        ),
+    });
+    choice(
+        ui,
+        "Colour map",
+        "How numbers become colours",
+        &mut coloring.map,
+        &maps,
+    );
+}
+
+/// Whether a range is of percentiles or of numbers.
+#[derive(Clone, Copy, PartialEq)]
+enum RangeKind {
+    Percentiles,
+    Fixed,
+}
+
+fn range(
+    ui: &mut Ui,
+    coloring: &mut Coloring,
+    (frame, values, scale): (&Frame, &PaintValues, &ColorScale),
+) {
+    let sample = frame.value_sample();
+    let sorted = value_kind(values, sample).map(|(kind, offset)| (sample.sorted(kind), offset));
+    if let Some((sorted, offset)) = &sorted
+        && let Some(ends) = handles_ui(ui, sorted, *offset, scale, coloring.map)
+    {
+        let [low, high] = ends;
+        coloring.range = ColorRange::Fixed { low, high };
+    }
+    rows(ui, "colour range", |ui| {
+        let is_fixed = matches!(coloring.range, ColorRange::Fixed { .. });
+        let before = if is_fixed {
+            RangeKind::Fixed
+        } else {
+            RangeKind::Percentiles
+        };
+        let mut kind = before;
+        choice(
+            ui,
+            "Colour range",
+            "Which values have the first and the last colour. What is beyond has the colour of the nearer end",
+            &mut kind,
+            &[
+                (
+                    "Percentiles",
+                    RangeKind::Percentiles,
+                    "Shares of the values of the first frame: all frames have the same colours",
+                ),
+                ("Fixed", RangeKind::Fixed, "Numbers of the file"),
+            ],
+        );
+        if kind != before {
+            let [low, high] = scale.ends();
+            coloring.range = match kind {
+                RangeKind::Percentiles => ColorRange::USUAL,
+                RangeKind::Fixed => ColorRange::Fixed { low, high },
+            };
+        }
+        ends(ui, &mut coloring.range, scale);
+        row(
+            ui,
+            "Logarithm",
+            "Equal steps of colour are equal factors; evenly where no value is above zero",
+            Checkbox::new(&mut coloring.is_logarithmic, "On"),
+        );
+    });
+}
+
+/// The two numbers of a range, which stay in order.
+fn ends(ui: &mut Ui, range: &mut ColorRange, scale: &ColorScale) {
+    let [shown_low, shown_high] = scale.ends();
+    let (speed, limits, suffix, [low, high]) = match range {
+        ColorRange::Percentiles { low, high } => (0.1, 0.0..=100.0, " %", [low, high]),
+        ColorRange::Fixed { low, high } => {
+            let speed = ((shown_high - shown_low) / 200.0).clamp(1e-12, 1e12);
+            (speed, -1e300..=1e300, "", [low, high])
+        }
+    };
+    let (least, most) = (*limits.start(), *limits.end());
+    let before = [*low, *high];
+    let number = |value, limits| {
+        DragValue::new(value)
+            .range(limits)
+            .speed(speed)
+            .suffix(suffix)
+            .max_decimals(6)
+    };
+    row(
+        ui,
+        "First colour",
+        "The value in the first colour, or how many percent of the values are below it",
+        number(&mut *low, least..=before[1]),
+    );
+    row(
+        ui,
+        "Last colour",
+        "The value in the last colour, or how many percent of the values are below it",
+        number(&mut *high, before[0]..=most),
+    );
+}

@@ -1,0 +1,80 @@
+//! What the colours mean, over the picture: at its upper right.
+
+use super::ramp::paint_ramp;
+use crate::app::State;
+use crate::scene::{Legend, LegendBody};
+use egui::{Align2, Color32, FontId, Painter, Rect, Stroke, Vec2, pos2, vec2};
+
+const TEXT_SIZE: f32 = 12.0;
+const ROW_HEIGHT: f32 = 17.0;
+const PADDING: f32 = 9.0;
+const RAMP: Vec2 = vec2(15.0, 190.0);
+
+/// The legend of what is drawn, if it is to be shown.
+pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
+    // The window of changes has one of its own, in the same place.
+    if !state.panels.legend || state.temporal.change.is_on {
+        return;
+    }
+    let Some(legend) = state.drawn_frame().and_then(|frame| Legend::of(frame)) else {
+        return;
+    };
+    let text = |text: &str, size: f32| {
+        painter.layout_no_wrap(text.to_owned(), FontId::proportional(size), Color32::WHITE)
+    };
+    let title = text(&legend.title, TEXT_SIZE + 1.0);
+    let rows: Vec<_> = match &legend.body {
+        LegendBody::Ramp { ticks, .. } => ticks
+            .iter()
+            .map(|(_, tick)| text(tick, TEXT_SIZE))
+            .collect(),
+        LegendBody::Classes(classes) => classes
+            .iter()
+            .map(|(_, name)| text(name, TEXT_SIZE))
+            .collect(),
+    };
+    let room = (rect.height() - 60.0).max(40.0);
+    let (height, step) = match &legend.body {
+        LegendBody::Ramp { .. } => (RAMP.y.min(room), 0.0),
+        LegendBody::Classes(classes) => {
+            let step = ROW_HEIGHT.min(room / classes.len().max(1) as f32);
+            (step * classes.len() as f32, step)
+        }
+    };
+    let widest = rows.iter().map(|row| row.size().x).fold(0.0, f32::max);
+    let width = title.size().x.max(RAMP.x + 9.0 + widest);
+    let head = title.size().y + 8.0;
+    let size = vec2(width, head + height) + Vec2::splat(2.0 * PADDING);
+    let place = Align2::RIGHT_TOP.align_size_within_rect(size, rect.shrink(12.0));
+    painter.rect_filled(place, 6.0, Color32::from_black_alpha(165));
+    let inner = place.shrink(PADDING);
+    painter.galley(inner.min, title, Color32::WHITE);
+    let bar = Rect::from_min_size(inner.min + vec2(0.0, head), vec2(RAMP.x, height));
+    let line = Stroke::new(1.0, Color32::WHITE);
+    match &legend.body {
+        LegendBody::Ramp { map, ticks } => {
+            paint_ramp(painter, bar, *map, true);
+            for ((share, _), row) in ticks.iter().zip(rows) {
+                let y = bar.bottom() - bar.height() * share;
+                painter.line_segment([pos2(bar.right(), y), pos2(bar.right() + 4.0, y)], line);
+                let half = 0.5 * row.size().y;
+                let y = (y - half).clamp(bar.top() - half, bar.bottom() - half);
+                painter.galley(pos2(bar.right() + 9.0, y), row, Color32::WHITE);
+            }
+        }
+        LegendBody::Classes(classes) => {
+            for (number, ((color, _), row)) in classes.iter().zip(rows).enumerate() {
+                let middle = bar.top() + step * (number as f32 + 0.5);
+                let [red, green, blue, alpha] = *color;
+                let patch = Rect::from_center_size(
+                    pos2(bar.center().x, middle),
+                    Vec2::splat((step - 4.0).min(RAMP.x)),
+                );
+                let color = Color32::from_rgba_unmultiplied(red, green, blue, alpha);
+                painter.rect_filled(patch, 2.0, color);
+                let half = 0.5 * row.size().y;
+                painter.galley(pos2(bar.right() + 9.0, middle - half), row, Color32::WHITE);
+            }
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! What is made of the open sequence where nothing is chosen, and what a person has chosen for it instead.
+//!
+//! **How it works.** The first frame that is shown tells what is looked at and where to stand ([`FirstLook::of`]). Of a sequence of many
+//! frames a thread looks at some others meanwhile; when it is done, and nobody has moved the camera, the view is that of all of
+//! them. What a person chooses for a sequence, up axis and primitive, is kept with its markers.
+
+use super::State;
+use crate::app::tasks::Outcome;
+use crate::math::Aabb;
+use crate::scene::{Camera, FirstLook, Primitive, Settings, UpAxis};
+use crate::sequence::{PreparedFrame, Sequence};
+use std::sync::{Arc, Weak};
+
+/// What was chosen for one sequence, and outlives it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(in crate::app) struct Chosen {
+    pub(in crate::app) up: Option<UpAxis>,
+    pub(in crate::app) primitive: Option<Primitive>,
+}
+
+/// What is known of the open sequence.
+#[derive(Debug, Default)]
+pub(super) struct Looked {
+    look: Option<Arc<FirstLook>>,
+    /// Frames beside the first one have been looked at, or there are none.
+    is_complete: bool,
+    /// The view that followed from it.
+    view: Option<FirstView>,
+    /// The primitive at the end of the last pass.
+    primitive: Option<Primitive>,
+}
+
+/// A view that nobody has chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct FirstView {
+    camera: Camera,
+    /// Of the picture that it fills.
+    size_px: [u32; 2],
+    /// What it shows beside the open sequence.
+    beside: Aabb,
+}
+
+impl Looked {
+    /// The first view, if `camera` still is where it put it.
+    fn untouched(&self, camera: &Camera) -> Option<FirstView> {
+        self.view.filter(|view| view.camera == *camera)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.look.is_none()
+    }
+
+    pub(super) fn look(&self) -> Option<Arc<FirstLook>> {
+        self.look.clone()
+    }
+}
+
+/// What a thread has made of several frames.
+#[derive(Debug)]
+pub struct LookedAtMore {
+    sequence: Weak<Sequence>,
+    look: FirstLook,
+}
+
+impl State {
+    /// What is made of the open sequence; `None` before its first frame is shown.
+    pub fn first_look(&self) -> Option<&FirstLook> {
+        self.looked.look.as_deref()
+    }
+
+    /// Whether all is known of the open sequence that will be: the view does not change by itself any more.
+    pub fn has_looked(&self) -> bool {
+        self.looked.is_complete
+    }
+
+    /// The settings with what was guessed in place of what is left open.
+    pub fn drawn_settings(&self) -> Settings {
+        self.resolved(&self.settings)
+    }
+
+    pub(super) fn resolved(&self, settings: &Settings) -> Settings {
+        self.first_look()
+            .map_or(*settings, |look| settings.resolved(look))
+    }
+
+    /// Takes what was chosen for the sequence that is being opened.
+    pub(in crate::app) fn take_chosen(&mut self, chosen: Chosen) {
+        self.looked = Looked::default();
+        let usual = self.options.preferences.settings.primitive;
+        let asked = self.options.primitive.take();
+        self.settings.primitive = asked.or(chosen.primitive).unwrap_or(usual);
+        self.looked.primitive = Some(self.settings.primitive);
+        self.timeline.chosen = chosen;
+    }
+
+    /// Keeps the primitive if it was changed for the open sequence.
+    pub(super) fn keep_primitive(&mut self) {
+        let primitive = self.settings.primitive;
+        if self.player.is_none() || self.looked.primitive.replace(primitive) == Some(primitive) {
+            return;
+        }
+        let chosen = Some(primitive).filter(|&primitive| primitive != Primitive::Auto);
+        self.timeline.chosen.primitive = chosen;
+        self.keep_timeline();
+    }
+
+    /// Everything as in a new installation, for this sequence and those to come; the camera stays.
+    pub(in crate::app) fn reset_settings(&mut self) {
+        self.settings = Settings::default();
+        self.options.preferences.settings.primitive = Primitive::Auto;
+    }
+
+    /// Looks at the first frame that is shown, and puts the camera where it is seen best.
+    pub(super) fn look_first(&mut self, frame: &Arc<PreparedFrame>) {
+        let Some(player) = &self.player else { return };
+        let sequence = Arc::clone(player.sequence());
+        let look = FirstLook::of(&[&frame.frame], sequence.origin());
+        self.take_look(look);
+        if let Some(view) = self.options.view.take() {
+            self.camera = view;
+            self.looked.view = None;
+        }
+        if sequence.len() == 1 {
+            self.looked.is_complete = true;
+            return;
+        }
+        let frame = Arc::clone(frame);
+        self.tasks.start("first look", move || {
+            let look = FirstLook::of_sequence(&frame.frame, &sequence);
+            let sequence = Arc::downgrade(&sequence);
+            Outcome::Looked(Box::new(LookedAtMore { sequence, look }))
+        });
+    }
+
+    /// Takes what a thread made of several frames of the open sequence.
+    pub(super) fn take_more(&mut self, more: LookedAtMore) {
+        let is_open = self.player.as_ref().is_some_and(|player| {
+            let opened = more.sequence.upgrade();
+            opened.is_some_and(|opened| Arc::ptr_eq(&opened, player.sequence()))
+        });
+        if !is_open {
+            return;
+        }
+        self.looked.is_complete = true;
+        let is_untouched = self.looked.untouched(&self.camera).is_some();
+        let camera = self.camera;
+        self.take_look(more.look);
+        if !is_untouched {
+            self.camera = camera;
+        }
+    }
+
+    fn take_look(&mut self, look: FirstLook) {
+        let chosen = self.options.up.or(self.timeline.chosen.up);
+        let look = match chosen {
+            Some(up) => look.with_up(up),
+            None => look,
+        };
+        self.looked.look = Some(Arc::new(look));
+        self.reset_view();
+    }
+
+    /// Puts the camera where it is for a sequence that was just opened.
+    pub(super) fn reset_view(&mut self) {
+        self.show_first_view(self.bounds_beside());
+    }
+
+    fn show_first_view(&mut self, beside: Aabb) {
+        let Some((look, player)) = self.looked.look.as_ref().zip(self.player.as_ref()) else {
+            return;
+        };
+        let origin = player.sequence().origin();
+        let aspect = self.aspect();
+        let mut camera = look.camera(origin, aspect);
+        camera.projection = self.camera.projection;
+        look.frame(&mut camera, origin, aspect, &beside);
+        self.camera = camera;
+        self.looked.view = Some(FirstView {
+            camera,
+            size_px: self.viewport.size_px,
+            beside,
+        });
+    }
+
+    /// Fits the first view into a picture that has another size by now. A view that somebody has chosen stays.
+    pub(in crate::app) fn fit_first_view(&mut self) {
+        if let Some(view) = self.looked.untouched(&self.camera)
+            && view.size_px != self.viewport.size_px
+        {
+            self.show_first_view(view.beside);
+        }
+    }
+
+    /// Makes `up` the axis that is up in the open sequence, now and whenever it is opened again, and shows it anew.
+    pub fn choose_up(&mut self, up: UpAxis) {
+        self.options.up = None;
+        self.camera.up = up;
+        self.timeline.chosen.up = Some(up);
+        self.keep_timeline();
+        if let Some(look) = self.looked.look.take() {
+            self.take_look(FirstLook::clone(&look));
+        }
+    }
+
+    /// Moves back until all points are seen, outliers and what is far away as well, and what is within `beside`, relative to the
+    /// origin of the open sequence.
+    pub(super) fn all_framed(&self, beside: &Aabb) -> Option<Camera> {
+        let player = self.player.as_ref()?;
+        let bounds = self.first_look()?.full;
+        let shown = player.shown().map(|frame| frame.frame.bounds());
+        let bounds = bounds.union(&shown.unwrap_or(Aabb::EMPTY)).union(beside);
+        let mut camera = self.camera;
+        camera.frame_bounds(&bounds, player.sequence().origin());
+        Some(camera)
+    }
+
+    /// Width of the picture as a share of its height.
+    fn aspect(&self) -> f64 {
+        match self.viewport.size_px.map(f64::from) {
+            [width, height] if width > 0.0 && height > 0.0 => width / height,
+            // Nothing was laid out yet.
+            _ => 16.0 / 9.0,
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Voxels beside surfels: whether they close what surfels close, what they add to it, and how alike the pictures are.
+//!
+//! How it works: each frame is drawn from around it as surfels, from both sides, and as voxels: with the paper's δ, whose cells are
+//! smaller than the spacing of the points, and with leaves as large as the spacing, lit by their faces and by normals. Surfels are the
+//! measure, since they are made to close the surface.
+
+use super::pictures::{Drawing, draw, parts};
+use super::{CLOSED, row};
+use crate::bench::BenchError;
+use crate::bench::report::{Cell, Row};
+use crate::bench::suites::{Run, Subject, mean, paper_voxel_settings};
+use crate::octree::StopCriterion;
+use crate::scene::{BackFaces, Scene, Settings, VoxelLight};
+use crate::sequence::{PrepareCounters, PreparedFrame, complete};
+
+/// The ways to draw voxels, and the words for them.
+fn ways() -> [(&'static str, Settings); 3] {
+    let paper = paper_voxel_settings();
+    let stop = StopCriterion::Spacing;
+    let faces = Settings { stop, ..paper };
+    let voxel_light = VoxelLight::Normals;
+    let normals = Settings {
+        voxel_light,
+        ..faces
+    };
+    [
+        ("δ 5 %", paper),
+        ("spacing", faces),
+        ("spacing, normals", normals),
+    ]
+}
+
+/// What was measured of one sequence, for each of [`ways`].
+#[derive(Default)]
+pub(super) struct Samples([WaySamples; 3]);
+
+/// One number for each picture.
+#[derive(Default)]
+struct WaySamples {
+    drawn: Vec<f64>,
+    covered: Vec<f64>,
+    outside: Vec<f64>,
+    flip: Vec<f64>,
+}
+
+impl Samples {
+    pub(super) fn measure(
+        &mut self,
+        run: &mut Run<'_>,
+        subject: &Subject<'_>,
+        frame: &PreparedFrame,
+    ) -> Result<(), BenchError> {
+        let surfels = Settings {
+            back_faces: BackFaces::Drawn,
+            ..Settings::default()
+        };
+        let ways = ways().map(|(_, settings)| {
+            let needs = Scene::needs(&settings);
+            let frame = complete(frame, &needs, &PrepareCounters::default());
+            (frame, settings)
+        });
+        for camera in subject.views(frame, run.options.viewpoints, 1.0) {
+            let mut drawings: Vec<Drawing> = vec![draw(run, subject, frame, &camera, surfels)?];
+            for (frame, settings) in &ways {
+                drawings.push(draw(run, subject, frame, &camera, *settings)?);
+            }
+            let mut pictures = parts(&drawings);
+            let Some(surfels) = pictures.next() else {
+                continue;
+            };
+            for ((picture, samples), (frame, settings)) in pictures.zip(&mut self.0).zip(&ways) {
+                let [covered, outside] = picture.shares_of(&surfels);
+                samples.covered.push(covered);
+                samples.outside.push(outside);
+                samples
+                    .flip
+                    .push(picture.compare(&surfels)?.flip_object_mean);
+                let viewport_px = run.options.viewport_px;
+                let packet = Scene::default().packet(
+                    frame,
+                    subject.sequence.origin(),
+                    &camera,
+                    settings,
+                    viewport_px,
+                );
+                let drawn = packet.voxels.map_or(0, |voxels| voxels.records.len());
+                samples.drawn.push(drawn as f64);
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn rows(&self, sequence: &str) -> impl Iterator<Item = Row> {
+        ways()
+            .into_iter()
+            .zip(&self.0)
+            .map(move |((way, _), samples)| {
+                row(
+                    CLOSED,
+                    &[
+                        ("sequence", Cell::Text(sequence.to_owned())),
+                        ("way", Cell::Text(way.to_owned())),
+                        ("drawn_voxels", Cell::Number(mean(&samples.drawn))),
+                        ("covered", Cell::Number(mean(&samples.covered))),
+                        ("outside", Cell::Number(mean(&samples.outside))),
+                        ("flip_surfels_mean", Cell::Number(mean(&samples.flip))),
+                        ("pictures", Cell::Number(samples.flip.len() as f64)),
+                    ],
+                )
+            })
+    }
+}

@@ -1,0 +1,58 @@
+//! Where the camera stands, on the command line.
+
+use super::arguments::{VIEW, elevation, field_of_view, finite, positive_f64};
+use crate::headless::CameraChoice;
+use crate::scene::{Camera, Projection, UpAxis};
+use clap::Args;
+
+/// Where the camera stands; what is not given frames the cloud.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = VIEW)]
+pub(super) struct CameraArgs {
+    /// A view as the window copies it (Ctrl+C), of which other options change parts
+    #[arg(long, value_name = "TEXT")]
+    view: Option<Camera>,
+
+    /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    up: Option<UpAxis>,
+
+    /// Turn about the up axis in degrees; 0 is the front
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
+    azimuth: Option<f64>,
+
+    /// Height above the horizon in degrees, -90 to 90
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = elevation)]
+    elevation: Option<f64>,
+
+    /// From the middle of the cloud to the eye in scene units
+    #[arg(long, value_name = "D", value_parser = positive_f64)]
+    distance: Option<f64>,
+
+    /// Vertical field of view in degrees, 1 to 170
+    #[arg(long, value_name = "DEG", value_parser = field_of_view)]
+    fov: Option<f64>,
+
+    /// Draw by parallel rays: what is farther away is as large
+    #[arg(long)]
+    orthographic: bool,
+
+    /// Show all points, outliers and what is far away as well
+    #[arg(long, conflicts_with = "view")]
+    frame_all: bool,
+}
+
+impl CameraArgs {
+    pub(super) fn choice(&self) -> CameraChoice {
+        CameraChoice {
+            view: self.view,
+            projection: self.orthographic.then_some(Projection::Orthographic),
+            up: self.up,
+            azimuth_deg: self.azimuth,
+            elevation_deg: self.elevation,
+            distance: self.distance,
+            fov_deg: self.fov,
+            frames_all: self.frame_all,
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Some points of the first frame of a sequence: what is decided once for all of its frames is decided by them.
+//!
+//! How it works: points are taken evenly from the order of the file, so the sample costs no look at the rest of them, and equal files
+//! have equal samples. Each frame of a sequence shares the one of the first frame that can be read ([`super::Frame::value_sample`]), so
+//! what follows from it is the same for all frames, whichever of them was seen before. Values are sorted when they are first asked for.
+
+use super::{RawCloud, ScalarField, even_places};
+use crate::math::Aabb;
+use glam::{DVec3, Vec3};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Most points of a sample: enough that a percentile is a tenth of a percent off.
+pub(crate) const MAX_SAMPLE: usize = 1 << 15;
+
+/// Kinds of values that are kept sorted.
+const MAX_KEPT: usize = 32;
+
+/// A number of each point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ValueKind {
+    /// A scalar field, by its place in [`ValueSample::scalars`]; [`ScalarField::offset`] is not added.
+    Field(usize),
+    /// How far the point is along this vector from the origin of the sequence.
+    Along(Vec3),
+    /// The distance from here, relative to the origin of the sequence.
+    From(Vec3),
+}
+
+/// Points of a frame with what they have.
+#[derive(Debug, Default)]
+pub struct ValueSample {
+    /// Finite positions relative to `origin`.
+    pub positions: Vec<Vec3>,
+    /// Their colours in the file.
+    pub colors: Option<Vec<[u8; 4]>>,
+    /// Their scalar fields; NaN and infinite where the file has that.
+    pub scalars: Vec<ScalarField>,
+    /// Where the sensor stood, relative to `origin`.
+    pub sensor: Option<Vec3>,
+    /// The origin of the sequence in file coordinates.
+    pub origin: DVec3,
+    has_telling_colors: OnceLock<bool>,
+    /// Ascending finite values that were asked for.
+    sorted: Mutex<Vec<(ValueKind, Arc<[f32]>)>>,
+}
+
+impl ValueSample {
+    /// A sample of `raw`. Attributes that have not one entry a point are left out.
+    pub(crate) fn of_raw(raw: &RawCloud, origin: DVec3) -> Self {
+        let count = raw.positions.len();
+        let position = |index: usize| (raw.positions.get(index) - origin).as_vec3();
+        let mut places = even_places(count, MAX_SAMPLE);
+        places.retain(|&index| position(index).is_finite());
+        let colors = raw.colors.as_ref().filter(|colors| colors.len() == count);
+        let fields = raw.scalars.iter();
+        let fields = fields.filter(|field| field.values.len() == count);
+        let sampled = |field: &ScalarField| ScalarField {
+            name: field.name.clone(),
+            values: places.iter().map(|&place| field.values[place]).collect(),
+            offset: field.offset,
+        };
+        Self {
+            positions: places.iter().map(|&place| position(place)).collect(),
+            colors: colors.map(|colors| places.iter().map(|&place| colors[place]).collect()),
+            scalars: fields.map(sampled).collect(),
+            sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
+            origin,
+            has_telling_colors: OnceLock::new(),
+            sorted: Mutex::default(),
+        }
+    }
+
+    /// A sample of a frame that belongs to no sequence.
+    pub(super) fn of_arrays(
+        positions: &[Vec3],
+        colors: Option<&[[u8; 4]]>,
+        scalars: &[ScalarField],
+        sensor: Option<Vec3>,
+    ) -> Self {
+        let places = even_places(positions.len(), MAX_SAMPLE);
+        let sampled = |field: &ScalarField| ScalarField {
+            name: field.name.clone(),
+            values: places.iter().map(|&place| field.values[place]).collect(),
+            offset: field.offset,
+        };
+        Self {
+            positions: places.iter().map(|&place| positions[place]).collect(),
+            colors: colors.map(|colors| places.iter().map(|&place| colors[place]).collect()),
+            scalars: scalars.iter().map(sampled).collect(),
+            sensor,
+            origin: DVec3::ZERO,
+            has_telling_colors: OnceLock::new(),
+            sorted: Mutex::default(),
+        }
+    }
+
+    /// Whether the file's colours say anything: they are not all the same, nor all black or white, which is what programs write that have
+    /// none.
+    pub fn has_telling_colors(&self) -> bool {
+        *self.has_telling_colors.get_or_init(|| {
+            let colors = self.colors.as_deref().unwrap_or_default();
+            let opaque = |[red, green, blue, _]: [u8; 4]| [red, green, blue];
+            let mut colors = colors.iter().map(|&color| opaque(color));
+            let Some(first) = colors.next() else {
+                return false;
+            };
+            let is_plain = |color: [u8; 3]| color == [0; 3] || color == [255; 3];
+            let (mut differs, mut is_colored) = (false, !is_plain(first));
+            colors.any(|color| {
+                differs |= color != first;
+                is_colored |= !is_plain(color);
+                differs && is_colored
+            })
+        })
+    }
+
+    /// The box around the points.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::from_points(&self.positions)
+    }
+
+    /// The finite values of the points, ascending.
+    pub fn sorted(&self, kind: ValueKind) -> Arc<[f32]> {
+        let mut kept = self.sorted.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, values)) = kept.iter().find(|(known, _)| *known == kind) {
+            return Arc::clone(values);
+        }
+        let positions = self.positions.iter();
+        let mut values: Vec<f32> = match kind {
+            ValueKind::Field(place) => self
+                .scalars
+                .get(place)
+                .map_or(Vec::new(), |field| field.values.clone()),
+            ValueKind::Along(up) => positions.map(|position| position.dot(up)).collect(),
+            ValueKind::From(place) => positions.map(|position| position.distance(place)).collect(),
+        };
+        values.retain(|value| value.is_finite());
+        values.sort_unstable_by(f32::total_cmp);
+        let values: Arc<[f32]> = values.into();
+        if kept.len() == MAX_KEPT {
+            kept.remove(0);
+        }
+        kept.push((kind, Arc::clone(&values)));
+        values
+    }
+}
+
+/// The sample of a frame, which says nothing about whether frames are equal.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SharedSample(pub(super) OnceLock<Arc<ValueSample>>);
+
+impl PartialEq for SharedSample {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloud::Positions;
+
+    fn raw(count: usize) -> RawCloud {
+        let position = |index: usize| [index as f64 + 1e6, 2.0, 0.0];
+        let mut raw = RawCloud::from_positions(Positions::F64((0..count).map(position).collect()));
+        let values = (0..count).map(|index| (count - index) as f32).collect();
+        raw.scalars = vec![ScalarField::new("intensity", values)];
+        raw
+    }
+
+    #[test]
+    fn a_small_cloud_is_its_own_sample() {
+        let mut raw = raw(4);
+        raw.scalars[0].values[1] = f32::NAN;
+        raw.scalars[0].values[2] = f32::INFINITY;
+        raw.scalars.push(ScalarField::new("short", vec![1.0]));
+        let sample = ValueSample::of_raw(&raw, DVec3::new(1e6, 0.0, 0.0));
+        assert_eq!(sample.positions[3], Vec3::new(3.0, 2.0, 0.0));
+        assert_eq!(sample.scalars.len(), 1);
+        assert_eq!(sample.sorted(ValueKind::Field(0))[..], [1.0, 4.0]);
+        assert_eq!(
+            sample.sorted(ValueKind::Along(Vec3::NEG_X))[..],
+            [-3.0, -2.0, -1.0, -0.0]
+        );
+        assert_eq!(sample.sorted(ValueKind::From(Vec3::ZERO))[0], 2.0);
+        assert!(sample.sorted(ValueKind::Field(7)).is_empty());
+    }
+
+    #[test]
+    fn a_large_cloud_has_a_sample_of_bounded_size_and_like_percentiles() {
+        let sample = ValueSample::of_raw(&raw(200_000), DVec3::ZERO);
+        assert_eq!(sample.positions.len(), MAX_SAMPLE);
+        let sorted = sample.sorted(ValueKind::Field(0));
+        for share in [0.01, 0.5, 0.99] {
+            let found = sorted[(share * sorted.len() as f64) as usize];
+            assert!(
+                (f64::from(found) - share * 200_000.0).abs() < 200.0,
+                "{share}: {found}"
+            );
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Lines of text in pictures, in the font of the window.
+
+use super::Canvas;
+use ab_glyph::{Font as _, FontRef, GlyphId, Point, PxScale, ScaleFont as _};
+use epaint_default_fonts::UBUNTU_LIGHT;
+use std::sync::OnceLock;
+
+fn font() -> Option<&'static FontRef<'static>> {
+    static FONT: OnceLock<Option<FontRef<'static>>> = OnceLock::new();
+    FONT.get_or_init(|| FontRef::try_from_slice(UBUNTU_LIGHT).ok())
+        .as_ref()
+}
+
+/// A line of text, laid out.
+#[derive(Debug, Clone)]
+pub(super) struct Line {
+    glyphs: Vec<(GlyphId, f32)>,
+    scale: PxScale,
+    /// How wide it is.
+    pub(super) width_px: f32,
+    /// From its upper edge to its base line.
+    ascent_px: f32,
+    /// From its upper edge to its lower one.
+    pub(super) height_px: f32,
+}
+
+impl Line {
+    /// `text` in letters of `size_px`, by their height with what hangs below the line. What the font does not have is a box.
+    pub(super) fn new(text: &str, size_px: f32) -> Self {
+        let scale = PxScale::from(size_px);
+        let mut line = Self {
+            glyphs: Vec::new(),
+            scale,
+            width_px: 0.0,
+            ascent_px: 0.0,
+            height_px: size_px,
+        };
+        let Some(font) = font() else { return line };
+        let scaled = font.as_scaled(scale);
+        line.ascent_px = scaled.ascent();
+        let mut before = None;
+        for letter in text.chars() {
+            let glyph = scaled.glyph_id(letter);
+            let kerning = before.map_or(0.0, |before| scaled.kern(before, glyph));
+            line.glyphs.push((glyph, line.width_px + kerning));
+            line.width_px += kerning + scaled.h_advance(glyph);
+            before = Some(glyph);
+        }
+        line
+    }
+
+    /// Draws it with its upper left corner at `at` pixels of the whole picture.
+    pub(super) fn draw(&self, canvas: &mut Canvas<'_>, at: [f32; 2], color: [u8; 3]) {
+        let Some(font) = font() else { return };
+        for &(glyph, x) in &self.glyphs {
+            let place = Point {
+                x: at[0] + x,
+                y: at[1] + self.ascent_px,
+            };
+            let glyph = glyph.with_scale_and_position(self.scale, place);
+            if let Some(outline) = font.outline_glyph(glyph) {
+                let min = outline.px_bounds().min;
+                outline.draw(|x, y, covered| {
+                    let px = [min.x as i64 + i64::from(x), min.y as i64 + i64::from(y)];
+                    canvas.blend(px, color, covered);
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! The unit of coordinates, as far as the coordinate reference system says it in plain words: a key of `GeoTIFF`, or the unit of a
+//! projection in well-known text. Codes of the EPSG registry are not looked up.
+
+use super::header::{Record, take};
+use crate::cloud::LengthUnit;
+
+/// What names the records with coordinate reference systems.
+const PROJECTION_USER: &[u8] = b"LASF_Projection";
+const GEO_KEYS_ID: u16 = 34735;
+const WELL_KNOWN_TEXT_ID: u16 = 2112;
+
+/// The key of `GeoTIFF` with the unit of projected coordinates (OGC 19-008, `ProjLinearUnitsGeoKey`).
+const LINEAR_UNITS_KEY: u16 = 3076;
+
+/// The unit that `records` say; of several the first.
+pub(super) fn unit<'a>(mut records: impl Iterator<Item = Record<'a>>) -> Option<LengthUnit> {
+    records.find_map(|record| {
+        if record.is(PROJECTION_USER, GEO_KEYS_ID) {
+            of_geo_keys(record.data)
+        } else if record.is(PROJECTION_USER, WELL_KNOWN_TEXT_ID) {
+            of_text(&String::from_utf8_lossy(record.data))
+        } else {
+            None
+        }
+    })
+}
+
+/// Four numbers a key: which, where its value is (0: in the last number), how many and which.
+fn of_geo_keys(data: &[u8]) -> Option<LengthUnit> {
+    let (keys, _) = data.as_chunks::<8>();
+    // The first four numbers count the keys.
+    let key = keys.iter().skip(1).find(|key| {
+        let number = |index: usize| u16::from_le_bytes(take(*key, 2 * index));
+        number(0) == LINEAR_UNITS_KEY && number(1) == 0
+    })?;
+    LengthUnit::of_epsg(u16::from_le_bytes(take(key, 6)))
+}
+
+/// Of `PROJCS["…", GEOGCS[…], …, UNIT["metre",1], …]`, or `PROJCRS[…, LENGTHUNIT["metre",1]]`: the unit that belongs to the projection
+/// itself, or to its first axis.
+fn of_text(text: &str) -> Option<LengthUnit> {
+    let start = ["PROJCS[", "PROJCRS["]
+        .iter()
+        .find_map(|word| text.find(word).map(|at| at + word.len()))?;
+    // The system of angles that is projected has a unit as well, of angles.
+    let (mut depth, mut is_quoted) = (1, false);
+    for (place, character) in text[start..].char_indices() {
+        match character {
+            '"' => is_quoted = !is_quoted,
+            '[' if !is_quoted => depth += 1,
+            ']' if !is_quoted => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 {
+            return None;
+        }
+        let rest = &text[start + place..];
+        let is_word = !is_quoted && depth <= 2;
+        if is_word
+            && let Some(unit) = rest.strip_prefix("LENGTHUNIT[").or_else(|| {
+                let has_place = depth == 1 && rest.starts_with("UNIT[");
+                rest.strip_prefix("UNIT[").filter(|_| has_place)
+            })
+        {
+            // Behind the name, which may have brackets.
+            let factor = unit.split('"').nth(2)?.split([',', ']']).nth(1)?;
+            let metres = factor.trim().parse().ok()?;
+            return LengthUnit::of_metres(metres);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(id: u16, data: &[u8]) -> Record<'_> {
+        Record {
+            user: PROJECTION_USER,
+            id,
+            data,
+        }
+    }
+
+    #[test]
+    fn keys_and_text_say_units() {
+        let keys = |unit: u16| -> Vec<u8> {
+            let numbers = [1, 1, 0, 2, 1024, 0, 1, 1, 3076, 0, 1, unit];
+            numbers
+                .iter()
+                .flat_map(|number| number.to_le_bytes())
+                .collect()
+        };
+        for (code, expected) in [
+            (9001, Some(LengthUnit::Metre)),
+            (9002, Some(LengthUnit::Foot)),
+            (9003, Some(LengthUnit::SurveyFoot)),
+            (9102, None),
+        ] {
+            let data = keys(code);
+            assert_eq!(unit([record(GEO_KEYS_ID, &data)].into_iter()), expected);
+            let cut = &data[..data.len() - 3];
+            assert_eq!(unit([record(GEO_KEYS_ID, cut)].into_iter()), None);
+        }
+        let texts = [
+            (
+                r#"PROJCS["UTM",GEOGCS["WGS 84",DATUM["D",SPHEROID["S",6378137,298.25]],UNIT["degree",0.0174532925199433]],PROJECTION["P"],UNIT["metre",1,AUTHORITY["EPSG","9001"]],AXIS["E",EAST]]"#,
+                Some(LengthUnit::Metre),
+            ),
+            (
+                r#"COMPD_CS["c",PROJCS["CA",GEOGCS["g",UNIT["degree",0.017]],UNIT["US survey foot [x]",0.304800609601219]],VERT_CS["v",UNIT["metre",1]]]"#,
+                Some(LengthUnit::SurveyFoot),
+            ),
+            (
+                r#"PROJCRS["p",BASEGEOGCRS["b",DATUM["d",ELLIPSOID["e",6378137,298.25,LENGTHUNIT["metre",1]]]],CS[Cartesian,2],AXIS["E",east],LENGTHUNIT["foot",0.3048]]"#,
+                Some(LengthUnit::Foot),
+            ),
+            (
+                r#"GEOGCS["WGS 84",UNIT["degree",0.0174532925199433]]"#,
+                None,
+            ),
+            (r#"PROJCS["cut",UNIT["metre""#, None),
+            ("", None),
+        ];
+        for (text, expected) in texts {
+            let found = unit([record(WELL_KNOWN_TEXT_ID, text.as_bytes())].into_iter());
+            assert_eq!(found, expected, "{text}");
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Leaves no smaller than the spacing of the points around them: what makes cubes a closed solid.
+//!
+//! How it works: a cell of a surface that holds several points on average has neighbours that hold some as well; one level below
+//! that, cells are empty and what is behind shows through. So leaves are on the deepest level on which a cell holds at least
+//! [`POINTS_PER_LEAF`] points on average. That number needs no dimension: along a curve such cells are three spacings long, on a
+//! surface about two.
+//!
+//! Spacings differ within a cloud, by a hundred times in the sweep of a scanner. So the question is asked of the root, of its octants,
+//! and so on, as long as there are points enough to answer. A node keeps the level that it inherits unless that is clearly wrong
+//! for it: sizes that change from cell to cell with the noise of sampling are worse to look at than one that is slightly off (000,
+//! Fig. 5). Few points far from all others are never asked, so none becomes a cube that hides the cloud.
+//!
+//! Points at the same place count once, and so do those that are much nearer to each other than all are to the rest, as where two scans of
+//! one surface are laid on each other.
+//!
+//! Measured for places at random on a plane, seen from any direction: with 1.7 points a cell 8 % of rays pass, with 2.6 points 1.2 %, with
+//! 3.3 points 0.3 %. What it costs is the outline, which cubes pass by 0.9 of their edge. Cells cut down to the octant that has all
+//! their points pass it by less, but leave more holes than smaller cells that pass it by as much.
+//!
+//! When it wins: everything is read off running counts of the parting levels, one pass over a byte a point.
+
+use super::NodeRange;
+use super::sorted_points::SortedPoints;
+use super::stop::{LeafRun, OccupiedCells};
+use crate::math::morton::LEVELS;
+use rayon::prelude::*;
+
+/// Points that a leaf holds on average, at least.
+const POINTS_PER_LEAF: f64 = 2.5;
+
+/// A level that is inherited is kept while its cells hold at least this share of [`POINTS_PER_LEAF`].
+const SPARSE: f64 = 0.8;
+
+/// A level that is inherited is kept while the cells below it hold less than so many times [`POINTS_PER_LEAF`].
+const DENSE: f64 = 1.8;
+
+/// Fewer points do not say what their spacing is.
+const ASKED_POINTS: usize = 64;
+
+/// A node has cells of so many levels above the leaves, or is not asked: too few cells to take a mean over.
+const ASKED_LEVELS: u32 = 2;
+
+/// Leaves are at most so many levels above those of the whole cloud: 4 times their edge. Few points in a large place, as in the trees that
+/// a scanner sees from afar, would ask for more.
+const MOST_LEVELS_ABOVE: u32 = 2;
+
+/// Points counted together.
+const GROUP: usize = 64;
+
+const LEVEL_COUNT: usize = LEVELS as usize + 1;
+
+/// The leaves of a tree by spacing, and its nodes.
+#[derive(Debug, Default)]
+pub(super) struct LeavesBySpacing {
+    /// In Morton order; neighbours are on different levels.
+    pub(super) runs: Vec<LeafRun>,
+    /// Nodes of each level, the leaves included.
+    pub(super) level_counts: Vec<usize>,
+    pub(super) leaf_count: usize,
+}
+
+/// How many points part at each level before every group of them.
+struct Census<'a> {
+    partings: &'a [u8],
+    before: Vec<[u32; LEVEL_COUNT]>,
+}
+
+impl<'a> Census<'a> {
+    fn new(partings: &'a [u8]) -> Self {
+        let mut before: Vec<[u32; LEVEL_COUNT]> = partings
+            .par_chunks(GROUP)
+            .with_min_len(256)
+            .map(|group| {
+                let mut counts = [0; LEVEL_COUNT];
+                add(&mut counts, group);
+                counts
+            })
+            .collect();
+        let mut sums = [0; LEVEL_COUNT];
+        for counts in &mut before {
+            let here = *counts;
+            *counts = sums;
+            for (sum, count) in sums.iter_mut().zip(here) {
+                *sum += count;
+            }
+        }
+        before.push(sums);
+        Self { partings, before }
+    }
+
+    /// How many points before `point` part at each level.
+    fn before(&self, point: usize) -> [u32; LEVEL_COUNT] {
+        let group = point / GROUP;
+        let mut counts = self.before[group];
+        add(&mut counts, &self.partings[GROUP * group..point]);
+        counts
+    }
+
+    /// Occupied cells of every level in a node; 1 above it.
+    fn cells_in(&self, node: &NodeRange) -> OccupiedCells {
+        let [start, end] = [node.points.start + 1, node.points.end].map(|point| self.before(point));
+        let mut cells = 1;
+        std::array::from_fn(|level| {
+            cells += (end[level] - start[level]) as usize;
+            cells
+        })
+    }
+}
+
+/// Points that share a finest cell with the one before them part on none of the levels.
+fn add(counts: &mut [u32; LEVEL_COUNT], partings: &[u8]) {
+    for &parting in partings {
+        if let Some(count) = counts.get_mut(usize::from(parting)) {
+            *count += 1;
+        }
+    }
+}
+
+/// Points that count: where the cells of a level are hardly divided by the next two, each is a point, though some have several close
+/// together. Cells of a curve are divided into four by two levels, those of a surface into sixteen.
+fn distinct_points(cells: &OccupiedCells) -> usize {
+    /// More points than that are not one place but a part of the cloud.
+    const MOST_TOGETHER: usize = 8;
+    let all = cells[LEVELS as usize];
+    let are_points = |level: &usize| {
+        let here = cells[*level];
+        // Some that are together are parted by a face of a cell.
+        all <= MOST_TOGETHER * here && 100 * cells[level + 2] <= 112 * here + 200
+    };
+    let level = (0..LEVEL_COUNT - 2).find(are_points);
+    level.map_or(all, |level| cells[level + 2])
+}
+
+/// Whether cells of a level, of which there are so many, hold enough points.
+fn are_closed(cells: usize, points: usize, share: f64) -> bool {
+    points as f64 >= share * POINTS_PER_LEAF * cells as f64
+}
+
+/// The deepest level whose cells hold enough points.
+fn level_of_spacing(cells: &OccupiedCells) -> u32 {
+    let points = distinct_points(cells);
+    let level = cells
+        .iter()
+        .rposition(|&cells| are_closed(cells, points, 1.0));
+    level.unwrap_or(0) as u32
+}
+
+/// Whether leaves may be on `level` where they would be if this was all of the cloud.
+fn is_kept(level: u32, cells: &OccupiedCells) -> bool {
+    let points = distinct_points(cells);
+    let below = cells.get(level as usize + 1);
+    are_closed(cells[level as usize], points, SPARSE)
+        && below.is_none_or(|&below| !are_closed(below, points, DENSE))
+}
+
+impl SortedPoints {
+    /// The leaves that the spacing of the points asks for. Precondition: there are points.
+    pub(super) fn leaves_by_spacing(&self) -> LeavesBySpacing {
+        let census = Census::new(&self.partings);
+        let root = NodeRange {
+            level: 0,
+            points: 0..self.len(),
+        };
+        let level = level_of_spacing(&self.occupied);
+        let mut found = LeavesBySpacing::default();
+        let search = Search {
+            points: self,
+            census,
+            coarsest: level.saturating_sub(MOST_LEVELS_ABOVE),
+        };
+        search.visit(&root, level, &mut found);
+        found
+    }
+}
+
+struct Search<'a> {
+    points: &'a SortedPoints,
+    census: Census<'a>,
+    /// No leaf is above this level.
+    coarsest: u32,
+}
+
+impl Search<'_> {
+    /// Adds the leaves below a node whose parent would have them on the level `inherited`. Recursion is bounded by the 21 levels.
+    fn visit(&self, node: &NodeRange, inherited: u32, found: &mut LeavesBySpacing) {
+        let cells = self.census.cells_in(node);
+        let is_asked = node.points.len() >= ASKED_POINTS;
+        let level = if !is_asked || is_kept(inherited, &cells) {
+            inherited
+        } else {
+            level_of_spacing(&cells).max(self.coarsest)
+        };
+        let level = level.max(node.level);
+        if !is_asked || level < node.level + ASKED_LEVELS {
+            found.add(node, level, &cells);
+            return;
+        }
+        found.count(node.level, 1);
+        for (_, child) in self.points.children(node) {
+            self.visit(&child, level, found);
+        }
+    }
+}
+
+impl LeavesBySpacing {
+    fn count(&mut self, level: u32, nodes: usize) {
+        let level = level as usize;
+        if self.level_counts.len() <= level {
+            self.level_counts.resize(level + 1, 0);
+        }
+        self.level_counts[level] += nodes;
+    }
+
+    /// Adds a node and all below it, down to the leaves.
+    fn add(&mut self, node: &NodeRange, leaf_level: u32, cells: &OccupiedCells) {
+        for level in node.level..=leaf_level {
+            self.count(level, cells[level as usize]);
+        }
+        self.leaf_count += cells[leaf_level as usize];
+        LeafRun::push(&mut self.runs, node.points.end, leaf_level);
+    }
+}

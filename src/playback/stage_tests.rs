@@ -1,0 +1,241 @@
+//! In which stages a frame at rest comes, by a clock that the test turns.
+
+use super::*;
+use crate::cloud::{Positions, RawCloud, even_places};
+use crate::sequence::simulation::{Cost, Simulation};
+use crate::sequence::{Reading, ReadingStage, Source};
+
+/// More than come at once, and are sampled first.
+const LARGE: usize = 600_000;
+/// More than come at once, fewer than are sampled.
+const MIDDLE: usize = 150_000;
+const SMALL: usize = 100_000;
+
+const SAMPLE: usize = 1 << 17;
+
+fn position(index: usize) -> [f32; 3] {
+    [(index % 1000) as f32, (index / 1000) as f32, 0.0]
+}
+
+/// Flat sheets that nobody has normals of, some points of which can be read alone.
+fn sequence(frames: usize, points: usize) -> Arc<Sequence> {
+    let sources = (0..frames).map(|number| Source::file(format!("{number}.ply")));
+    let cloud = |places: Vec<usize>| {
+        let positions = places.into_iter().map(position).collect();
+        RawCloud {
+            colors: None,
+            ..RawCloud::from_positions(Positions::F32(positions))
+        }
+    };
+    let sequence =
+        Sequence::with_decoder(sources.collect(), move |_| Ok(cloud((0..points).collect())));
+    Arc::new(sequence.with_sample(move |_, most, fewest| {
+        Ok((points >= fewest).then(|| (cloud(even_places(points, most)), points)))
+    }))
+}
+
+struct Stage {
+    player: Player,
+    workers: Simulation,
+    settings: Settings,
+    now: Duration,
+}
+
+/// Points of the picture, whether they are surfels, and whether more is to come.
+type Seen = (usize, bool, bool);
+
+impl Stage {
+    fn new(sequence: &Arc<Sequence>, play: bool, options: LoaderOptions) -> Self {
+        let cost = Cost {
+            decode_ms: 10.0,
+            ns_per_point: 10.0,
+        };
+        let options = LoaderOptions {
+            workers: 2,
+            shows_stages: true,
+            ..options
+        };
+        let (loader, workers) = Simulation::new(sequence, options, LARGE, move |_| cost);
+        Self {
+            player: Player::with_loader(loader, play),
+            workers,
+            settings: Settings::default(),
+            now: Duration::ZERO,
+        }
+    }
+
+    /// What is seen, one picture after the other, until nothing more is to come.
+    fn watch(&mut self) -> Vec<Seen> {
+        let mut seen: Vec<Seen> = Vec::new();
+        for _ in 0..50 {
+            self.player.update(self.now, &self.settings);
+            if let Some(frame) = self.player.shown() {
+                let (points, is_surfel) = (frame.points.len(), frame.shapes.is_some());
+                let picture = (points, is_surfel, self.player.is_partial());
+                if seen.last() != Some(&picture) {
+                    seen.push(picture);
+                }
+            }
+            self.workers.advance(&self.player.loader, self.now);
+            let Some(next) = self.workers.next_event() else {
+                self.player.update(self.now, &self.settings);
+                break;
+            };
+            self.now = next;
+            self.workers.advance(&self.player.loader, self.now);
+        }
+        seen
+    }
+}
+
+fn seen_of(points: usize) -> Vec<Seen> {
+    Stage::new(&sequence(1, points), true, LoaderOptions::default()).watch()
+}
+
+#[test]
+fn a_large_frame_comes_as_some_points_all_points_and_surfels() {
+    let expected = [
+        (SAMPLE, false, true),
+        (LARGE, false, true),
+        (LARGE, true, false),
+    ];
+    assert_eq!(seen_of(LARGE), expected);
+}
+
+#[test]
+fn frames_that_are_read_fast_have_no_sample_and_small_ones_no_stages() {
+    assert_eq!(
+        seen_of(MIDDLE),
+        [(MIDDLE, false, true), (MIDDLE, true, false)]
+    );
+    assert_eq!(seen_of(SMALL), [(SMALL, true, false)]);
+}
+
+#[test]
+fn nothing_is_read_or_estimated_twice() {
+    let sequence = sequence(1, LARGE);
+    let mut stage = Stage::new(&sequence, false, LoaderOptions::default());
+    stage.watch();
+    // The simulation has the origin decided, for which the frame is decoded and kept.
+    let stats = stage.player.loader().stats();
+    assert_eq!((stats.decoded, stats.surfaces_estimated), (1, 1));
+    // Records of points of the sample and of all, and of their surfels: heights, which are the colours here, need no normals.
+    assert_eq!(stats.records_written, (SAMPLE + 2 * LARGE) as u64);
+}
+
+#[test]
+fn points_that_are_asked_for_alone_have_two_stages() {
+    let mut stage = Stage::new(&sequence(1, LARGE), true, LoaderOptions::default());
+    stage.settings.primitive = Primitive::Point;
+    stage.settings.colors = crate::sequence::ColorSource::Uniform.into();
+    assert_eq!(
+        stage.watch(),
+        [(SAMPLE, false, true), (LARGE, false, false)]
+    );
+}
+
+#[test]
+fn other_frames_wait_until_the_one_that_is_looked_at_is_whole() {
+    let mut stage = Stage::new(&sequence(3, LARGE), false, LoaderOptions::default());
+    let seen = stage.watch();
+    assert_eq!(seen.len(), 3, "{seen:?}");
+    // All are whole in the end, and those that nobody looked at came at once.
+    let needs = Scene::needs(&stage.settings);
+    for frame in 0..3 {
+        assert!(matches!(
+            stage.player.loader().get(frame, &needs),
+            Slot::Ready(_)
+        ));
+    }
+    assert_eq!(stage.player.loader().stats().coarse_frames, 1);
+}
+
+#[test]
+fn frames_that_play_have_no_stages() {
+    let mut stage = Stage::new(&sequence(3, LARGE), true, LoaderOptions::default());
+    let seen = stage.watch();
+    assert!(
+        seen.iter()
+            .all(|&(_, is_surfel, is_partial)| is_surfel && !is_partial),
+        "{seen:?}"
+    );
+}
+
+#[test]
+fn who_wants_one_frame_gets_it_whole() {
+    let options = LoaderOptions::default();
+    let loader = Loader::new(sequence(1, LARGE), options).unwrap();
+    let needs = Scene::needs(&Settings::default());
+    loader.request(0, Direction::Forward, &needs);
+    let frame = loader.wait(0, &needs).unwrap();
+    assert_eq!((frame.points.len(), frame.shapes.is_some()), (LARGE, true));
+    assert_eq!(loader.stats().coarse_frames, 0);
+}
+
+/// Waits until a reading in this stage is under way on real threads, and cancels it.
+fn cancel(player: &mut Player, settings: &Settings, stage: fn(ReadingStage) -> bool) {
+    let begin = std::time::Instant::now();
+    loop {
+        player.update(begin.elapsed(), settings);
+        let readings: Vec<Reading> = player.loader().readings();
+        if let Some(reading) = readings.iter().find(|reading| stage(reading.stage)) {
+            return reading.progress.cancel();
+        }
+        assert!(begin.elapsed() < Duration::from_mins(1), "it does not come");
+        std::thread::yield_now();
+    }
+}
+
+#[test]
+fn normals_that_are_cancelled_leave_the_points() {
+    let options = LoaderOptions {
+        shows_stages: true,
+        ..LoaderOptions::default()
+    };
+    let mut player = Player::new(sequence(1, LARGE), options, true).unwrap();
+    let mut settings = Settings::default();
+    cancel(&mut player, &settings, |stage| {
+        stage == ReadingStage::Normals
+    });
+    while player.loader().is_busy() {
+        std::thread::yield_now();
+    }
+    let change = player.update(Duration::from_secs(100), &settings);
+    assert!(change.new_failure.is_none());
+    let frame = player.shown().unwrap();
+    assert_eq!((frame.points.len(), frame.shapes.is_some()), (LARGE, false));
+    assert!(!player.is_partial(), "nothing more is to come");
+    assert!(!player.loader().is_busy());
+    // Other needs are a new start, and so are these when they are asked for again.
+    settings.primitive = Primitive::Point;
+    player.update(Duration::from_secs(101), &settings);
+    settings.primitive = Primitive::Surfel;
+    player.update(Duration::from_secs(102), &settings);
+    assert!(player.is_partial());
+}
+
+#[test]
+fn what_the_machine_has_no_memory_for_stays_points_and_is_said() {
+    let options = LoaderOptions {
+        machine_bytes: 60 * LARGE as u64,
+        ..LoaderOptions::default()
+    };
+    let mut stage = Stage::new(&sequence(1, LARGE), true, options.clone());
+    let seen = stage.watch();
+    assert_eq!(seen, [(SAMPLE, false, true), (LARGE, false, false)]);
+    let frame = stage.player.shown().unwrap();
+    let said = frame.frame.warnings().join(" ");
+    assert!(
+        said.contains("600000 points") && said.contains("GiB"),
+        "{said}"
+    );
+    // Who asks for surfels and nothing else is told that there are none.
+    let loader = Loader::new(sequence(1, LARGE), options).unwrap();
+    let error = loader
+        .wait(0, &Scene::needs(&Settings::default()))
+        .unwrap_err();
+    assert!(
+        matches!(error, FrameError::TooLarge { points: LARGE, .. }),
+        "{error}"
+    );
+}

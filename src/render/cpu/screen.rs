@@ -1,0 +1,136 @@
+//! What is done when all tiles are drawn: eye-dome lighting, which looks beyond them, and the grid on the ground.
+//!
+//! How it works: tiles leave reversed depths beside the picture, and opacities in place of its alpha. Then rows are gone through once
+//! more, eight pixels at a time, in place; most of them are in a cache still. Without such steps no depths are kept and nothing is gone
+//! through.
+//!
+//! Opacities are needed since the background is in the picture already, and is not shaded. Of a colour `c` that covers a pixel by `a`
+//! there is `a · c + (1 - a) · background`; with the shade `s` it is to be `s · a · c + (1 - a) · background`, which is
+//! `s · picture + (1 - s) · (1 - a) · background`.
+
+use super::eye_dome::EyeDome;
+use super::finish::{Gradient, OPAQUE_ALPHA, opaque};
+use super::grid::Grid;
+use super::tile::LANES;
+use super::view::PixelView;
+use crate::scene::{EyeDomeLight, ScenePacket};
+use fearless_simd::{Bytes, Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, u32x8};
+use rayon::prelude::*;
+
+/// Rows that a thread goes through before the next ones: halos around them are read from the second cache.
+const ROWS_PER_TASK: usize = 32;
+
+/// The steps of a packet.
+pub(super) struct Screen {
+    size_px: [usize; 2],
+    eye_dome: Option<EyeDomeLight>,
+    grid: Option<Grid>,
+    gradient: Gradient,
+}
+
+impl Screen {
+    /// `None` where nothing is to be done.
+    pub(super) fn of(packet: &ScenePacket) -> Option<Self> {
+        let eye_dome = EyeDomeLight::of(packet);
+        let ground = packet.ground.map(|ground| ground.seen_by(&packet.view));
+        (eye_dome.is_some() || ground.is_some()).then(|| Self {
+            size_px: packet.viewport_px.map(|edge| edge as usize),
+            eye_dome,
+            grid: ground.map(|ground| Grid::new(ground, PixelView::new(packet))),
+            gradient: Gradient::of(packet),
+        })
+    }
+
+    /// Finishes a picture with its reversed depths.
+    pub(super) fn draw(&self, image: &mut [u8], depths: &[f32]) {
+        let [width, _] = self.size_px;
+        let level = Level::new();
+        let tasks = image.par_chunks_mut(4 * width * ROWS_PER_TASK).enumerate();
+        tasks.for_each(|(task, rows)| {
+            dispatch!(level, simd => {
+                simd.vectorize(
+                    #[inline(always)]
+                    || self.draw_rows(simd, ROWS_PER_TASK * task, rows, depths),
+                );
+            });
+        });
+    }
+
+    #[inline(always)]
+    fn draw_rows<S: Simd>(&self, simd: S, first: usize, rows: &mut [u8], depths: &[f32]) {
+        let size = self.size_px;
+        for (y, row) in (first..).zip(rows.chunks_exact_mut(4 * size[0])) {
+            let (pixels, _) = row.as_chunks_mut::<4>();
+            let depths_of_row = &depths[size[0] * y..size[0] * (y + 1)];
+            if let Some(light) = &self.eye_dome {
+                let background = self.gradient.at_row(y as i32);
+                let eye_dome = EyeDome::of_row(light, size, depths, y);
+                for (chunk, pixels) in pixels.chunks_mut(LANES).enumerate() {
+                    let place = LANES * chunk;
+                    if let Some(shade) = eye_dome.shades(simd, place) {
+                        shaded(simd, pixels, shade, background);
+                    }
+                }
+            }
+            match &self.grid {
+                Some(grid) => grid.draw_row(simd, y, depths_of_row, pixels),
+                None => make_opaque(pixels),
+            }
+        }
+    }
+}
+
+/// Of a picture whose rows are finished.
+#[inline(always)]
+pub(super) fn make_opaque(pixels: &mut [[u8; 4]]) {
+    for pixel in pixels {
+        *pixel = (u32::from_le_bytes(*pixel) | OPAQUE_ALPHA).to_le_bytes();
+    }
+}
+
+/// Multiplies what covers the background by up to eight shades.
+#[inline(always)]
+fn shaded<S: Simd>(simd: S, pixels: &mut [[u8; 4]], shade: f32x8<S>, background: [f32; 3]) {
+    let ([red, green, blue], opacity) = unpacked(simd, pixels);
+    let behind = (1.0 - shade) * (1.0 - opacity);
+    let [behind_red, behind_green, behind_blue] = background;
+    let colors = [
+        red.mul_add(shade, behind * behind_red),
+        green.mul_add(shade, behind * behind_green),
+        blue.mul_add(shade, behind * behind_blue),
+    ];
+    pack(simd, colors, pixels);
+}
+
+/// The colours and the fourth bytes of up to eight pixels, 0 to 1.
+#[inline(always)]
+pub(super) fn unpacked<S: Simd>(simd: S, pixels: &[[u8; 4]]) -> ([f32x8<S>; 3], f32x8<S>) {
+    let mut words = [0u32; LANES];
+    for (word, pixel) in words.iter_mut().zip(pixels) {
+        *word = u32::from_le_bytes(*pixel);
+    }
+    let words = u32x8::from_slice(simd, &words);
+    let colors = [
+        channel(simd, words),
+        channel(simd, words >> 8),
+        channel(simd, words >> 16),
+    ];
+    (colors, channel(simd, words >> 24))
+}
+
+/// The lowest bytes, 0 to 1.
+#[inline(always)]
+fn channel<S: Simd>(simd: S, words: u32x8<S>) -> f32x8<S> {
+    let byte = words & u32x8::splat(simd, 0xff);
+    // Signed numbers are converted by one instruction.
+    simd.cvt_f32_i32x8(byte.bitcast()) * (1.0 / 255.0)
+}
+
+/// Writes eight opaque colours to as many pixels as there are.
+#[inline(always)]
+pub(super) fn pack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4]]) {
+    let eight = opaque(simd, colors);
+    for (pixel, &color) in pixels.iter_mut().zip(eight.as_slice()) {
+        *pixel = color.to_le_bytes();
+    }
+}

@@ -1,0 +1,185 @@
+//! What was scanned, and by what: told by where the points lie around the place of the sensor.
+//!
+//! **How it works.** A camera sees points before it, within a pyramid along one axis of its coordinates. A laser scanner stands among
+//! its points, all around, and they are the farther apart the farther away they are. Where no file says where the sensor stood, the
+//! zero of its coordinates is tried: sensors write their own.
+
+use super::sample::{Sample, quantile};
+use super::trim;
+use crate::scene::UpAxis;
+use glam::{Vec3, Vec3Swizzles as _};
+
+/// What is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Something to walk around.
+    Object,
+    /// What a camera at one place saw.
+    CameraFrame,
+    /// What a laser scanner saw around itself.
+    Sweep,
+    /// Wide and flat.
+    Terrain,
+}
+
+impl Kind {
+    /// For people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Object => "object",
+            Self::CameraFrame => "frame of a camera",
+            Self::Sweep => "sweep of a laser scanner",
+            Self::Terrain => "terrain",
+        }
+    }
+}
+
+/// The axis a camera looks along, and which one is up then.
+struct CameraAxes {
+    forward: fn(Vec3) -> Vec3,
+    up: UpAxis,
+    why: &'static str,
+}
+
+/// Conventions of cameras. The function turns a vector into right, up, forward; handedness does not matter here.
+const CAMERAS: [CameraAxes; 3] = [
+    CameraAxes {
+        forward: |p| p,
+        up: UpAxis::NegY,
+        why: "all points are before a camera that looks along +Z: Y is down",
+    },
+    CameraAxes {
+        forward: |p| Vec3::new(p.x, p.y, -p.z),
+        up: UpAxis::Y,
+        why: "all points are before a camera that looks along -Z: Y is up",
+    },
+    CameraAxes {
+        forward: |p| p.yzx(),
+        up: UpAxis::Z,
+        why: "all points are before a sensor that looks along +X: Z is up",
+    },
+];
+
+/// The up axis of the camera at `eye` before which all points lie, with the reason.
+pub(super) fn camera_frame(sample: &Sample, eye: Vec3) -> Option<(UpAxis, &'static str)> {
+    let is_before = |camera: &&CameraAxes| {
+        let seen: Vec<Vec3> = sample
+            .positions
+            .iter()
+            .map(|&position| (camera.forward)(position - eye))
+            .collect();
+        is_before_camera(&seen)
+    };
+    CAMERAS
+        .iter()
+        .find(is_before)
+        .map(|camera| (camera.up, camera.why))
+}
+
+/// Whether points lie before a camera at zero that looks along +Z.
+fn is_before_camera(seen: &[Vec3]) -> bool {
+    /// Tangents of half the widest and the narrowest angle of view.
+    const WIDEST: f32 = 1.6;
+    const NARROWEST: f32 = 0.03;
+    /// The middle of the picture is so near to the axis, as a share of its edge.
+    const OFF_AXIS: f32 = 0.3;
+    /// Seen from above, plains are thin; a wall that a camera looks at fills its picture.
+    const THIN: f32 = 0.15;
+    const FULL: f32 = 0.25;
+    if seen.is_empty() || seen.iter().any(|position| position.z <= 0.0) {
+        return false;
+    }
+    let span = |value: fn(&Vec3) -> f32| {
+        let mut values: Vec<f32> = seen.iter().map(value).collect();
+        (quantile(&mut values, 0.01), quantile(&mut values, 0.99))
+    };
+    let (near, far) = span(|p| p.z);
+    if near < 0.02 * far {
+        return false;
+    }
+    let views = [span(|p| p.x / p.z), span(|p| p.y / p.z)];
+    let is_centred = views.iter().all(|&(low, high)| {
+        (low + high).abs() * 0.5 <= OFF_AXIS * (high - low)
+            && low.abs().max(high.abs()) <= WIDEST
+            && high - low >= 2.0 * NARROWEST
+    });
+    let edges = [span(|p| p.x), span(|p| p.y)].map(|(low, high)| high - low);
+    let is_thin = far - near < THIN * edges[0].min(edges[1]);
+    let is_full = views.iter().all(|&(low, high)| high - low >= 2.0 * FULL);
+    is_centred && (!is_thin || is_full)
+}
+
+/// Statistics of points around the place of a scanner.
+pub(super) struct Around {
+    /// Mean of the unit vectors from the scanner to the points.
+    pub(super) mean_direction: Vec3,
+    /// Mean of their absolute coordinates: small along the axis about which the scanner turns.
+    pub(super) mean_abs_direction: Vec3,
+}
+
+/// Statistics of the points if they are a sweep around a scanner at `eye`.
+pub(super) fn sweep(sample: &Sample, eye: Vec3) -> Option<Around> {
+    /// So many times as far apart are the points of the far fifth as those of the near fifth.
+    const LEAST_GROWTH: f32 = 2.5;
+    const SECTORS: usize = 36;
+    const LEAST_SECTORS: usize = 22;
+    let bounds = trim::bounds(sample);
+    let margin = 0.02 * bounds.extent();
+    let inside = eye.cmpge(bounds.min - margin) & eye.cmple(bounds.max + margin);
+    if sample.positions.len() < 200 || inside.bitmask().count_ones() < 2 {
+        return None;
+    }
+    let mut ranges: Vec<f32> = sample
+        .positions
+        .iter()
+        .map(|position| position.distance(eye))
+        .collect();
+    let by_range: Vec<f32> = ranges.clone();
+    let near = quantile(&mut ranges, 0.2);
+    let far = quantile(&mut ranges, 0.8);
+    let spacing_where = |wanted: &dyn Fn(f32) -> bool| {
+        let mut spacing: Vec<f32> = by_range
+            .iter()
+            .zip(&sample.spacing)
+            .filter(|(range, _)| wanted(**range))
+            .map(|(_, &spacing)| spacing)
+            .collect();
+        quantile(&mut spacing, 0.5)
+    };
+    let growth = spacing_where(&|range| range >= far) / spacing_where(&|range| range <= near);
+    // Points in the middle of the scanner itself have no direction.
+    let directions = sample
+        .positions
+        .iter()
+        .filter_map(|&position| (position - eye).try_normalize());
+    let (mut sum, mut abs_sum, mut count) = (Vec3::ZERO, Vec3::ZERO, 0.0f32);
+    for direction in directions.clone() {
+        sum += direction;
+        abs_sum += direction.abs();
+        count += 1.0;
+    }
+    let around = Around {
+        mean_direction: sum / count,
+        mean_abs_direction: abs_sum / count,
+    };
+    let flat = around.flattest_axis();
+    let mut sectors = [false; SECTORS];
+    for direction in directions {
+        let turned = [direction.yzx(), direction.zxy(), direction][flat];
+        let turn = turned.y.atan2(turned.x) / std::f32::consts::TAU + 0.5;
+        sectors[((turn * SECTORS as f32) as usize).min(SECTORS - 1)] = true;
+    }
+    let covered = sectors.iter().filter(|&&is_covered| is_covered).count();
+    (growth >= LEAST_GROWTH && covered >= LEAST_SECTORS).then_some(around)
+}
+
+impl Around {
+    /// The axis along which directions point least.
+    pub(super) fn flattest_axis(&self) -> usize {
+        let abs = self.mean_abs_direction.to_array();
+        (0..3)
+            .min_by(|&a, &b| abs[a].total_cmp(&abs[b]))
+            .unwrap_or(2)
+    }
+}

@@ -1,0 +1,351 @@
+//! What to make of a sequence that nobody has chosen anything for: what it is, which way is up, where to stand, how to draw it.
+//!
+//! **How it works.** A few thousand points of some frames stand for the sequence ([`Sample`]). Outliers are left out (`trim.rs`), the
+//! way the points lie around the sensor tells what was scanned (`kind.rs`), the format or the way things stand tells what is up
+//! (`up.rs`), and where most is seen is where to stand (`standpoint.rs`). Every guess comes with its reason, for the person who is to
+//! believe or change it. It takes a few milliseconds, of clouds of any size, and the same frames give the same answer.
+
+mod kind;
+mod sample;
+mod standpoint;
+#[cfg(test)]
+mod tests;
+mod trim;
+mod up;
+
+pub use kind::Kind;
+pub use standpoint::Standpoint;
+
+use super::{Camera, Primitive, UpAxis};
+use crate::cloud::{AxisConvention, Frame};
+use crate::math::Aabb;
+use crate::progress::Progress;
+use crate::sequence::{Detail, Sequence};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use sample::{MOST_POINTS, Sample, median_luma, quantile};
+
+/// Points are drawn as surfels if so large a share of them lies in planes with their neighbours: of objects, and of ground, of which plants
+/// and gaps are a part.
+const SURFACE_SHARE: f32 = 0.4;
+const GROUND_SHARE: f32 = 0.75;
+/// Where some points are so many times as far apart as most, they would be drawn as large disks that show no surface.
+const MOST_SPREAD: f32 = 3.5;
+/// Points of clouds with fewer are three pixels wide instead of two.
+const FEW_POINTS: usize = 200_000;
+
+/// Half of the points of a dark scan are darker than this, 0 to 255.
+const DARK_LUMA: f32 = 45.0;
+
+/// Guesses about a sequence.
+#[derive(Debug, Clone)]
+pub struct FirstLook {
+    /// What is looked at.
+    pub kind: Kind,
+    /// Which axis is up.
+    pub up: UpAxis,
+    /// Why it is.
+    pub up_why: &'static str,
+    /// From where it is seen first.
+    pub from: Standpoint,
+    /// Surfels, or points where no surface was sampled.
+    pub primitive: Primitive,
+    /// Why.
+    pub primitive_why: &'static str,
+    /// Share of places of the cloud whose neighbours lie in a plane.
+    pub planar_share: f32,
+    /// How many times as far apart as most points the sparse ones are.
+    pub spacing_spread: f32,
+    /// Whether surfaces can be left out that face away: nothing is missed from any side.
+    pub is_closed: bool,
+    /// Whether normals are known to point to the outside: the file has them, or a sensor saw the surface from there.
+    pub knows_outside: bool,
+    /// Edge of points that are drawn as such, pixels.
+    pub point_size_px: f32,
+    /// Whether the colours of the file are so dark that the usual background would hide them.
+    pub is_dark: bool,
+    /// The box around the points of the frames that were looked at, but for outliers, relative to the origin.
+    pub trimmed: Aabb,
+    /// The box around all points of these frames.
+    pub full: Aabb,
+    /// Of the first frame, without outliers.
+    sample: Sample,
+    /// Places that the first picture is to show, of all frames that were looked at.
+    shown: Vec<Vec3>,
+    eye: Option<Vec3>,
+}
+
+impl FirstLook {
+    /// Guesses from `frames`, whose positions are relative to `origin`. The first tells what it is, all of them where it is.
+    pub fn of(frames: &[&Frame], origin: DVec3) -> Self {
+        let samples = frames
+            .iter()
+            .filter(|frame| !frame.is_empty())
+            .map(|frame| {
+                let all = Sample::of(frame, MOST_POINTS);
+                (*frame, all.at(&trim::inliers(&all)))
+            });
+        let samples: Vec<(&Frame, Sample)> = samples.collect();
+        let zero = (-origin).as_vec3();
+        let luma = samples.first().and_then(|(frame, _)| median_luma(frame));
+        let (convention, sensor) = samples.first().map_or((None, None), |(frame, _)| {
+            (frame.convention(), frame.sensor())
+        });
+        let full = samples.iter().fold(Aabb::EMPTY, |bounds, (frame, _)| {
+            bounds.union(&frame.bounds())
+        });
+        let sample = samples
+            .first()
+            .map(|(_, sample)| sample.clone())
+            .unwrap_or_default();
+        let told = Told::by(&sample, convention, sensor, zero);
+        let (up, up_why) = told.up;
+        let mut shown = Vec::new();
+        for (_, sample) in samples {
+            match told.kind {
+                Kind::Sweep => shown.extend(near(&sample.positions, told.eye.unwrap_or(zero), up)),
+                _ => shown.extend(sample.positions),
+            }
+        }
+        let trimmed = Aabb::from_points(&shown);
+        let least_share = match told.kind {
+            Kind::Terrain => GROUND_SHARE,
+            _ => SURFACE_SHARE,
+        };
+        let spacing_spread = sample.spread();
+        let has_surface = sample.planar_share >= least_share
+            && spacing_spread <= MOST_SPREAD
+            && !is_needle(&trimmed)
+            && (told.kind != Kind::Sweep || is_dense(&sample, told.eye.unwrap_or(zero)));
+        let from = standpoint::standpoint(told.kind, up, &sample, &trimmed, told.eye);
+        Self {
+            kind: told.kind,
+            up,
+            up_why,
+            from,
+            primitive: if has_surface {
+                Primitive::Surfel
+            } else {
+                Primitive::Point
+            },
+            primitive_why: if has_surface {
+                "the points sample a surface"
+            } else {
+                "the points are too sparse for a surface, or lie in lines or in a volume"
+            },
+            planar_share: sample.planar_share,
+            spacing_spread,
+            is_closed: standpoint::is_closed(&sample, &trimmed),
+            point_size_px: if frames.first().is_some_and(|frame| frame.len() < FEW_POINTS) {
+                3.0
+            } else {
+                2.0
+            },
+            is_dark: luma.is_some_and(|luma| luma < DARK_LUMA),
+            knows_outside: sensor.is_some() || has_normals(&sample),
+            trimmed,
+            full,
+            sample,
+            shown,
+            eye: told.eye,
+        }
+    }
+
+    /// Guesses from the first frame of `sequence` and, of as many others as can be read beside it in no time, from these: poses that
+    /// walk through a room are all to be in the first picture. A frame that cannot be read is passed over.
+    pub fn of_sequence(first: &Frame, sequence: &Sequence) -> Self {
+        let others: Vec<Frame> = others(sequence.len(), first.points_in_file())
+            .into_par_iter()
+            .filter_map(|index| {
+                let detail = Detail::at_most(MOST_POINTS as u32);
+                let loaded = sequence.load(index, detail, &Progress::default());
+                loaded.ok().map(|loaded| loaded.frame)
+            })
+            .collect();
+        let frames: Vec<&Frame> = std::iter::once(first).chain(&others).collect();
+        Self::of(&frames, sequence.origin())
+    }
+
+    /// The same, but for which axis is up: somebody knows.
+    #[must_use]
+    pub fn with_up(mut self, up: UpAxis) -> Self {
+        self.up_why = "chosen";
+        self.up = up;
+        self.from = standpoint::standpoint(self.kind, up, &self.sample, &self.trimmed, self.eye);
+        self
+    }
+
+    /// Whether height tells more than the direction of normals: where the ground is what was scanned.
+    pub fn prefers_height(&self) -> bool {
+        matches!(self.kind, Kind::Sweep | Kind::Terrain)
+    }
+
+    /// Where the sensor stood, if a file or the points say so; relative to the origin.
+    pub fn eye(&self) -> Option<Vec3> {
+        self.eye
+    }
+
+    /// The first view, in which what is not an outlier fills a picture whose width is `aspect` of its height.
+    pub fn camera(&self, origin: DVec3, aspect: f64) -> Camera {
+        let mut camera = Camera::framing(&self.trimmed, origin, self.up);
+        camera.azimuth_deg = self.from.azimuth_deg;
+        camera.elevation_deg = self.from.elevation_deg;
+        self.frame(&mut camera, origin, aspect, &Aabb::EMPTY);
+        camera
+    }
+
+    /// Moves `camera` so that what is not an outlier fills the picture, together with the box `beside` (relative to `origin`), keeping
+    /// its direction.
+    pub fn frame(&self, camera: &mut Camera, origin: DVec3, aspect: f64, beside: &Aabb) {
+        if beside.is_empty() {
+            return camera.frame_points(&self.shown, origin, aspect);
+        }
+        let corners = (0..8).map(|corner| {
+            let side = [0, 1, 2].map(|axis| (corner >> axis & 1) as f32);
+            beside.min + Vec3::from_array(side) * beside.extent()
+        });
+        let shown: Vec<Vec3> = self.shown.iter().copied().chain(corners).collect();
+        camera.frame_points(&shown, origin, aspect);
+    }
+}
+
+/// What the points and the file tell.
+struct Told {
+    kind: Kind,
+    up: (UpAxis, &'static str),
+    eye: Option<Vec3>,
+}
+
+impl Told {
+    fn by(
+        sample: &Sample,
+        convention: Option<AxisConvention>,
+        sensor: Option<Vec3>,
+        zero: Vec3,
+    ) -> Self {
+        let bounds = trim::bounds(sample);
+        let eye = sensor.unwrap_or(zero);
+        let by_format = convention.map(by_convention);
+        let sure = by_format.filter(|_| convention.is_some_and(AxisConvention::is_binding));
+        if let Some(camera) = kind::camera_frame(sample, eye)
+            && sure.is_none_or(|sure| sure.0 == camera.0)
+        {
+            return Self {
+                kind: Kind::CameraFrame,
+                up: camera,
+                eye: Some(eye),
+            };
+        }
+        if let Some(around) = kind::sweep(sample, eye) {
+            return Self {
+                kind: Kind::Sweep,
+                up: sure.unwrap_or_else(|| up_of_sweep(&around, by_format)),
+                eye: Some(eye),
+            };
+        }
+        let is_flat = bounds.is_flat_along_z();
+        let flat = is_flat.then_some((UpAxis::Z, "it is wide and flat along Z"));
+        let guess = sure
+            .or_else(|| up::of_standing(sample, zero))
+            .or(by_format)
+            .or(flat)
+            .unwrap_or((UpAxis::Y, "as most models have it"));
+        // Surveys may have a hill in them.
+        let is_survey = convention == Some(AxisConvention::ZUp)
+            && bounds.extent().z < 0.7 * bounds.extent().truncate().max_element();
+        let is_terrain = guess.0 == UpAxis::Z && (is_flat || is_survey);
+        Self {
+            kind: if is_terrain {
+                Kind::Terrain
+            } else {
+                Kind::Object
+            },
+            up: guess,
+            eye: sensor.filter(|&eye| is_outside(&bounds, eye)),
+        }
+    }
+}
+
+/// Frames that are looked at beside the first one of `count`, which has `point_count` points: as many as have a million together, four
+/// at most.
+fn others(count: usize, point_count: usize) -> Vec<usize> {
+    const MOST_FRAMES: usize = 4;
+    const MOST_POINTS_READ: usize = 1_000_000;
+    let most = (MOST_POINTS_READ / point_count.max(1)).min(MOST_FRAMES);
+    let last = count.saturating_sub(1);
+    let mut others: Vec<usize> = (1..=most).map(|part| part * last / most.max(1)).collect();
+    others.dedup();
+    others.retain(|&index| index > 0);
+    others
+}
+
+/// Whether points are so near to a line that its surface would be less than a pixel wide, as where degrees and metres are mixed.
+fn is_needle(bounds: &Aabb) -> bool {
+    const THIN: f32 = 0.01;
+    let mut edges = bounds.extent().to_array();
+    edges.sort_unstable_by(f32::total_cmp);
+    edges[1] < THIN * edges[2]
+}
+
+/// Whether the file has normals, but for a few.
+fn has_normals(sample: &Sample) -> bool {
+    let without = sample
+        .normals
+        .iter()
+        .filter(|&&normal| normal == Vec3::ZERO)
+        .count();
+    !sample.normals.is_empty() && 20 * without <= sample.normals.len()
+}
+
+fn is_outside(bounds: &Aabb, place: Vec3) -> bool {
+    (place.cmplt(bounds.min) | place.cmpgt(bounds.max)).any()
+}
+
+fn by_convention(convention: AxisConvention) -> (UpAxis, &'static str) {
+    match convention {
+        AxisConvention::YUp => (UpAxis::Y, "the format says that Y is up"),
+        AxisConvention::ZUp => (UpAxis::Z, "the format says that Z is up"),
+        AxisConvention::UsuallyZUp => (UpAxis::Z, "files of this format usually have Z up"),
+        AxisConvention::Camera => (UpAxis::NegY, "the file has the axes of a camera: Y is down"),
+    }
+}
+
+/// Whether a scanner saw its surroundings as a surface: neighbours are apart by a small angle only. Scanners that turn once for a
+/// survey have a tenth of a degree or less from line to line, those that turn ten times a second have lines with nothing between.
+fn is_dense(sample: &Sample, eye: Vec3) -> bool {
+    const DENSE: f32 = 0.003;
+    let places = sample.positions.iter().zip(&sample.spacing);
+    let mut angles: Vec<f32> = places
+        .map(|(position, spacing)| spacing / position.distance(eye).max(f32::MIN_POSITIVE))
+        .collect();
+    quantile(&mut angles, 0.5) <= DENSE
+}
+
+/// The axis about which the scanner turns. The ground is below it.
+fn up_of_sweep(
+    around: &kind::Around,
+    by_format: Option<(UpAxis, &'static str)>,
+) -> (UpAxis, &'static str) {
+    /// Scanners that look up and down as far as around have no axis that can be told.
+    const FLAT: f32 = 0.35;
+    let axis = around.flattest_axis();
+    if around.mean_abs_direction[axis] > FLAT {
+        return by_format.unwrap_or((UpAxis::Z, "laser scanners have Z up"));
+    }
+    let is_positive = axis == 2 || around.mean_direction[axis] < 0.0;
+    (
+        up::along(axis, is_positive),
+        "the scanner turns about this axis",
+    )
+}
+
+/// Points of a sweep that are worth looking at first: nine in ten are nearer to the scanner than the tail that makes it so wide.
+fn near(positions: &[Vec3], eye: Vec3, up: UpAxis) -> Vec<Vec3> {
+    const SHOWN: f64 = 0.93;
+    let up = up.direction().as_vec3();
+    let range = |position: &Vec3| (*position - eye).reject_from_normalized(up).length();
+    let mut ranges: Vec<f32> = positions.iter().map(range).collect();
+    let most = quantile(&mut ranges, SHOWN);
+    let is_near = |position: &&Vec3| range(position) <= most;
+    positions.iter().filter(is_near).copied().collect()
+}

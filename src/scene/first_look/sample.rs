@@ -1,0 +1,177 @@
+//! A few thousand points that stand for a frame, and what their surroundings look like.
+//!
+//! **How it works.** Points of a frame stand in Morton order, so what is close in memory is close in space: the distance to the
+//! neighbours of a point, and whether they lie in a plane, are told from the points around its slot, without any search. Some
+//! neighbours are missed that way at borders of Morton cells; medians over hundreds of places do not mind.
+
+use crate::cloud::Frame;
+use crate::math::SymmetricMat3;
+use glam::Vec3;
+
+/// Most points that stand for a cloud; statistics of so many are within a per cent.
+pub(super) const MOST_POINTS: usize = 1 << 14;
+/// Slots to either side among which neighbours are looked for.
+const SLOTS_AROUND: usize = 8;
+/// The distance to this neighbour is the spacing: one or two may be duplicates or a pair of outliers.
+const SPACING_NEIGHBOUR: usize = 4;
+/// Places whose neighbourhoods are fitted by planes.
+const PLACES: usize = 512;
+/// Points in a row among which the neighbours of a place are looked for.
+const RUN: usize = 64;
+/// Neighbours that a plane is fitted to, as many as normals are estimated from.
+const NEIGHBOURS: usize = 12;
+
+/// Points of a frame, taken evenly, and the distance from each to its surroundings.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sample {
+    /// Relative to the sequence origin.
+    pub(super) positions: Vec<Vec3>,
+    /// Of the file, zero where it gave none; empty if it has none at all.
+    pub(super) normals: Vec<Vec3>,
+    /// To the fourth neighbour in the frame, scene units.
+    pub(super) spacing: Vec<f32>,
+    /// Share of places whose neighbours lie in a plane and spread in both of its directions.
+    pub(super) planar_share: f32,
+}
+
+impl Sample {
+    /// At most `most_points` of a frame.
+    pub(super) fn of(frame: &Frame, most_points: usize) -> Self {
+        let positions = frame.positions();
+        let slots = even_slots(positions.len(), most_points);
+        Self {
+            positions: slots.iter().map(|&slot| positions[slot]).collect(),
+            normals: frame.normals().map_or_else(Vec::new, |normals| {
+                slots.iter().map(|&slot| normals[slot]).collect()
+            }),
+            spacing: slots
+                .iter()
+                .map(|&slot| spacing_at(positions, slot))
+                .collect(),
+            planar_share: planar_share(positions),
+        }
+    }
+
+    /// The middle of all spacings; 0 without points.
+    pub(super) fn median_spacing(&self) -> f32 {
+        quantile(&mut self.spacing.clone(), 0.5)
+    }
+
+    /// How many times the median spacing the spacing of sparse points is: of the twentieth part that is sparsest.
+    pub(super) fn spread(&self) -> f32 {
+        let sparse = quantile(&mut self.spacing.clone(), 0.95);
+        let median = self.median_spacing();
+        if median > 0.0 { sparse / median } else { 1.0 }
+    }
+
+    /// The points at `kept`.
+    pub(super) fn at(&self, kept: &[usize]) -> Self {
+        let pick = |values: &[Vec3]| match values {
+            [] => Vec::new(),
+            values => kept.iter().map(|&index| values[index]).collect(),
+        };
+        Self {
+            positions: pick(&self.positions),
+            normals: pick(&self.normals),
+            spacing: kept.iter().map(|&index| self.spacing[index]).collect(),
+            planar_share: self.planar_share,
+        }
+    }
+}
+
+/// Luma (BT.601) of the colours of the file, 0 to 255, that half of the points are below; `None` without colours.
+pub(super) fn median_luma(frame: &Frame) -> Option<f32> {
+    let colors = frame.colors()?;
+    let slots = even_slots(colors.len(), MOST_POINTS);
+    let mut lumas: Vec<f32> = slots
+        .iter()
+        .map(|&slot| {
+            let [red, green, blue, _] = colors[slot].map(f32::from);
+            0.299 * red + 0.587 * green + 0.114 * blue
+        })
+        .collect();
+    (!lumas.is_empty()).then(|| quantile(&mut lumas, 0.5))
+}
+
+/// Places of at most `most` of `count`, evenly.
+fn even_slots(count: usize, most: usize) -> Vec<usize> {
+    let taken = count.min(most);
+    (0..taken)
+        .map(|index| (2 * index + 1) * count / (2 * taken))
+        .collect()
+}
+
+/// The value below which `share` of the values are; 0 without values. They are put in another order.
+pub(super) fn quantile(values: &mut [f32], share: f64) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let last = values.len() - 1;
+    let place = (share * last as f64).round() as usize;
+    *values
+        .select_nth_unstable_by(place.min(last), f32::total_cmp)
+        .1
+}
+
+fn spacing_at(positions: &[Vec3], slot: usize) -> f32 {
+    let first = slot.saturating_sub(SLOTS_AROUND);
+    let last = (slot + SLOTS_AROUND).min(positions.len() - 1);
+    let mut squares = [f32::INFINITY; 2 * SLOTS_AROUND];
+    let others = (first..=last).filter(|&other| other != slot);
+    for (square, other) in squares.iter_mut().zip(others) {
+        *square = positions[slot].distance_squared(positions[other]);
+    }
+    let found = (last - first).min(squares.len());
+    if found == 0 {
+        return 0.0;
+    }
+    let place = SPACING_NEIGHBOUR.min(found) - 1;
+    squares[..found]
+        .select_nth_unstable_by(place, f32::total_cmp)
+        .1
+        .sqrt()
+}
+
+/// Share of places whose neighbours lie in a plane; 0 where there are too few points to tell.
+fn planar_share(positions: &[Vec3]) -> f32 {
+    if positions.len() < RUN {
+        return 0.0;
+    }
+    let starts = even_slots(positions.len() - RUN + 1, PLACES);
+    let planar = starts
+        .iter()
+        .filter(|&&start| is_planar(&positions[start..start + RUN]));
+    planar.count() as f32 / starts.len() as f32
+}
+
+/// Whether the neighbours of the point in the middle of a run lie in a plane, and not in a line of it as those of a scan line do.
+fn is_planar(run: &[Vec3]) -> bool {
+    /// Thickness and width as shares of the whole variance.
+    const MOST_THICKNESS: f64 = 0.06;
+    const LEAST_WIDTH: f64 = 0.05;
+    let middle = run[run.len() / 2];
+    let mut near: Vec<Vec3> = run.iter().map(|&position| position - middle).collect();
+    near.select_nth_unstable_by(NEIGHBOURS, |a, b| {
+        a.length_squared().total_cmp(&b.length_squared())
+    });
+    let near = &near[..=NEIGHBOURS];
+    let count = near.len() as f64;
+    let mean = near
+        .iter()
+        .map(|offset| offset.as_dvec3())
+        .sum::<glam::DVec3>()
+        / count;
+    let mut matrix = SymmetricMat3::default();
+    for offset in near {
+        let offset = offset.as_dvec3() - mean;
+        matrix.xx += offset.x * offset.x;
+        matrix.xy += offset.x * offset.y;
+        matrix.xz += offset.x * offset.z;
+        matrix.yy += offset.y * offset.y;
+        matrix.yz += offset.y * offset.z;
+        matrix.zz += offset.z * offset.z;
+    }
+    let [thickness, width, length] = matrix.eigen().values;
+    let whole = thickness + width + length;
+    whole > 0.0 && thickness <= MOST_THICKNESS * whole && width >= LEAST_WIDTH * whole
+}

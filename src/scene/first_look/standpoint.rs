@@ -1,0 +1,174 @@
+//! From where a cloud is seen first.
+//!
+//! **How it works.** What a sensor saw is seen from the sensor's side. Of anything else a few views are tried on a coarse picture of
+//! the sample: how much of it is covered, and how much of that is surface that faces the view. The usual view, from the front a
+//! little to the right and above, is left only for one that shows clearly more.
+
+use super::kind::Kind;
+use super::sample::Sample;
+use crate::math::Aabb;
+use crate::scene::{Camera, UpAxis};
+use glam::{DVec3, Vec3};
+
+/// A direction to look from, with the reason.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standpoint {
+    /// Turn about the up axis, degrees.
+    pub azimuth_deg: f64,
+    /// Height above the horizon, degrees.
+    pub elevation_deg: f64,
+    /// For people.
+    pub why: &'static str,
+}
+
+/// The usual view.
+const USUAL: Standpoint = Standpoint {
+    azimuth_deg: 30.0,
+    elevation_deg: 15.0,
+    why: "from the front, a little to the right and above",
+};
+/// From higher, so that what is wide and flat covers some of the picture.
+const TERRAIN_ELEVATION_DEG: f64 = 35.0;
+const SWEEP_ELEVATION_DEG: f64 = 30.0;
+/// Of views along the horizon, the nearer to the front the earlier.
+const AZIMUTHS_DEG: [f64; 11] = [
+    -30.0, 0.0, 60.0, -60.0, 90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0,
+];
+/// Another view is taken if it shows so many times as much.
+const CLEARLY_MORE: f32 = 1.25;
+
+/// Where to stand for the first picture. `eye` is the place of the sensor, if that is known or told by what it saw.
+pub(super) fn standpoint(
+    kind: Kind,
+    up: UpAxis,
+    sample: &Sample,
+    bounds: &Aabb,
+    eye: Option<Vec3>,
+) -> Standpoint {
+    let seen_from = |why| {
+        let toward = (eye? - bounds.center()).as_dvec3();
+        let toward = toward.try_normalize()?;
+        let (azimuth_deg, elevation_deg) = up.angles_of(toward);
+        Some(Standpoint {
+            azimuth_deg,
+            elevation_deg,
+            why,
+        })
+    };
+    match kind {
+        Kind::Sweep => Standpoint {
+            azimuth_deg: behind(up),
+            elevation_deg: SWEEP_ELEVATION_DEG,
+            why: "from behind and above the scanner, which looks along +X",
+        },
+        Kind::CameraFrame => seen_from("from the side of the camera").unwrap_or(USUAL),
+        Kind::Object => seen_from("from the side of the sensor")
+            .unwrap_or_else(|| most_surface(up, sample, bounds, USUAL.elevation_deg)),
+        Kind::Terrain => Standpoint {
+            why: "from above",
+            ..most_surface(up, sample, bounds, TERRAIN_ELEVATION_DEG)
+        },
+    }
+}
+
+/// The azimuth from which +X is ahead; the usual one if X is up.
+fn behind(up: UpAxis) -> f64 {
+    match up {
+        UpAxis::X | UpAxis::NegX => USUAL.azimuth_deg,
+        _ => up.angles_of(DVec3::NEG_X).0,
+    }
+}
+
+fn most_surface(up: UpAxis, sample: &Sample, bounds: &Aabb, elevation_deg: f64) -> Standpoint {
+    let usual = Standpoint {
+        elevation_deg,
+        ..USUAL
+    };
+    let shown = |azimuth_deg| {
+        let mut camera = Camera::framing(bounds, DVec3::ZERO, up);
+        (camera.azimuth_deg, camera.elevation_deg) = (azimuth_deg, elevation_deg);
+        CoarsePicture::of(sample, bounds, &camera).facing_cells()
+    };
+    let enough = CLEARLY_MORE * shown(usual.azimuth_deg);
+    let mut best = (enough, usual);
+    for azimuth_deg in AZIMUTHS_DEG {
+        let cells = shown(azimuth_deg);
+        if cells > best.0 {
+            let why = "from where most of its surface is seen";
+            let found = Standpoint {
+                azimuth_deg,
+                why,
+                ..usual
+            };
+            best = (cells, found);
+        }
+    }
+    best.1
+}
+
+/// Cells along an edge of a coarse picture: a few points of a sample are in each.
+const CELLS: usize = 48;
+
+/// The nearest point of a sample in each cell of a small picture by parallel rays.
+struct CoarsePicture {
+    /// How much the surface in a cell faces the view, −1 to 1; 1 where it has no normal. `None` where nothing is.
+    cells: Vec<Option<f32>>,
+}
+
+impl CoarsePicture {
+    fn of(sample: &Sample, bounds: &Aabb, camera: &Camera) -> Self {
+        let rotation = camera.view_from_world_rotation().as_mat3();
+        let scale = CELLS as f32 * 0.5 / bounds.radius().max(f32::MIN_POSITIVE);
+        let mut nearest = vec![(f32::NEG_INFINITY, None); CELLS * CELLS];
+        for (index, &position) in sample.positions.iter().enumerate() {
+            let seen = rotation * (position - bounds.center()) * scale;
+            let middle = CELLS as f32 * 0.5;
+            let [column, row] = [seen.x, seen.y].map(|at| (at + middle).max(0.0) as usize);
+            let cell = row.min(CELLS - 1) * CELLS + column.min(CELLS - 1);
+            if seen.z > nearest[cell].0 {
+                let facing = match sample.normals.get(index) {
+                    Some(&normal) if normal != Vec3::ZERO => (rotation * normal).z,
+                    _ => 1.0,
+                };
+                nearest[cell] = (seen.z, Some(facing));
+            }
+        }
+        Self {
+            cells: nearest.into_iter().map(|(_, facing)| facing).collect(),
+        }
+    }
+
+    /// Cells whose surface faces the view.
+    fn facing_cells(&self) -> f32 {
+        let facing = self.cells.iter().flatten().filter(|facing| **facing > 0.0);
+        facing.count() as f32
+    }
+}
+
+/// Whether nothing would be missing from any side if surfaces that face away were not drawn: each view shows fronts alone. False
+/// without normals.
+pub(super) fn is_closed(sample: &Sample, bounds: &Aabb) -> bool {
+    /// Points near an outline face away a little although what they stand for does not.
+    const CLEARLY_AWAY: f32 = -0.3;
+    const MOST_BACKS: f32 = 0.01;
+    const ELEVATIONS_DEG: [f64; 5] = [-90.0, -40.0, 0.0, 40.0, 90.0];
+    if sample.normals.len() < sample.positions.len()
+        || sample.positions.is_empty()
+        || sample.normals.contains(&Vec3::ZERO)
+    {
+        return false;
+    }
+    let (mut met, mut backs) = (0.0, 0.0);
+    for elevation_deg in ELEVATIONS_DEG {
+        for azimuth_deg in [0.0, 60.0, 120.0, 180.0, 240.0, 300.0] {
+            let mut camera = Camera::framing(bounds, DVec3::ZERO, UpAxis::Y);
+            (camera.azimuth_deg, camera.elevation_deg) = (azimuth_deg, elevation_deg);
+            let picture = CoarsePicture::of(sample, bounds, &camera);
+            for facing in picture.cells.iter().flatten() {
+                met += 1.0;
+                backs += f32::from(u8::from(*facing < CLEARLY_AWAY));
+            }
+        }
+    }
+    backs <= MOST_BACKS * met
+}

@@ -1,0 +1,120 @@
+//! What the first view promises, for points anywhere.
+
+use super::*;
+use crate::cloud::{Positions, RawCloud};
+use crate::scene::{Background, Projection, Settings};
+use glam::UVec2;
+use proptest::prelude::*;
+
+/// The largest distance of a point from the middle of a picture, as a share of half its edge; `None` if one is behind the eye.
+fn farthest_out(camera: &Camera, points: &[Vec3], origin: DVec3, size_px: [u32; 2]) -> Option<f64> {
+    let half = UVec2::from_array(size_px).as_dvec2() / 2.0;
+    points.iter().try_fold(0f64, |largest, point| {
+        let place = camera.to_px(origin + point.as_dvec3(), size_px)?;
+        Some(largest.max(((place - half) / half).abs().max_element()))
+    })
+}
+
+proptest! {
+    /// Every point is within the picture, and from a little closer one is not.
+    #[test]
+    fn points_just_fit_the_picture(
+        points in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 2..50),
+        stretch in prop::array::uniform3(0.01f32..3.0),
+        far in -1e6f64..1e6,
+        (azimuth_deg, elevation_deg) in (-180f64..180.0, -90f64..90.0),
+        aspect in 0.3f64..3.0,
+        is_orthographic: bool,
+    ) {
+        const FRAMED: f64 = 0.95;
+        let origin = DVec3::new(far, 0.5 * far, -far);
+        let points: Vec<Vec3> = points.into_iter().map(|point| Vec3::from_array(point) * Vec3::from_array(stretch)).collect();
+        let bounds = Aabb::from_points(&points);
+        let mut camera = Camera {
+            azimuth_deg,
+            elevation_deg,
+            projection: if is_orthographic { Projection::Orthographic } else { Projection::Perspective },
+            ..Camera::framing(&bounds, origin, UpAxis::Z)
+        };
+        camera.frame_points(&points, origin, aspect);
+        let size_px = [(1000.0 * aspect) as u32, 1000];
+        let out = farthest_out(&camera, &points, origin, size_px);
+        // A picture has whole pixels, so its aspect is another by a thousandth.
+        prop_assert!(out.is_some_and(|out| out <= FRAMED + 0.01), "{out:?}");
+        // A cloud that lies along the view has no width that could fill the picture.
+        let view = camera.view_from_world_rotation();
+        let center = bounds.center().as_dvec3();
+        let is_wide = |point: &Vec3| (view * (point.as_dvec3() - center)).truncate().length() > f64::from(0.02 * bounds.radius());
+        prop_assume!(points.iter().any(is_wide));
+        camera.zoom(0.9);
+        let out = farthest_out(&camera, &points, origin, size_px);
+        prop_assert!(out.is_none_or(|out| out > FRAMED), "{out:?}");
+    }
+}
+
+#[test]
+fn angles_lead_back_to_the_direction() {
+    for &(_, up) in UpAxis::ALL {
+        for toward in [
+            DVec3::X,
+            DVec3::new(1.0, -2.0, 0.5),
+            DVec3::new(-0.3, 0.2, -0.9),
+        ] {
+            let toward = toward.normalize();
+            let (azimuth_deg, elevation_deg) = up.angles_of(toward);
+            let camera = Camera {
+                azimuth_deg,
+                elevation_deg,
+                ..Camera::framing(&Aabb::EMPTY, DVec3::ZERO, up)
+            };
+            let eye = camera.eye_in_world().normalize();
+            assert!((eye - toward).length() < 1e-9, "{up:?} {toward}: {eye}");
+        }
+    }
+}
+
+#[test]
+fn other_frames_are_looked_at_while_they_are_small() {
+    assert_eq!(others(1, 100), [] as [usize; 0]);
+    assert_eq!(others(2, 100), [1]);
+    assert_eq!(others(101, 100_000), [25, 50, 75, 100]);
+    assert_eq!(others(101, 500_000), [50, 100]);
+    assert_eq!(others(101, 2_000_000), [] as [usize; 0]);
+}
+
+#[test]
+fn poses_that_walk_are_all_in_the_first_picture() {
+    let at = |x: f32| {
+        let points = (0..5_000).map(|i| {
+            let turn = i as f32 * 2.4;
+            [x + 0.3 * turn.cos(), i as f32 / 2_500.0, 0.3 * turn.sin()]
+        });
+        let raw = RawCloud::from_positions(Positions::F32(points.collect()));
+        Frame::from_raw(raw, DVec3::ZERO).unwrap()
+    };
+    let frames = [at(-4.0), at(0.0), at(6.0)];
+    let look = FirstLook::of(&frames.iter().collect::<Vec<_>>(), DVec3::ZERO);
+    assert!(look.trimmed.min.x < -4.2 && look.trimmed.max.x > 6.2);
+    assert_eq!((look.up, look.kind), (UpAxis::Y, Kind::Object));
+}
+
+#[test]
+fn dark_scans_have_a_brighter_background() {
+    let look = |level: u8| {
+        let points = (0..3_000).map(|i| [i as f32 % 50.0, i as f32 / 50.0, 0.0]);
+        let mut raw = RawCloud::from_positions(Positions::F32(points.collect()));
+        raw.colors = Some(vec![[level, level, level, 255]; 3_000]);
+        FirstLook::of(&[&Frame::from_raw(raw, DVec3::ZERO).unwrap()], DVec3::ZERO)
+    };
+    let chosen = Background::solid([1, 2, 3]);
+    let drawn = |background, level| {
+        let settings = Settings {
+            background,
+            ..Settings::default()
+        };
+        settings.resolved(&look(level)).background
+    };
+    assert_eq!(drawn(Background::default(), 10), Background::BEHIND_DARK);
+    assert_eq!(drawn(Background::default(), 180), Background::default());
+    assert_eq!(drawn(chosen, 10), chosen);
+}

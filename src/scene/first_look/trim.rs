@@ -1,0 +1,30 @@
+//! Bounds that a few outliers do not decide.
+//!
+//! **How it works.** An outlier is far from everything: its spacing is many times that of the cloud. The most isolated points, one in
+//! twenty at most, are left out; what is dense stays, however thin or far away it is, so that an antenna, a second object or the
+//! end of a line is never cut off.
+
+use super::sample::Sample;
+use crate::math::Aabb;
+
+/// At most this share of the points is left out.
+const MOST_OUTLIERS: f64 = 0.05;
+/// A point is isolated from this many times the median spacing on.
+const ISOLATED_SPACINGS: f32 = 8.0;
+
+/// Indices of the points that are no outliers, ascending.
+pub(super) fn inliers(sample: &Sample) -> Vec<usize> {
+    let isolated_from = ISOLATED_SPACINGS * sample.median_spacing();
+    let is_isolated = |&index: &usize| sample.spacing[index] > isolated_from;
+    let mut isolated: Vec<usize> = (0..sample.spacing.len()).filter(is_isolated).collect();
+    isolated.sort_by(|&a, &b| sample.spacing[b].total_cmp(&sample.spacing[a]));
+    isolated.truncate((MOST_OUTLIERS * sample.spacing.len() as f64) as usize);
+    isolated.sort_unstable();
+    let is_inlier = |index: &usize| isolated.binary_search(index).is_err();
+    (0..sample.spacing.len()).filter(is_inlier).collect()
+}
+
+/// The box around points of a sample.
+pub(super) fn bounds(sample: &Sample) -> Aabb {
+    Aabb::from_points(&sample.positions)
+}

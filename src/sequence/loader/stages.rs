@@ -1,0 +1,70 @@
+//! The stages in which a large frame comes that is looked at and does not play: some of its points, all of them, what is estimated.
+//!
+//! **How it works.** Each stage is a job of its own, whose result is kept as any frame is: the sample as a coarse copy, all points as
+//! the frame itself. Neither has all that was asked for, so the next free worker goes on where they end. Who draws shows them as
+//! points meanwhile ([`super::Slot::Partial`]). Other frames wait until the one that is looked at is whole.
+//!
+//! A small frame comes at once: it would only flash as points.
+
+use crate::analysis::MOST_JOINED;
+use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::sequence::records::{file_normals, lacks_surface};
+use crate::sequence::{ColorSource, Needs, Paint};
+
+/// Frames of more points come in stages. The normals of fewer take a tenth of a second.
+pub(crate) const STAGED_POINTS: usize = 1 << 17;
+
+/// Points of the first stage: as many as are found in 50 ms, one for each of seven pixels.
+pub(crate) const SAMPLE_POINTS: usize = 1 << 17;
+
+/// Frames of fewer points have no sample: all are read and sorted in less than a tenth of a second.
+pub(crate) const FEWEST_SAMPLED: usize = 1 << 19;
+
+/// Whether `frame` is shown with nothing but its points before `needs` are met, as these take long.
+pub(super) fn comes_in_stages(frame: &Frame, needs: &Needs) -> bool {
+    let wants_shapes = needs.shapes || needs.ellipses || needs_normals(frame, needs);
+    frame.len() > STAGED_POINTS
+        && (needs.octree.is_some() || (wants_shapes && lacks_surface(frame)))
+}
+
+/// What the points of `frame` take of `needs` alone.
+pub(super) fn points_alone(frame: &Frame, needs: &Needs) -> Needs {
+    let colors = if needs_normals(frame, needs) {
+        ColorSource::Uniform.into()
+    } else {
+        needs.colors
+    };
+    Needs {
+        colors,
+        ..Needs::default()
+    }
+}
+
+/// Bytes that completing `frame` for `needs` takes at once, itself included.
+pub(super) fn completion_bytes(frame: &Frame, needs: &Needs) -> u64 {
+    let wants_shapes = needs.shapes || needs.ellipses || needs_normals(frame, needs);
+    let shapes = if wants_shapes {
+        size_of::<ShapeRecord>()
+    } else {
+        0
+    };
+    let estimated = match frame.len() {
+        _ if !wants_shapes || !lacks_surface(frame) => 0,
+        0..=MOST_JOINED => ESTIMATED_BYTES[0],
+        _ => ESTIMATED_BYTES[1],
+    };
+    let octree = needs.octree.map_or(0, |_| OCTREE_BYTES);
+    let per_point = size_of::<PointRecord>() + shapes + estimated.max(octree);
+    (frame.byte_size() + per_point * frame.len()) as u64
+}
+
+/// Bytes a point of estimating a surface, of few points and of many: see [`estimate_surface`](crate::analysis::estimate_surface).
+const ESTIMATED_BYTES: [usize; 2] = [130, 70];
+
+/// Bytes a point of building an octree.
+const OCTREE_BYTES: usize = 29;
+
+/// Whether the colours are those of normals that have to be estimated.
+fn needs_normals(frame: &Frame, needs: &Needs) -> bool {
+    needs.colors.paint(&needs.hints, frame) == Paint::Normal && file_normals(frame).is_none()
+}

@@ -1,0 +1,148 @@
+//! Colours: what is there is listed, and what is chosen is drawn and explained.
+
+use super::settings::choose;
+use super::walk::{FRAMES, load_all, options};
+use super::window_on;
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use pointreel::analysis::ColorMap;
+use pointreel::app::State;
+use pointreel::cloud::{Positions, RawCloud, ScalarField};
+use pointreel::scene::{Legend, LegendBody};
+use pointreel::sequence::{ColorRange, Sequence, Source};
+use std::sync::Arc;
+
+/// Rows of points with the field `scalar_Heat` of 0 to 99 and the classes 2 and 6; `bare` without colours of the file.
+fn window(is_bare: bool) -> Harness<'static, State> {
+    let sources = (0..FRAMES).map(|frame| Source::file(format!("/scans/heat_{frame}.ply")));
+    let sequence = Sequence::with_decoder(sources.collect(), move |_| {
+        let position =
+            |index: usize| [(index % 10) as f32, (index / 10) as f32, 0.1 * index as f32];
+        let mut cloud = RawCloud::from_positions(Positions::F32((0..100).map(position).collect()));
+        cloud.colors = (!is_bare).then(|| (0..100).map(|index| [index, 9, 9, 255]).collect());
+        cloud.scalars = vec![
+            ScalarField::new("scalar_Heat", (0..100).map(|index| index as f32).collect()),
+            ScalarField::new(
+                "classification",
+                (0..100).map(|index| [2.0, 6.0][index % 2]).collect(),
+            ),
+        ];
+        Ok(cloud)
+    });
+    window_on(Arc::new(sequence), options())
+}
+
+fn settle(harness: &mut Harness<'_, State>) {
+    load_all(harness.state_mut());
+    harness.run();
+}
+
+fn legend(harness: &Harness<'_, State>) -> Option<Legend> {
+    let player = harness.state().player.as_ref().unwrap();
+    Legend::of(player.shown().unwrap())
+}
+
+fn color_of(harness: &Harness<'_, State>, index_in_file: u32) -> [u8; 4] {
+    let shown = harness.state().player.as_ref().unwrap().shown().unwrap();
+    let mut slots = shown.frame.file_index().iter();
+    let slot = slots.position(|&index| index == index_in_file).unwrap();
+    shown.points[slot].color
+}
+
+#[test]
+fn a_field_is_shown_through_a_map_over_a_range() {
+    let mut harness = window(false);
+    assert_eq!(color_of(&harness, 50), [50, 9, 9, 255]);
+    assert!(
+        harness.query_by_label("Colour map").is_none(),
+        "colours of the file need none"
+    );
+    choose(&mut harness, "Colours", "Heat");
+    settle(&mut harness);
+    assert_eq!(color_of(&harness, 98), ColorMap::Viridis.color(1.0));
+    choose(&mut harness, "Colour map", "Turbo");
+    settle(&mut harness);
+    assert_eq!(color_of(&harness, 1), ColorMap::Turbo.color(0.0));
+    choose(&mut harness, "Colour range", "Fixed");
+    let fixed = ColorRange::Fixed {
+        low: 1.0,
+        high: 98.0,
+    };
+    assert_eq!(harness.state().settings.colors.range, fixed, "as it was");
+    let field = harness.get_by_role_and_label(Role::SpinButton, "Last colour");
+    field.scroll_to_me();
+    harness.run();
+    harness
+        .get_by_role_and_label(Role::SpinButton, "Last colour")
+        .set_value_accesskit(21.0);
+    harness.run();
+    settle(&mut harness);
+    assert_eq!(color_of(&harness, 11), ColorMap::Turbo.color(0.5));
+    let shown = legend(&harness).unwrap();
+    assert_eq!(shown.title, "Heat");
+    let LegendBody::Ramp { map, ticks } = shown.body else {
+        panic!("a field has a ramp");
+    };
+    assert_eq!((map, ticks[0].1.as_str()), (ColorMap::Turbo, "5"));
+    // Numbers of one source mean nothing for another.
+    choose(&mut harness, "Colours", "Height");
+    assert_eq!(harness.state().settings.colors.range, ColorRange::USUAL);
+    choose(&mut harness, "Along", "-Z");
+    settle(&mut harness);
+    assert_eq!(color_of(&harness, 0), ColorMap::Turbo.color(1.0));
+}
+
+#[test]
+fn classes_are_listed_in_a_legend_that_can_be_hidden() {
+    let mut harness = window(true);
+    choose(&mut harness, "Colours", "Class");
+    settle(&mut harness);
+    let LegendBody::Classes(classes) = legend(&harness).unwrap().body else {
+        panic!("classes are listed");
+    };
+    let names: Vec<&str> = classes.iter().map(|(_, name)| name.as_str()).collect();
+    assert_eq!(names, ["2  Ground", "6  Building"]);
+    assert_eq!(color_of(&harness, 0), classes[0].0);
+    assert!(harness.state().panels.legend);
+    harness
+        .get_by_role_and_label(Role::CheckBox, "Legend")
+        .scroll_to_me();
+    harness.run();
+    harness
+        .get_by_role_and_label(Role::CheckBox, "Legend")
+        .click();
+    harness.run();
+    assert!(!harness.state().panels.legend);
+    assert!(!harness.state().preferences().panels.legend, "kept");
+    assert!(
+        harness
+            .query_by_role_and_label(Role::ComboBox, "Colour map")
+            .is_none()
+    );
+}
+
+#[test]
+fn the_list_has_what_the_file_has() {
+    let mut harness = window(true);
+    harness
+        .get_by_role_and_label(Role::ComboBox, "Colours")
+        .scroll_to_me();
+    harness.run();
+    harness
+        .get_by_role_and_label(Role::ComboBox, "Colours")
+        .click();
+    harness.run();
+    for (entry, is_there) in [
+        ("Heat", true),
+        ("Classification", true),
+        ("Class", true),
+        ("Time", false),
+        ("From the file", false),
+    ] {
+        let found = harness
+            .query_by_role_and_label(Role::Button, entry)
+            .is_some();
+        assert_eq!(found, is_there, "{entry}");
+    }
+}
