@@ -2,6 +2,7 @@
 //! much of a cloud the picture shows is counted point by point.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "what was measured, for `--nocapture`")]
 
 use glam::{DVec3, Vec3};
 use pointreel::cloud::{Positions, RawCloud};
@@ -312,12 +313,12 @@ fn no_point_one_point_and_equal_points_are_looked_at() {
 /// The sets of `../shared/data`, which a clone of the project does not have: what each must be taken for.
 #[test]
 fn every_set_is_seen_at_once_whole_and_right_side_up() {
+    use Kind::{CameraFrame, Object, Sweep};
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
     if !data.is_dir() {
-        eprintln!("skipped: {} is not there", data.display());
+        println!("skipped: {} is not there", data.display());
         return;
     }
-    use Kind::{CameraFrame, Object, Sweep};
     let sets: [(&str, Option<Kind>, UpAxis, Option<Primitive>); 10] = [
         (
             "sequences/cesiumman_24fps",
