@@ -83,6 +83,11 @@ impl State {
             .map_or(*settings, |look| settings.resolved(look))
     }
 
+    /// The next sequence that is opened is drawn as this, whatever was chosen for it, and it is not kept.
+    pub(in crate::app) fn ask_for_primitive(&mut self, primitive: Primitive) {
+        self.options.primitive = Some(primitive);
+    }
+
     /// Takes what was chosen for the sequence that is being opened.
     pub(in crate::app) fn take_chosen(&mut self, chosen: Chosen) {
         self.looked = Looked::default();

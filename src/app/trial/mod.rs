@@ -205,8 +205,8 @@ impl Trial {
 
     fn begin(&self, step: Step, now: Duration, state: &mut State) -> Watched {
         let input = &self.inputs[step.input];
+        state.ask_for_primitive(step.primitive);
         state.settings = Settings {
-            primitive: step.primitive,
             renderer: self.renderer,
             ..Settings::default()
         };

@@ -138,9 +138,10 @@ fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Settings) -> Result<Pla
             .shown()
             .filter(|shown| !last.as_ref().is_some_and(|last| Arc::ptr_eq(last, shown)));
         if let Some(frame) = new.map(Arc::clone) {
+            // The clock starts with the first frame, however long its picture takes.
+            first_shown.get_or_insert_with(|| begin.elapsed());
             let picture_ms = screen.draw(&frame)?;
             player.note_picture_ms(frame.frame.len(), picture_ms);
-            first_shown.get_or_insert_with(|| begin.elapsed());
             last = Some(frame);
         } else {
             sleep(&woken, player.next_deadline(), begin);
