@@ -24,7 +24,8 @@ use std::sync::Arc;
 const COVERED: f64 = 0.99;
 
 /// Pixels that voxels show beside them, as a share of the surfels', and FLIP over the pixels that show the object in either picture, at
-/// most. A cube passes the outline by 0.9 of its edge: the fewer points, and the thinner limbs are, the more that is.
+/// most. Cubes pass the outline by half of their edge, which is at least the spacing: the fewer points, and the thinner limbs are, the
+/// more that is.
 #[derive(Clone, Copy)]
 struct Bounds {
     outside: f64,
@@ -32,14 +33,14 @@ struct Bounds {
 }
 
 const BOUNDS: Bounds = Bounds {
-    outside: 0.13,
-    flip: 0.30,
+    outside: 0.06,
+    flip: 0.25,
 };
 
 /// A body of 8,000 points.
 const BOUNDS_OF_DEMO: Bounds = Bounds {
-    outside: 0.23,
-    flip: 0.38,
+    outside: 0.08,
+    flip: 0.30,
 };
 
 /// A grey of medium lightness, and what tells the object from it.

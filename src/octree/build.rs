@@ -48,17 +48,18 @@ impl Octree {
             _ if point_count == 0 => Leaves::OnLevel(0),
             StopCriterion::Spacing => {
                 let found = points.leaves_by_spacing();
-                if let [run] = found.runs[..] {
-                    Leaves::OnLevel(run.level)
-                } else {
-                    return Self {
-                        cube,
-                        points,
-                        leaves: Leaves::InRuns(found.runs.into()),
-                        level_counts: found.level_counts,
-                        leaf_count: found.leaf_count,
-                    };
-                }
+                let leaves = match found.runs[..] {
+                    [run] => Leaves::OnLevel(run.level),
+                    _ => Leaves::InRuns(found.runs.into()),
+                };
+                return Self {
+                    gaps: points.gaps(&leaves).into(),
+                    cube,
+                    points,
+                    leaves,
+                    level_counts: found.level_counts,
+                    leaf_count: found.leaf_count,
+                };
             }
             StopCriterion::Loss(delta) => {
                 Leaves::OnLevel(level_of_loss(delta, &points.occupied, point_count))
@@ -93,6 +94,7 @@ impl Octree {
             leaves,
             level_counts,
             leaf_count,
+            gaps: Arc::default(),
         }
     }
 }

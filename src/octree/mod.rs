@@ -20,10 +20,14 @@
 mod build;
 mod byte_code;
 mod cells;
+mod closing;
 pub mod coded;
 mod cut;
 #[cfg(test)]
 mod cut_tests;
+#[cfg(test)]
+mod gap_tests;
+mod gaps;
 mod kept_levels;
 mod node_surfel;
 #[cfg(test)]
@@ -50,6 +54,7 @@ mod write;
 pub use byte_code::OctreeError;
 pub use coded::CodedCloud;
 pub use cut::{Cut, CutHints};
+pub use gaps::Gap;
 pub use node_surfel::NodeSurfel;
 pub use select::{SelectStats, SelectView};
 pub use stop::StopCriterion;
@@ -76,6 +81,8 @@ pub struct Octree {
     /// Nodes of each level from the root's to the deepest; empty without points.
     level_counts: Vec<usize>,
     leaf_count: usize,
+    /// Cells that are drawn between leaves by the spacing of points.
+    gaps: Arc<[Gap]>,
 }
 
 impl PartialEq for Octree {
@@ -146,7 +153,10 @@ impl Octree {
 
     /// Most bytes held in memory, voxels that may be kept and what is shared with other trees included.
     pub fn byte_size(&self) -> usize {
-        size_of::<Self>() + self.points.byte_size() + size_of_val(self.level_counts.as_slice())
+        size_of::<Self>()
+            + self.points.byte_size()
+            + size_of_val(self.level_counts.as_slice())
+            + size_of_val(&*self.gaps)
     }
 
     /// Whether trees of the same points that have as many nodes have the same. Of two that were divided by a rule for all nodes, one is

@@ -1,9 +1,10 @@
 //! Leaves no smaller than the spacing of the points around them: what makes cubes a closed solid.
 //!
-//! How it works: a cell of a surface that holds several points on average has neighbours that hold some as well; one level below
-//! that, cells are empty and what is behind shows through. So leaves are on the deepest level on which a cell holds at least
-//! [`POINTS_PER_LEAF`] points on average. That number needs no dimension: along a curve such cells are three spacings long, on a
-//! surface about two.
+//! How it works: leaves are on the deepest level whose cells are closed, together with the gaps between them (`gaps.rs`). While a level
+//! is as dense as the surface, it has four times the cells of the level above; where points are too few for that, cells are left
+//! empty, and once it has less than twice as many there are more empty ones in a row than can be closed. Curves have twice the cells
+//! at best, so for them, as for whatever is dense, the number of points a cell tells. Leaves are one to two and a half
+//! spacings long.
 //!
 //! Spacings differ within a cloud, by a hundred times in the sweep of a scanner. So the question is asked of the root, of its octants,
 //! and so on, as long as there are points enough to answer. A node keeps the level that it inherits unless that is clearly wrong
@@ -13,9 +14,9 @@
 //! Points at the same place count once, and so do those that are much nearer to each other than all are to the rest, as where two scans of
 //! one surface are laid on each other.
 //!
-//! Measured for places at random on a plane, seen from any direction: with 1.7 points a cell 8 % of rays pass, with 2.6 points 1.2 %, with
-//! 3.3 points 0.3 %. What it costs is the outline, which cubes pass by 0.9 of their edge. Cells cut down to the octant that has all
-//! their points pass it by less, but leave more holes than smaller cells that pass it by as much.
+//! Measured for bodies of 8,000 to 100,000 points (`tests/closed_voxels.rs`): leaves and gaps cover 99.4 % and more of what surfels cover.
+//! Without the gaps it took cells of 2.5 points on average and more to cover as much, which are twice as long and pass the outline
+//! by two to three times as much.
 //!
 //! When it wins: everything is read off running counts of the parting levels, one pass over a byte a point.
 
@@ -25,14 +26,21 @@ use super::stop::{LeafRun, OccupiedCells};
 use crate::math::morton::LEVELS;
 use rayon::prelude::*;
 
-/// Points that a leaf holds on average, at least.
-const POINTS_PER_LEAF: f64 = 2.5;
+/// Cells that hold so many points on average have hardly a hole.
+const MANY_POINTS: f64 = 2.5;
 
-/// A level that is inherited is kept while its cells hold at least this share of [`POINTS_PER_LEAF`].
-const SPARSE: f64 = 0.8;
+/// Cells of a surface that hold fewer are closed by the gaps between them (`gaps.rs`) while they are so many times as many as those of the
+/// level above; all of them would be four times as many.
+const GROWTH: f64 = 2.0;
 
-/// A level that is inherited is kept while the cells below it hold less than so many times [`POINTS_PER_LEAF`].
-const DENSE: f64 = 1.8;
+/// Where fewer points share a cell, how many cells there are says nothing about their size.
+const FEW_POINTS: f64 = 1.12;
+
+/// A level that is inherited is kept if it has this share of what is asked of a closed one,
+const SPARSE: f64 = 0.85;
+
+/// and the level below it has less than so many times of that.
+const DENSE: f64 = 1.25;
 
 /// Fewer points do not say what their spacing is.
 const ASKED_POINTS: usize = 64;
@@ -131,26 +139,26 @@ fn distinct_points(cells: &OccupiedCells) -> usize {
     level.map_or(all, |level| cells[level + 2])
 }
 
-/// Whether cells of a level, of which there are so many, hold enough points.
-fn are_closed(cells: usize, points: usize, share: f64) -> bool {
-    points as f64 >= share * POINTS_PER_LEAF * cells as f64
+/// Whether the cells of a level and the gaps between them are closed: `share` times what is asked for.
+fn are_closed(cells: &OccupiedCells, level: usize, share: f64) -> bool {
+    let points = distinct_points(cells) as f64;
+    let (here, above) = (cells[level] as f64, cells[level.saturating_sub(1)] as f64);
+    let points_a_cell = points / here;
+    points_a_cell >= share * MANY_POINTS
+        || (points_a_cell >= FEW_POINTS && here >= share * GROWTH * above)
 }
 
-/// The deepest level whose cells hold enough points.
+/// The deepest level that is closed.
 fn level_of_spacing(cells: &OccupiedCells) -> u32 {
-    let points = distinct_points(cells);
-    let level = cells
-        .iter()
-        .rposition(|&cells| are_closed(cells, points, 1.0));
+    let level = (0..LEVEL_COUNT).rfind(|&level| are_closed(cells, level, 1.0));
     level.unwrap_or(0) as u32
 }
 
 /// Whether leaves may be on `level` where they would be if this was all of the cloud.
 fn is_kept(level: u32, cells: &OccupiedCells) -> bool {
-    let points = distinct_points(cells);
-    let below = cells.get(level as usize + 1);
-    are_closed(cells[level as usize], points, SPARSE)
-        && below.is_none_or(|&below| !are_closed(below, points, DENSE))
+    let level = level as usize;
+    are_closed(cells, level, SPARSE)
+        && (level + 1 == LEVEL_COUNT || !are_closed(cells, level + 1, DENSE))
 }
 
 impl SortedPoints {

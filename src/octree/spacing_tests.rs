@@ -19,8 +19,8 @@ fn lattice(count: u32, spacing: f32, corner: Vec3) -> Vec<Vec3> {
     (0..count * count).map(place).collect()
 }
 
-/// Leaf edges over the spacing: by powers of two a leaf has 2.5 to 10 points on average, with those that a surface only grazes.
-const EDGES_PER_SPACING: std::ops::Range<f32> = 1.6..4.8;
+/// Leaf edges over the spacing: never smaller, and by powers of two at most twice the smallest that is closed.
+const EDGES_PER_SPACING: std::ops::Range<f32> = 1.0..2.6;
 
 fn only_leaf_edge(tree: &Octree) -> f32 {
     let Leaves::OnLevel(level) = tree.leaves else {

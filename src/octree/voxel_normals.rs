@@ -4,6 +4,7 @@
 //! that the normals of a file without a sensor, whose signs mean nothing, do not cancel each other. As the light is two-sided, the sign of
 //! the mean means nothing either. Levels that are drawn again and again are kept, as voxels are (`kept_levels.rs`).
 
+use super::gaps::{Gap, add_gaps};
 use super::kept_levels::Kept;
 use super::write::{NodeWriter, Nodes};
 use super::{Cut, LodSurfels};
@@ -22,6 +23,14 @@ impl LodSurfels {
         let may_be_kept = cut.ranges.iter().filter(|range| range.level < coarse);
         let kept: Kept<'_, ShapeRecord> = self.normals.kept(may_be_kept, sorted, &writer);
         sorted.write_nodes(&cut.ranges, &writer, &kept, out);
+    }
+}
+
+impl LodSurfels {
+    /// Adds records with the normals of gaps, in the order of [`super::Octree::add_gap_voxels`].
+    pub fn add_gap_normals(&self, gaps: &[Gap], out: &mut Vec<ShapeRecord>) {
+        let shapes = &self.shapes;
+        add_gaps(gaps, &NormalWriter { shapes }, out);
     }
 }
 

@@ -7,6 +7,7 @@
 //! for the others, and they need no memory. Of levels that are coarse enough for it, what is drawn again is kept
 //! (`kept_levels.rs`): reading the points of cells that have several each takes longer than copying.
 
+use super::gaps::{Gap, add_gaps};
 use super::sorted_points::SortedPoints;
 use super::write::{BATCH, NodeWriter, Nodes};
 use super::{NodeRange, Octree, cut::Cut};
@@ -135,12 +136,28 @@ impl Octree {
         self.write_ranges(&cut.ranges, out);
     }
 
-    fn write_ranges(&self, ranges: &[NodeRange], out: &mut Vec<VoxelRecord>) {
-        let writer = VoxelWriter {
+    /// Adds the voxels of gaps: cubes of their own in the colours of the leaves beside them.
+    pub fn add_gap_voxels(&self, gaps: &[Gap], out: &mut Vec<VoxelRecord>) {
+        let before = out.len();
+        add_gaps(gaps, &self.voxel_writer(), out);
+        for (voxel, gap) in out[before..].iter_mut().zip(gaps) {
+            voxel.center = self
+                .cube
+                .cell_center(gap.level.into(), self.cell_of_gap(gap))
+                .to_array();
+        }
+    }
+
+    fn voxel_writer(&self) -> VoxelWriter<'_> {
+        VoxelWriter {
             points: &self.points,
             min: self.cube.min,
             edge: self.cube.edge,
-        };
+        }
+    }
+
+    fn write_ranges(&self, ranges: &[NodeRange], out: &mut Vec<VoxelRecord>) {
+        let writer = self.voxel_writer();
         let coarse = self.points.coarse_levels().len() as u32;
         let may_be_kept = ranges.iter().filter(|range| range.level < coarse);
         let kept = self.points.voxels.kept(may_be_kept, &self.points, &writer);

@@ -444,8 +444,16 @@ fn draw(from: &SelectedFrom, cut: &Cut, last: Option<Drawn>) -> Drawn {
         Drawn::Surfels(Arc::new(points), Arc::new(shapes))
     } else {
         from.octree.write_voxels(cut, &mut voxels);
+        let mut gaps = from.octree.gaps_of(cut);
+        if let Lod::Budget(most) = from.lod
+            && voxels.len() + gaps.len() > most as usize
+        {
+            gaps.clear();
+        }
+        from.octree.add_gap_voxels(&gaps, &mut voxels);
         if let Some(normals) = &from.normals {
             normals.write_voxel_normals(cut, &mut shapes);
+            normals.add_gap_normals(&gaps, &mut shapes);
         }
         if let Some(clip) = &from.clip {
             let kept = clip.kept(&voxels);

@@ -172,7 +172,7 @@ pub fn window_report(inputs: &[Input], options: BenchOptions, actions: &[WindowA
         .map(|input| {
             let pictures = |action: &WindowAction| {
                 let [shown, _] = action.points;
-                (action.sequence == input.name && action.pictures > 0)
+                (action.sequence == input.name && action.pictures > 0 && shown > 0)
                     .then(|| shown as f64 / action.pictures as f64)
             };
             let means: Vec<f64> = actions.iter().filter_map(pictures).collect();

@@ -102,7 +102,8 @@ fn half_step(position: Vec3) -> f64 {
 /// else of the one nearest to it on the picture, less than `radius_px` away; `None` where there is none. Of points at one place it is
 /// the last, whose colour is seen.
 ///
-/// Where cells of the octree are drawn, it is the point nearest to where the ray meets them: of a voxel one that is inside.
+/// Where cells of the octree are drawn, it is the point nearest to where the ray meets them: of a voxel one that is inside, unless it
+/// closes a gap between others.
 pub fn pick(
     packet: &ScenePacket,
     frame: &PreparedFrame,
