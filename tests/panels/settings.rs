@@ -1,16 +1,18 @@
 //! The settings: every control changes what it names.
 
-use super::{click, window};
+use super::{click, options, window, window_on};
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::State;
+use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::octree::StopCriterion;
 use pointreel::scene::{
     BackFaces, Background, EyeDome, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive,
     RendererChoice, Settings, Splatting, Strategy, UpAxis, VoxelLight,
 };
-use pointreel::sequence::ColorSource;
+use pointreel::sequence::{ColorSource, Sequence, Source};
+use std::sync::Arc;
 
 /// Opens the list called `list` and chooses `entry`.
 pub(super) fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) {
@@ -39,6 +41,30 @@ pub(super) fn slide(harness: &mut Harness<'_, State>, label: &str, value: f64) {
         .get_by_role_and_label(Role::Slider, label)
         .set_value_accesskit(value);
     harness.run();
+}
+
+/// Reasons and names from files are longer than the panel is wide.
+#[test]
+fn long_texts_do_not_widen_the_panel() {
+    let before_camera = Sequence::with_decoder(vec![Source::file("camera.pcd")], |_| {
+        let points = (0..10_000).map(|index| {
+            let [x, y] = [index % 100, index / 100].map(|place| place as f32 / 50.0 - 1.0);
+            [x, y, 2.5 + 0.2 * x]
+        });
+        let mut raw = RawCloud::from_positions(Positions::F32(points.collect()));
+        raw.scalars = vec![ScalarField {
+            name: "scalar of a name as other programs give them, from several words".to_owned(),
+            values: (0..10_000).map(|index| index as f32).collect(),
+            offset: 0.0,
+        }];
+        Ok(raw)
+    });
+    let mut harness = window_on(Arc::new(before_camera), options());
+    harness.run();
+    let look = harness.state().first_look().unwrap();
+    assert!(look.up_why.len() > 50, "{}", look.up_why);
+    let panel_width = 1280.0 - harness.state().viewport.rect.right();
+    assert!(panel_width < 340.0, "{panel_width}");
 }
 
 #[test]

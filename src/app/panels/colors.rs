@@ -1,7 +1,7 @@
 //! What colours show: the source, of those that are there, and how its numbers become colours.
 
 use super::ramp::{handles_ui, ramp_ui};
-use super::settings::{choice, heading, row, rows};
+use super::settings::{choice, heading, note_below, row, rows};
 use crate::analysis::{ColorMap, ColorScale};
 use crate::app::State;
 use crate::cloud::Frame;
@@ -143,9 +143,7 @@ fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame
     if coloring.source == ColorSource::Auto
         && let Some(shown) = shown
     {
-        ui.label("");
-        ui.weak(found(shown.paint()));
-        ui.end_row();
+        note_below(ui, &found(shown.paint()));
     }
 }
 

@@ -13,7 +13,7 @@ use crate::scene::{
     BackFaces, Background, Primitive, Projection, RendererChoice, Settings, Splatting, Strategy,
     UpAxis,
 };
-use egui::{Button, Checkbox, ComboBox, Grid, RichText, ScrollArea, Slider, Ui, Widget};
+use egui::{Button, Checkbox, ComboBox, Grid, Label, RichText, ScrollArea, Slider, Ui, Widget};
 
 /// The panel at the right.
 pub fn settings_ui(ui: &mut Ui, state: &mut State) {
@@ -157,6 +157,17 @@ fn primitive(ui: &mut Ui, state: &mut State) {
         ui.label(RichText::new(text).weak());
     }
     ui.add_space(4.0);
+}
+
+/// Says something below a choice of a grid, whose cells are as wide as what is in them.
+pub(super) fn note_below(ui: &mut Ui, text: &str) {
+    const WIDTH: f32 = 190.0;
+    ui.label("");
+    ui.scope(|ui| {
+        ui.set_max_width(WIDTH);
+        ui.add(Label::new(RichText::new(text).weak()).wrap());
+    });
+    ui.end_row();
 }
 
 fn splatting(ui: &mut Ui, settings: &mut Settings) {
@@ -444,9 +455,7 @@ fn camera(ui: &mut Ui, state: &mut State) {
         state.choose_up(up);
     }
     if let Some(look) = state.first_look() {
-        ui.label("");
-        ui.label(RichText::new(look.up_why).weak());
-        ui.end_row();
+        note_below(ui, look.up_why);
     }
     choice(
         ui,
