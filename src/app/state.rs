@@ -430,14 +430,15 @@ impl State {
     /// Begins the next small picture if there is time for it.
     pub(super) fn follow_thumbnails(&mut self) {
         // The first picture goes first.
-        let Some(player) = self.player.as_ref().filter(|_| self.first_look().is_some()) else {
+        let look = self.looked.look().filter(|_| self.has_looked());
+        let Some((player, look)) = self.player.as_ref().zip(look) else {
             return;
         };
-        let settings = &self.settings;
+        let settings = self.settings.resolved(&look);
         let key = (self.camera.up, settings.colors, settings.color_hints);
         let is_measured = matches!(self.benchmark, Benchmark::Running(_));
         self.thumbnails
-            .follow(player, key, is_measured, &self.tasks, self.now);
+            .follow(player, &look, key, is_measured, &self.tasks, self.now);
     }
 
     /// Takes in at once what the panels have changed about other poses.

@@ -2,17 +2,16 @@
 
 use super::PICTURE_PX;
 use crate::cloud::{PointRecord, even_places};
-use crate::math::Aabb;
 use crate::progress::Progress;
 use crate::render::cpu::CpuRenderer;
 use crate::render::{RenderError, Renderer as _};
-use crate::scene::{Background, Camera, Primitive, ScenePacket, Settings, UpAxis};
+use crate::scene::{Background, Camera, Primitive, ScenePacket, Settings};
 use crate::sequence::{
     ColorHints, Coloring, Detail, FrameError, Needs, PrepareCounters, PreparedFrame, Sequence,
     prepare,
 };
 use egui::ColorImage;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -25,9 +24,6 @@ const BACKGROUND: Background = Background {
     bottom: [24, 27, 34],
 };
 
-/// How much of the picture the box of the sequence fills.
-const FILLED: f64 = 0.94;
-
 /// From where pictures are made.
 #[derive(Debug)]
 pub(super) enum Material {
@@ -37,20 +33,12 @@ pub(super) enum Material {
     File(usize),
 }
 
-/// What is made of it.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Task {
-    /// What holds the points.
-    Survey,
-    /// The picture from here.
-    Draw(Camera),
-}
-
 /// One piece of work.
 #[derive(Debug)]
 pub(super) struct Job {
     pub(super) material: Material,
-    pub(super) task: Task,
+    /// From where it is seen.
+    pub(super) view: Camera,
     pub(super) colors: (Coloring, ColorHints),
     pub(super) sequence: Arc<Sequence>,
 }
@@ -58,8 +46,6 @@ pub(super) struct Job {
 /// What came of it.
 #[derive(Debug)]
 pub(super) enum Made {
-    /// What holds the points, relative to the sequence's origin.
-    Bounds(Aabb),
     /// The picture.
     Picture(ColorImage),
     /// The frame cannot be read or drawn.
@@ -78,10 +64,8 @@ impl Job {
             Material::Resident(frame) => Arc::clone(frame),
             Material::File(index) => Arc::new(self.read(*index).ok()?),
         };
-        Some(match &self.task {
-            Task::Survey => Made::Bounds(frame.frame.bounds()),
-            Task::Draw(camera) => Made::Picture(draw(&frame, camera, self.sequence.origin()).ok()?),
-        })
+        let picture = draw(&frame, &self.view, self.sequence.origin()).ok()?;
+        Some(Made::Picture(picture))
     }
 
     /// As many points as a picture needs.
@@ -146,63 +130,18 @@ fn point_size_px(count: usize) -> f32 {
     (pixels as f32 / count.max(1) as f32).sqrt().clamp(2.0, 9.0)
 }
 
-/// The view that all pictures of a sequence are seen from: all of `bounds`, as large as it gets.
-pub(super) fn view_of(bounds: &Aabb, origin: DVec3, up: UpAxis) -> Camera {
-    let mut camera = Camera::framing(bounds, origin, up);
-    if bounds.radius() <= 0.0 {
-        return camera;
-    }
-    // The bounding sphere is framed, so it is never to be seen from farther away. From nearer corners reach farther.
-    let mut near = 0.01 * camera.distance;
-    for _ in 0..20 {
-        let distance = (near * camera.distance).sqrt();
-        let nearer = Camera { distance, ..camera };
-        if reach(&nearer, bounds, origin) <= FILLED {
-            camera = nearer;
-        } else {
-            near = distance;
-        }
-    }
-    camera
-}
-
-/// How far the corners of `bounds` are from the middle of the picture, 1 at its edges; infinite behind the eye.
-fn reach(camera: &Camera, bounds: &Aabb, origin: DVec3) -> f64 {
-    let half = glam::UVec2::from_array(PICTURE_PX).as_dvec2() / 2.0;
-    let corners = (0..8).map(|corner| {
-        let side = |axis: u32| (corner >> axis & 1) as f32;
-        let place = Vec3::new(side(0), side(1), side(2));
-        let place = bounds.min + place * bounds.extent();
-        let px = camera.to_px(origin + place.as_dvec3(), PICTURE_PX);
-        px.map_or(f64::INFINITY, |px| ((px - half) / half).abs().max_element())
-    });
-    corners.fold(0.0, f64::max)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cloud::{Positions, RawCloud};
+    use crate::math::Aabb;
+    use crate::scene::UpAxis;
     use crate::sequence::{ColorSource, Source};
     use bytemuck::Zeroable as _;
-    use proptest::prelude::*;
+    use glam::Vec3;
 
-    proptest! {
-        #[test]
-        fn the_view_shows_the_whole_box_and_not_much_more(
-            extent in prop::array::uniform3(0.0f32..50.0), far in -1e6f64..1e6, up in 0usize..6,
-        ) {
-            let extent = Vec3::from_array(extent);
-            prop_assume!(extent.max_element() > 1e-3);
-            let bounds = Aabb { min: -0.5 * extent, max: 0.5 * extent };
-            let origin = DVec3::new(far, -far, 3.0);
-            let camera = view_of(&bounds, origin, UpAxis::ALL[up].1);
-            let reach = reach(&camera, &bounds, origin);
-            prop_assert!((0.93..=0.96).contains(&reach), "{}", reach);
-        }
-    }
-
-    fn job(material: Material, task: Task) -> Job {
+    /// Of a cube from zero to one, or of what cannot be read.
+    fn job(index: usize) -> Job {
         let decode = |source: &Source| match source.number {
             Some(0) => {
                 let corners =
@@ -218,9 +157,13 @@ mod tests {
             number: Some(number),
             ..Source::file(format!("{number}.ply"))
         });
+        let cube = Aabb {
+            min: Vec3::ZERO,
+            max: Vec3::ONE,
+        };
         Job {
-            material,
-            task,
+            material: Material::File(index),
+            view: Camera::framing(&cube, DVec3::ZERO, UpAxis::Y),
             colors: (Coloring::of(ColorSource::File), ColorHints::NONE),
             sequence: Arc::new(Sequence::with_decoder(sources.collect(), decode)),
         }
@@ -228,12 +171,7 @@ mod tests {
 
     #[test]
     fn a_frame_is_drawn_from_its_file_and_broken_ones_are_marks() {
-        let Made::Bounds(bounds) = job(Material::File(0), Task::Survey).run() else {
-            panic!("no bounds");
-        };
-        assert_eq!((bounds.min, bounds.max), (Vec3::ZERO, Vec3::ONE));
-        let camera = view_of(&bounds, DVec3::ZERO, UpAxis::Y);
-        let Made::Picture(picture) = job(Material::File(0), Task::Draw(camera)).run() else {
+        let Made::Picture(picture) = job(0).run() else {
             panic!("no picture");
         };
         let [red, behind] = [egui::Color32::RED, egui::Color32::from_rgb(24, 27, 34)];
@@ -248,8 +186,7 @@ mod tests {
         assert!((300..=8 * 81).contains(&count(red)), "{}", count(red));
         assert_eq!(count(red) + count(behind), picture.pixels.len());
         for broken in [1, 2] {
-            let made = job(Material::File(broken), Task::Draw(camera)).run();
-            assert!(matches!(made, Made::Broken));
+            assert!(matches!(job(broken).run(), Made::Broken));
         }
     }
 

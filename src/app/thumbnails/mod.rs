@@ -5,8 +5,8 @@
 //! is drawn, at most ten pictures a second, and nothing while playing falls behind or a benchmark runs; files are read when nothing
 //! is played and no frame is being prepared. Pictures are kept in 16 MiB ([`store`]).
 //!
-//! All are seen from one view, so that motion is seen: it shows the boxes of nine frames that are spread over the sequence, and
-//! stays until the up axis or the source of the colours changes, or somebody asks for new pictures.
+//! All are seen from one view, so that motion is seen: the first view of the sequence ([`FirstLook`]). It stays until the up axis or the
+//! source of the colours changes, or somebody asks for new pictures.
 
 mod draw;
 mod schedule;
@@ -16,15 +16,14 @@ pub(in crate::app) use schedule::strip_frames;
 pub(in crate::app) use store::{Look, MAX_CELLS};
 
 use super::tasks::{Outcome, Tasks};
-use crate::math::Aabb;
 use crate::playback::Player;
 use crate::priority;
-use crate::scene::{Camera, UpAxis};
+use crate::scene::{Camera, FirstLook, UpAxis};
 use crate::sequence::{ColorHints, Coloring, Needs, Slot};
-use draw::{Job, Made, Material, Task};
+use draw::{Job, Made, Material};
 use egui::Context;
-use schedule::{Bustle, Leisure, Wanted, survey_frames};
-use std::collections::BTreeMap;
+use glam::DVec3;
+use schedule::{Bustle, Leisure, Wanted};
 use std::sync::Arc;
 use std::time::Duration;
 use store::Store;
@@ -50,8 +49,6 @@ pub struct Thumbnails {
     store: Store,
     key: Option<Key>,
     view: Option<Camera>,
-    /// Boxes that were read for the view, `None` of frames that have none.
-    surveyed: BTreeMap<usize, Option<Aabb>>,
     /// Counts the sets of pictures, so that one of a set that has gone is known as such.
     generation: u64,
     is_busy: bool,
@@ -76,7 +73,6 @@ impl Thumbnails {
             store: Store::default(),
             key: None,
             view: None,
-            surveyed: BTreeMap::new(),
             generation: 0,
             is_busy: false,
             begun: None,
@@ -100,7 +96,6 @@ impl Thumbnails {
     pub fn redo(&mut self) {
         self.store = Store::default();
         self.view = None;
-        self.surveyed.clear();
         self.generation += 1;
     }
 
@@ -134,6 +129,7 @@ impl Thumbnails {
     pub(super) fn follow(
         &mut self,
         player: &Player,
+        look: &FirstLook,
         key: Key,
         is_measured: bool,
         tasks: &Tasks,
@@ -159,39 +155,24 @@ impl Thumbnails {
         if leisure == Leisure::None || (player.is_playing() && is_early) {
             return;
         }
-        let Some((frame, material, task)) = self.next(player, key, leisure) else {
+        let Some((frame, material)) = self.next(player, key, leisure) else {
             return;
         };
+        let view = *self
+            .view
+            .get_or_insert_with(|| view_of(look, key.0, player.sequence().origin()));
         self.begun = Some(now);
         let job = Job {
             material,
-            task,
+            view,
             colors: (key.1, key.2),
             sequence: Arc::clone(player.sequence()),
         };
         self.start(frame, job, tasks);
     }
 
-    /// The next piece of work there is time for.
-    fn next(
-        &mut self,
-        player: &Player,
-        key: Key,
-        leisure: Leisure,
-    ) -> Option<(usize, Material, Task)> {
-        let view = match self.view {
-            Some(view) => view,
-            None => match self.survey(player) {
-                Ok(bounds) => {
-                    let view = draw::view_of(&bounds, player.sequence().origin(), key.0);
-                    *self.view.insert(view)
-                }
-                Err(frame) => {
-                    let can_read = leisure == Leisure::Reading;
-                    return can_read.then_some((frame, Material::File(frame), Task::Survey));
-                }
-            },
-        };
+    /// The next frame there is time for.
+    fn next(&mut self, player: &Player, key: Key, leisure: Leisure) -> Option<(usize, Material)> {
         let loader = player.loader();
         let needs = Needs {
             colors: key.1,
@@ -221,25 +202,7 @@ impl Thumbnails {
         for frame in broken {
             self.store.mark_broken(frame);
         }
-        Some((frame?, material?, Task::Draw(view)))
-    }
-
-    /// What holds the frames that are spread over the sequence; `Err` is one of them of which nothing is known.
-    fn survey(&self, player: &Player) -> Result<Aabb, usize> {
-        let loader = player.loader();
-        let facts = loader.facts();
-        let mut all = Aabb::EMPTY;
-        for frame in survey_frames(facts.len()) {
-            let known = facts[frame].map(|facts| Some(facts.bounds));
-            let known = known.or_else(|| self.surveyed.get(&frame).copied());
-            let is_broken = || matches!(loader.get(frame, &Needs::default()), Slot::Failed(_));
-            match known {
-                Some(bounds) => all = all.union(&bounds.unwrap_or(Aabb::EMPTY)),
-                None if is_broken() => {}
-                None => return Err(frame),
-            }
-        }
-        Ok(all)
+        Some((frame?, material?))
     }
 
     fn start(&mut self, frame: usize, job: Job, tasks: &Tasks) {
@@ -277,14 +240,20 @@ impl Thumbnails {
         }
         let frame = delivery.frame;
         match delivery.made {
-            Made::Bounds(bounds) => _ = self.surveyed.insert(frame, Some(bounds)),
             Made::Picture(image) => self.store.insert(frame, image, &self.wanted.all()),
-            Made::Broken => {
-                self.surveyed.insert(frame, None);
-                self.store.mark_broken(frame);
-            }
+            Made::Broken => self.store.mark_broken(frame),
         }
     }
+}
+
+/// The view that all pictures of a sequence are seen from.
+fn view_of(look: &FirstLook, up: UpAxis, origin: DVec3) -> Camera {
+    let [width, height] = PICTURE_PX.map(f64::from);
+    let view = |look: &FirstLook| look.camera(origin, width / height);
+    if look.up == up {
+        return view(look);
+    }
+    view(&look.clone().with_up(up))
 }
 
 fn bustle(player: &Player, is_measured: bool) -> Bustle {

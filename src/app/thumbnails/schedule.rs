@@ -2,21 +2,11 @@
 
 use std::collections::BTreeSet;
 
-/// Frames whose bounds are looked at before the view is chosen.
-const SURVEYED: usize = 9;
-
 /// The frame in the middle of each of `cells` equal parts of a sequence; every frame once where there are fewer.
 pub(in crate::app) fn strip_frames(frame_count: usize, cells: usize) -> Vec<usize> {
     let cells = cells.min(frame_count);
     let middle = |cell: usize| (2 * cell + 1) * frame_count / (2 * cells);
     (0..cells).map(middle).collect()
-}
-
-/// Frames that are spread over a sequence, both ends among them.
-pub(super) fn survey_frames(frame_count: usize) -> Vec<usize> {
-    let count = SURVEYED.min(frame_count);
-    let place = |number: usize| number * (frame_count - 1) / (count - 1).max(1);
-    (0..count).map(place).collect()
 }
 
 /// Frames whose pictures can be seen.
@@ -113,18 +103,6 @@ mod tests {
         assert_eq!(strip_frames(1, 20), [0]);
         assert_eq!(strip_frames(0, 20), [0; 0]);
         assert_eq!(strip_frames(100, 0), [0; 0]);
-    }
-
-    #[test]
-    fn a_survey_has_both_ends() {
-        assert_eq!(
-            survey_frames(100),
-            [0, 12, 24, 37, 49, 61, 74, 86, 99],
-            "spread evenly"
-        );
-        assert_eq!(survey_frames(2), [0, 1]);
-        assert_eq!(survey_frames(1), [0]);
-        assert_eq!(survey_frames(0), [0; 0]);
     }
 
     #[test]
