@@ -326,13 +326,13 @@ fn border(direction: usize) -> u64 {
 /// For each direction, the cells of the middle block whose neighbour in it is one of these.
 #[inline(always)]
 fn beside(words: Words) -> Words {
-    (0..3).fold(words, shifted)
+    shifted::<2>(shifted::<1>(shifted::<0>(words)))
 }
 
 /// Of each line of three blocks along an axis: what is one cell below each cell of the middle one, it itself, and what is one above.
 #[inline(always)]
-fn shifted(words: Words, axis: usize) -> Words {
-    let ((step, low), count) = (AXES[axis], STEPS[axis]);
+fn shifted<const AXIS: usize>(words: Words) -> Words {
+    let ((step, low), count) = (AXES[AXIS], STEPS[AXIS]);
     let across = (EDGE - 1) * step;
     let high = low << across;
     let mut out = words;
