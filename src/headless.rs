@@ -48,10 +48,7 @@ impl CameraChoice {
     /// A camera that shows what `look` says of frames relative to `origin`, in a picture of `size_px`, but for what is given.
     pub fn camera(&self, look: &FirstLook, origin: DVec3, size_px: [u32; 2]) -> Camera {
         let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
-        let framing = match self.up {
-            Some(up) if up != look.up => look.clone().with_up(up).camera(origin, aspect),
-            _ => look.camera(origin, aspect),
-        };
+        let framing = look.camera_with_up(self.up.unwrap_or(look.up), origin, aspect);
         let mut camera = self.view.unwrap_or(framing);
         camera.up = self.up.unwrap_or(camera.up);
         camera.azimuth_deg = self.azimuth_deg.unwrap_or(camera.azimuth_deg);

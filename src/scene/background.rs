@@ -50,6 +50,11 @@ impl Background {
     }
 }
 
+/// Luma (BT.601) of a colour, 0 to 255.
+pub(super) fn luma([red, green, blue]: [u8; 3]) -> f32 {
+    0.299 * f32::from(red) + 0.587 * f32::from(green) + 0.114 * f32::from(blue)
+}
+
 /// How a background is in a file: as it is written, or as the word of the command line, which `settings.json` had once.
 #[derive(serde::Deserialize)]
 #[serde(untagged)]

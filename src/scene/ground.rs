@@ -6,6 +6,7 @@
 //! nearest line is follows from the derivative, which is known in closed form, so that both draw the same lines
 //! (`shaders/passes/grid.wgsl`, `render/cpu/grid.rs`).
 
+use super::background::luma;
 use super::{Background, UpAxis, ViewTransform};
 use crate::math::Aabb;
 use glam::{DVec3, Vec3, Vec3Swizzles as _};
@@ -86,10 +87,6 @@ fn spacing_under(width: f64) -> f64 {
     } else {
         1.0
     }
-}
-
-fn luma([red, green, blue]: [u8; 3]) -> f32 {
-    0.299 * f32::from(red) + 0.587 * f32::from(green) + 0.114 * f32::from(blue)
 }
 
 /// A [`GroundPlane`] in view space. The ray with z = -1 meets it at `height / (normal · ray)` of its length.

@@ -22,7 +22,6 @@ use crate::scene::{Camera, FirstLook, UpAxis};
 use crate::sequence::{ColorHints, Coloring, Needs, Slot};
 use draw::{Job, Made, Material};
 use egui::Context;
-use glam::DVec3;
 use schedule::{Bustle, Leisure, Wanted};
 use std::sync::Arc;
 use std::time::Duration;
@@ -158,9 +157,10 @@ impl Thumbnails {
         let Some((frame, material)) = self.next(player, key, leisure) else {
             return;
         };
-        let view = *self
-            .view
-            .get_or_insert_with(|| view_of(look, key.0, player.sequence().origin()));
+        let view = *self.view.get_or_insert_with(|| {
+            let [width, height] = PICTURE_PX.map(f64::from);
+            look.camera_with_up(key.0, player.sequence().origin(), width / height)
+        });
         self.begun = Some(now);
         let job = Job {
             material,
@@ -244,16 +244,6 @@ impl Thumbnails {
             Made::Broken => self.store.mark_broken(frame),
         }
     }
-}
-
-/// The view that all pictures of a sequence are seen from.
-fn view_of(look: &FirstLook, up: UpAxis, origin: DVec3) -> Camera {
-    let [width, height] = PICTURE_PX.map(f64::from);
-    let view = |look: &FirstLook| look.camera(origin, width / height);
-    if look.up == up {
-        return view(look);
-    }
-    view(&look.clone().with_up(up))
 }
 
 fn bustle(player: &Player, is_measured: bool) -> Bustle {

@@ -194,6 +194,14 @@ impl FirstLook {
         camera
     }
 
+    /// The same where `up` is up, whatever was guessed.
+    pub fn camera_with_up(&self, up: UpAxis, origin: DVec3, aspect: f64) -> Camera {
+        if up == self.up {
+            return self.camera(origin, aspect);
+        }
+        self.clone().with_up(up).camera(origin, aspect)
+    }
+
     /// Moves `camera` so that what is not an outlier fills the picture, together with the box `beside` (relative to `origin`), keeping
     /// its direction.
     pub fn frame(&self, camera: &mut Camera, origin: DVec3, aspect: f64, beside: &Aabb) {

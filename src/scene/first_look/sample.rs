@@ -6,6 +6,7 @@
 
 use crate::cloud::Frame;
 use crate::math::SymmetricMat3;
+use crate::scene::background::luma;
 use glam::Vec3;
 
 /// Most points that stand for a cloud; statistics of so many are within a per cent.
@@ -79,15 +80,15 @@ impl Sample {
     }
 }
 
-/// Luma (BT.601) of the colours of the file, 0 to 255, that half of the points are below; `None` without colours.
+/// Luma of the colours of the file, 0 to 255, that half of the points are below; `None` without colours.
 pub(super) fn median_luma(frame: &Frame) -> Option<f32> {
     let colors = frame.colors()?;
     let slots = even_slots(colors.len(), MOST_POINTS);
     let mut lumas: Vec<f32> = slots
         .iter()
         .map(|&slot| {
-            let [red, green, blue, _] = colors[slot].map(f32::from);
-            0.299 * red + 0.587 * green + 0.114 * blue
+            let [red, green, blue, _] = colors[slot];
+            luma([red, green, blue])
         })
         .collect();
     (!lumas.is_empty()).then(|| quantile(&mut lumas, 0.5))
