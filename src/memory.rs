@@ -27,6 +27,15 @@ pub fn keep_freed_pages() {
     }
 }
 
+/// Gives freed memory back to the system at once, where it is not what the next frame takes.
+pub(crate) fn give_back_freed_pages() {
+    #[allow(unsafe_code, reason = "the allocator has this in C alone")]
+    // SAFETY: the function may be called at any time, from any thread.
+    unsafe {
+        libmimalloc_sys::mi_collect(true);
+    }
+}
+
 /// Bytes of memory that this process may have: the machine's, or those of its control group if they are fewer; `None` where
 /// the system does not say.
 pub(crate) fn machine_bytes() -> Option<u64> {

@@ -158,6 +158,21 @@ pub fn estimate_surface_observed(
     progress: &Progress,
 ) -> Surface {
     let orientation = orientation_of(positions.len(), sensor);
+    surface_oriented_by(orientation, positions, sensor, progress)
+}
+
+/// [`estimate_surface`] for a picture that is soon replaced: without a sensor, points agree with representatives however few they are.
+pub(crate) fn estimate_surface_fast(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
+    let orientation = orientation_of(usize::MAX, sensor);
+    surface_oriented_by(orientation, positions, sensor, &Progress::default())
+}
+
+fn surface_oriented_by(
+    orientation: Orientation,
+    positions: &[Vec3],
+    sensor: Option<Vec3>,
+    progress: &Progress,
+) -> Surface {
     let estimated = estimated_surface(positions, sensor, orientation, progress);
     estimated.unwrap_or_else(|| Surface {
         normals: vec![Vec3::Z; positions.len()],

@@ -1,5 +1,6 @@
 //! A picture of a pose in the window: the packet that it is drawn from, and what that was made of.
 
+use super::in_view::{InView, SurfelsInView};
 use super::levels::Levels;
 use super::tasks::Tasks;
 use crate::playback::can_draw;
@@ -22,6 +23,8 @@ pub(super) struct Drawing {
     primitive: Primitive,
     /// What makes pictures coarser while the camera moves.
     levels: Levels,
+    /// What stands for surfels that are not there.
+    surfels_in_view: SurfelsInView,
     /// The last redraw had a new picture, whose time has not been looked at.
     is_new: bool,
 }
@@ -55,6 +58,7 @@ impl Default for Drawing {
             frame: None,
             primitive: Primitive::Point,
             levels: Levels::default(),
+            surfels_in_view: SurfelsInView::default(),
             is_new: false,
         }
     }
@@ -81,11 +85,31 @@ impl Drawing {
         Some(drawn.frame.frame.len())
     }
 
-    /// Has levels of detail made for a frame at rest that takes long to draw, so that the camera moves smoothly.
-    pub(super) fn prepare_levels(&mut self, settings: &Settings, tasks: &Tasks) {
-        if let Some(drawn) = &self.frame {
+    /// Has made what the next pictures lack: levels of detail for a frame at rest that takes long to draw, so that the camera moves smoothly;
+    /// surfels of what is in view at `now`, where those of the frame are not there.
+    pub(super) fn prepare(
+        &mut self,
+        settings: &Settings,
+        is_at_rest: bool,
+        tasks: &Tasks,
+        now: Duration,
+    ) {
+        if let Some(drawn) = self.frame.as_ref().filter(|_| is_at_rest) {
             self.levels.prepare(&drawn.frame, settings, tasks);
         }
+        self.surfels_in_view.prepare(tasks, now);
+    }
+
+    /// Takes surfels in view that were made.
+    pub(super) fn take_surfels_in_view(&mut self, made: &Arc<InView>) {
+        self.surfels_in_view.take(made);
+    }
+
+    /// Whether the last picture is of surfels, be it of those in view alone.
+    pub(super) fn has_surfels(&self) -> bool {
+        self.packet
+            .as_ref()
+            .is_some_and(|packet| packet.shapes.is_some())
     }
 
     /// Takes levels of detail that were made.
@@ -93,20 +117,29 @@ impl Drawing {
         self.levels.take(frame);
     }
 
-    /// When a picture that is coarse because the camera moved is to be drawn as a whole.
+    /// When a picture that is coarse because the camera moved is to be drawn as a whole, or one of points to become surfels.
     pub(super) fn next_deadline(&self) -> Option<Duration> {
-        self.levels.next_deadline()
+        let levels = self.levels.next_deadline().into_iter();
+        levels.chain(self.surfels_in_view.next_deadline()).min()
     }
 
     /// The packet to draw at `now`, if it differs from the last one. Until the frame has what the primitive needs, it is shown as before.
     pub(super) fn next_packet(
         &mut self,
-        drawn: DrawnFrame,
+        mut drawn: DrawnFrame,
         camera: &Camera,
         settings: &Settings,
         viewport_px: [u32; 2],
         now: Duration,
     ) -> Option<ScenePacket> {
+        let seen_from = (camera, drawn.origin);
+        let part = self
+            .surfels_in_view
+            .choose(&drawn.frame, seen_from, settings, viewport_px, now);
+        if let Some(part) = part {
+            drawn.frame = Arc::clone(&part);
+            drawn.pose = part;
+        }
         let (frame, mut settings) = self.levels.choose(&drawn.frame, camera, settings, now);
         if !can_draw(&drawn.frame, settings.primitive) {
             settings.primitive = if can_draw(&drawn.frame, self.primitive) {
@@ -141,6 +174,7 @@ impl Drawing {
     /// Forgets what can be picked.
     pub(super) fn forget_frame(&mut self) {
         self.frame = None;
+        self.surfels_in_view = SurfelsInView::default();
     }
 
     /// The point under `place` of the picture over `rect`, and the pose that it is of, as they were drawn last.

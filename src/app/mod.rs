@@ -22,6 +22,7 @@ mod fly;
 mod focus;
 mod grip;
 mod history;
+mod in_view;
 mod inspection;
 mod levels;
 mod measuring;

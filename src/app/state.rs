@@ -510,16 +510,13 @@ impl State {
             player.note_picture_ms(points, draw_ms);
         }
         let is_at_rest = !player.is_playing() && !is_partial;
-        if is_at_rest {
-            self.drawing.prepare_levels(&settings, &self.tasks);
-        }
+        let (tasks, now) = (&self.tasks, self.now);
+        self.drawing.prepare(&settings, is_at_rest, tasks, now);
         if let Some(beside) = &mut self.beside {
             if let Some(points) = beside.drawing.note_draw_ms(draw_ms) {
                 beside.companion.note_picture_ms(points, draw_ms);
             }
-            if is_at_rest {
-                beside.drawing.prepare_levels(&settings, &self.tasks);
-            }
+            beside.drawing.prepare(&settings, is_at_rest, tasks, now);
         }
     }
 

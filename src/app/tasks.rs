@@ -7,6 +7,7 @@ use super::beside::FrameDistances;
 use super::camera_path::Draft;
 use super::comparison::{PictureDifference, Side};
 use super::export::Exported;
+use super::in_view::InView;
 use super::progress::Progress;
 use super::state::LookedAtMore;
 use super::temporal::Made;
@@ -138,6 +139,8 @@ pub enum Outcome {
     MadeFrame(Option<Box<Made>>),
     /// A frame has got levels of detail.
     Levels(Arc<PreparedFrame>),
+    /// Surfels of what a view shows were estimated.
+    InView(Arc<InView>),
     /// Several frames of a sequence were looked at.
     Looked(Box<LookedAtMore>),
     /// A small picture of a frame was made.

@@ -161,23 +161,32 @@ impl Frame {
             .map(|slot| slot as u32)
             .collect();
         let factor = radius_factor(self.len(), taken.len());
+        let radii = self.radii();
+        let radii = radii.map(|radii| gather(radii, &taken, |radius| factor * radius));
+        self.part(&taken, radii)
+    }
+
+    /// The points at these slots, with `radii` or none, and where each of them stands here.
+    pub(crate) fn part(
+        &self,
+        taken: &[u32],
+        radii: Option<Vec<f32>>,
+    ) -> Result<(Self, Vec<u32>), CloudError> {
         let raw = RawCloud {
-            positions: Positions::F32(gather(&self.positions, &taken, |at| at.to_array())),
+            positions: Positions::F32(gather(&self.positions, taken, |at| at.to_array())),
             colors: self
                 .colors()
-                .map(|colors| gather(colors, &taken, |color| color)),
+                .map(|colors| gather(colors, taken, |color| color)),
             normals: self
                 .normals()
-                .map(|normals| gather(normals, &taken, |normal| normal.to_array())),
-            radii: self
-                .radii()
-                .map(|radii| gather(radii, &taken, |radius| factor * radius)),
+                .map(|normals| gather(normals, taken, |normal| normal.to_array())),
+            radii,
             scalars: self
                 .scalars
                 .iter()
                 .map(|field| ScalarField {
                     name: field.name.clone(),
-                    values: gather(&field.values, &taken, |value| value),
+                    values: gather(&field.values, taken, |value| value),
                     offset: field.offset,
                 })
                 .collect(),
@@ -189,12 +198,12 @@ impl Frame {
             unit: self.unit,
             warnings: self.warnings.clone(),
         };
-        let mut sample = Self::from_raw(raw, DVec3::ZERO)?;
-        let slots = gather(&taken, &sample.file_index, |slot| slot);
-        sample.file_index = gather(&self.file_index, &slots, |index| index);
-        sample.left_out = self.points_in_file() - slots.len();
-        sample.share_sample(Arc::clone(self.value_sample()));
-        Ok((sample, slots))
+        let mut part = Self::from_raw(raw, DVec3::ZERO)?;
+        let slots = gather(taken, &part.file_index, |slot| slot);
+        part.file_index = gather(&self.file_index, &slots, |index| index);
+        part.left_out = self.points_in_file() - slots.len();
+        part.share_sample(Arc::clone(self.value_sample()));
+        Ok((part, slots))
     }
 
     /// Number of points; may be 0.

@@ -61,7 +61,7 @@ pub use needs::Needs;
 pub use onion::OnionSkin;
 pub use pace::Pace;
 pub use play_range::PlayRange;
-pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare};
+pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare, prepare_part};
 pub use recording::Recording;
 pub use records::UNIFORM_COLOR;
 pub use scaled::NO_VALUE_COLOR;

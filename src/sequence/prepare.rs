@@ -19,10 +19,13 @@
 
 use super::records::{self, SurfaceWork};
 use super::{ColorHints, ColorSource, Coloring, Needs, Paint, milliseconds_since};
-use crate::analysis::Orientation;
+use crate::analysis::{
+    Orientation, Surface, estimate_surface_fast, estimate_surface_observed, surface_steps,
+};
 use crate::cloud::{CloudError, Frame, PointRecord, ShapeRecord, radius_factor};
 use crate::octree::{CodedCloud, LodSurfels, Octree, StopCriterion};
 use crate::progress::Progress;
+use glam::Vec3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -265,6 +268,28 @@ pub(super) fn prepare_sample(
     ))
 }
 
+/// Prepares the points of `existing` at `slots` alone, for a picture that is soon replaced: where nobody knows a sensor, normals
+/// agree with those of representatives. Radii are those that close the surface of these points, whatever the file says.
+pub fn prepare_part(
+    existing: &PreparedFrame,
+    slots: &[u32],
+    needs: &Needs,
+    counters: &PrepareCounters,
+) -> Result<PreparedFrame, CloudError> {
+    let mut timings = Timings::default();
+    let (frame, _) = existing.frame.part(slots, None)?;
+    let (shapes, orientation) =
+        estimated_shapes(&frame, &mut timings, counters, estimate_surface_fast);
+    Ok(build(
+        (existing.index, Arc::new(frame)),
+        None,
+        Some((Arc::new(shapes), orientation)),
+        needs,
+        timings,
+        (counters, &Progress::default()),
+    ))
+}
+
 /// Adds to `existing` what `needs` ask for beyond it; parts that are still right are the same `Arc`s.
 pub fn complete(
     existing: &PreparedFrame,
@@ -313,7 +338,11 @@ fn build(
     let colors_need_shapes =
         paint == Paint::Normal && same_colors.is_none() && records::file_normals(&frame).is_none();
     if shapes.is_none() && (needs.shapes || needs.ellipses || colors_need_shapes) {
-        let (estimated, by) = estimated_shapes(&frame, &mut timings, counters, progress);
+        let estimate = |positions: &[Vec3], sensor| {
+            progress.set(0, surface_steps(positions.len(), sensor));
+            estimate_surface_observed(positions, sensor, progress)
+        };
+        let (estimated, by) = estimated_shapes(&frame, &mut timings, counters, estimate);
         (shapes, orientation) = (Some(Arc::new(estimated)), Some(by));
     }
 
@@ -403,14 +432,15 @@ fn build(
     }
 }
 
+/// The shapes of all points, of which `estimate` estimates the missing normals: see [`records::complete_surface`].
 fn estimated_shapes(
     frame: &Frame,
     timings: &mut Timings,
     counters: &PrepareCounters,
-    progress: &Progress,
+    estimate: impl FnOnce(&[Vec3], Option<Vec3>) -> Surface,
 ) -> (Vec<ShapeRecord>, Orientation) {
     let start = Instant::now();
-    let (surface, work) = records::complete_surface(frame, progress);
+    let (surface, work) = records::complete_surface(frame, estimate);
     match work {
         SurfaceWork::None => {}
         SurfaceWork::Radii => {

@@ -2,11 +2,8 @@
 
 use super::Paint;
 use super::scaled::{field, points_in_class_colors, points_on_scale};
-use crate::analysis::{
-    Orientation, estimate_surface_observed, fake_color, splat_ellipses, splat_radii, surface_steps,
-};
+use crate::analysis::{Orientation, Surface, fake_color, splat_ellipses, splat_radii};
 use crate::cloud::{Frame, PointRecord, ShapeRecord, encode_ellipse, oct_decode, oct_encode};
-use crate::progress::Progress;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -57,12 +54,12 @@ fn file_radii(frame: &Frame) -> Option<&[f32]> {
         .filter(|radii| radii.iter().all(|&radius| radius > 0.0))
 }
 
-/// Takes what the file has and estimates the rest: a zero normal and a zero radius count as missing. `progress` tells of missing normals,
-/// which take longest; once it is cancelled, the answer is of no use.
-pub(super) fn complete_surface<'a>(
-    frame: &'a Frame,
-    progress: &Progress,
-) -> (CompleteSurface<'a>, SurfaceWork) {
+/// Takes what the file has and estimates the rest: a zero normal and a zero radius count as missing. Where normals are missing, `estimate`
+/// is given the positions and the place of the sensor.
+pub(super) fn complete_surface(
+    frame: &Frame,
+    estimate: impl FnOnce(&[Vec3], Option<Vec3>) -> Surface,
+) -> (CompleteSurface<'_>, SurfaceWork) {
     let positions = frame.positions();
     match (file_normals(frame), file_radii(frame)) {
         (Some(normals), Some(radii)) => (
@@ -86,8 +83,7 @@ pub(super) fn complete_surface<'a>(
             )
         }
         (None, _) => {
-            progress.set(0, surface_steps(positions.len(), frame.sensor()));
-            let mut surface = estimate_surface_observed(positions, frame.sensor(), progress);
+            let mut surface = estimate(positions, frame.sensor());
             keep_given(&mut surface.normals, frame.normals(), |&normal| {
                 normal != Vec3::ZERO
             });

@@ -3,7 +3,7 @@
 use super::*;
 use pointreel::analysis::{ColorMap, fake_color};
 use pointreel::cloud::{ScalarField, decode_ellipse, oct_decode};
-use pointreel::sequence::{PrepareCounters, UNIFORM_COLOR, complete, prepare};
+use pointreel::sequence::{PrepareCounters, UNIFORM_COLOR, complete, prepare, prepare_part};
 
 /// Octrees, surfaces, radii and records made so far.
 fn work(counters: &PrepareCounters) -> [u64; 4] {
@@ -39,6 +39,35 @@ fn what_the_file_has_is_not_estimated() {
         assert_eq!(Vec3::from_array(point.position), positions[i]);
         assert_eq!(point.color, [i as u8, 3, 7, 255]);
     }
+}
+
+#[test]
+fn a_part_has_the_points_of_these_slots_and_radii_that_close_their_surface() {
+    let counters = PrepareCounters::default();
+    let whole = prepare(0, frame_of(complete_sheet(10, 3)), 0.0, &SURFELS, &counters);
+    // Every second row: they are two apart.
+    let is_kept = |index: u32| (index / 10).is_multiple_of(2);
+    let of_file = whole.frame.file_index().iter();
+    let slots = (0..).zip(of_file).filter(|&(_, &index)| is_kept(index));
+    let slots: Vec<u32> = slots.map(|(slot, _)| slot).collect();
+    let part = prepare_part(&whole, &slots, &SURFELS, &counters).unwrap();
+    assert_eq!((part.points.len(), part.frame.points_in_file()), (50, 100));
+    assert!(part.is_sample() && part.paint() == whole.paint());
+    let slot_of = |index: u32| {
+        let mut of_file = whole.frame.file_index().iter();
+        of_file.position(|&other| other == index).unwrap()
+    };
+    let shapes = part.shapes.as_ref().unwrap();
+    for (slot, &index) in part.frame.file_index().iter().enumerate() {
+        assert!(is_kept(index));
+        assert_eq!(part.points[slot], whole.points[slot_of(index)]);
+        assert_eq!(oct_decode(shapes[slot].normal), Vec3::Y);
+        // The file says 0.5, which would leave gaps between the rows.
+        assert!(shapes[slot].radius > 1.0, "{}", shapes[slot].radius);
+    }
+    assert!(
+        prepare_part(&whole, &[], &SURFELS, &counters).is_ok_and(|part| part.points.is_empty())
+    );
 }
 
 #[test]

@@ -83,6 +83,12 @@ impl State {
                     beside.drawing.take_levels(&frame);
                 }
             }
+            Outcome::InView(made) => {
+                self.drawing.take_surfels_in_view(&made);
+                if let Some(beside) = &mut self.beside {
+                    beside.drawing.take_surfels_in_view(&made);
+                }
+            }
             Outcome::Looked(more) => self.take_more(*more),
             Outcome::Thumbnail(delivery) => self.thumbnails.take_in(*delivery),
             Outcome::Failed(text) => self.notices.error(text),

@@ -18,6 +18,8 @@ pub(in crate::app) enum PictureStage {
     SomePoints,
     /// All of its points, without what is still to be estimated.
     AllPoints,
+    /// Surfels of what is in view, while those of all points are being estimated.
+    SurfelsInView,
     /// All that was asked for.
     Whole,
 }
@@ -55,6 +57,7 @@ impl State {
         let frame = player.shown().filter(|_| self.is_drawn())?;
         Some(match (player.is_partial(), frame.is_sample()) {
             (false, _) => PictureStage::Whole,
+            (true, false) if self.drawing.has_surfels() => PictureStage::SurfelsInView,
             (true, false) => PictureStage::AllPoints,
             (true, true) => PictureStage::SomePoints,
         })

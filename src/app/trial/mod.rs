@@ -407,6 +407,9 @@ impl Watched {
         for (time, _) in times.into_iter().filter(|&(_, least)| stage >= least) {
             time.get_or_insert(ms);
         }
+        if stage == PictureStage::SurfelsInView {
+            found.in_view_ms.get_or_insert(ms);
+        }
         found.peak_bytes = Processor::peak_resident_bytes();
     }
 

@@ -157,6 +157,7 @@ impl App {
                 match shown {
                     PictureStage::SomePoints => "some points are shown",
                     PictureStage::AllPoints => "all points are shown",
+                    PictureStage::SurfelsInView => "surfels of what is in view are shown",
                     PictureStage::Whole => "the frame is shown as it is to be",
                 },
                 since_start.as_secs_f64()

@@ -22,6 +22,7 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("start_ms", "opened after ms", 0).hidden(),
     Column::number("first_ms", "first after ms", 0),
     Column::number("all_points_ms", "all points after ms", 0),
+    Column::number("in_view_ms", "surfels in view after ms", 0),
     Column::number("rest_ms", "whole after ms", 0),
     Column::number("read_ms", "plain read ms", 0),
     Column::number("cpu_percent", "CPU % of a core", 0),
@@ -83,6 +84,8 @@ pub struct WindowAction {
     pub first_ms: Option<f64>,
     /// From opening it to the presented picture of all points.
     pub all_points_ms: Option<f64>,
+    /// From opening it to the presented picture of surfels, be it of those in view alone.
+    pub in_view_ms: Option<f64>,
     /// From opening it to the presented picture with all that was asked for.
     pub whole_ms: Option<f64>,
     /// Reading the file, from the system's cache, and doing nothing with it.
@@ -127,6 +130,7 @@ impl WindowAction {
             Cell::maybe(self.start_ms),
             Cell::maybe(self.first_ms),
             Cell::maybe(self.all_points_ms),
+            Cell::maybe(self.in_view_ms),
             Cell::maybe(self.whole_ms.or(self.rest_ms)),
             Cell::maybe(self.read_ms),
             Cell::maybe(self.cpu_ms.map(|cpu_ms| cpu_ms / (10.0 * self.seconds))),

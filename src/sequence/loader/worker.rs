@@ -4,6 +4,7 @@ use super::queue::{Job, NextStage, Queue};
 use super::readings::{ReadingStage, Readings};
 use super::stages;
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::memory;
 use crate::priority;
 use crate::progress::Progress;
 use crate::sequence::effort::Made;
@@ -180,6 +181,7 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
             progress.set(0, 0);
             let fits = check_memory(shared, job.index, &existing.frame, &job.needs);
             fits.inspect_err(|error| log::warn!("{error}"))?;
+            memory::give_back_freed_pages();
         }
         let frame = shared.run_stages(job, || from_existing(shared, existing, job, progress))?;
         if progress.is_cancelled() {
