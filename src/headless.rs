@@ -235,7 +235,7 @@ impl Headless {
         let traversal = self.scene.stats();
         PictureStats {
             index: frame.index,
-            file: self.sequence.source(frame.index).path.display().to_string(),
+            file: self.sequence.entry(frame.index).path.display().to_string(),
             points: frame.frame.len(),
             dropped_points: frame.frame.dropped_points(),
             decode_ms: frame.timings.decode_ms,

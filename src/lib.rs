@@ -14,7 +14,8 @@
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
 //! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
-//! | [`sequence`] | files in order, the clock, frames prepared ahead of the playhead within a byte budget |
+//! | [`source`] | where frames come from: files in order, recordings, shapes, streams |
+//! | [`sequence`] | the clock, frames prepared ahead of the playhead within a byte budget |
 //! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds all that one picture needs, and what is under its pixels |
 //! | [`playback`] | the playhead: which frame is due, which is shown, with how many points |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
@@ -48,3 +49,4 @@ pub mod progress;
 pub mod render;
 pub mod scene;
 pub mod sequence;
+pub mod source;

@@ -12,6 +12,7 @@ const ORDER: &[&[&str]] = &[
     &["io", "analysis"],
     &["measure"],
     &["octree"],
+    &["source"],
     &["sequence"],
     &["scene"],
     &["playback"],

@@ -10,7 +10,7 @@ mod common;
 use pointreel::bench::{
     BenchError, BenchOptions, Cell, Column, Input, LabPoint, Progress, Report, Row, Suite, run,
 };
-use pointreel::sequence::{Sequence, Shape, Source};
+use pointreel::sequence::{FrameEntry, Sequence, Shape};
 use std::cell::RefCell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -599,7 +599,7 @@ fn nothing_to_measure_is_an_error() {
         measure(&[], &options),
         "there is nothing to measure: no sequence was named"
     );
-    let empty = Sequence::with_decoder(Vec::<Source>::new(), |_| Err("never called".into()));
+    let empty = Sequence::with_decoder(Vec::<FrameEntry>::new(), |_| Err("never called".into()));
     let inputs = [input("empty", empty)];
     assert_eq!(
         measure(&inputs, &options),
@@ -688,7 +688,7 @@ fn without_an_adapter_the_processor_is_measured() {
 fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
     let sphere = Input {
         shape: Some(Shape::Sphere),
-        ..input("sphere", Shape::Sphere.sequence(3_000))
+        ..input("sphere", Sequence::of(Shape::Sphere.frame(3_000)))
     };
     let options = BenchOptions {
         viewport_px: [160, 120],

@@ -12,7 +12,7 @@ use pointreel::cloud::{Positions, RawCloud};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{Background, Primitive, Scene, ScenePacket, Settings};
-use pointreel::sequence::{ColorSource, Sequence, Shape, Source};
+use pointreel::sequence::{ColorSource, FrameEntry, Sequence, Shape};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -27,12 +27,12 @@ const NEAR: &[(DVec3, f64)] = &[
 
 /// Points of a torus, a frame for each place and factor of its size.
 fn tori(frames: &'static [(DVec3, f64)]) -> Arc<Sequence> {
-    let source = |number: u64| Source {
+    let source = |number: u64| FrameEntry {
         number: Some(number),
-        ..Source::file(format!("/scans/torus/{number}.ply"))
+        ..FrameEntry::file(format!("/scans/torus/{number}.ply"))
     };
     let sources = (0..frames.len() as u64).map(source).collect();
-    let torus = Shape::Torus.sequence(4000).frame(0).unwrap();
+    let torus = Sequence::of(Shape::Torus.frame(4000)).frame(0).unwrap();
     let torus: Vec<DVec3> = torus.positions().iter().map(|p| p.as_dvec3()).collect();
     Arc::new(Sequence::with_decoder(sources, move |source| {
         let (place, size) = frames[source.number.unwrap_or(0) as usize];

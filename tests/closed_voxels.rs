@@ -118,8 +118,14 @@ fn voxels() -> Settings {
 fn sequences() -> Vec<(String, Sequence)> {
     let mut sequences = vec![
         ("demo".to_owned(), Sequence::demo()),
-        ("sphere".to_owned(), Shape::Sphere.sequence(40_000)),
-        ("torus".to_owned(), Shape::Torus.sequence(100_000)),
+        (
+            "sphere".to_owned(),
+            Sequence::of(Shape::Sphere.frame(40_000)),
+        ),
+        (
+            "torus".to_owned(),
+            Sequence::of(Shape::Torus.frame(100_000)),
+        ),
     ];
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
     for name in ["sequences/cesiumman_24fps", "static/bun_zipper.ply"] {
@@ -181,7 +187,7 @@ fn voxels_cover_what_surfels_cover_and_look_like_them() {
 /// What the test above measures tells closed surfaces from dots, and light on surfaces from light on cubes.
 #[test]
 fn the_cells_of_the_paper_are_dots_and_light_on_faces_is_that_of_cubes() {
-    let sequence = Shape::Torus.sequence(20_000);
+    let sequence = Sequence::of(Shape::Torus.frame(20_000));
     let frame = Arc::new(sequence.frame(0).unwrap());
     let needs = Scene::needs(&Settings::default());
     let frame = prepare(0, frame, 0.0, &needs, &PrepareCounters::default());

@@ -16,7 +16,7 @@ use pointreel::scene::{
     BackFaces, Background, Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting,
     Voxels,
 };
-use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Shape, prepare};
+use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
 use std::sync::{Arc, LazyLock};
 
@@ -235,7 +235,7 @@ fn extreme_records_are_survived() {
 
 /// Points of a unit sphere with the radii that the program estimates.
 fn sampled_sphere() -> PreparedFrame {
-    let frame = Shape::Sphere.sequence(3_000).frame(0).unwrap();
+    let frame = Sequence::of(Shape::Sphere.frame(3_000)).frame(0).unwrap();
     let needs = Needs {
         shapes: true,
         ..Needs::default()

@@ -12,7 +12,7 @@ use pointreel::render::AnyRenderer;
 use pointreel::scene::{
     BackFaces, Background, Camera, FirstLook, Kind, Primitive, RendererChoice, Settings, UpAxis,
 };
-use pointreel::sequence::{Loader, LoaderOptions, OpenOptions, Sequence, Shape, Source};
+use pointreel::sequence::{FrameEntry, Loader, LoaderOptions, OpenOptions, Sequence, Shape};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -111,7 +111,10 @@ fn check(name: &str, sequence: Sequence) -> Shown {
 }
 
 fn of_cloud(raw: RawCloud) -> Sequence {
-    Sequence::with_decoder(vec![Source::file("generated")], move |_| Ok(raw.clone()))
+    Sequence::with_decoder(
+        vec![FrameEntry::file("generated")],
+        move |_| Ok(raw.clone()),
+    )
 }
 
 fn of_points(points: Vec<[f32; 3]>) -> Sequence {
@@ -250,12 +253,12 @@ fn a_sweep_is_seen_from_above_and_drawn_as_points() {
 #[test]
 fn closed_shapes_are_culled_and_open_ones_are_not() {
     for shape in [Shape::Sphere, Shape::Torus] {
-        let shown = check(shape.name(), shape.sequence(60_000));
+        let shown = check(shape.name(), Sequence::of(shape.frame(60_000)));
         assert!(shown.look.is_closed, "{}", shape.name());
         assert_eq!(shown.look.primitive, Primitive::Surfel);
     }
     // Half of a sphere, open to the top.
-    let frame = Shape::Sphere.sequence(60_000).frame(0).unwrap();
+    let frame = Sequence::of(Shape::Sphere.frame(60_000)).frame(0).unwrap();
     let kept: Vec<usize> = (0..frame.len())
         .filter(|&slot| frame.positions()[slot].y < 0.0)
         .collect();

@@ -14,7 +14,7 @@ use pointreel::scene::{
     pick,
 };
 use pointreel::sequence::{
-    ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Shape, prepare,
+    ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare,
 };
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ const STRIDE: u32 = 3;
 
 /// So many points of a torus, each in a colour that no other has.
 fn torus(count: usize, settings: &Settings) -> PreparedFrame {
-    let shape = Shape::Torus.sequence(count).frame(0).unwrap();
+    let shape = Sequence::of(Shape::Torus.frame(count)).frame(0).unwrap();
     let positions: Vec<[f32; 3]> = shape.positions().iter().map(Vec3::to_array).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(positions));
     raw.normals = Some(

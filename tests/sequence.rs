@@ -11,9 +11,9 @@ use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::io::ReadOptions;
 use pointreel::octree::StopCriterion;
 use pointreel::sequence::{
-    ColorHints, ColorSource, Coloring, DecodeFailure, Direction, FrameError, FrameState, Loader,
-    LoaderOptions, LoopMode, Needs, OpenOptions, PlayRange, PreparedFrame, Sequence, SequenceError,
-    Slot, Source,
+    ColorHints, ColorSource, Coloring, DecodeFailure, Direction, FrameEntry, FrameError,
+    FrameState, Loader, LoaderOptions, LoopMode, Needs, OpenOptions, PlayRange, PreparedFrame,
+    Sequence, SequenceError, Slot,
 };
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -54,14 +54,14 @@ fn voxels(delta: f32) -> Needs {
 }
 
 /// `count` sources named `0.fake`, `1.fake`, …
-fn fake_sources(count: usize) -> Vec<Source> {
+fn fake_sources(count: usize) -> Vec<FrameEntry> {
     (0..count)
-        .map(|index| Source::file(format!("{index}.fake")))
+        .map(|index| FrameEntry::file(format!("{index}.fake")))
         .collect()
 }
 
 /// The index that [`fake_sources`] wrote into the name.
-fn index_of(source: &Source) -> usize {
+fn index_of(source: &FrameEntry) -> usize {
     Path::new(&source.name)
         .file_stem()
         .and_then(|stem| stem.to_str())

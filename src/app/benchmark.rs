@@ -238,7 +238,7 @@ fn window_job(sequence: &Sequence, cancel: &AtomicBool) -> Result<BenchmarkTable
     let folder = std::env::temp_dir().join(format!("pointreel-window-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(say)?;
     let file = folder.join("report.json");
-    let inputs = match sequence.inputs() {
+    let inputs = match sequence.source().inputs() {
         [] => vec![PathBuf::from("demo:")],
         inputs => inputs.to_vec(),
     };

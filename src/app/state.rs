@@ -251,7 +251,7 @@ impl State {
         if let Err(error) = watch(player.sequence(), self.wake()) {
             self.notices.error(error.to_string());
         }
-        for note in player.sequence().notes() {
+        for note in player.sequence().source().notes() {
             self.notices.warn(note.clone());
         }
         if self.options.follow {
@@ -294,7 +294,7 @@ impl State {
     /// Opens the open recording again, with the point clouds of another topic.
     pub fn open_topic(&mut self, topic: &str) {
         if let Some(player) = &self.player {
-            let inputs = player.sequence().inputs().to_vec();
+            let inputs = player.sequence().source().inputs().to_vec();
             self.open_with_topic(inputs, Some(topic.into()));
         }
     }

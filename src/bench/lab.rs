@@ -135,7 +135,7 @@ impl QualityKey {
     pub fn new(adapter: &str, sequence: &Sequence) -> Self {
         let mut hash = Sha256::new();
         let machine = [env!("CARGO_PKG_VERSION"), adapter, &Environment::cpu()];
-        let sources = sequence.sources().into_iter().map(|source| {
+        let sources = sequence.entries().into_iter().map(|source| {
             let bytes = std::fs::metadata(&source.path).map_or(0, |metadata| metadata.len());
             format!("{} {bytes}", source.path.display())
         });

@@ -128,7 +128,7 @@ fn named(frames: &[usize]) -> String {
 }
 
 fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
-    let sources = sequence.sources();
+    let sources = sequence.entries();
     let numbers: Option<Vec<u64>> = sources.iter().map(|source| source.number).collect();
     let numbers = numbers.unwrap_or_default();
     let steps: Vec<u64> = numbers
@@ -164,7 +164,7 @@ fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
 }
 
 fn time_jumps(sequence: &Sequence) -> Vec<Finding> {
-    let sources = sequence.sources();
+    let sources = sequence.entries();
     let times: Option<Vec<f64>> = sources
         .iter()
         .map(|source| source.time.map(|time| time.as_secs_f64()))

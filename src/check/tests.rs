@@ -1,6 +1,6 @@
 use super::*;
 use crate::cloud::{Positions, RawCloud};
-use crate::sequence::Source;
+use crate::sequence::FrameEntry;
 use std::time::Duration;
 
 /// A grid of 100 points a metre apart, moved by `shift` along X.
@@ -14,14 +14,14 @@ fn grid(shift: f64) -> RawCloud {
 
 /// What is found in these clouds, under these names.
 fn found(clouds: Vec<(&str, RawCloud)>) -> Vec<(FindingKind, Vec<usize>)> {
-    let sources = clouds.iter().zip(0..).map(|((name, _), place)| Source {
+    let sources = clouds.iter().zip(0..).map(|((name, _), place)| FrameEntry {
         number: name
             .trim_matches(|c: char| !c.is_ascii_digit())
             .parse()
             .ok(),
         // The decoder finds the cloud again by the name.
         name: format!("{place}"),
-        ..Source::file(*name)
+        ..FrameEntry::file(*name)
     });
     let sources = sources.collect();
     let clouds: Vec<RawCloud> = clouds.into_iter().map(|(_, cloud)| cloud).collect();
@@ -150,9 +150,9 @@ fn coordinates_that_lose_digits_are_told_of() {
 #[test]
 fn pauses_and_stamps_that_go_back_are_found() {
     let at = |times_ms: &[u64]| {
-        let sources = times_ms.iter().map(|&time_ms| Source {
+        let sources = times_ms.iter().map(|&time_ms| FrameEntry {
             time: Some(Duration::from_millis(time_ms)),
-            ..Source::file("a.ply")
+            ..FrameEntry::file("a.ply")
         });
         let sequence = Sequence::with_decoder(sources.collect(), |_| Ok(grid(0.0)));
         let findings = check(&sequence, &|_| {}).findings;
@@ -174,7 +174,7 @@ fn pauses_and_stamps_that_go_back_are_found() {
 
 #[test]
 fn a_frame_that_fails_is_a_finding_with_its_reason() {
-    let sources = vec![Source::file("a_1.ply"), Source::file("a_2.ply")];
+    let sources = vec![FrameEntry::file("a_1.ply"), FrameEntry::file("a_2.ply")];
     let sequence = Sequence::with_decoder(sources, |source| {
         if source.name == "a_2.ply" {
             Err("point 7 is missing".into())

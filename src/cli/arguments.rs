@@ -47,7 +47,7 @@ pub(super) fn open_sequence_and_tell(
     options: &OpenOptions,
 ) -> Result<Sequence, SequenceError> {
     let sequence = open_sequence(inputs, options)?;
-    for note in sequence.notes() {
+    for note in sequence.source().notes() {
         warnings::warn(note);
     }
     Ok(sequence)

@@ -8,7 +8,7 @@ use crate::app::{self, PresentChoice};
 use crate::bench::{self, BenchOptions, Input, Modes, Progress, Report, Suite};
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
-use crate::sequence::{OpenOptions, Shape};
+use crate::sequence::{OpenOptions, Sequence, Shape};
 use anyhow::{Context as _, bail};
 use clap::Args;
 use std::io::{IsTerminal as _, Write as _};
@@ -167,7 +167,7 @@ fn open_input(input: &Path, open: &OpenOptions) -> anyhow::Result<Input> {
     if let Some((shape, count)) = sampled_shape(input)? {
         return Ok(Input {
             name: shape.name().to_owned(),
-            sequence: Arc::new(shape.sequence(count)),
+            sequence: Arc::new(Sequence::of(shape.frame(count))),
             shape: Some(shape),
         });
     }

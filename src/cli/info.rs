@@ -151,7 +151,12 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         guess: guess(&sequence),
         origin: origin.to_array(),
         fps: sequence.fps(),
-        recordings: sequence.recordings().iter().map(recording_info).collect(),
+        recordings: sequence
+            .source()
+            .recordings()
+            .iter()
+            .map(recording_info)
+            .collect(),
     };
     if arguments.json {
         answer(
@@ -220,7 +225,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
             error: error.to_string(),
         },
     };
-    let source = sequence.source(index);
+    let source = sequence.entry(index);
     FrameInfo {
         index,
         file: source.path.display().to_string(),

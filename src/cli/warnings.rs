@@ -5,7 +5,7 @@
 
 use super::say;
 use crate::messages::kind_of;
-use crate::sequence::lock;
+use crate::source::lock;
 use std::sync::Mutex;
 
 /// When warnings are said.

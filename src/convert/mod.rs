@@ -14,7 +14,7 @@ pub use record::Record;
 
 use crate::io::WriteFormat;
 use crate::kept;
-use crate::sequence::{FrameError, Sequence, Source};
+use crate::sequence::{FrameEntry, FrameError, Sequence};
 use rayon::prelude::*;
 use std::fs;
 use std::ops::RangeInclusive;
@@ -176,7 +176,7 @@ fn convert_frame(
     index: usize,
     conversion: &Conversion,
 ) -> Result<Outcome, ConvertError> {
-    let source = sequence.source(index);
+    let source = sequence.entry(index);
     let path = match &conversion.output {
         Output::File(path) => path.clone(),
         Output::Folder(folder) => {
@@ -215,7 +215,7 @@ fn convert_frame(
 }
 
 /// Whether `output` is there and not older than what it was made from.
-fn is_finished(output: &Path, source: &Source) -> bool {
+fn is_finished(output: &Path, source: &FrameEntry) -> bool {
     let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified());
     let Ok(output) = modified(output) else {
         return false;

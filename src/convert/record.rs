@@ -20,7 +20,7 @@ pub struct Record {
 
 impl Record {
     pub(super) fn of(conversion: &Conversion, sequence: &Sequence) -> Self {
-        let mut topics = sequence.topics();
+        let mut topics = sequence.source().topics();
         topics.retain(|topic| topic.is_read);
         Self {
             topics: topics.into_iter().map(|topic| topic.name).collect(),

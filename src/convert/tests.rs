@@ -1,6 +1,6 @@
 use super::*;
 use crate::cloud::{Positions, RawCloud, ScalarField};
-use crate::sequence::Source;
+use crate::sequence::FrameEntry;
 use glam::{DMat4, DVec3};
 use std::num::NonZeroUsize;
 use std::time::Duration;
@@ -122,9 +122,9 @@ fn normals_are_estimated_where_there_are_none() {
 
 /// Ten frames, each with its number in all coordinates; frame 3 fails.
 fn sequence() -> Sequence {
-    let sources = (0..10).map(|number| Source {
+    let sources = (0..10).map(|number| FrameEntry {
         number: Some(number),
-        ..Source::file(format!("nowhere/{number}.ply"))
+        ..FrameEntry::file(format!("nowhere/{number}.ply"))
     });
     Sequence::with_decoder(sources.collect(), |source| match source.number {
         Some(3) => Err("broken".into()),
@@ -227,9 +227,9 @@ fn shards_share_the_frames_out() {
 #[test]
 fn times_are_in_the_names() {
     let folder = tempfile::tempdir().unwrap();
-    let sources = vec![Source {
+    let sources = vec![FrameEntry {
         time: Some(Duration::from_millis(1_305_031_102_175)),
-        ..Source::file("a.bag")
+        ..FrameEntry::file("a.bag")
     }];
     let stamped = Sequence::with_decoder(sources, |_| Ok(cube()));
     let nobody = AtomicBool::new(false);
@@ -243,15 +243,15 @@ fn times_are_in_the_names() {
 #[test]
 fn times_that_were_written_into_names_are_read_again() {
     let folder = tempfile::tempdir().unwrap();
-    let sources = (0..3).map(|place| Source {
+    let sources = (0..3).map(|place| FrameEntry {
         time: Some(Duration::from_millis([0, 40, 120][place])),
-        ..Source::file("fox.glb")
+        ..FrameEntry::file("fox.glb")
     });
     let animated = Sequence::with_decoder(sources.collect(), |_| Ok(cube()));
     let nobody = AtomicBool::new(false);
     convert(&animated, &conversion(folder.path()), &|_, _| {}, &nobody).unwrap();
     let again = Sequence::discover(&[folder.path().to_owned()]).unwrap();
-    let times: Vec<Option<Duration>> = again.sources().iter().map(|source| source.time).collect();
+    let times: Vec<Option<Duration>> = again.entries().iter().map(|source| source.time).collect();
     let expected = [0, 40, 120].map(|millis| Some(Duration::from_millis(millis)));
     assert_eq!(times, expected);
     assert_eq!(again.pace(), animated.pace());

@@ -186,7 +186,7 @@ fn invalid(
 ) -> FrameError {
     FrameError::Invalid {
         index: pose.index,
-        path: headless.sequence().source(pose.index).path.clone(),
+        path: headless.sequence().entry(pose.index).path.clone(),
         reason,
     }
 }

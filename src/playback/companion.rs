@@ -243,7 +243,7 @@ impl Companion {
         self.loader.grow();
         self.known_counts = counts;
         let times = |sequence: &Sequence| -> Vec<_> {
-            let sources = sequence.sources();
+            let sources = sequence.entries();
             sources.iter().map(|source| source.time).collect()
         };
         self.times = PairTimes::of(&times(&self.leader), &times(&self.sequence));

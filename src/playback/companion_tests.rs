@@ -5,7 +5,7 @@ use crate::cloud::{Positions, RawCloud};
 use crate::playback::Player;
 use crate::scene::Primitive;
 use crate::sequence::simulation::{Cost, Simulation};
-use crate::sequence::{FrameState, Source};
+use crate::sequence::{FrameEntry, FrameState};
 use proptest::prelude::*;
 use std::time::Duration;
 
@@ -18,10 +18,10 @@ const FAST: Cost = Cost {
 
 /// A sequence of `count` frames of `spacing_ms`, or without times, at 25 a second.
 fn sequence(count: u64, spacing_ms: Option<u64>, broken: &'static [u64]) -> Arc<Sequence> {
-    let source = |number| Source {
+    let source = |number| FrameEntry {
         number: Some(number),
         time: spacing_ms.map(|spacing| Duration::from_millis(5000 + number * spacing)),
-        ..Source::file(format!("{number}.ply"))
+        ..FrameEntry::file(format!("{number}.ply"))
     };
     let sequence = Sequence::with_decoder((0..count).map(source).collect(), |source| {
         if source.number.is_some_and(|number| broken.contains(&number)) {

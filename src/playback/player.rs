@@ -122,7 +122,7 @@ impl Player {
     /// When `frame` was taken, seconds after the first one: as their time stamps say, else as they play at speed 1.
     /// Precondition: the sequence has this frame.
     pub fn time_s(&self, frame: usize) -> f64 {
-        let time = |frame| self.sequence.source(frame).time;
+        let time = |frame| self.sequence.entry(frame).time;
         let stamped = || Some(time(frame)?.saturating_sub(time(0)?).as_secs_f64());
         let is_stamped = !self.clock.pace().is_even();
         let stamped = is_stamped.then(stamped).flatten();

@@ -1,6 +1,6 @@
 use super::*;
 use crate::cloud::{Positions, RawCloud};
-use crate::sequence::Source;
+use crate::sequence::FrameEntry;
 use std::collections::BTreeSet;
 use std::sync::{Condvar, Mutex};
 use std::time::Instant;
@@ -52,9 +52,9 @@ impl Fixture {
     fn of_frames(count: u64, play: bool) -> Self {
         let gate = Arc::new(Gate::default());
         let waiting = Arc::clone(&gate);
-        let sources = (0..count).map(|number| Source {
+        let sources = (0..count).map(|number| FrameEntry {
             number: Some(number),
-            ..Source::file(format!("frame_{number}.ply"))
+            ..FrameEntry::file(format!("frame_{number}.ply"))
         });
         let sequence = Sequence::with_decoder(sources.collect(), move |source| {
             waiting.pass(source.number.unwrap_or(0));
@@ -220,7 +220,7 @@ fn waiting_for_the_last_frame_of_a_sequence_that_does_not_loop_ends_there() {
 
 #[test]
 fn what_could_not_be_read_of_a_frame_is_told_once() {
-    let sources = (0..3).map(|number| Source::file(format!("frame_{number}.ply")));
+    let sources = (0..3).map(|number| FrameEntry::file(format!("frame_{number}.ply")));
     let sequence = Sequence::with_decoder(sources.collect(), |source| {
         let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]]));
         if source.name != "frame_1.ply" {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};
-use crate::sequence::Source;
+use crate::sequence::FrameEntry;
 use crate::sequence::simulation::{Cost, Simulation};
 
 /// Points of the frames that playing begins with.
@@ -35,9 +35,9 @@ const FAST: Cost = Cost {
 impl Theatre {
     /// Twelve frames a turn at 25 a second, on two workers.
     fn new(cost: impl Fn(usize) -> Cost + 'static, broken: &'static [u64]) -> Self {
-        let source = |number| Source {
+        let source = |number| FrameEntry {
             number: Some(number),
-            ..Source::file(format!("{number}.ply"))
+            ..FrameEntry::file(format!("{number}.ply"))
         };
         let sequence = Sequence::with_decoder((0..12).map(source).collect(), |source| {
             if source.number.is_some_and(|number| broken.contains(&number)) {

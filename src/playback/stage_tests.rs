@@ -3,7 +3,8 @@
 use super::*;
 use crate::cloud::{Positions, RawCloud, even_places};
 use crate::sequence::simulation::{Cost, Simulation};
-use crate::sequence::{Reading, ReadingStage, Source};
+use crate::sequence::{FrameEntry, Reading, ReadingStage};
+use crate::source::FrameList;
 
 /// More than come at once, and are sampled first.
 const LARGE: usize = 600_000;
@@ -19,7 +20,7 @@ fn position(index: usize) -> [f32; 3] {
 
 /// Flat sheets that nobody has normals of, some points of which can be read alone.
 fn sequence(frames: usize, points: usize) -> Arc<Sequence> {
-    let sources = (0..frames).map(|number| Source::file(format!("{number}.ply")));
+    let sources = (0..frames).map(|number| FrameEntry::file(format!("{number}.ply")));
     let cloud = |places: Vec<usize>| {
         let positions = places.into_iter().map(position).collect();
         RawCloud {
@@ -27,11 +28,12 @@ fn sequence(frames: usize, points: usize) -> Arc<Sequence> {
             ..RawCloud::from_positions(Positions::F32(positions))
         }
     };
-    let sequence =
-        Sequence::with_decoder(sources.collect(), move |_| Ok(cloud((0..points).collect())));
-    Arc::new(sequence.with_sample(move |_, most, fewest| {
+    let frames = FrameList::new(sources.collect(), move |_, _| {
+        Ok(cloud((0..points).collect()))
+    });
+    Arc::new(Sequence::of(frames.with_sample(move |_, most, fewest| {
         Ok((points >= fewest).then(|| (cloud(even_places(points, most)), points)))
-    }))
+    })))
 }
 
 struct Stage {

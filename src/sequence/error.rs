@@ -1,80 +1,10 @@
-//! What can be wrong with a sequence, and with one frame of it.
+//! What can be wrong with one frame of a sequence.
 
 use crate::cloud::CloudError;
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Why a sequence cannot be opened.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SequenceError {
-    /// No input was named.
-    #[error(
-        "no input was given: name a folder of frames, a file, or a pattern such as 'scan_*.ply'"
-    )]
-    NoInput,
-    /// A path that is not there.
-    #[error("{} does not exist: name a file, a folder of frames, or a pattern such as 'scan_*.ply'", path.display())]
-    Missing {
-        /// The path as given.
-        path: PathBuf,
-    },
-    /// A folder in which no file is a point cloud by its extension.
-    #[error("no point cloud is in the folder {} (looked for {extensions}): {hint}", path.display())]
-    EmptyFolder {
-        /// The folder as given.
-        path: PathBuf,
-        /// What was looked for, such as `*.ply, *.pcd`.
-        extensions: String,
-        /// What to do.
-        hint: String,
-    },
-    /// A pattern without a match.
-    #[error("no file matches {pattern}: check the pattern, or name the folder instead")]
-    NoMatch {
-        /// The pattern as given.
-        pattern: String,
-    },
-    /// A pattern that is not one.
-    #[error(
-        "{pattern} is not a valid pattern ({reason}): put [ and ] around the characters * ? [ to mean themselves"
-    )]
-    BadPattern {
-        /// The pattern as given.
-        pattern: String,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// A topic that no recording among the inputs has.
-    #[error("there are no point clouds of topic {topic}: {hint}")]
-    NoTopic {
-        /// The topic as given.
-        topic: String,
-        /// What there is.
-        hint: String,
-    },
-    /// A folder or path that the system does not let us look into.
-    #[error("{} cannot be listed ({reason}): check its permissions", path.display())]
-    Unreadable {
-        /// The folder.
-        path: PathBuf,
-        /// The system's reason.
-        reason: std::io::Error,
-    },
-    /// Somebody cancelled it.
-    #[error("opening was cancelled")]
-    Cancelled,
-    /// The system gives no thread to load frames on.
-    #[error(
-        "no thread could be started to load frames ({reason}): close other programs or raise the process limit"
-    )]
-    NoThread {
-        /// The system's reason.
-        reason: std::io::Error,
-    },
-}
 
 /// Why one frame cannot be shown. The sequence plays on without it.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -126,6 +56,14 @@ pub enum FrameError {
         /// The file.
         path: PathBuf,
     },
+    /// It came from something that cannot be rewound, and nobody has kept it.
+    #[error("{}: frame {index} is gone: it was live and is kept nowhere", path.display())]
+    Gone {
+        /// Index in the sequence.
+        index: usize,
+        /// What it came from.
+        path: PathBuf,
+    },
     /// The program's own fault, kept to this frame.
     #[error("{}: the program failed on this frame ({message}); the other frames still play, please report it with the file", path.display())]
     Panic {
@@ -158,6 +96,7 @@ impl FrameError {
             | Self::Invalid { index, .. }
             | Self::TooLarge { index, .. }
             | Self::Cancelled { index, .. }
+            | Self::Gone { index, .. }
             | Self::Panic { index, .. }
             | Self::NoSuchFrame { index, .. } => *index,
         }
@@ -170,6 +109,7 @@ impl FrameError {
             | Self::Invalid { path, .. }
             | Self::TooLarge { path, .. }
             | Self::Cancelled { path, .. }
+            | Self::Gone { path, .. }
             | Self::Panic { path, .. } => Some(path),
             Self::NoSuchFrame { .. } => None,
         }

@@ -19,10 +19,7 @@
 
 mod clock;
 mod coloring;
-mod companions;
-mod demo;
 mod detail;
-mod discover;
 mod effort;
 mod error;
 mod ghosts;
@@ -33,24 +30,21 @@ mod origin;
 mod pace;
 mod play_range;
 mod prepare;
-mod recording;
 mod records;
 mod scaled;
-mod shapes;
-mod source;
-mod stamps;
 mod trails;
 mod travel;
 mod watch;
 
 pub use crate::io::natural_order;
+pub use crate::source::{DecodeFailure, FrameEntry, OpenOptions, Recording, SequenceError, Shape};
 pub use clock::{Clock, DEFAULT_FPS, MAX_SPEED, MIN_SPEED};
 pub use coloring::{
     ColorHints, ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint,
     PaintValues, ParseColoringError, plain_field_name, value_kind,
 };
 pub use detail::Detail;
-pub use error::{FrameError, SequenceError};
+pub use error::FrameError;
 pub use ghosts::{Ghost, with_ghosts};
 #[cfg(test)]
 pub(crate) use loader::simulation;
@@ -62,57 +56,31 @@ pub use onion::OnionSkin;
 pub use pace::Pace;
 pub use play_range::PlayRange;
 pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare, prepare_part};
-pub use recording::Recording;
 pub use records::UNIFORM_COLOR;
 pub use scaled::NO_VALUE_COLOR;
-pub use shapes::Shape;
-pub(crate) use shapes::{OUTLIERS, Sampled};
-pub use source::{Content, Decode, DecodeFailure, Source};
 pub use trails::{BreakReason, TrailBreak, TrailMeasure, TrailRequest, Trails};
 pub use travel::{Direction, LoopMode};
 pub use watch::watch;
 
 use crate::cloud::{Frame, RawCloud};
-use crate::io::{ReadOptions, Topic};
 use crate::progress::Progress;
-use companions::Known;
+use crate::source::{self, Decoder, FrameList, Source, lock};
 use glam::DVec3;
 use origin::OriginFinder;
-use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, RwLock};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// How inputs are opened.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct OpenOptions {
-    /// How files are read.
-    pub read: ReadOptions,
-    /// Frames a second, in place of what time stamps say.
-    pub fps: Option<f64>,
-    /// The scans of an E57 file are one frame, not a frame each.
-    pub merge_scans: bool,
-    /// The topic of recordings whose point clouds are the frames; of each the one that has the most if `None`.
-    pub topic: Option<Arc<str>>,
-}
-
-/// Ordered sources of frames, their common origin and their pace. Shared between threads behind an [`Arc`]; may grow at its end.
+/// The frames of a source, their common origin and their pace. Shared between threads behind an [`Arc`]; may grow at its end.
 pub struct Sequence {
-    sources: RwLock<Vec<Arc<Source>>>,
-    decode: Arc<Decode>,
-    /// How some points of a frame are read alone, where that is possible.
-    sample: Option<Arc<source::Sample>>,
+    source: Arc<dyn Source>,
+    /// Decoders that nobody uses now, and the frame that each has decoded last.
+    decoders: Mutex<Vec<(usize, Box<dyn Decoder>)>>,
     decode_count: AtomicU64,
     origin: OriginFinder,
     fps: Option<f64>,
-    /// What was opened, and how, if it is to be looked at again.
-    opened: Option<(Vec<PathBuf>, OpenOptions)>,
-    recordings: Vec<Recording>,
-    notes: Vec<String>,
-    /// What was found out about files beside the frames.
-    known: Mutex<Known>,
 }
 
 /// A frame as [`Sequence::load`] gives it.
@@ -125,10 +93,23 @@ pub(crate) struct LoadedFrame {
 }
 
 impl Sequence {
-    /// Finds the frames of `inputs`: folders, glob patterns and files in any mix, in natural number order.
-    ///
-    /// Nothing is read but folders and the lists of contents of files that hold many frames. See [`SequenceError`] for what can
-    /// be wrong.
+    /// The frames of `source`.
+    pub fn of(source: impl Source + 'static) -> Self {
+        Self::of_shared(Arc::new(source), None)
+    }
+
+    fn of_shared(source: Arc<dyn Source>, fps: Option<f64>) -> Self {
+        Self {
+            source,
+            decoders: Mutex::default(),
+            decode_count: AtomicU64::new(0),
+            origin: OriginFinder::default(),
+            fps,
+        }
+    }
+
+    /// The frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. See [`SequenceError`] for what can be
+    /// wrong.
     pub fn discover(inputs: &[PathBuf]) -> Result<Self, SequenceError> {
         Self::open(inputs, &OpenOptions::default())
     }
@@ -147,146 +128,32 @@ impl Sequence {
         options: &OpenOptions,
         observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<Self, SequenceError> {
-        let mut known = Known::default();
-        let discovered = discover::discover(inputs, options, &mut known, observe)?;
-        let read = options.read;
-        let decode =
-            move |source: &Source, progress: &Progress| source::decode(source, &read, progress);
-        if options.topic.is_none() {
-            recording::warn_of_unread(&discovered.recordings);
-        }
-        Ok(Self {
-            fps: options.fps,
-            opened: Some((inputs.to_vec(), options.clone())),
-            recordings: discovered.recordings,
-            notes: discovered.notes,
-            known: Mutex::new(known),
-            sample: Some(Arc::new(source::sample)),
-            ..Self::with_observed_decoder(discovered.sources, decode)
-        })
-    }
-
-    /// What was opened: nothing for the demo and for a decoder of one's own.
-    pub fn inputs(&self) -> &[PathBuf] {
-        self.opened.as_ref().map_or(&[], |(inputs, _)| inputs)
-    }
-
-    /// The recordings among what was opened.
-    pub fn recordings(&self) -> &[Recording] {
-        &self.recordings
-    }
-
-    /// The topics with point clouds of all recordings together, in the order of their names.
-    pub fn topics(&self) -> Vec<Topic> {
-        recording::topics_of(&self.recordings)
-    }
-
-    /// What of the inputs is left out, a sentence each.
-    pub fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    /// Whether [`Sequence::look_again`] can find anything: a folder or a pattern is open, not only files.
-    pub fn may_grow(&self) -> bool {
-        self.inputs().iter().any(|input| !input.is_file())
-    }
-
-    /// Looks at the inputs again and takes the frames that came behind the last one; says how many. What came between others is
-    /// left out: frames keep their places. Files that are still being written are left for the next time. Normals that came beside a
-    /// frame are read with it from then on.
-    pub fn look_again(&self) -> Result<usize, SequenceError> {
-        let Some((inputs, options)) = &self.opened else {
-            return Ok(0);
-        };
-        let observe = &mut |_, _| ControlFlow::Continue(());
-        let mut known = lock(&self.known);
-        let found = discover::discover(inputs, options, &mut known, observe)?.sources;
-        drop(known);
-        let mut sources = write(&self.sources);
-        let is_last = |source: &Source| {
-            let last = sources.last();
-            last.is_some_and(|last| last.path == source.path && last.content == source.content)
-        };
-        let Some(last) = found.iter().rposition(is_last) else {
-            return Ok(0);
-        };
-        let mut found = found.into_iter();
-        join_late_normals(&mut sources, found.by_ref().take(last + 1));
-        let count_before = sources.len();
-        for source in found {
-            let before = sources.last();
-            let expects_normals = before.is_some_and(|before| before.normals.is_some());
-            if !discover::is_written(&source, expects_normals) {
-                break;
-            }
-            sources.push(Arc::new(source));
-        }
-        Ok(sources.len() - count_before)
+        let source = source::open(inputs, options, observe)?;
+        Ok(Self::of_shared(source, options.fps))
     }
 
     /// The sequence embedded in the program: 24 poses of about 8,000 coloured points.
     pub fn demo() -> Self {
-        let read = ReadOptions::default();
-        Self::with_observed_decoder(demo::sources(), move |source, progress| {
-            source::decode(source, &read, progress)
-        })
+        Self::of(source::demo())
     }
 
-    /// A sequence whose frames come from `decode`: sensors, generators, slow or broken files in tests.
+    /// Frames that one function decodes: see [`FrameList`].
     pub fn with_decoder(
-        sources: Vec<Source>,
-        decode: impl Fn(&Source) -> Result<RawCloud, DecodeFailure> + Send + Sync + 'static,
+        entries: Vec<FrameEntry>,
+        decode: impl Fn(&FrameEntry) -> Result<RawCloud, DecodeFailure> + Send + Sync + 'static,
     ) -> Self {
-        Self::with_observed_decoder(sources, move |source, _| decode(source))
-    }
-
-    /// [`Sequence::with_decoder`] for decoders that tell how far they are and look whether they are still wanted: see [`Decode`].
-    pub fn with_observed_decoder(
-        sources: Vec<Source>,
-        decode: impl Fn(&Source, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync + 'static,
-    ) -> Self {
-        Self {
-            sources: RwLock::new(sources.into_iter().map(Arc::new).collect()),
-            decode: Arc::new(decode),
-            sample: None,
-            decode_count: AtomicU64::new(0),
-            origin: OriginFinder::default(),
-            fps: None,
-            opened: None,
-            recordings: Vec::new(),
-            notes: Vec::new(),
-            known: Mutex::default(),
-        }
-    }
-
-    /// The same sequence, of whose frames `sample` reads some points alone: see [`source::Sample`].
-    #[cfg(test)]
-    pub(crate) fn with_sample(
-        mut self,
-        sample: impl Fn(&Source, usize, usize) -> Result<Option<(RawCloud, usize)>, DecodeFailure>
-        + Send
-        + Sync
-        + 'static,
-    ) -> Self {
-        self.sample = Some(Arc::new(sample));
-        self
+        Self::of(FrameList::new(entries, move |entry, _| decode(entry)))
     }
 
     /// The same frames, of which nothing is decoded yet and the origin is not decided.
     #[must_use]
     pub(crate) fn anew(&self) -> Self {
-        Self {
-            sources: RwLock::new(self.sources()),
-            decode: Arc::clone(&self.decode),
-            sample: self.sample.clone(),
-            decode_count: AtomicU64::new(0),
-            origin: OriginFinder::default(),
-            fps: self.fps,
-            opened: self.opened.clone(),
-            recordings: self.recordings.clone(),
-            notes: self.notes.clone(),
-            known: Mutex::default(),
-        }
+        Self::of_shared(Arc::clone(&self.source), self.fps)
+    }
+
+    /// Where the frames come from.
+    pub fn source(&self) -> &Arc<dyn Source> {
+        &self.source
     }
 
     /// The same sequence at another frame rate; values that are not positive and finite change nothing.
@@ -298,9 +165,9 @@ impl Sequence {
         self
     }
 
-    /// Number of frames, broken ones included.
+    /// Number of frames, broken ones and those that are gone included.
     pub fn len(&self) -> usize {
-        read(&self.sources).len()
+        self.source.frames().end
     }
 
     /// True without frames; a discovered sequence has at least one.
@@ -308,14 +175,14 @@ impl Sequence {
         self.len() == 0
     }
 
-    /// All sources in order.
-    pub fn sources(&self) -> Vec<Arc<Source>> {
-        read(&self.sources).clone()
+    /// What is known of every frame, in order.
+    pub fn entries(&self) -> Vec<Arc<FrameEntry>> {
+        (0..self.len()).map(|index| self.entry(index)).collect()
     }
 
-    /// Source of frame `index`. Precondition: `index < len()`.
-    pub fn source(&self, index: usize) -> Arc<Source> {
-        Arc::clone(&read(&self.sources)[index])
+    /// What is known of frame `index`. Precondition: `index < len()`.
+    pub fn entry(&self, index: usize) -> Arc<FrameEntry> {
+        self.source.entry(index)
     }
 
     /// Frames a second at normal speed, for most of the time.
@@ -335,10 +202,8 @@ impl Sequence {
 
     /// Pace and frames a second by the time stamps, if every frame has one and they grow.
     fn stamped_pace(&self) -> Option<(Pace, f64)> {
-        let times: Option<Vec<Duration>> = read(&self.sources)
-            .iter()
-            .map(|source| source.time)
-            .collect();
+        let times = (0..self.len()).map(|index| self.entry(index).time);
+        let times: Option<Vec<Duration>> = times.collect();
         Pace::of_times(&times?)
     }
 
@@ -366,17 +231,26 @@ impl Sequence {
     }
 
     fn decode_observed(&self, index: usize, progress: &Progress) -> Result<RawCloud, FrameError> {
-        let source = read(&self.sources).get(index).map(Arc::clone);
-        let source = source.ok_or_else(|| FrameError::NoSuchFrame {
-            index,
-            count: self.len(),
-        })?;
+        let frames = self.source.frames();
+        if index >= frames.end {
+            let count = frames.end;
+            return Err(FrameError::NoSuchFrame { index, count });
+        }
+        let entry = self.entry(index);
+        let path = entry.path.clone();
+        if index < frames.start {
+            return Err(FrameError::Gone { index, path });
+        }
         self.decode_count.fetch_add(1, Ordering::Relaxed);
         progress.set(0, 0);
-        let decoded = error::catch_panic(index, &source.path, || {
-            (self.decode)(&source, progress).map_err(|reason| FrameError::Decode {
+        let mut decoder = self.decoder_for(index);
+        let decoded = error::catch_panic(index, &path, || {
+            let decoded = decoder.decode(index, &entry, progress);
+            // One that has panicked is not used again.
+            lock(&self.decoders).push((index, decoder));
+            decoded.map_err(|reason| FrameError::Decode {
                 index,
-                path: source.path.clone(),
+                path: path.clone(),
                 reason: reason.into(),
             })
         });
@@ -387,9 +261,20 @@ impl Sequence {
         decoded
     }
 
+    /// A decoder that nobody uses: that of the frame before, if there is one, as it may know what frame `index` is made from.
+    fn decoder_for(&self, index: usize) -> Box<dyn Decoder> {
+        let mut idle = lock(&self.decoders);
+        let of_before = idle.iter().position(|&(last, _)| last + 1 == index);
+        let taken = of_before
+            .map(|place| idle.swap_remove(place))
+            .or(idle.pop());
+        drop(idle);
+        taken.map_or_else(|| self.source.decoder(), |(_, decoder)| decoder)
+    }
+
     /// That the reading of frame `index` was cancelled.
     pub(crate) fn cancelled(&self, index: usize) -> FrameError {
-        let path = self.source(index).path.clone();
+        let path = self.entry(index).path.clone();
         FrameError::Cancelled { index, path }
     }
 
@@ -433,7 +318,7 @@ impl Sequence {
         let frame = Frame::from_raw_sample(raw, origin, detail.most_points());
         let frame = frame.map_err(|reason| FrameError::Invalid {
             index,
-            path: self.source(index).path.clone(),
+            path: self.entry(index).path.clone(),
             reason,
         })?;
         if let Some(sample) = self.origin.sample() {
@@ -454,13 +339,13 @@ impl Sequence {
         fewest_points: usize,
     ) -> Option<LoadedFrame> {
         let start = Instant::now();
-        let source = self.source(index);
-        let sample = self.sample.as_ref()?;
+        let entry = self.entry(index);
         // What is wrong is said when all of it is read.
-        let sampled = error::catch_panic(index, &source.path, || {
-            sample(&source, most_points, fewest_points).map_err(|reason| FrameError::Decode {
+        let sampled = error::catch_panic(index, &entry.path, || {
+            let sample = self.source.sample(index, most_points, fewest_points);
+            sample.map_err(|reason| FrameError::Decode {
                 index,
-                path: source.path.clone(),
+                path: entry.path.clone(),
                 reason: reason.into(),
             })
         });
@@ -503,53 +388,15 @@ impl std::fmt::Debug for Sequence {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter
             .debug_struct("Sequence")
-            .field("sources", &read(&self.sources))
+            .field("entries", &self.entries())
             .field("fps", &self.fps())
             .finish_non_exhaustive()
-    }
-}
-
-/// Gives the frames in `sources` the normals that `found` has beside the same files by now.
-fn join_late_normals(sources: &mut [Arc<Source>], found: impl Iterator<Item = Source>) {
-    let with_normals = found.filter(|source| source.normals.is_some());
-    let late: HashMap<PathBuf, Source> = with_normals
-        .map(|source| (source.path.clone(), source))
-        .collect();
-    for source in sources.iter_mut().filter(|source| source.normals.is_none()) {
-        if let Some(found) = late.get(&source.path)
-            && discover::is_written(found, false)
-        {
-            *source = Arc::new(Source {
-                normals: found.normals.clone(),
-                ..Source::clone(source)
-            });
-        }
     }
 }
 
 /// Wall time since `start` in milliseconds.
 pub(crate) fn milliseconds_since(start: Instant) -> f32 {
     start.elapsed().as_secs_f32() * 1e3
-}
-
-/// Locks `mutex`; a panic elsewhere does not make the data unusable, since no invariant is broken between statements
-/// that can panic.
-pub(crate) fn lock<T>(mutex: &std::sync::Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-/// [`lock`] for readers.
-fn read<T>(lock: &RwLock<T>) -> std::sync::RwLockReadGuard<'_, T> {
-    lock.read()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-/// [`lock`] for writers.
-fn write<T>(lock: &RwLock<T>) -> std::sync::RwLockWriteGuard<'_, T> {
-    lock.write()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 // The loader hands sequences and frames to worker threads.

@@ -14,9 +14,10 @@
 //! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. What it decoded is
 //! kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice, but for what was cancelled.
 
-use super::{FrameError, Sequence, lock};
+use super::{FrameError, Sequence};
 use crate::cloud::{RawCloud, ValueSample};
 use crate::progress::Progress;
+use crate::source::lock;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -204,7 +205,7 @@ fn origin_of_bounds(min: DVec3, max: DVec3) -> DVec3 {
 mod tests {
     use super::*;
     use crate::cloud::{Positions, even_places};
-    use crate::sequence::Source;
+    use crate::source::{FrameEntry, FrameList};
     use proptest::prelude::*;
 
     #[test]
@@ -222,12 +223,11 @@ mod tests {
             let positions = places.into_iter().map(far).collect();
             RawCloud::from_positions(Positions::F64(positions))
         };
-        let sources = ["a.ply", "b.ply"].map(Source::file);
-        let sequence =
-            Sequence::with_decoder(sources.into(), move |_| Ok(cloud((0..1000).collect())));
-        let sequence = sequence.with_sample(move |_, most, fewest| {
+        let sources = ["a.ply", "b.ply"].map(FrameEntry::file);
+        let source = FrameList::new(sources.into(), move |_, _| Ok(cloud((0..1000).collect())));
+        let sequence = Sequence::of(source.with_sample(move |_, most, fewest| {
             Ok((fewest <= 1000).then(|| (cloud(even_places(1000, most)), 1000)))
-        });
+        }));
         assert!(
             sequence.load_sample(1, 100, 0).is_none(),
             "the first one decides"
@@ -266,11 +266,10 @@ mod tests {
     #[test]
     fn an_origin_is_shared_where_it_keeps_the_detail() {
         use crate::cloud::Positions;
-        use crate::sequence::Source;
         let corners = |min: DVec3, edge: f64| {
             let positions = vec![min.to_array(), (min + DVec3::splat(edge)).to_array()];
             Arc::new(Sequence::with_decoder(
-                vec![Source::file("corners")],
+                vec![FrameEntry::file("corners")],
                 move |_| {
                     let positions = Positions::F64(positions.clone());
                     Ok(RawCloud::from_positions(positions))

@@ -1,20 +1,20 @@
-//! Looks for frames that come while a sequence is open: a folder that a scanner writes into is a live source.
+//! Takes frames that come while a sequence is open: from a folder that a scanner writes into, or from a stream.
 
 use super::{Sequence, SequenceError};
 use std::sync::{Arc, Weak};
 use std::thread;
 use std::time::Duration;
 
-/// How often the inputs are looked at: listing a folder of 10,000 files takes a few milliseconds.
+/// How often folders are looked at: listing a folder of 10,000 files takes a few milliseconds.
 const INTERVAL: Duration = Duration::from_secs(1);
 
-/// Looks at the inputs of `sequence` every second and calls `wake` when frames came behind the last one. Ends by itself some time
+/// Takes frames that come behind the last one of `sequence`, and calls `wake` then. Ends by itself some time
 /// after the sequence is dropped.
 pub fn watch(
     sequence: &Arc<Sequence>,
     wake: Arc<dyn Fn() + Send + Sync>,
 ) -> Result<(), SequenceError> {
-    if !sequence.may_grow() {
+    if !sequence.source().may_grow() {
         return Ok(());
     }
     let sequence = Arc::downgrade(sequence);
@@ -27,11 +27,14 @@ pub fn watch(
 
 fn look(sequence: &Weak<Sequence>, wake: &Arc<dyn Fn() + Send + Sync>) {
     loop {
-        thread::sleep(INTERVAL);
-        let Some(sequence) = sequence.upgrade() else {
+        // A sequence that is closed meanwhile is not kept.
+        let Some(source) = sequence
+            .upgrade()
+            .map(|sequence| Arc::clone(sequence.source()))
+        else {
             return;
         };
-        match sequence.look_again() {
+        match source.wait_for_more(INTERVAL) {
             Ok(0) => {}
             Ok(_) => wake(),
             // A folder on a network comes and goes; what is open stays.

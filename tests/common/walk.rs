@@ -3,7 +3,7 @@
 use pointreel::app::{Preferences, State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::scene::{Primitive, Scene, Settings};
-use pointreel::sequence::{Sequence, Source};
+use pointreel::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -12,9 +12,9 @@ pub(crate) const FRAMES: usize = 24;
 /// A cube of points that grows with the frame; frames in `broken` cannot be read.
 pub(crate) fn sequence(broken: &'static [u64]) -> Arc<Sequence> {
     let sources = (0..FRAMES as u64)
-        .map(|number| Source {
+        .map(|number| FrameEntry {
             number: Some(number),
-            ..Source::file(format!("/scans/walk/frame_{number:04}.ply"))
+            ..FrameEntry::file(format!("/scans/walk/frame_{number:04}.ply"))
         })
         .collect();
     Arc::new(Sequence::with_decoder(sources, move |source| {

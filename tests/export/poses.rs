@@ -12,7 +12,7 @@ use pointreel::math::Aabb;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{Background, Camera, CameraPath, Lighting, Primitive, Settings, UpAxis};
 use pointreel::sequence::{
-    ColorSource, Coloring, OnionSkin, Sequence, Source, TrailRequest, Trails,
+    ColorSource, Coloring, FrameEntry, OnionSkin, Sequence, TrailRequest, Trails,
 };
 use std::collections::HashSet;
 use std::ops::ControlFlow;
@@ -25,7 +25,7 @@ fn size() -> PictureSize {
 
 /// Forty white points above each other, which walk two units a frame.
 fn walk() -> Headless {
-    let sources = (0..FRAMES).map(|frame| Source::file(format!("/walk/{frame}.ply")));
+    let sources = (0..FRAMES).map(|frame| FrameEntry::file(format!("/walk/{frame}.ply")));
     let sequence = Sequence::with_decoder(sources.collect(), |source| {
         let frame: f32 = source.name[..1].parse()?;
         let place = |point: i32| [2.0 * frame, 0.05 * point as f32 - 1.0, 0.0];

@@ -341,14 +341,14 @@ fn the_time_path_plays_backwards_holds_and_begins_anew() {
 fn a_broken_frame_is_reported_and_the_one_before_it_stays() {
     let settings = Settings::default();
     let demo = Sequence::demo();
-    let sources = demo.sources().into_iter().map(|source| (*source).clone());
-    let broken = demo.source(4).path.clone();
+    let sources = demo.entries().into_iter().map(|source| (*source).clone());
+    let broken = demo.entry(4).path.clone();
     let sequence = Sequence::with_decoder(sources.collect(), move |source| {
         if source.path == broken {
             return Err("torn".into());
         }
         let index = demo
-            .sources()
+            .entries()
             .iter()
             .position(|known| known.path == source.path);
         demo.decode(index.unwrap()).map_err(Into::into)

@@ -68,14 +68,15 @@ fn sequences_are_of_one_topic() {
     let [first, second, _] = recordings(folder.path());
     let sequence = open(std::slice::from_ref(&first), Some("/other")).unwrap();
     assert_eq!(sequence.len(), 2);
-    assert_eq!(sequence.topics(), topics("/other"));
-    assert_eq!(sequence.inputs(), std::slice::from_ref(&first));
+    assert_eq!(sequence.source().topics(), topics("/other"));
+    assert_eq!(sequence.source().inputs(), std::slice::from_ref(&first));
     assert_eq!(open(std::slice::from_ref(&first), None).unwrap().len(), 3);
 
     // A recording in several files: their topics together.
     let both = open(&[first.clone(), second], Some("/other")).unwrap();
     assert_eq!(both.len(), 4);
     let counts: Vec<usize> = both
+        .source()
         .topics()
         .iter()
         .map(|topic| topic.cloud_count)

@@ -11,7 +11,7 @@ use pointreel::app::{Command, Layout, Side, State, StateOptions, Tool, WindowReq
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::playback::PairBy;
 use pointreel::scene::{Primitive, Scene, Settings};
-use pointreel::sequence::{Sequence, Source};
+use pointreel::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -26,10 +26,10 @@ fn cubes(
     spacing_ms: Option<u64>,
     broken: &'static [u64],
 ) -> Arc<Sequence> {
-    let source = |number: u64| Source {
+    let source = |number: u64| FrameEntry {
         number: Some(number),
         time: spacing_ms.map(|spacing| Duration::from_millis(1000 + number * spacing)),
-        ..Source::file(format!("/scans/{name}/{name}_{number:02}.ply"))
+        ..FrameEntry::file(format!("/scans/{name}/{name}_{number:02}.ply"))
     };
     let sources = (0..count as u64).map(source).collect();
     Arc::new(Sequence::with_decoder(sources, move |source| {

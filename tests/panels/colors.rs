@@ -10,12 +10,12 @@ use pointreel::analysis::ColorMap;
 use pointreel::app::State;
 use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::scene::{Legend, LegendBody};
-use pointreel::sequence::{ColorRange, Sequence, Source};
+use pointreel::sequence::{ColorRange, FrameEntry, Sequence};
 use std::sync::Arc;
 
 /// Rows of points with the field `scalar_Heat` of 0 to 99 and the classes 2 and 6; `bare` without colours of the file.
 fn window(is_bare: bool) -> Harness<'static, State> {
-    let sources = (0..FRAMES).map(|frame| Source::file(format!("/scans/heat_{frame}.ply")));
+    let sources = (0..FRAMES).map(|frame| FrameEntry::file(format!("/scans/heat_{frame}.ply")));
     let sequence = Sequence::with_decoder(sources.collect(), move |_| {
         let position =
             |index: usize| [(index % 10) as f32, (index / 10) as f32, 0.1 * index as f32];

@@ -12,7 +12,7 @@ use pointreel::app::{Command, Severity, State, Subject, WorkKind};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::export::VideoFormat;
 use pointreel::scene::{Primitive, RendererChoice};
-use pointreel::sequence::{Sequence, Source};
+use pointreel::sequence::{FrameEntry, Sequence};
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
@@ -202,9 +202,9 @@ fn a_picture_is_what_is_on_the_screen() {
 fn gated(gate: std::sync::mpsc::Receiver<()>) -> Arc<Sequence> {
     let gate = Mutex::new(gate);
     let sources = (0..super::FRAMES as u64)
-        .map(|number| Source {
+        .map(|number| FrameEntry {
             number: Some(number),
-            ..Source::file(format!("/scans/walk/frame_{number:04}.ply"))
+            ..FrameEntry::file(format!("/scans/walk/frame_{number:04}.ply"))
         })
         .collect();
     let seen = Mutex::new(std::collections::HashSet::new());

@@ -5,7 +5,7 @@ use egui::ViewportId;
 use egui_kittest::Harness;
 use pointreel::app::{State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::sequence::{FrameState, Sequence, Source};
+use pointreel::sequence::{FrameEntry, FrameState, Sequence};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -97,7 +97,8 @@ impl Driven {
 
 /// Frames of 20,000 points: about a megabyte each.
 fn sequence() -> Arc<Sequence> {
-    let sources = (0..super::FRAMES).map(|n| Source::file(format!("/scans/walk/frame_{n:02}.ply")));
+    let sources =
+        (0..super::FRAMES).map(|n| FrameEntry::file(format!("/scans/walk/frame_{n:02}.ply")));
     Arc::new(Sequence::with_decoder(sources.collect(), |_| {
         let place = |n: usize| [(n % 100) as f32, (n / 100) as f32, (n % 7) as f32];
         let places = (0..20_000).map(place).collect();

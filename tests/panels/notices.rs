@@ -7,13 +7,13 @@ use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{Command, Severity, State};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::playback::Mark;
-use pointreel::sequence::{Sequence, Source};
+use pointreel::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::Duration;
 
 #[test]
 fn frames_that_have_less_are_told_of_once() {
-    let sources = (0..FRAMES).map(|index| Source::file(format!("/scans/{index}.ply")));
+    let sources = (0..FRAMES).map(|index| FrameEntry::file(format!("/scans/{index}.ply")));
     let sequence = Sequence::with_decoder(sources.collect(), |source| {
         let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]]));
         let is_bare = ["5.ply", "7.ply"].contains(&source.name.as_str());

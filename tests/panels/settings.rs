@@ -11,7 +11,7 @@ use pointreel::scene::{
     BackFaces, Background, EyeDome, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive,
     RendererChoice, Settings, Splatting, Strategy, UpAxis, VoxelLight,
 };
-use pointreel::sequence::{ColorSource, Sequence, Source};
+use pointreel::sequence::{ColorSource, FrameEntry, Sequence};
 use std::sync::Arc;
 
 /// Opens the list called `list` and chooses `entry`.
@@ -46,7 +46,7 @@ pub(super) fn slide(harness: &mut Harness<'_, State>, label: &str, value: f64) {
 /// Reasons and names from files are longer than the panel is wide.
 #[test]
 fn long_texts_do_not_widen_the_panel() {
-    let before_camera = Sequence::with_decoder(vec![Source::file("camera.pcd")], |_| {
+    let before_camera = Sequence::with_decoder(vec![FrameEntry::file("camera.pcd")], |_| {
         let points = (0..10_000).map(|index| {
             let [x, y] = [index % 100, index / 100].map(|place| place as f32 / 50.0 - 1.0);
             [x, y, 2.5 + 0.2 * x]

@@ -8,7 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{Command, State};
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::sequence::{Sequence, Source};
+use pointreel::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -125,9 +125,9 @@ fn trails_of_several_points_are_shown_together() {
 
 /// The cube of eight corners, but ten points in the seventh frame.
 fn varying() -> Arc<Sequence> {
-    let sources = (0..FRAMES as u64).map(|number| Source {
+    let sources = (0..FRAMES as u64).map(|number| FrameEntry {
         number: Some(number),
-        ..Source::file(format!("/scans/varying/frame_{number:04}.ply"))
+        ..FrameEntry::file(format!("/scans/varying/frame_{number:04}.ply"))
     });
     Arc::new(Sequence::with_decoder(sources.collect(), |source| {
         let count = if source.number == Some(6) { 10 } else { 8 };
@@ -184,9 +184,9 @@ fn trails_of_a_field_are_chosen_in_the_settings_and_can_be_cancelled() {
 fn finding_trails_can_be_cancelled() {
     let hold = Arc::new(std::sync::Mutex::new(()));
     let held = Arc::clone(&hold);
-    let sources = (0..FRAMES as u64).map(|number| Source {
+    let sources = (0..FRAMES as u64).map(|number| FrameEntry {
         number: Some(number),
-        ..Source::file(format!("/scans/slow/frame_{number:04}.ply"))
+        ..FrameEntry::file(format!("/scans/slow/frame_{number:04}.ply"))
     });
     let slow = Sequence::with_decoder(sources.collect(), move |source| {
         if source.number != Some(0) {

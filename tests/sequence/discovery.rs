@@ -16,7 +16,7 @@ fn folder(names: &[&str]) -> tempfile::TempDir {
 
 fn names(sequence: &Sequence) -> Vec<String> {
     sequence
-        .sources()
+        .entries()
         .iter()
         .map(|source| source.name.clone())
         .collect()
@@ -85,7 +85,7 @@ fn a_list_as_a_shell_expands_it_is_put_in_order() {
     let list = ["f1.ply", "f10.ply", "f2.ply"].map(|name| folder.path().join(name));
     let sequence = Sequence::discover(&list).unwrap();
     assert_eq!(names(&sequence), ["f1.ply", "f2.ply", "f10.ply"]);
-    let numbers: Vec<_> = sequence.sources().iter().map(|s| s.number).collect();
+    let numbers: Vec<_> = sequence.entries().iter().map(|s| s.number).collect();
     assert_eq!(numbers, [Some(1), Some(2), Some(10)]);
 }
 
@@ -196,19 +196,19 @@ fn a_hundred_thousand_names_are_sorted_without_opening_them() {
 fn frames_that_come_are_found_and_keep_the_places_of_others() {
     let folder = folder(&["f1.ply", "f3.ply"]);
     let sequence = Sequence::discover(&[folder.path().to_path_buf()]).unwrap();
-    assert!(sequence.may_grow());
-    assert_eq!(sequence.look_again().unwrap(), 0);
+    assert!(sequence.source().may_grow());
+    assert_eq!(sequence.source().look_again().unwrap(), 0);
     fs::write(folder.path().join("f2.ply"), "").unwrap();
     fs::write(folder.path().join("f4.ply"), "").unwrap();
     fs::write(folder.path().join("f10.ply"), "").unwrap();
     // Who writes is not finished yet.
-    assert_eq!(sequence.look_again().unwrap(), 0);
+    assert_eq!(sequence.source().look_again().unwrap(), 0);
     std::thread::sleep(Duration::from_millis(600));
-    assert_eq!(sequence.look_again().unwrap(), 2);
+    assert_eq!(sequence.source().look_again().unwrap(), 2);
     assert_eq!(names(&sequence), ["f1.ply", "f3.ply", "f4.ply", "f10.ply"]);
-    assert_eq!(sequence.look_again().unwrap(), 0);
+    assert_eq!(sequence.source().look_again().unwrap(), 0);
     let one = Sequence::discover(&[folder.path().join("f1.ply")]).unwrap();
-    assert!(!one.may_grow());
+    assert!(!one.source().may_grow());
 }
 
 #[test]
@@ -251,7 +251,7 @@ fn kitti_lists_times_beside_its_scans() {
     };
     let times = |input: &Path| -> Option<Vec<f64>> {
         let sequence = Sequence::discover(&[input.to_path_buf()]).unwrap();
-        let sources = sequence.sources();
+        let sources = sequence.entries();
         sources
             .iter()
             .map(|source| Some(source.time?.as_secs_f64()))
@@ -316,7 +316,7 @@ fn points_and_normals_side_by_side_are_one_sequence() {
     for inputs in [folder.path().to_path_buf(), folder.path().join("*.ply")] {
         let sequence = Sequence::discover(&[inputs]).unwrap();
         assert_eq!(sequence.len(), 12);
-        for (index, source) in sequence.sources().iter().enumerate() {
+        for (index, source) in sequence.entries().iter().enumerate() {
             assert_eq!(source.name, format!("{index}.ply"));
             assert_eq!(source.number, Some(index as u64));
             let normals = folder.path().join(format!("{index}_normal.ply"));
@@ -328,8 +328,8 @@ fn points_and_normals_side_by_side_are_one_sequence() {
             assert!((frame.normals().unwrap()[1].x - third).abs() < 1e-6);
             assert!(frame.warnings().is_empty());
         }
-        let [note] = sequence.notes() else {
-            panic!("{:?}", sequence.notes())
+        let [note] = sequence.source().notes() else {
+            panic!("{:?}", sequence.source().notes())
         };
         assert_eq!(
             note,
@@ -349,7 +349,7 @@ fn normals_that_come_later_are_waited_for_and_joined() {
         fs::write(folder.path().join(name), ply_of(properties)).unwrap();
     };
     let has_normals = |sequence: &Sequence| -> Vec<bool> {
-        let sources = sequence.sources();
+        let sources = sequence.entries();
         sources
             .iter()
             .map(|source| source.normals.is_some())
@@ -362,14 +362,14 @@ fn normals_that_come_later_are_waited_for_and_joined() {
     write("2.ply", &["x", "y", "z"]);
     std::thread::sleep(Duration::from_millis(600));
     // The first frame has normals by now, so the second one waits for its own.
-    assert_eq!(sequence.look_again().unwrap(), 0);
+    assert_eq!(sequence.source().look_again().unwrap(), 0);
     assert_eq!(has_normals(&sequence), [true]);
     assert!(sequence.frame(0).unwrap().normals().is_some());
     write("2_normal.ply", &["nx", "ny", "nz"]);
     // Normals before their points are no frame.
     write("3_normal.ply", &["nx", "ny", "nz"]);
     std::thread::sleep(Duration::from_millis(600));
-    assert_eq!(sequence.look_again().unwrap(), 1);
+    assert_eq!(sequence.source().look_again().unwrap(), 1);
     assert_eq!(has_normals(&sequence), [true, true]);
-    assert_eq!(sequence.look_again().unwrap(), 0);
+    assert_eq!(sequence.source().look_again().unwrap(), 0);
 }

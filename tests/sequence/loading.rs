@@ -507,8 +507,9 @@ fn a_request_costs_the_same_for_any_length() {
 
 #[test]
 fn frames_do_not_depend_on_workers_or_timing() {
-    let decode =
-        |source: &Source| -> Result<RawCloud, DecodeFailure> { Ok(sheet(12, index_of(source))) };
+    let decode = |source: &FrameEntry| -> Result<RawCloud, DecodeFailure> {
+        Ok(sheet(12, index_of(source)))
+    };
     let needs = Needs {
         shapes: true,
         ..voxels(0.05)

@@ -15,7 +15,7 @@ fn the_demo_plays() {
         let frame = loader.wait(index, &Needs::default()).unwrap();
         assert_eq!(frame.points.len(), 8334);
         assert_eq!(frame.colors(), ColorSource::File);
-        assert_eq!(sequence.source(index).number, Some(index as u64));
+        assert_eq!(sequence.entry(index).number, Some(index as u64));
         // Points correspond: between any two poses of a walk nothing of the body moves a metre.
         let [now, then] =
             [&frame, &first].map(|frame| by_file(&frame.frame, frame.frame.positions()));
@@ -54,12 +54,7 @@ fn check(folder: &Path, frames: &[usize]) -> Arc<Sequence> {
     let loader = loader(&sequence, 2, usize::MAX);
     for (index, &points) in frames.iter().enumerate() {
         let frame = loader.wait(index, &Needs::default()).unwrap();
-        assert_eq!(
-            frame.points.len(),
-            points,
-            "{}",
-            sequence.source(index).name
-        );
+        assert_eq!(frame.points.len(), points, "{}", sequence.entry(index).name);
     }
     sequence
 }
@@ -70,7 +65,7 @@ fn plant_of_mixed_formats_with_gaps() {
         return;
     };
     let sequence = check(&folder, &[24_795, 50_000, 179_757, 261_379]);
-    let numbers: Vec<_> = sequence.sources().iter().map(|s| s.number).collect();
+    let numbers: Vec<_> = sequence.entries().iter().map(|s| s.number).collect();
     assert_eq!(numbers, [Some(5), Some(6), Some(8), Some(10)]);
     // It lies 740 units from zero and is 50 wide: the origin moves to it, on a grid of 64.
     assert_eq!(sequence.origin() % 64.0, DVec3::ZERO);
@@ -83,7 +78,7 @@ fn camera_frames_named_by_time() {
         return;
     };
     let sequence = check(&folder.join("pcd"), &[271_575, 271_395, 271_328]);
-    assert!(sequence.source(0).name.contains("142255.814212"));
+    assert!(sequence.entry(0).name.contains("142255.814212"));
     let error = Sequence::discover(&[folder]).unwrap_err().to_string();
     assert!(error.contains("sub-folders (pcd, tiff)"), "{error}");
 }

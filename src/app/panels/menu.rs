@@ -93,7 +93,7 @@ fn topic_menu(ui: &mut Ui, state: &mut State, side: Side) {
             beside.map(|beside| beside.companion.sequence()),
         ),
     };
-    let topics = sequence.map_or_else(Vec::new, |sequence| sequence.topics());
+    let topics = sequence.map_or_else(Vec::new, |sequence| sequence.source().topics());
     if topics.len() < 2 {
         return;
     }

@@ -152,7 +152,7 @@ fn names(state: &State) -> Option<[String; 2]> {
     };
     let frame = player.shown().map_or_else(
         || "loading".to_owned(),
-        |frame| player.sequence().source(frame.index).name.clone(),
+        |frame| player.sequence().entry(frame.index).name.clone(),
     );
     let a = named("A", &state.sequence_name().unwrap_or_default(), frame);
     let companion = &beside.companion;
@@ -164,7 +164,7 @@ fn names(state: &State) -> Option<[String; 2]> {
         (None, ..) => "no frame at this time".to_owned(),
         (_, _, Some(failure)) => format!("frame {} cannot be shown", failure.index() + 1),
         (_, Some(frame), _) => format!("loading frame {}", frame + 1),
-        (Some(frame), None, None) => companion.sequence().source(frame).name.clone(),
+        (Some(frame), None, None) => companion.sequence().entry(frame).name.clone(),
     };
     Some([a, named("B", &beside.name, frame)])
 }

@@ -486,9 +486,9 @@ impl State {
 /// The name of the file or folder that a sequence is from; `None` of an empty one.
 pub(super) fn name_of(sequence: &Sequence) -> Option<String> {
     let last = sequence.len().checked_sub(1)?;
-    let source = sequence.source(0);
+    let source = sequence.entry(0);
     // Frames of one file stand together, so the ends tell. Asked for in every pass: nothing here may grow with the sequence.
-    let is_one_file = sequence.source(last).path == source.path;
+    let is_one_file = sequence.entry(last).path == source.path;
     let of_all = if is_one_file {
         source.path.file_name()
     } else {

@@ -73,7 +73,7 @@ impl State {
     /// Opens the recording beside the open sequence again, with the point clouds of another topic.
     pub fn compare_topic(&mut self, topic: &str) {
         if let Some(beside) = &self.beside {
-            let inputs = beside.companion.sequence().inputs().to_vec();
+            let inputs = beside.companion.sequence().source().inputs().to_vec();
             let topic = Some(topic.into());
             let open = self.options.open.clone();
             self.find(inputs, OpenOptions { topic, ..open }, Side::B);

@@ -90,7 +90,7 @@ impl State {
             let mut readings = readings.iter();
             // Before the first frame is here, any is read to find where the sequence is.
             if let Some(reading) = readings.find(|reading| is_first || reading.index == frame) {
-                let name = || work_name(reading, &sequence.source(frame).name);
+                let name = || work_name(reading, &sequence.entry(frame).name);
                 works.watch(WorkKind::Read, name, &reading.progress, now);
             }
         };

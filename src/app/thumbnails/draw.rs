@@ -136,13 +136,13 @@ mod tests {
     use crate::cloud::{Positions, RawCloud};
     use crate::math::Aabb;
     use crate::scene::UpAxis;
-    use crate::sequence::{ColorSource, Source};
+    use crate::sequence::{ColorSource, FrameEntry};
     use bytemuck::Zeroable as _;
     use glam::Vec3;
 
     /// Of a cube from zero to one, or of what cannot be read.
     fn job(index: usize) -> Job {
-        let decode = |source: &Source| match source.number {
+        let decode = |source: &FrameEntry| match source.number {
             Some(0) => {
                 let corners =
                     (0..8).map(|corner| [0, 1, 2].map(|axis| (corner >> axis & 1) as f32));
@@ -153,9 +153,9 @@ mod tests {
             Some(1) => Err("unread".into()),
             _ => panic!("a decoder that fails"),
         };
-        let sources = (0..3).map(|number| Source {
+        let sources = (0..3).map(|number| FrameEntry {
             number: Some(number),
-            ..Source::file(format!("{number}.ply"))
+            ..FrameEntry::file(format!("{number}.ply"))
         });
         let cube = Aabb {
             min: Vec3::ZERO,

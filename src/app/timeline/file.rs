@@ -37,7 +37,7 @@ pub(super) fn file_of(folder: &Path, sequence: &Sequence) -> Option<PathBuf> {
     if sequence.is_empty() {
         return None;
     }
-    let source = sequence.source(0);
+    let source = sequence.entry(0);
     let path = std::path::absolute(&source.path).unwrap_or_else(|_| source.path.clone());
     let bytes = std::fs::metadata(&path).map_or(0, |metadata| metadata.len());
     let mut hash = Sha256::new();
@@ -249,8 +249,8 @@ mod tests {
         let file = |names: &[&str]| {
             let sources = names
                 .iter()
-                .map(|name| crate::sequence::Source::file(format!("/scans/{name}")));
-            let decode = |_: &crate::sequence::Source| Err("unread".into());
+                .map(|name| crate::sequence::FrameEntry::file(format!("/scans/{name}")));
+            let decode = |_: &crate::sequence::FrameEntry| Err("unread".into());
             file_of(folder, &Sequence::with_decoder(sources.collect(), decode))
         };
         assert_eq!(file(&[]), None);

@@ -418,7 +418,7 @@ impl Watched {
             let source = state
                 .player
                 .as_ref()
-                .map(|player| player.sequence().source(0));
+                .map(|player| player.sequence().entry(0));
             self.found.read_ms = source.and_then(|source| plain_read_ms(&source.path));
         }
         if let Phase::Running { begin, .. } = self.phase {

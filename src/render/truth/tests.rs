@@ -4,7 +4,7 @@ use super::*;
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
 use crate::measure::{DepthTolerance, SurfaceError, flip};
 use crate::scene::{Projection, UpAxis};
-use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Shape, prepare};
+use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -208,7 +208,7 @@ fn what_rays_meet_is_on_the_shape_and_nothing_is_before_it() {
 }
 
 fn sampled(shape: Shape, count: usize) -> PreparedFrame {
-    let frame = shape.sequence(count).frame(0).unwrap();
+    let frame = Sequence::of(shape.frame(count)).frame(0).unwrap();
     let needs = Needs {
         shapes: true,
         ..Needs::default()

@@ -90,7 +90,7 @@ fn pool_of(
 pub(super) fn run(shared: &Shared) {
     while let Some(job) = next_job(shared) {
         let index = job.index;
-        let source = shared.sequence.source(index);
+        let source = shared.sequence.entry(index);
         match catch_panic(index, &source.path, || make(shared, &job)) {
             Ok(None) => {
                 shared.queue().cancel(index);
@@ -261,7 +261,7 @@ fn check_memory(
     }
     Err(FrameError::TooLarge {
         index,
-        path: shared.sequence.source(index).path.clone(),
+        path: shared.sequence.entry(index).path.clone(),
         points: frame.len(),
         needed_bytes,
         machine_bytes: shared.machine_bytes,
@@ -308,7 +308,7 @@ fn from_existing(
     prepare_sample(existing, most_points, &job.needs, &shared.counters).map_err(|reason| {
         FrameError::Invalid {
             index: job.index,
-            path: shared.sequence.source(job.index).path.clone(),
+            path: shared.sequence.entry(job.index).path.clone(),
             reason,
         }
     })

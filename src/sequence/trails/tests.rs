@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};
-use crate::sequence::{Needs, PrepareCounters, Source, prepare};
+use crate::sequence::{FrameEntry, Needs, PrepareCounters, prepare};
 
 /// Far enough from zero that the sequence has an origin.
 const FAR: DVec3 = DVec3::new(4.0e6, -2.0e6, 1.0e5);
@@ -22,9 +22,9 @@ fn sequence(
     frame_count: usize,
     points: impl Fn(usize) -> Option<Vec<usize>> + Send + Sync + 'static,
 ) -> Sequence {
-    let sources = (0..frame_count as u64).map(|number| Source {
+    let sources = (0..frame_count as u64).map(|number| FrameEntry {
         number: Some(number),
-        ..Source::file(format!("{number}.ply"))
+        ..FrameEntry::file(format!("{number}.ply"))
     });
     Sequence::with_decoder(sources.collect(), move |source| {
         let frame = source.number.unwrap() as usize;

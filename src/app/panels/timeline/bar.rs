@@ -156,7 +156,7 @@ fn tooltip(state: &State, player: &Player, frame: usize) -> String {
         frame + 1,
         sequence.len(),
         player.time_s(frame),
-        sequence.source(frame).name
+        sequence.entry(frame).name
     );
     let rest = match player.loader().get(frame, &Scene::needs(&state.settings)) {
         Slot::Ready(prepared) => format!(

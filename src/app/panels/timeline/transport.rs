@@ -134,7 +134,7 @@ fn place(ui: &mut Ui, state: &State) {
         ));
     }
     if !sequence.is_empty() {
-        let source = sequence.source(frame);
+        let source = sequence.entry(frame);
         ui.add(Label::new(&source.name).truncate())
             .on_hover_text(source.path.display().to_string());
     }
@@ -223,7 +223,7 @@ fn pace(ui: &mut Ui, state: &mut State) {
 
 /// Whether the newest frame of a folder that may grow is shown as it comes.
 fn follow(ui: &mut Ui, player: &mut Player, now: Duration) {
-    if !player.sequence().may_grow() {
+    if !player.sequence().source().may_grow() {
         return;
     }
     let follows = player.follows_newest();

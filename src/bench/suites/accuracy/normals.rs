@@ -11,7 +11,7 @@ use crate::bench::runner::milliseconds_since;
 use crate::bench::suites::Run;
 use crate::bench::{BenchError, Quantiles};
 use crate::measure::{AngularError, Orientation};
-use crate::sequence::{OUTLIERS, Sampled, Shape};
+use crate::source::{OUTLIERS, Sampled, Shape};
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Folders, patterns and files → ordered sources, by names alone.
+//! Folders, patterns and files → ordered entries, by names alone.
 //!
 //! **How it works.** Inputs keep the order in which they were given, with one exception: files named one after the other are
 //! sorted naturally, because that is what a shell makes of `scan_*.ply` (it sorts `scan_10` before `scan_2`). A folder or
@@ -13,7 +13,7 @@
 use super::companions::{Companions, Known};
 use super::recording::topics_of;
 use super::stamps::stamp;
-use super::{OpenOptions, Recording, SequenceError, Source};
+use super::{FrameEntry, OpenOptions, Recording, SequenceError};
 use crate::io::natural::{Run, Runs, natural_order, split_name};
 use crate::io::{self, Format};
 use std::collections::HashSet;
@@ -29,7 +29,7 @@ const NAMED_SUBFOLDERS: usize = 3;
 #[derive(Debug, Default)]
 pub(super) struct Discovered {
     /// All frames in order.
-    pub(super) sources: Vec<Source>,
+    pub(super) entries: Vec<FrameEntry>,
     pub(super) recordings: Vec<Recording>,
     /// What of the inputs is left out, a sentence each.
     pub(super) notes: Vec<String>,
@@ -80,17 +80,17 @@ pub(super) fn discover(
             return Err(SequenceError::Cancelled);
         }
         let normals = companions.normals.remove(&path);
-        let first = discovered.sources.len();
+        let first = discovered.entries.len();
         discovered.append_frames(path, options);
-        if let Some(source) = discovered.sources.get_mut(first) {
-            source.normals = normals;
+        if let Some(entry) = discovered.entries.get_mut(first) {
+            entry.normals = normals;
         }
     }
     if let Some(topic) = &options.topic {
         discovered.demand(topic)?;
     }
-    number(&mut discovered.sources);
-    stamp(&mut discovered.sources);
+    number(&mut discovered.entries);
+    stamp(&mut discovered.entries);
     Ok(discovered)
 }
 
@@ -107,12 +107,12 @@ impl Discovered {
         match listed {
             // What holds no frame at all says so when it is decoded.
             Some(Ok(contents)) if contents.entries.is_empty() && options.topic.is_none() => {
-                self.sources.push(Source::file(path));
+                self.entries.push(FrameEntry::file(path));
             }
             Some(Ok(contents)) => {
                 let frames = contents.entries.into_iter();
-                self.sources
-                    .extend(frames.map(|entry| Source::entry(&path, entry)));
+                self.entries
+                    .extend(frames.map(|entry| FrameEntry::entry(&path, entry)));
                 if !contents.topics.is_empty() {
                     self.recordings.push(Recording {
                         path,
@@ -120,7 +120,7 @@ impl Discovered {
                     });
                 }
             }
-            None | Some(Err(_)) => self.sources.push(Source::file(path)),
+            None | Some(Err(_)) => self.entries.push(FrameEntry::file(path)),
         }
     }
 
@@ -145,9 +145,9 @@ impl Discovered {
     }
 }
 
-/// Whether nobody writes to the files of `source` any more, as far as their times say. Its normals are waited for where the frame
+/// Whether nobody writes to the files of `entry` any more, as far as their times say. Its normals are waited for where the frame
 /// before it has some, but not for long.
-pub(super) fn is_written(source: &Source, expects_normals: bool) -> bool {
+pub(super) fn is_written(entry: &FrameEntry, expects_normals: bool) -> bool {
     /// Who writes a frame has it done in pieces that follow each other faster.
     const QUIET: Duration = Duration::from_millis(500);
     /// Who writes normals behind each frame has them done by then.
@@ -157,10 +157,10 @@ pub(super) fn is_written(source: &Source, expects_normals: bool) -> bool {
         // A clock that stands before the file's says nothing.
         modified.map_or(true, |at| at.elapsed().map_or(true, |age| age >= least))
     };
-    match &source.normals {
-        Some(normals) => is_older(&source.path, QUIET) && is_older(normals, QUIET),
-        None if expects_normals => is_older(&source.path, NORMALS),
-        None => is_older(&source.path, QUIET),
+    match &entry.normals {
+        Some(normals) => is_older(&entry.path, QUIET) && is_older(normals, QUIET),
+        None if expects_normals => is_older(&entry.path, NORMALS),
+        None => is_older(&entry.path, QUIET),
     }
 }
 
@@ -289,24 +289,24 @@ fn known_patterns() -> String {
     patterns.join(", ")
 }
 
-/// Gives every source the number in its name that counts the frames: the last run of digits that every name has and
+/// Gives every entry the number in its name that counts the frames: the last run of digits that every name has and
 /// that grows from each name to the next. Without such a run nobody gets a number; a single file gets its last run.
-fn number(sources: &mut [Source]) {
-    let numbers_of = |source: &Source| -> Vec<Option<u64>> {
-        Runs(&split_name(Path::new(&source.name)).0)
+fn number(entries: &mut [FrameEntry]) {
+    let numbers_of = |entry: &FrameEntry| -> Vec<Option<u64>> {
+        Runs(&split_name(Path::new(&entry.name)).0)
             .filter_map(|run| match run {
                 Run::Digits(digits) => Some(digits.parse().ok()),
                 Run::Text(_) => None,
             })
             .collect()
     };
-    let Some(first) = sources.first() else {
+    let Some(first) = entries.first() else {
         return;
     };
     // Which of the first name's runs still count, and their values in the name before.
     let mut before = numbers_of(first);
-    for source in &sources[1..] {
-        let numbers = numbers_of(source);
+    for entry in &entries[1..] {
+        let numbers = numbers_of(entry);
         before.truncate(numbers.len());
         for (previous, number) in before.iter_mut().zip(numbers) {
             *previous = match (*previous, number) {
@@ -318,8 +318,8 @@ fn number(sources: &mut [Source]) {
     let Some(counting) = before.iter().rposition(Option::is_some) else {
         return;
     };
-    for source in sources {
-        source.number = numbers_of(source).get(counting).copied().flatten();
+    for entry in entries {
+        entry.number = numbers_of(entry).get(counting).copied().flatten();
     }
 }
 
@@ -328,9 +328,9 @@ mod tests {
     use super::*;
 
     fn numbers(names: &[&str]) -> Vec<Option<u64>> {
-        let mut sources: Vec<Source> = names.iter().map(Source::file).collect();
-        number(&mut sources);
-        sources.iter().map(|source| source.number).collect()
+        let mut entries: Vec<FrameEntry> = names.iter().map(FrameEntry::file).collect();
+        number(&mut entries);
+        entries.iter().map(|entry| entry.number).collect()
     }
 
     #[test]
@@ -367,7 +367,7 @@ mod tests {
             let mut known = Known::default();
             discover(&inputs, &OpenOptions::default(), &mut known, &mut observe)
         };
-        assert_eq!(open(9).unwrap().sources.len(), 3);
+        assert_eq!(open(9).unwrap().entries.len(), 3);
         assert!(matches!(open(1), Err(SequenceError::Cancelled)));
         assert_eq!(told, [(0, 3), (1, 3), (2, 3), (0, 3), (1, 3)]);
     }

@@ -14,7 +14,7 @@ pub struct Recording {
 }
 
 /// The topics of all `recordings` together, in the order of their names: a long recording is several files.
-pub(super) fn topics_of(recordings: &[Recording]) -> Vec<Topic> {
+pub(in crate::source) fn topics_of(recordings: &[Recording]) -> Vec<Topic> {
     let mut by_name: BTreeMap<&str, Topic> = BTreeMap::new();
     for topic in recordings.iter().flat_map(|recording| &recording.topics) {
         by_name

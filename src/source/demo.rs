@@ -1,7 +1,8 @@
 //! The demo sequence, embedded so that the program has something to show without an input. Licence, credit and how it
 //! was made: `assets/demo/README.md`.
 
-use super::Source;
+use super::{FrameEntry, FrameList, files};
+use crate::io::ReadOptions;
 
 /// One embedded frame a number.
 macro_rules! frames {
@@ -18,14 +19,17 @@ const FRAMES: &[(&str, &[u8])] = frames!(
     "0012" "0013" "0014" "0015" "0016" "0017" "0018" "0019" "0020" "0021" "0022" "0023"
 );
 
-/// All frames in order.
-pub(super) fn sources() -> Vec<Source> {
-    FRAMES
+/// 24 poses of about 8,000 coloured points.
+pub fn demo() -> FrameList {
+    let entries = FRAMES
         .iter()
         .zip(0..)
-        .map(|(&(name, bytes), number)| Source {
+        .map(|(&(name, bytes), number)| FrameEntry {
             number: Some(number),
-            ..Source::embedded(format!("demo/{name}"), bytes)
-        })
-        .collect()
+            ..FrameEntry::embedded(format!("demo/{name}"), bytes)
+        });
+    let options = ReadOptions::default();
+    FrameList::new(entries.collect(), move |entry, progress| {
+        files::decode(entry, &options, progress)
+    })
 }

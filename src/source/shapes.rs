@@ -3,7 +3,7 @@
 //! Points are spread evenly at random over the area, as scans are nearly; each shape has its seed, so that every machine
 //! measures the same points. Noise moves a point by a normal deviate along each axis.
 
-use super::{Sequence, Source};
+use super::{FrameEntry, FrameList};
 use crate::cloud::{Positions, RawCloud};
 use glam::{DVec2, DVec3, Vec3};
 use std::f32::consts::TAU;
@@ -160,23 +160,26 @@ impl Shape {
         [0.0, 2.1, 4.2].map(|phase| channel(phase) as u8)
     }
 
-    /// A sequence of one frame of `count` points, with normals and colours.
-    pub fn sequence(self, count: usize) -> Sequence {
-        let source = Source::embedded(format!("shape/{}", self.name()), &[]);
-        Sequence::with_decoder(vec![source], move |_| {
-            let Sampled { positions, normals } = self.sample(count, 0.0);
-            let color = |position: &Vec3| {
-                let [red, green, blue] = Self::color_at(position.as_dvec3());
-                [red, green, blue, 255]
-            };
-            Ok(RawCloud {
-                colors: Some(positions.iter().map(color).collect()),
-                normals: Some(normals.iter().map(Vec3::to_array).collect()),
-                ..RawCloud::from_positions(Positions::F32(
-                    positions.iter().map(Vec3::to_array).collect(),
-                ))
-            })
-        })
+    /// One frame of `count` points, with normals and colours.
+    pub fn frame(self, count: usize) -> FrameList {
+        let entry = FrameEntry::embedded(format!("shape/{}", self.name()), &[]);
+        FrameList::new(vec![entry], move |_, _| Ok(self.cloud(count)))
+    }
+
+    /// `count` points with normals and colours.
+    pub(super) fn cloud(self, count: usize) -> RawCloud {
+        let Sampled { positions, normals } = self.sample(count, 0.0);
+        let color = |position: &Vec3| {
+            let [red, green, blue] = Self::color_at(position.as_dvec3());
+            [red, green, blue, 255]
+        };
+        RawCloud {
+            colors: Some(positions.iter().map(color).collect()),
+            normals: Some(normals.iter().map(Vec3::to_array).collect()),
+            ..RawCloud::from_positions(Positions::F32(
+                positions.iter().map(Vec3::to_array).collect(),
+            ))
+        }
     }
 }
 

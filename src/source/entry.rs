@@ -1,0 +1,77 @@
+//! One frame as its source knows it before it is read.
+
+use crate::io::{self, Part};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Where the bytes of a frame are.
+#[derive(Clone, PartialEq, Eq)]
+pub enum Content {
+    /// In the file at [`FrameEntry::path`], which may hold others too.
+    File(Part),
+    /// In the program; [`FrameEntry::path`] is only a name.
+    Embedded(&'static [u8]),
+}
+
+impl std::fmt::Debug for Content {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File(part) => write!(formatter, "File({part:?})"),
+            Self::Embedded(bytes) => write!(formatter, "Embedded({} bytes)", bytes.len()),
+        }
+    }
+}
+
+/// One frame of a source, not read yet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FrameEntry {
+    /// The file, as the person gave it or as its folder lists it.
+    pub path: PathBuf,
+    /// File name for people; bytes that are not UTF-8 are replaced.
+    pub name: String,
+    /// The number in the name that counts the frames, where there is one: gaps in time can be seen in it.
+    pub number: Option<u64>,
+    /// When it was taken, since whatever moment its file or its name counts from.
+    pub time: Option<Duration>,
+    /// Where the bytes are.
+    pub content: Content,
+    /// A file beside it with the normals of its points, which the file itself need not have.
+    pub normals: Option<PathBuf>,
+}
+
+impl FrameEntry {
+    /// The file at `path`.
+    pub fn file(path: impl Into<PathBuf>) -> Self {
+        Self::new(path.into(), Content::File(Part::Whole))
+    }
+
+    /// A frame of a file that holds several.
+    pub(super) fn entry(path: impl Into<PathBuf>, entry: io::Entry) -> Self {
+        let mut frame = Self::new(path.into(), Content::File(entry.part));
+        if !entry.name.is_empty() {
+            frame.name = format!("{}: {}", frame.name, entry.name);
+        }
+        frame.time = entry.time;
+        frame
+    }
+
+    /// Bytes in the program, under a name whose extension tells their format where their first bytes do not.
+    pub fn embedded(name: impl Into<PathBuf>, bytes: &'static [u8]) -> Self {
+        Self::new(name.into(), Content::Embedded(bytes))
+    }
+
+    fn new(path: PathBuf, content: Content) -> Self {
+        let name = path.file_name().map_or_else(
+            || path.display().to_string(),
+            |name| name.to_string_lossy().into_owned(),
+        );
+        Self {
+            path,
+            name,
+            number: None,
+            time: None,
+            content,
+            normals: None,
+        }
+    }
+}

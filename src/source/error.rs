@@ -1,0 +1,85 @@
+//! What can be wrong with a source of frames.
+
+use std::path::PathBuf;
+
+/// Why a sequence cannot be opened.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SequenceError {
+    /// No input was named.
+    #[error(
+        "no input was given: name a folder of frames, a file, or a pattern such as 'scan_*.ply'"
+    )]
+    NoInput,
+    /// A path that is not there.
+    #[error("{} does not exist: name a file, a folder of frames, or a pattern such as 'scan_*.ply'", path.display())]
+    Missing {
+        /// The path as given.
+        path: PathBuf,
+    },
+    /// A folder in which no file is a point cloud by its extension.
+    #[error("no point cloud is in the folder {} (looked for {extensions}): {hint}", path.display())]
+    EmptyFolder {
+        /// The folder as given.
+        path: PathBuf,
+        /// What was looked for, such as `*.ply, *.pcd`.
+        extensions: String,
+        /// What to do.
+        hint: String,
+    },
+    /// A pattern without a match.
+    #[error("no file matches {pattern}: check the pattern, or name the folder instead")]
+    NoMatch {
+        /// The pattern as given.
+        pattern: String,
+    },
+    /// A pattern that is not one.
+    #[error(
+        "{pattern} is not a valid pattern ({reason}): put [ and ] around the characters * ? [ to mean themselves"
+    )]
+    BadPattern {
+        /// The pattern as given.
+        pattern: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A topic that no recording among the inputs has.
+    #[error("there are no point clouds of topic {topic}: {hint}")]
+    NoTopic {
+        /// The topic as given.
+        topic: String,
+        /// What there is.
+        hint: String,
+    },
+    /// Frames are to be generated, but of what is not known.
+    #[error(
+        "{input} is nothing that can be generated: name a shape ({shapes}) and 1 to {most_points} points, such as spin:torus:100000"
+    )]
+    NotGenerated {
+        /// The input as given.
+        input: String,
+        /// What there is.
+        shapes: String,
+        /// Most points of a frame.
+        most_points: usize,
+    },
+    /// A folder or path that the system does not let us look into.
+    #[error("{} cannot be listed ({reason}): check its permissions", path.display())]
+    Unreadable {
+        /// The folder.
+        path: PathBuf,
+        /// The system's reason.
+        reason: std::io::Error,
+    },
+    /// Somebody cancelled it.
+    #[error("opening was cancelled")]
+    Cancelled,
+    /// The system gives no thread to load frames on.
+    #[error(
+        "no thread could be started to load frames ({reason}): close other programs or raise the process limit"
+    )]
+    NoThread {
+        /// The system's reason.
+        reason: std::io::Error,
+    },
+}

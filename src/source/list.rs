@@ -1,0 +1,86 @@
+//! A list of frames and a function that decodes them: sensors, generators, slow or broken files in tests.
+
+use super::{DecodeFailure, Decoder, FrameEntry, FrameSample, Source};
+use crate::cloud::RawCloud;
+use crate::progress::Progress;
+use std::ops::Range;
+use std::sync::Arc;
+
+type Decode = dyn Fn(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync;
+
+/// Reads some points of a frame alone: see [`Source::sample`].
+type Sample =
+    dyn Fn(&FrameEntry, usize, usize) -> Result<Option<FrameSample>, DecodeFailure> + Send + Sync;
+
+/// Frames that one function decodes, called from several threads at once.
+pub struct FrameList {
+    entries: Vec<Arc<FrameEntry>>,
+    decode: Arc<Decode>,
+    sample: Option<Box<Sample>>,
+}
+
+impl FrameList {
+    /// The frames that `decode` makes of `entries`.
+    pub fn new(
+        entries: Vec<FrameEntry>,
+        decode: impl Fn(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure>
+        + Send
+        + Sync
+        + 'static,
+    ) -> Self {
+        Self {
+            entries: entries.into_iter().map(Arc::new).collect(),
+            decode: Arc::new(decode),
+            sample: None,
+        }
+    }
+
+    /// The same frames, of which `sample` reads some points alone.
+    #[must_use]
+    pub fn with_sample(
+        mut self,
+        sample: impl Fn(&FrameEntry, usize, usize) -> Result<Option<FrameSample>, DecodeFailure>
+        + Send
+        + Sync
+        + 'static,
+    ) -> Self {
+        self.sample = Some(Box::new(sample));
+        self
+    }
+}
+
+impl std::fmt::Debug for FrameList {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("FrameList")
+            .field("entries", &self.entries)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Source for FrameList {
+    fn frames(&self) -> Range<usize> {
+        0..self.entries.len()
+    }
+
+    fn entry(&self, index: usize) -> Arc<FrameEntry> {
+        Arc::clone(&self.entries[index])
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        let decode = Arc::clone(&self.decode);
+        Box::new(move |entry: &FrameEntry, progress: &Progress| decode(entry, progress))
+    }
+
+    fn sample(
+        &self,
+        index: usize,
+        most_points: usize,
+        fewest_points: usize,
+    ) -> Result<Option<FrameSample>, DecodeFailure> {
+        match &self.sample {
+            Some(sample) => sample(&self.entries[index], most_points, fewest_points),
+            None => Ok(None),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Where frames come from: files and recordings, shapes with a formula, the demo, streams that nobody can rewind.
+//!
+//! A [`Source`] knows which frames there are and what can be said of each without reading it; a [`Decoder`], one for each thread that reads,
+//! makes point clouds of them. A sequence gives the frames of any source an origin, a pace and a place in memory.
+//!
+//! To add a source: a type that implements [`Source`] and its [`Decoder`], and a word for it where inputs are read ([`open`]).
+
+mod demo;
+mod entry;
+mod error;
+mod files;
+mod list;
+mod locks;
+mod shapes;
+mod spin;
+
+pub use demo::demo;
+pub use entry::{Content, FrameEntry};
+pub use error::SequenceError;
+pub use files::{Files, OpenOptions, Recording};
+pub use list::FrameList;
+pub(crate) use locks::lock;
+pub use shapes::Shape;
+pub(crate) use shapes::{OUTLIERS, Sampled};
+pub use spin::Spin;
+
+use crate::cloud::RawCloud;
+use crate::io::Topic;
+use crate::progress::Progress;
+use std::ops::{ControlFlow, Range};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+/// Why a decoder failed; its message names the file, the place in it and what was expected.
+pub type DecodeFailure = Box<dyn std::error::Error + Send + Sync>;
+
+/// Some points of a frame, and how many it has.
+pub type FrameSample = (RawCloud, usize);
+
+/// Where the frames of a sequence come from. Shared between threads.
+pub trait Source: Send + Sync {
+    /// The frames that can be decoded now: up to the newest, from the oldest that is not gone for good. Frames keep their numbers.
+    fn frames(&self) -> Range<usize>;
+
+    /// What is known of a frame before it is decoded, be it gone or not. Precondition: it is before the end of [`Source::frames`].
+    fn entry(&self, index: usize) -> Arc<FrameEntry>;
+
+    /// Something that decodes frames of this source, for one thread at a time.
+    fn decoder(&self) -> Box<dyn Decoder>;
+
+    /// At most `most_points` of a frame that has at least `fewest_points`, without reading the others, and how many it has; `None` where
+    /// that cannot be done.
+    fn sample(
+        &self,
+        _index: usize,
+        _most_points: usize,
+        _fewest_points: usize,
+    ) -> Result<Option<FrameSample>, DecodeFailure> {
+        Ok(None)
+    }
+
+    /// Whether a frame can be decoded as often as somebody wants it. If not, it is for who shows it: nobody decodes it ahead for a small
+    /// picture of it or a trail.
+    fn can_decode_again(&self) -> bool {
+        true
+    }
+
+    /// Whether frames may come while it is open.
+    fn may_grow(&self) -> bool {
+        false
+    }
+
+    /// Takes frames that came behind the last one; says how many.
+    fn look_again(&self) -> Result<usize, SequenceError> {
+        Ok(0)
+    }
+
+    /// [`Source::look_again`] once there is something, or after this time: a stream wakes up when a frame comes, a folder is looked at
+    /// from time to time.
+    fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
+        thread::sleep(at_most);
+        self.look_again()
+    }
+
+    /// What a person opened: nothing for what is no file.
+    fn inputs(&self) -> &[PathBuf] {
+        &[]
+    }
+
+    /// The recordings among what was opened.
+    fn recordings(&self) -> &[Recording] {
+        &[]
+    }
+
+    /// The topics with point clouds of all recordings together, in the order of their names.
+    fn topics(&self) -> Vec<Topic> {
+        files::topics_of(self.recordings())
+    }
+
+    /// What of the inputs is left out, a sentence each.
+    fn notes(&self) -> &[String] {
+        &[]
+    }
+}
+
+/// Decodes frames of one source. It may keep what several frames share, such as an open file or the frame before, but gives the same
+/// answer whatever it decoded before.
+pub trait Decoder: Send {
+    /// The point cloud of frame `index`, which `entry` tells of, in file coordinates. Says how far it is; what it returns after it was
+    /// cancelled is not looked at.
+    fn decode(
+        &mut self,
+        index: usize,
+        entry: &FrameEntry,
+        progress: &Progress,
+    ) -> Result<RawCloud, DecodeFailure>;
+}
+
+/// A function that decodes every frame by itself.
+impl<F> Decoder for F
+where
+    F: FnMut(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure> + Send,
+{
+    fn decode(
+        &mut self,
+        _index: usize,
+        entry: &FrameEntry,
+        progress: &Progress,
+    ) -> Result<RawCloud, DecodeFailure> {
+        self(entry, progress)
+    }
+}
+
+/// The source that `inputs` name: `spin:…` alone (see [`Spin`]), else files, folders and patterns. `observe` is told of how many files of
+/// how many were looked at, and may cancel.
+pub fn open(
+    inputs: &[PathBuf],
+    options: &OpenOptions,
+    observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+) -> Result<Arc<dyn Source>, SequenceError> {
+    if let [input] = inputs
+        && let Some(spin) = Spin::of_name(input)?
+    {
+        return Ok(Arc::new(spin));
+    }
+    Ok(Arc::new(Files::open(inputs, options, observe)?))
+}

@@ -1,0 +1,174 @@
+//! A turning shape without an end, which is live: frames come by the clock, and old ones are gone for good.
+//!
+//! It stands for sensors where there is none: whoever shows, measures or records a stream can be tried on it.
+
+use super::locks::lock;
+use super::{DecodeFailure, Decoder, FrameEntry, SequenceError, Shape, Source};
+use crate::cloud::{Positions, RawCloud};
+use crate::progress::Progress;
+use glam::{Quat, Vec3};
+use std::f32::consts::TAU;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Frames a second.
+const RATE: f64 = 24.0;
+
+/// Frames of one turn.
+const FRAMES_PER_TURN: usize = 96;
+
+/// The newest so many frames can be decoded: two seconds.
+const RING_LENGTH: usize = 48;
+
+/// More points take more than a frame's time to make.
+const MOST_POINTS: usize = 10_000_000;
+
+/// `spin:torus:100000`: a shape that turns once in four seconds, of so many points.
+#[derive(Debug)]
+pub struct Spin {
+    shape: Shape,
+    points: usize,
+    begun: Instant,
+    ring: Arc<Ring>,
+}
+
+/// What decoders share with the source.
+#[derive(Debug)]
+struct Ring {
+    /// Frames that have come.
+    count: AtomicUsize,
+    /// The shape at rest, once the first frame is decoded.
+    at_rest: Mutex<Option<Arc<RawCloud>>>,
+}
+
+impl Ring {
+    fn frames(&self) -> Range<usize> {
+        let end = self.count.load(Ordering::Relaxed);
+        end.saturating_sub(RING_LENGTH)..end
+    }
+}
+
+impl Spin {
+    /// The turning shape that an input names; `None` if it names something else.
+    ///
+    /// # Errors
+    /// [`SequenceError::NotGenerated`] where `spin:` is followed by anything but a shape and a number of points.
+    pub fn of_name(input: &Path) -> Result<Option<Self>, SequenceError> {
+        let Some(what) = input.to_str().and_then(|input| input.strip_prefix("spin:")) else {
+            return Ok(None);
+        };
+        let parsed = what.split_once(':').and_then(|(shape, points)| {
+            let shape = Shape::ALL.into_iter().find(|known| known.name() == shape)?;
+            let points = points.parse().ok();
+            Some((
+                shape,
+                points.filter(|points| (1..=MOST_POINTS).contains(points))?,
+            ))
+        });
+        let (shape, points) = parsed.ok_or_else(|| SequenceError::NotGenerated {
+            input: input.display().to_string(),
+            shapes: Shape::ALL.map(Shape::name).join(", "),
+            most_points: MOST_POINTS,
+        })?;
+        Ok(Some(Self::new(shape, points)))
+    }
+
+    /// The first frame comes now.
+    pub fn new(shape: Shape, points: usize) -> Self {
+        Self {
+            shape,
+            points,
+            begun: Instant::now(),
+            ring: Arc::new(Ring {
+                count: AtomicUsize::new(1),
+                at_rest: Mutex::default(),
+            }),
+        }
+    }
+
+    /// When a frame comes, since the first.
+    fn time_of(index: usize) -> Duration {
+        Duration::from_secs_f64(index as f64 / RATE)
+    }
+}
+
+impl Source for Spin {
+    fn frames(&self) -> Range<usize> {
+        self.ring.frames()
+    }
+
+    fn entry(&self, index: usize) -> Arc<FrameEntry> {
+        let path = format!("spin:{}:{}", self.shape.name(), self.points);
+        Arc::new(FrameEntry {
+            name: format!("{} {index}", self.shape.name()),
+            number: Some(index as u64),
+            time: Some(Self::time_of(index)),
+            ..FrameEntry::embedded(path, &[])
+        })
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        Box::new(SpinDecoder {
+            shape: self.shape,
+            points: self.points,
+            ring: Arc::clone(&self.ring),
+        })
+    }
+
+    fn can_decode_again(&self) -> bool {
+        false
+    }
+
+    fn may_grow(&self) -> bool {
+        true
+    }
+
+    fn look_again(&self) -> Result<usize, SequenceError> {
+        let count = (self.begun.elapsed().as_secs_f64() * RATE) as usize + 1;
+        let before = self.ring.count.fetch_max(count, Ordering::Relaxed);
+        Ok(count.saturating_sub(before))
+    }
+
+    fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
+        let next = Self::time_of(self.ring.frames().end);
+        thread::sleep(next.saturating_sub(self.begun.elapsed()).min(at_most));
+        self.look_again()
+    }
+}
+
+struct SpinDecoder {
+    shape: Shape,
+    points: usize,
+    ring: Arc<Ring>,
+}
+
+impl Decoder for SpinDecoder {
+    fn decode(
+        &mut self,
+        index: usize,
+        _entry: &FrameEntry,
+        _progress: &Progress,
+    ) -> Result<RawCloud, DecodeFailure> {
+        let at_rest = Arc::clone(
+            lock(&self.ring.at_rest).get_or_insert_with(|| Arc::new(self.shape.cloud(self.points))),
+        );
+        let turns = (index % FRAMES_PER_TURN) as f32 / FRAMES_PER_TURN as f32;
+        let turn = Quat::from_rotation_y(TAU * turns);
+        let turned = |at: &[f32; 3]| (turn * Vec3::from_array(*at)).to_array();
+        let positions = match &at_rest.positions {
+            Positions::F32(positions) => positions.iter().map(turned).collect(),
+            // Shapes are sampled in single precision.
+            Positions::F64(_) => Vec::new(),
+        };
+        let normals = at_rest.normals.as_ref();
+        Ok(RawCloud {
+            colors: at_rest.colors.clone(),
+            normals: normals.map(|normals| normals.iter().map(turned).collect()),
+            ..RawCloud::from_positions(Positions::F32(positions))
+        })
+    }
+}
