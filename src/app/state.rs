@@ -254,7 +254,7 @@ impl State {
         for note in player.sequence().source().notes() {
             self.notices.warn(note.clone());
         }
-        if self.options.follow {
+        if self.options.follow || player.sequence().source().is_live() {
             player.follow_newest(true, self.now);
         }
         let (loop_mode, speed) = match &self.player {

@@ -14,7 +14,7 @@ use clap::Args;
 use glam::DVec3;
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -25,18 +25,13 @@ pub(super) const DEMO_INPUT: &str = "demo:";
 pub(super) const VIEW: &str = "View";
 const LEVEL_OF_DETAIL: &str = "Level of detail";
 
-/// Opens what a person named; nothing or `demo:` is the built-in sequence.
+/// Opens what a person named; nothing is the built-in sequence.
 pub(super) fn open_sequence(
     inputs: &[PathBuf],
     options: &OpenOptions,
 ) -> Result<Sequence, SequenceError> {
-    let demo = || match options.fps {
-        Some(fps) => Sequence::demo().with_fps(fps),
-        None => Sequence::demo(),
-    };
     match inputs {
-        [] => Ok(demo()),
-        [only] if only == Path::new(DEMO_INPUT) => Ok(demo()),
+        [] => Sequence::open(&[DEMO_INPUT.into()], options),
         _ => Sequence::open(inputs, options),
     }
 }

@@ -8,7 +8,8 @@ use crate::app::{self, PresentChoice};
 use crate::bench::{self, BenchOptions, Input, Modes, Progress, Report, Suite};
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
-use crate::sequence::{OpenOptions, Sequence, Shape};
+use crate::sequence::OpenOptions;
+use crate::source::Generated;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use std::io::{IsTerminal as _, Write as _};
@@ -156,46 +157,17 @@ fn measure(inputs: &[Input], options: &BenchOptions) -> anyhow::Result<Report> {
     Ok(report?)
 }
 
-/// Points of a sampled shape when their number is not given.
-const SHAPE_POINTS: usize = 100_000;
-
-/// Most points that a sampled shape can be asked for.
-const MOST_SHAPE_POINTS: usize = 50_000_000;
-
-/// Opens a sequence, or samples a shape.
+/// Opens an input; of a shape the truth is known.
 fn open_input(input: &Path, open: &OpenOptions) -> anyhow::Result<Input> {
-    if let Some((shape, count)) = sampled_shape(input)? {
-        return Ok(Input {
-            name: shape.name().to_owned(),
-            sequence: Arc::new(Sequence::of(shape.frame(count))),
-            shape: Some(shape),
-        });
-    }
+    let shape = match Generated::of_name(input)? {
+        Some(Generated::Shape(shape, _)) => Some(shape),
+        _ => None,
+    };
     Ok(Input {
-        name: sequence_name(input),
+        name: shape.map_or_else(|| sequence_name(input), |shape| shape.name().to_owned()),
         sequence: Arc::new(open_sequence_and_tell(&[input.to_owned()], open)?),
-        shape: None,
+        shape,
     })
-}
-
-/// The shape that `sphere:` or `sphere:COUNT` names, with its number of points; `None` for what names none.
-fn sampled_shape(input: &Path) -> anyhow::Result<Option<(Shape, usize)>> {
-    let Some((name, count)) = input.to_str().and_then(|text| text.split_once(':')) else {
-        return Ok(None);
-    };
-    let Some(shape) = Shape::ALL.into_iter().find(|shape| shape.name() == name) else {
-        return Ok(None);
-    };
-    if count.is_empty() {
-        return Ok(Some((shape, SHAPE_POINTS)));
-    }
-    match count.parse() {
-        Ok(count @ 1..=MOST_SHAPE_POINTS) => Ok(Some((shape, count))),
-        _ => bail!(
-            "{}: expected a number of points from 1 to {MOST_SHAPE_POINTS} after the colon",
-            input.display()
-        ),
-    }
 }
 
 /// The name of the folder or file, which is what tells sequences apart in a table.
@@ -251,22 +223,6 @@ fn count(text: &str) -> Result<usize, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn shapes_are_named_with_a_colon() {
-        let shape = |text: &str| sampled_shape(Path::new(text)).map_err(|error| error.to_string());
-        assert_eq!(shape("sphere:"), Ok(Some((Shape::Sphere, SHAPE_POINTS))));
-        assert_eq!(shape("saddle:2000"), Ok(Some((Shape::Saddle, 2000))));
-        assert_eq!(shape("sphere"), Ok(None));
-        assert_eq!(shape("demo:"), Ok(None));
-        for wrong in ["torus:0", "torus:many", "torus:99999999999"] {
-            let error = shape(wrong).unwrap_err();
-            assert!(
-                error.starts_with(wrong) && error.contains("from 1 to"),
-                "{error}"
-            );
-        }
-    }
 
     #[test]
     fn sequences_are_named_after_their_folder_or_file() {

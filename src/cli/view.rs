@@ -1,7 +1,7 @@
 //! `pointreel view`: the window.
 
 use super::arguments::{
-    DEMO_INPUT, PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, open_sequence, size_px,
+    PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, open_sequence, size_px,
 };
 use crate::app::{
     Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions,
@@ -9,9 +9,10 @@ use crate::app::{
 use crate::kept;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::OpenOptions;
+use crate::source::Generated;
 use anyhow::{Context as _, bail};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What to show and how.
@@ -139,11 +140,11 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         },
         sequence: Some(Arc::new(sequence)),
         compare,
-        // The demo is in the menu, not among the recent files.
+        // The demo is in the menu, and what is no file is not among the recent ones.
         inputs: args
             .inputs
             .iter()
-            .filter(|input| input.as_path() != Path::new(DEMO_INPUT))
+            .filter(|input| matches!(Generated::of_name(input), Ok(None)))
             .cloned()
             .collect(),
         warnings,

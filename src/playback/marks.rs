@@ -23,7 +23,7 @@ pub enum Mark {
 impl From<FrameState> for Mark {
     fn from(state: FrameState) -> Self {
         match state {
-            FrameState::Absent => Self::Absent,
+            FrameState::Absent | FrameState::Gone => Self::Absent,
             FrameState::Loading | FrameState::Stale => Self::Pending,
             FrameState::Coarse => Self::Coarse,
             FrameState::Ready => Self::Resident,

@@ -216,12 +216,12 @@ impl Player {
 
     /// Takes the frames by which the sequence has grown; true if there are some.
     fn grow(&mut self, now: Duration) -> bool {
-        let frame_count = self.sequence.len();
-        if frame_count <= self.clock.frame_count() {
+        let frames = self.sequence.frames();
+        if frames.end <= self.clock.frame_count() {
             return false;
         }
         self.loader.grow();
-        self.clock.set_frame_count(frame_count, now);
+        self.clock.set_frames(frames, now);
         self.clock.set_pace(self.sequence.pace(), now);
         self.follow_newest(self.follows_newest, now);
         true

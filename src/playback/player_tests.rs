@@ -1,6 +1,8 @@
 use super::*;
 use crate::cloud::{Positions, RawCloud};
+use crate::progress::Progress;
 use crate::sequence::FrameEntry;
+use crate::source::{Decoder, Source};
 use std::collections::BTreeSet;
 use std::sync::{Condvar, Mutex};
 use std::time::Instant;
@@ -244,4 +246,79 @@ fn what_could_not_be_read_of_a_frame_is_told_once() {
         assert_eq!(player.shown().map(|shown| shown.index), Some(frame));
     }
     assert_eq!(told, ["frame_0.ply: no faces", "frame_2.ply: no faces"]);
+}
+
+/// Frames that a test lets come and go.
+#[derive(Default)]
+struct Stream {
+    frames: Mutex<std::ops::Range<usize>>,
+}
+
+impl Source for Arc<Stream> {
+    fn frames(&self) -> std::ops::Range<usize> {
+        self.frames.lock().unwrap().clone()
+    }
+
+    fn entry(&self, index: usize) -> Arc<FrameEntry> {
+        Arc::new(FrameEntry::embedded(format!("{index}"), &[]))
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        Box::new(|_: &FrameEntry, _: &Progress| {
+            Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 8])))
+        })
+    }
+
+    fn is_live(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
+    let stream = Arc::new(Stream::default());
+    *stream.frames.lock().unwrap() = 0..1;
+    let sequence = Arc::new(Sequence::of(Arc::clone(&stream)));
+    let loader = LoaderOptions {
+        workers: 1,
+        ..LoaderOptions::default()
+    };
+    let mut player = Player::new(Arc::clone(&sequence), loader, false).unwrap();
+    let settings = Settings::default();
+    player.follow_newest(true, Duration::ZERO);
+    let shown = |player: &mut Player, now_ms: u64| {
+        let begin = std::time::Instant::now();
+        loop {
+            player.update(Duration::from_millis(now_ms), &settings);
+            if player.waiting_for().is_none()
+                && (player.shown().is_some() || player.failure().is_some())
+            {
+                let failed = player.failure().map(|error| error.to_string());
+                return (player.shown().map(|frame| frame.index), failed);
+            }
+            assert!(begin.elapsed() < Duration::from_secs(20), "no frame comes");
+            std::thread::yield_now();
+        }
+    };
+    assert_eq!(shown(&mut player, 0), (Some(0), None));
+    *stream.frames.lock().unwrap() = 7..10;
+    assert_eq!(shown(&mut player, 100), (Some(9), None));
+    // Played on, it goes round what there is.
+    player.toggle(Duration::from_millis(200));
+    let mut seen = Vec::new();
+    for step in 1..=4 {
+        seen.push(
+            shown(&mut player, 200 + 1000 * step / 24 + 5 * step)
+                .0
+                .unwrap(),
+        );
+    }
+    assert!(seen.iter().all(|frame| (7..10).contains(frame)), "{seen:?}");
+    // Who goes to a frame that is gone is told so; one that was kept is shown.
+    player.toggle(Duration::from_secs(1));
+    player.seek(3, Duration::from_secs(1));
+    let (_, failed) = shown(&mut player, 1000);
+    assert!(failed.unwrap().contains("frame 3 is gone"));
+    player.seek(0, Duration::from_secs(1));
+    assert_eq!(shown(&mut player, 1000), (Some(0), None));
 }

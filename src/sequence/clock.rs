@@ -11,6 +11,7 @@
 use super::PlayRange;
 use super::pace::Pace;
 use super::travel::{Direction, LoopMode, Travel};
+use std::ops::Range;
 use std::time::Duration;
 
 /// Frames a second where nothing else is known: the rate of film and of the demo.
@@ -153,7 +154,10 @@ impl Clock {
             LoopMode::Loop => LoopMode::Loop,
             LoopMode::Off | LoopMode::PingPong => LoopMode::Off,
         };
-        let travel = Travel::whole(self.travel.frame_count, ends);
+        let travel = Travel {
+            first: self.travel.first,
+            ..Travel::whole(self.travel.frame_count, ends)
+        };
         let target = travel.after(self.frame, direction, count.unsigned_abs());
         self.seek(target.index, now);
     }
@@ -193,10 +197,11 @@ impl Clock {
         }
     }
 
-    /// Says that there are more frames now; the position stays.
-    pub fn set_frame_count(&mut self, frame_count: usize, now: Duration) {
+    /// Says which frames there are now: more of them, or none before the first any more. The position stays; of frames that are gone none
+    /// plays.
+    pub fn set_frames(&mut self, frames: Range<usize>, now: Duration) {
         self.reanchor(now);
-        self.travel.frame_count = frame_count;
+        (self.travel.first, self.travel.frame_count) = (frames.start, frames.end);
         self.frame = self.frame.min(self.last());
         self.set_anchor(now, self.anchor.phase);
     }

@@ -112,7 +112,7 @@ fn one_frame_never_wakes_anybody() {
         assert_eq!(clock.advance(at(50.0)), 0);
         assert_eq!((clock.is_playing(), clock.skipped()), (true, 0));
         assert!(!clock.is_moving());
-        clock.set_frame_count(2, at(60.0));
+        clock.set_frames(0..2, at(60.0));
         assert!(clock.is_moving(), "a live source has sent another one");
     }
     let mut clock = playing(1, LoopMode::Off);
@@ -297,7 +297,7 @@ fn pausing_within_a_long_frame_keeps_its_place() {
 fn a_sequence_that_grows_plays_on() {
     let mut clock = playing(2, LoopMode::Off);
     assert_eq!(clock.advance(at(0.15)), 1);
-    clock.set_frame_count(4, at(0.15));
+    clock.set_frames(0..4, at(0.15));
     assert_eq!(shown(&mut clock, 2, 2), [2, 3]);
 }
 
@@ -346,7 +346,7 @@ fn setting_points_while_playing_keeps_the_place_within_the_frame() {
     // An open end grows with the sequence.
     let mut clock = playing(3, LoopMode::Loop);
     clock.set_range(PlayRange::default().beginning_at(2), at(0.0));
-    clock.set_frame_count(4, at(0.0));
+    clock.set_frames(0..4, at(0.0));
     clock.seek(3, at(0.0));
     assert_eq!(shown(&mut clock, 0, 3), [3, 2, 3]);
 }

@@ -67,7 +67,7 @@ use crate::progress::Progress;
 use crate::source::{self, Decoder, FrameList, Source, lock};
 use glam::DVec3;
 use origin::OriginFinder;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -165,9 +165,14 @@ impl Sequence {
         self
     }
 
+    /// The frames that can be decoded, or are broken: see [`Source::frames`].
+    pub fn frames(&self) -> Range<usize> {
+        self.source.frames()
+    }
+
     /// Number of frames, broken ones and those that are gone included.
     pub fn len(&self) -> usize {
-        self.source.frames().end
+        self.frames().end
     }
 
     /// True without frames; a discovered sequence has at least one.

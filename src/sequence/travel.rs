@@ -53,6 +53,8 @@ impl LoopMode {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Travel {
     pub(super) frame_count: usize,
+    /// Frames before this one are gone: none of them plays.
+    pub(super) first: usize,
     /// The frames that play. A playhead that was put elsewhere goes to their beginning with its next step.
     pub(super) range: PlayRange,
     pub(super) loop_mode: LoopMode,
@@ -72,6 +74,7 @@ impl Travel {
     pub(super) fn whole(frame_count: usize, loop_mode: LoopMode) -> Self {
         Self {
             frame_count,
+            first: 0,
             range: PlayRange::default(),
             loop_mode,
         }
@@ -79,7 +82,12 @@ impl Travel {
 
     /// The frames that play.
     pub(super) fn frames(&self) -> Range<usize> {
-        self.range.of(self.frame_count)
+        let Range { start, end } = self.range.of(self.frame_count);
+        if end <= self.first {
+            // All that was to play is gone.
+            return self.first.min(self.frame_count.saturating_sub(1))..self.frame_count;
+        }
+        start.max(self.first)..end
     }
 
     /// Whether `index` is one of them.
@@ -293,6 +301,26 @@ mod tests {
     }
 
     #[test]
+    fn frames_that_are_gone_do_not_play() {
+        let ring = |range| Travel {
+            first: 6,
+            range,
+            ..Travel::whole(9, LoopMode::Loop)
+        };
+        let all = PlayRange::default();
+        assert_eq!(ring(all).frames(), 6..9);
+        assert_eq!(ring(all.beginning_at(2).ending_at(7)).frames(), 6..8);
+        // All that was to play is gone.
+        assert_eq!(ring(all.beginning_at(2).ending_at(5)).frames(), 6..9);
+        let walk: Vec<usize> = (0..5)
+            .map(|steps| ring(all).after(7, Direction::Forward, steps).index)
+            .collect();
+        assert_eq!(walk, [7, 8, 6, 7, 8]);
+        // A playhead that is on a frame that is gone goes to the oldest there is.
+        assert_eq!(ring(all).after(1, Direction::Forward, 1).index, 6);
+    }
+
+    #[test]
     fn each_mode_goes_its_way() {
         use Direction::{Backward, Forward};
         assert_eq!(walk(LoopMode::Off, 1, Forward, 5), [1, 2, 3, 3, 3]);
@@ -309,14 +337,23 @@ mod tests {
 
     fn any_travel() -> impl Strategy<Value = (Travel, usize, Direction)> {
         let ends = prop::option::of((0usize..14, 0usize..14));
-        let travel = (1usize..12, 0usize..12, 0usize..3, any::<bool>(), ends);
-        travel.prop_map(|(n, playhead, mode, back, ends)| {
+        let first = 0usize..12;
+        let travel = (
+            1usize..12,
+            0usize..12,
+            0usize..3,
+            any::<bool>(),
+            ends,
+            first,
+        );
+        travel.prop_map(|(n, playhead, mode, back, ends, first)| {
             let range = ends.map_or_else(PlayRange::default, |(first, last)| {
                 PlayRange::default().beginning_at(first).ending_at(last)
             });
             (
                 Travel {
                     range,
+                    first: first % n,
                     ..Travel::whole(n, LoopMode::ALL[mode])
                 },
                 playhead % n,

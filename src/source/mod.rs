@@ -3,12 +3,13 @@
 //! A [`Source`] knows which frames there are and what can be said of each without reading it; a [`Decoder`], one for each thread that reads,
 //! makes point clouds of them. A sequence gives the frames of any source an origin, a pace and a place in memory.
 //!
-//! To add a source: a type that implements [`Source`] and its [`Decoder`], and a word for it where inputs are read ([`open`]).
+//! To add a source: a type that implements [`Source`] and its [`Decoder`], and where a person names it: a file format in [`crate::io`], or a word of [`Generated`].
 
 mod demo;
 mod entry;
 mod error;
 mod files;
+mod generated;
 mod list;
 mod locks;
 mod shapes;
@@ -18,6 +19,7 @@ pub use demo::demo;
 pub use entry::{Content, FrameEntry};
 pub use error::SequenceError;
 pub use files::{Files, OpenOptions, Recording};
+pub use generated::Generated;
 pub use list::FrameList;
 pub(crate) use locks::lock;
 pub use shapes::Shape;
@@ -61,10 +63,9 @@ pub trait Source: Send + Sync {
         Ok(None)
     }
 
-    /// Whether a frame can be decoded as often as somebody wants it. If not, it is for who shows it: nobody decodes it ahead for a small
-    /// picture of it or a trail.
-    fn can_decode_again(&self) -> bool {
-        true
+    /// Whether its frames come while it is open and are gone for good some time later. Who opens it is shown the newest.
+    fn is_live(&self) -> bool {
+        false
     }
 
     /// Whether frames may come while it is open.
@@ -133,7 +134,7 @@ where
     }
 }
 
-/// The source that `inputs` name: `spin:…` alone (see [`Spin`]), else files, folders and patterns. `observe` is told of how many files of
+/// The source that `inputs` name: one that is [`Generated`], else files, folders and patterns. `observe` is told of how many files of
 /// how many were looked at, and may cancel.
 pub fn open(
     inputs: &[PathBuf],
@@ -141,9 +142,9 @@ pub fn open(
     observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs
-        && let Some(spin) = Spin::of_name(input)?
+        && let Some(generated) = Generated::of_name(input)?
     {
-        return Ok(Arc::new(spin));
+        return Ok(generated.source());
     }
     Ok(Arc::new(Files::open(inputs, options, observe)?))
 }

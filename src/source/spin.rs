@@ -9,7 +9,6 @@ use crate::progress::Progress;
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
 use std::ops::Range;
-use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
@@ -23,9 +22,6 @@ const FRAMES_PER_TURN: usize = 96;
 
 /// The newest so many frames can be decoded: two seconds.
 const RING_LENGTH: usize = 48;
-
-/// More points take more than a frame's time to make.
-const MOST_POINTS: usize = 10_000_000;
 
 /// `spin:torus:100000`: a shape that turns once in four seconds, of so many points.
 #[derive(Debug)]
@@ -53,30 +49,6 @@ impl Ring {
 }
 
 impl Spin {
-    /// The turning shape that an input names; `None` if it names something else.
-    ///
-    /// # Errors
-    /// [`SequenceError::NotGenerated`] where `spin:` is followed by anything but a shape and a number of points.
-    pub fn of_name(input: &Path) -> Result<Option<Self>, SequenceError> {
-        let Some(what) = input.to_str().and_then(|input| input.strip_prefix("spin:")) else {
-            return Ok(None);
-        };
-        let parsed = what.split_once(':').and_then(|(shape, points)| {
-            let shape = Shape::ALL.into_iter().find(|known| known.name() == shape)?;
-            let points = points.parse().ok();
-            Some((
-                shape,
-                points.filter(|points| (1..=MOST_POINTS).contains(points))?,
-            ))
-        });
-        let (shape, points) = parsed.ok_or_else(|| SequenceError::NotGenerated {
-            input: input.display().to_string(),
-            shapes: Shape::ALL.map(Shape::name).join(", "),
-            most_points: MOST_POINTS,
-        })?;
-        Ok(Some(Self::new(shape, points)))
-    }
-
     /// The first frame comes now.
     pub fn new(shape: Shape, points: usize) -> Self {
         Self {
@@ -119,8 +91,8 @@ impl Source for Spin {
         })
     }
 
-    fn can_decode_again(&self) -> bool {
-        false
+    fn is_live(&self) -> bool {
+        true
     }
 
     fn may_grow(&self) -> bool {
@@ -170,5 +142,50 @@ impl Decoder for SpinDecoder {
             normals: normals.map(|normals| normals.iter().map(turned).collect()),
             ..RawCloud::from_positions(Positions::F32(positions))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decoded(spin: &Spin, index: usize) -> RawCloud {
+        let progress = Progress::default();
+        let entry = spin.entry(index);
+        spin.decoder().decode(index, &entry, &progress).unwrap()
+    }
+
+    #[test]
+    fn frames_come_by_the_clock_and_the_oldest_go() {
+        let mut spin = Spin::new(Shape::Torus, 10);
+        assert_eq!(spin.frames(), 0..1);
+        spin.begun -= Duration::from_secs(1);
+        assert!(spin.look_again().unwrap() >= 24);
+        assert_eq!(spin.frames().start, 0);
+        spin.begun -= Duration::from_secs(9);
+        spin.look_again().unwrap();
+        let frames = spin.frames();
+        assert!((240..300).contains(&frames.end), "{frames:?}");
+        assert_eq!(frames.len(), RING_LENGTH);
+        assert_eq!(spin.entry(240).time, Some(Duration::from_secs(10)));
+        assert!(spin.wait_for_more(Duration::from_secs(60)).unwrap() >= 1);
+    }
+
+    #[test]
+    fn the_shape_turns_about_the_up_axis_and_comes_back() {
+        let spin = Spin::new(Shape::Torus, 500);
+        let [begin, quarter, turn] = [0, 24, 96].map(|index| decoded(&spin, index));
+        let positions = |cloud: &RawCloud| -> Vec<Vec3> {
+            let all = 0..cloud.positions.len();
+            all.map(|index| cloud.positions.get(index).as_vec3())
+                .collect()
+        };
+        assert_eq!(positions(&begin), positions(&turn));
+        for (before, after) in positions(&begin).iter().zip(positions(&quarter)) {
+            // A quarter about Y: z goes to x.
+            assert!(after.abs_diff_eq(Vec3::new(before.z, before.y, -before.x), 1e-5));
+        }
+        assert_eq!(begin.colors, quarter.colors);
+        assert_eq!(begin.positions.len(), 500);
     }
 }

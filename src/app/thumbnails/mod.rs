@@ -193,7 +193,9 @@ impl Thumbnails {
                     }
                     // What is in other colours will be in these before long.
                     Slot::Partial(_) | Slot::Stale(_) | Slot::Pending => {
-                        (leisure == Leisure::Reading).then_some(Material::File(frame))
+                        let is_there = player.sequence().frames().contains(&frame);
+                        let may_be_read = is_there && leisure == Leisure::Reading;
+                        may_be_read.then_some(Material::File(frame))
                     }
                 };
                 material.is_some()

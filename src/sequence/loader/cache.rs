@@ -349,13 +349,16 @@ impl Cache {
     }
 
     /// State of every frame, in order. O(n).
-    pub(super) fn states(&self, needs: Option<&Needs>) -> Vec<FrameState> {
+    pub(super) fn states(&self, needs: Option<&Needs>, first: usize) -> Vec<FrameState> {
         let satisfies = |frame: &Option<Arc<PreparedFrame>>| {
             let frame = frame.as_ref();
             frame.is_some_and(|frame| needs.is_none_or(|needs| frame.satisfies(needs)))
         };
-        let state = |entry: &Entry| {
-            if entry.error.is_some() {
+        let state = |(index, entry): (usize, &Entry)| {
+            let is_in_memory = entry.full.is_some() || entry.coarse.is_some();
+            if index < first && !is_in_memory {
+                FrameState::Gone
+            } else if entry.error.is_some() {
                 FrameState::Failed
             } else if satisfies(&entry.full) {
                 FrameState::Ready
@@ -363,12 +366,12 @@ impl Cache {
                 FrameState::Coarse
             } else if entry.reserved_bytes.is_some() {
                 FrameState::Loading
-            } else if entry.full.is_some() || entry.coarse.is_some() {
+            } else if is_in_memory {
                 FrameState::Stale
             } else {
                 FrameState::Absent
             }
         };
-        self.entries.iter().map(state).collect()
+        self.entries.iter().enumerate().map(state).collect()
     }
 }

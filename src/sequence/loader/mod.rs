@@ -27,6 +27,7 @@ use crate::memory;
 use cache::Focus;
 use queue::{Queue, Waiter};
 use readings::Readings;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
@@ -231,12 +232,12 @@ impl Loader {
         }
     }
 
-    /// Takes the frames by which the sequence has grown.
+    /// Takes the frames by which the sequence has grown, and that old ones are gone.
     pub fn grow(&self) {
         let mut queue = self.shared.queue();
-        let frame_count = self.shared.sequence.len();
-        queue.cache.grow(frame_count);
-        queue.focus.travel.frame_count = frame_count;
+        let Range { start, end } = self.shared.sequence.frames();
+        queue.cache.grow(end);
+        (queue.focus.travel.first, queue.focus.travel.frame_count) = (start, end);
         queue.revision += 1;
         drop(queue);
         self.shared.work.notify_all();
@@ -305,7 +306,8 @@ impl Loader {
     /// The state of every frame for the timeline. O(n): ask again when [`Loader::revision`] has changed.
     pub fn states(&self) -> Vec<FrameState> {
         let queue = self.shared.queue();
-        queue.cache.states(queue.needs.as_ref())
+        let first = queue.focus.travel.first;
+        queue.cache.states(queue.needs.as_ref(), first)
     }
 
     /// What is known of every frame; `None` of those that were never prepared. O(n): ask again when [`Loader::facts_revision`] has

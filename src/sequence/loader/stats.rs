@@ -15,6 +15,8 @@ pub enum FrameState {
     Stale,
     /// Ready to be drawn.
     Ready,
+    /// Gone for good: it was live, and is not in memory.
+    Gone,
     /// Cannot be shown; [`super::Slot::Failed`] has the reason.
     Failed,
 }
