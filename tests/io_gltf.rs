@@ -11,7 +11,9 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use glam::DVec3;
 use pointreel::cloud::RawCloud;
-use pointreel::io::{self, Part, ReadOptions};
+use pointreel::io::{self, Part, ReadOptions, SharedFile};
+use pointreel::progress::Progress;
+use pointreel::sequence::{OpenOptions, Sequence};
 use serde_json::{Value, json};
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -430,6 +432,60 @@ fn animations_move_nodes_between_their_keys() {
         "{}",
         short.refused()
     );
+}
+
+#[test]
+fn what_frames_share_is_read_once() {
+    let options = ReadOptions::default();
+    let model = moving("LINEAR", &[[2.0, 0.0, 0.0], [6.0, 0.0, 0.0]]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    std::fs::write(&path, model.glb()).unwrap();
+    let shared = SharedFile::default();
+    let read = |part: &Part| shared.read_part(&path, part, &options, &Progress::default());
+    let alone: Vec<(Part, RawCloud)> = io::list(&path, &options)
+        .unwrap()
+        .into_iter()
+        .map(|entry| {
+            let cloud = io::read_part(&path, &entry.part, &options).unwrap();
+            (entry.part, cloud)
+        })
+        .collect();
+    assert_eq!(read(&alone[0].0).unwrap(), alone[0].1);
+    // The file is not needed any more.
+    std::fs::remove_file(&path).unwrap();
+    for (part, cloud) in &alone {
+        assert_eq!(read(part).unwrap(), *cloud);
+    }
+}
+
+#[test]
+fn a_damaged_animation_fails_once() {
+    let options = ReadOptions::default();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    // A hundred thousand poses, and an array that is too short for each of them.
+    let mut damaged = moving("CUBICSPLINE", &[[0.0; 3], [2.0, 0.0, 0.0]]);
+    let times = damaged.floats("SCALAR", &[[1.0], [3e30]]);
+    damaged.json["animations"][0]["samplers"][0]["input"] = json!(times);
+    std::fs::write(&path, damaged.file()).unwrap();
+    let listed = io::list(&path, &options).unwrap_err().to_string();
+    assert!(listed.contains("expected 3 for each"), "{listed}");
+    let sequence = Sequence::open(std::slice::from_ref(&path), &OpenOptions::default()).unwrap();
+    assert_eq!(sequence.len(), 1);
+    let error = sequence.frame(0).unwrap_err().to_string();
+    assert!(error.contains("expected 3 for each"), "{error}");
+    // Whoever has listed it before it was damaged is told the same of each frame, and does not wait for it.
+    let shared = SharedFile::default();
+    let moment = |seconds| Part::Moment(Duration::from_secs(seconds));
+    let read = |seconds| {
+        let progress = Progress::default();
+        let read = shared.read_part(&path, &moment(seconds), &options, &progress);
+        read.unwrap_err()
+    };
+    let first = read(0);
+    std::fs::remove_file(&path).unwrap();
+    assert!(std::sync::Arc::ptr_eq(&first, &read(1)));
 }
 
 #[test]

@@ -32,6 +32,7 @@ mod ply;
 mod ptx;
 mod recording;
 mod rows;
+mod shared;
 mod stl;
 pub(crate) mod timestamps;
 mod unpack;
@@ -46,6 +47,7 @@ pub use format::{Format, supported_extensions};
 pub use natural::natural_order;
 pub use options::ReadOptions;
 pub use recording::Message;
+pub use shared::SharedFile;
 pub use write::{WriteFormat, write};
 
 use crate::cloud::{RawCloud, even_places};
@@ -216,6 +218,16 @@ fn read_bytes_with(
             format!("a {format} file within another file is not read: unpack the outer one first"),
         )),
     };
+    finished(decoded, name, format, options)
+}
+
+/// What a decoder has made of a file of `format`, with what the format says of all its clouds.
+fn finished(
+    decoded: Result<RawCloud, Fault>,
+    name: &Path,
+    format: Format,
+    options: &ReadOptions,
+) -> Result<RawCloud, IoError> {
     let sampled = |mut cloud: RawCloud| {
         cloud.convention = cloud.convention.or(format.convention());
         cloud.unit = cloud.unit.or(format.unit());

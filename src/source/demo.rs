@@ -1,8 +1,8 @@
 //! The demo sequence, embedded so that the program has something to show without an input. Licence, credit and how it
 //! was made: `assets/demo/README.md`.
 
-use super::{FrameEntry, FrameList, files};
-use crate::io::ReadOptions;
+use super::{FrameEntry, FrameList};
+use crate::io;
 
 /// One embedded frame a number.
 macro_rules! frames {
@@ -28,8 +28,7 @@ pub fn demo() -> FrameList {
             number: Some(number),
             ..FrameEntry::embedded(format!("demo/{name}"), bytes)
         });
-    let options = ReadOptions::default();
-    FrameList::new(entries.collect(), move |entry, progress| {
-        files::decode(entry, &options, progress)
+    FrameList::new(entries.collect(), |entry, _| {
+        Ok(io::read_bytes(&entry.path, entry.content.embedded())?)
     })
 }

@@ -13,6 +13,16 @@ pub enum Content {
     Embedded(&'static [u8]),
 }
 
+impl Content {
+    /// Bytes in the program; none of a file.
+    pub(super) fn embedded(&self) -> &'static [u8] {
+        match self {
+            Self::File(_) => &[],
+            Self::Embedded(bytes) => bytes,
+        }
+    }
+}
+
 impl std::fmt::Debug for Content {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

@@ -37,6 +37,18 @@ impl<'a> Buffers<'a> {
         Ok(Self { loaded })
     }
 
+    /// The same, without the file.
+    pub(super) fn into_owned(self) -> Buffers<'static> {
+        let owned = |bytes: Cow<'a, [u8]>| Cow::Owned(bytes.into_owned());
+        Buffers {
+            loaded: self
+                .loaded
+                .into_iter()
+                .map(|bytes| bytes.map(owned))
+                .collect(),
+        }
+    }
+
     fn bytes(
         buffer: &Buffer,
         index: usize,

@@ -14,15 +14,17 @@ use std::path::Path;
 
 /// How the surfaces of a file look.
 pub(super) struct Surfaces<'a> {
-    materials: &'a [Material],
-    /// Texture of each material.
-    textures: Vec<Option<RgbaImage>>,
+    pub(super) materials: &'a [Material],
+    pub(super) textures: &'a Textures,
 }
 
-impl<'a> Surfaces<'a> {
-    /// The surfaces of the file `path` that `geometry` needs.
+/// Texture of each material.
+pub(super) struct Textures(Vec<Option<RgbaImage>>);
+
+impl Textures {
+    /// Those of the file `path` that `geometry` needs.
     pub(super) fn load(
-        source: &Source<'a>,
+        source: &Source<'_>,
         geometry: &Geometry,
         path: &Path,
     ) -> Result<Self, Fault> {
@@ -40,12 +42,11 @@ impl<'a> Surfaces<'a> {
             };
             textures.push(texture);
         }
-        Ok(Self {
-            materials,
-            textures,
-        })
+        Ok(Self(textures))
     }
+}
 
+impl Surfaces<'_> {
     /// True where a vertex may be another colour than white.
     pub(super) fn has_colors(&self, geometry: &Geometry) -> bool {
         let is_colored = |material: &Material| {
@@ -55,7 +56,7 @@ impl<'a> Surfaces<'a> {
         };
         geometry.has_colors
             || self.materials.iter().any(is_colored)
-            || self.textures.iter().any(Option::is_some)
+            || self.textures.0.iter().any(Option::is_some)
     }
 
     /// The colour of a place.
@@ -71,7 +72,7 @@ impl<'a> Surfaces<'a> {
         let pbr = &self.materials[index].pbr_metallic_roughness;
         let factor = pbr.base_color_factor.unwrap_or([1.0; 4]);
         let light: [f32; 4] = std::array::from_fn(|channel| light[channel] * factor[channel]);
-        let Some(picture) = &self.textures[index] else {
+        let Some(picture) = &self.textures.0[index] else {
             return encoded(light);
         };
         let mut place = texture_place;

@@ -15,6 +15,7 @@ mod document;
 mod geometry;
 mod material;
 mod nodes;
+mod scene;
 
 use super::contents::{Entry, Part};
 use super::error::Fault;
@@ -27,6 +28,7 @@ use buffers::Buffers;
 use document::{Animation, Document};
 use geometry::Geometry;
 use material::Surfaces;
+pub(super) use scene::Scene;
 use std::cell::Cell;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -49,7 +51,10 @@ pub(super) fn list(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<V
         return Ok(vec![Entry::whole()]);
     }
     let buffers = Buffers::load(&document, binary, path, options)?;
-    let (_, seconds) = animation::played(&source(&document, &buffers, options))?;
+    let source = source(&document, &buffers, options);
+    let (animations, seconds) = animation::played(&source)?;
+    // What is damaged fails here, and not in each of many frames.
+    animation::changes(&source, &animations, 0.0)?;
     if seconds <= 0.0 {
         return Ok(vec![Entry::whole()]);
     }
@@ -75,28 +80,7 @@ pub(super) fn decode(
     part: &Part,
     options: &ReadOptions,
 ) -> Result<RawCloud, Fault> {
-    let time = match part {
-        Part::Moment(time) => time.as_secs_f64(),
-        _ => 0.0,
-    };
-    let (document, binary) = document::parse(bytes, options)?;
-    let buffers = Buffers::load(&document, binary, path, options)?;
-    let source = source(&document, &buffers, options);
-    let (animations, _) = animation::played(&source)?;
-    let geometry = pose(&source, &animations, Some(time))?;
-    if geometry.positions.is_empty() {
-        return Err(Fault::header(
-            "the scene shows no mesh: a point cloud needs vertices",
-        ));
-    }
-    let surfaces = Surfaces::load(&source, &geometry, path)?;
-    if let Some(count) = options.sample_count
-        && !geometry.faces.is_empty()
-        && let Some(places) = places(&source, &animations, &geometry, count)?
-    {
-        return sampled(geometry, &surfaces, &places, count, options);
-    }
-    Ok(vertices(geometry, &surfaces))
+    Scene::open(path, bytes, options)?.into_frame(part)
 }
 
 fn source<'a>(
@@ -124,28 +108,6 @@ fn pose(
     };
     let placed = nodes::place(source.document, &changes)?;
     geometry::gather(source, &placed, &changes)
-}
-
-/// Where points are sampled: found on the scene at rest, so that they are the same in every frame.
-fn places(
-    source: &Source<'_>,
-    animations: &[&Animation],
-    posed: &Geometry,
-    count: NonZeroUsize,
-) -> Result<Option<Places>, Fault> {
-    let spread = |geometry: &Geometry| {
-        let positions = geometry.positions.iter().map(glam::DVec3::to_array);
-        Places::spread(
-            &Positions::F64(positions.collect()),
-            &geometry.faces,
-            count,
-            source.options,
-        )
-    };
-    if animations.is_empty() {
-        return spread(posed);
-    }
-    spread(&pose(source, animations, None)?)
 }
 
 fn sampled(

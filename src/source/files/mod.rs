@@ -12,7 +12,7 @@ use super::locks::{lock, read, write};
 use super::{Content, DecodeFailure, Decoder, FrameEntry, FrameSample, SequenceError, Source};
 use crate::cloud::RawCloud;
 use crate::io::normals::read_with_normals;
-use crate::io::{self, Part, ReadOptions};
+use crate::io::{self, Part, ReadOptions, SharedFile};
 use crate::progress::Progress;
 use companions::Known;
 use discover::Discovered;
@@ -45,6 +45,7 @@ pub struct Files {
     notes: Vec<String>,
     /// What was found out about files beside the frames.
     known: Mutex<Known>,
+    shared: Arc<SharedFile>,
 }
 
 impl Files {
@@ -75,6 +76,7 @@ impl Files {
             recordings,
             notes,
             known: Mutex::new(known),
+            shared: Arc::default(),
         })
     }
 }
@@ -89,8 +91,10 @@ impl Source for Files {
     }
 
     fn decoder(&self) -> Box<dyn Decoder> {
-        let options = self.options.read;
-        Box::new(move |entry: &FrameEntry, progress: &Progress| decode(entry, &options, progress))
+        let (options, shared) = (self.options.read, Arc::clone(&self.shared));
+        Box::new(move |entry: &FrameEntry, progress: &Progress| {
+            decode(entry, &options, &shared, progress)
+        })
     }
 
     fn sample(
@@ -164,17 +168,17 @@ impl Source for Files {
 pub(super) fn decode(
     entry: &FrameEntry,
     options: &ReadOptions,
+    shared: &SharedFile,
     progress: &Progress,
 ) -> Result<RawCloud, DecodeFailure> {
     let path = &entry.path;
-    let decoded = match (&entry.content, &entry.normals) {
+    Ok(match (&entry.content, &entry.normals) {
         (Content::File(Part::Whole), Some(normals)) => {
-            read_with_normals(path, normals, options, progress)
+            read_with_normals(path, normals, options, progress)?
         }
-        (Content::File(part), _) => io::read_part_observed(path, part, options, progress),
-        (Content::Embedded(bytes), _) => io::read_bytes(path, bytes),
-    };
-    Ok(decoded?)
+        (Content::File(part), _) => shared.read_part(path, part, options, progress)?,
+        (Content::Embedded(bytes), _) => io::read_bytes(path, bytes)?,
+    })
 }
 
 /// Gives the frames in `entries` the normals that `found` has beside the same files by now.

@@ -1,0 +1,148 @@
+//! What all frames of a file share: the parsed document, its buffers, textures, and where points are sampled.
+
+use super::super::contents::Part;
+use super::super::error::Fault;
+use super::super::mesh::Places;
+use super::super::options::ReadOptions;
+use super::animation;
+use super::buffers::Buffers;
+use super::document::{self, Animation, Document};
+use super::geometry::Geometry;
+use super::material::{Surfaces, Textures};
+use super::{Source, pose, sampled, source, vertices};
+use crate::cloud::{Positions, RawCloud};
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+/// A file that was read, of which any frame can be had.
+pub(in crate::io) struct Scene<'a> {
+    document: Document,
+    buffers: Buffers<'a>,
+    options: ReadOptions,
+    /// Indices of the animations that are played.
+    played: Vec<usize>,
+    textures: Textures,
+    /// Where points are sampled, if they are: found on the scene at rest, so that they are the same in every frame.
+    places: Option<(Places, NonZeroUsize)>,
+    /// Taken by textures of the memory that one frame may take.
+    spent_bytes: u64,
+    /// The shapes where nothing moves.
+    at_rest: Option<Geometry>,
+}
+
+impl<'a> Scene<'a> {
+    /// The file `path`, which holds `bytes`.
+    pub(in crate::io) fn open(
+        path: &Path,
+        bytes: &'a [u8],
+        options: &ReadOptions,
+    ) -> Result<Self, Fault> {
+        let (document, binary) = document::parse(bytes, options)?;
+        let buffers = Buffers::load(&document, binary, path, options)?;
+        let source = source(&document, &buffers, options);
+        let (animations, _) = animation::played(&source)?;
+        // What is damaged fails here, and not in each frame.
+        animation::changes(&source, &animations, 0.0)?;
+        let is_played = |animation: &&Animation| {
+            let mut played = animations.iter();
+            played.any(|played| std::ptr::eq(*played, *animation))
+        };
+        let played = document.animations.iter().enumerate();
+        let played = played
+            .filter(|(_, animation)| is_played(animation))
+            .map(|(index, _)| index)
+            .collect();
+        let at_rest = pose(&source, &[], None)?;
+        check_shown(&at_rest)?;
+        // Each frame has the limit of what its shapes may take, but the textures are there beside it.
+        source.spent_bytes.set(0);
+        let textures = Textures::load(&source, &at_rest, path)?;
+        let spent_bytes = source.spent_bytes.get();
+        let count = options.sample_count.filter(|_| !at_rest.faces.is_empty());
+        let places = count.map(|count| spread(&at_rest, count, options));
+        let places = places.transpose()?.flatten().zip(count);
+        Ok(Self {
+            played,
+            textures,
+            places,
+            spent_bytes,
+            at_rest: document.animations.is_empty().then_some(at_rest),
+            options: *options,
+            document,
+            buffers,
+        })
+    }
+
+    /// The same, without the bytes of the file.
+    pub(in crate::io) fn into_owned(self) -> Scene<'static> {
+        Scene {
+            document: self.document,
+            buffers: self.buffers.into_owned(),
+            options: self.options,
+            played: self.played,
+            textures: self.textures,
+            places: self.places,
+            spent_bytes: self.spent_bytes,
+            at_rest: self.at_rest,
+        }
+    }
+
+    /// The scene at the moment that `part` says, by default the first; sampled already where that was asked for.
+    pub(in crate::io) fn frame(&self, part: &Part) -> Result<RawCloud, Fault> {
+        self.cloud(self.posed(part)?)
+    }
+
+    /// [`Scene::frame`] of a scene that is read for one.
+    pub(in crate::io) fn into_frame(mut self, part: &Part) -> Result<RawCloud, Fault> {
+        match self.at_rest.take() {
+            Some(geometry) => self.cloud(geometry),
+            None => self.frame(part),
+        }
+    }
+
+    fn posed(&self, part: &Part) -> Result<Geometry, Fault> {
+        let time = match part {
+            Part::Moment(time) => time.as_secs_f64(),
+            _ => 0.0,
+        };
+        let source: Source<'_> = source(&self.document, &self.buffers, &self.options);
+        source.spent_bytes.set(self.spent_bytes);
+        let played = self.played.iter();
+        let animations: Vec<&Animation> = played
+            .map(|&index| &self.document.animations[index])
+            .collect();
+        let geometry = pose(&source, &animations, Some(time))?;
+        check_shown(&geometry)?;
+        Ok(geometry)
+    }
+
+    fn cloud(&self, geometry: Geometry) -> Result<RawCloud, Fault> {
+        let surfaces = Surfaces {
+            materials: &self.document.materials,
+            textures: &self.textures,
+        };
+        match &self.places {
+            Some((places, count)) => sampled(geometry, &surfaces, places, *count, &self.options),
+            None => Ok(vertices(geometry, &surfaces)),
+        }
+    }
+}
+
+fn check_shown(geometry: &Geometry) -> Result<(), Fault> {
+    if geometry.positions.is_empty() {
+        return Err(Fault::header(
+            "the scene shows no mesh: a point cloud needs vertices",
+        ));
+    }
+    Ok(())
+}
+
+fn spread(
+    geometry: &Geometry,
+    count: NonZeroUsize,
+    options: &ReadOptions,
+) -> Result<Option<Places>, Fault> {
+    let positions = geometry.positions.iter().map(glam::DVec3::to_array);
+    let positions = Positions::F64(positions.collect());
+    Places::spread(&positions, &geometry.faces, count, options)
+}

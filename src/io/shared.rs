@@ -1,0 +1,85 @@
+//! What the frames of one file share is read once, and fails once.
+
+use super::error::IoError;
+use super::gltf::Scene;
+use super::{Format, Part, ReadOptions, finished, read_part_observed, watched};
+use crate::cloud::RawCloud;
+use crate::progress::Progress;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The last file of which several frames were read from something that they share: the scene of an animation. Other formats have their
+/// frames one by one.
+#[derive(Default)]
+pub struct SharedFile {
+    last: Mutex<Option<Opened>>,
+}
+
+struct Opened {
+    path: PathBuf,
+    scene: Result<Arc<Scene<'static>>, Arc<IoError>>,
+}
+
+impl std::fmt::Debug for SharedFile {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("SharedFile").finish_non_exhaustive()
+    }
+}
+
+impl SharedFile {
+    /// [`read_part_observed`], which reads of a file that it has opened before no more than the frame takes. A file that changes
+    /// meanwhile is read as it was.
+    pub fn read_part(
+        &self,
+        path: &Path,
+        part: &Part,
+        options: &ReadOptions,
+        progress: &Progress,
+    ) -> Result<RawCloud, Arc<IoError>> {
+        if !matches!(part, Part::Moment(_)) {
+            return read_part_observed(path, part, options, progress).map_err(Arc::new);
+        }
+        let scene = self.scene(path, options, progress)?;
+        let format = Format::Gltf;
+        let decoded = scene.frame(part);
+        finished(decoded, path, format, &options.of_format(format)).map_err(Arc::new)
+    }
+
+    fn scene(
+        &self,
+        path: &Path,
+        options: &ReadOptions,
+        progress: &Progress,
+    ) -> Result<Arc<Scene<'static>>, Arc<IoError>> {
+        // Who needs the same file waits here for whoever opens it.
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(opened) = last.as_ref().filter(|opened| opened.path == path) {
+            return opened.scene.clone();
+        }
+        let scene = open(path, options, progress).map_err(Arc::new);
+        if progress.is_cancelled() {
+            let path = path.to_owned();
+            return Err(Arc::new(IoError::Cancelled { path }));
+        }
+        *last = Some(Opened {
+            path: path.to_owned(),
+            scene: scene.clone(),
+        });
+        scene
+    }
+}
+
+fn open(
+    path: &Path,
+    options: &ReadOptions,
+    progress: &Progress,
+) -> Result<Arc<Scene<'static>>, IoError> {
+    let bytes = watched::read_file(path, progress).map_err(|source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    let format = Format::Gltf;
+    let scene = Scene::open(path, &bytes, &options.of_format(format));
+    let scene = scene.map_err(|fault| fault.of(path, format))?;
+    Ok(Arc::new(scene.into_owned()))
+}
