@@ -1,11 +1,29 @@
-//! Imports go one way: a module never names one to its right. See the table in `src/lib.rs`.
+//! Imports go one way, and what is not so is listed and may only shrink.
+//!
+//! - A room, which is a module of the root, never names one to its right; see the table in `src/lib.rs`. Comments and tests count as well.
+//! - `wgpu` and `egui` are named only where a list says so.
+//! - Files that import one another are a *knot*. A name counts for the file that defines it, whatever re-exports it is reached through; so
+//!   a parent that only declares or re-exports a child does not import it, and a child that takes what its parent re-exports imports the
+//!   sibling. Comments, tests, and what is reached without being named (methods and fields) do not count.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "architecture/knots.rs"]
+mod knots;
+#[path = "architecture/known.rs"]
+mod known;
+#[path = "architecture/reader.rs"]
+mod reader;
+#[path = "architecture/sources.rs"]
+mod sources;
+
+use known::KNOTS;
+use sources::Sources;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Modules that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
+/// Rooms that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
     &["math", "memory", "kept", "messages", "priority", "progress"],
     &["cloud"],
@@ -23,99 +41,173 @@ const ORDER: &[&[&str]] = &[
     &["cli"],
 ];
 
-fn rank(module: &str) -> Option<usize> {
-    ORDER.iter().position(|row| row.contains(&module))
+/// Files and folders that may name `wgpu`. This list may shrink, never grow.
+const MAY_NAME_WGPU: &[(&str, &str)] = &[
+    ("render/gpu/", "the renderer of graphics cards"),
+    (
+        "app/present/surface.rs",
+        "the surface of the window is none of the renderer's",
+    ),
+    (
+        "app/present/gpu.rs",
+        "panels and picture are painted in one pass on that surface",
+    ),
+    (
+        "app/present/gpu_picture.rs",
+        "the picture that the renderer has drawn is shown as a texture",
+    ),
+    (
+        "app/present/software.rs",
+        "the picture that the processor has drawn is uploaded",
+    ),
+];
+
+/// Files and folders that may name `egui` or one of its companions.
+const MAY_NAME_EGUI: &[(&str, &str)] = &[("app/", "panels, and the window that they are in")];
+
+fn src() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            rust_files(&path, files);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            files.push(path);
+fn sources() -> Sources {
+    Sources::read(&|file| fs::read_to_string(src().join(file)).ok())
+}
+
+/// By their names below `src`.
+fn rust_files() -> BTreeMap<String, String> {
+    let mut files = BTreeMap::new();
+    let mut folders = vec![src()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let names: Vec<_> = path
+                    .strip_prefix(src())
+                    .unwrap()
+                    .iter()
+                    .map(|name| name.to_str().unwrap())
+                    .collect();
+                files.insert(names.join("/"), fs::read_to_string(&path).unwrap());
+            }
         }
     }
+    files
 }
 
-/// Modules that a source names as `crate::module`, comments and strings included: a wrong link is a wrong import too.
-fn named_modules(source: &str) -> Vec<String> {
-    let mut modules: Vec<String> = Vec::new();
-    for rest in source.split("crate::").skip(1) {
-        let names: Vec<&str> = match rest.strip_prefix('{') {
-            // use crate::{a::…, b};
-            Some(group) => group
-                .split(['{', '}'])
-                .next()
-                .unwrap_or("")
-                .split(',')
-                .collect(),
-            None => vec![rest],
-        };
-        modules.extend(names.into_iter().map(|name| {
-            name.trim_start()
-                .chars()
-                .take_while(|c| c.is_ascii_lowercase() || *c == '_')
-                .collect::<String>()
-        }));
-    }
-    modules
+fn row(room: &str) -> Option<usize> {
+    ORDER.iter().position(|row| row.contains(&room))
+}
+
+#[test]
+fn every_file_is_read() {
+    let sources = sources();
+    let read: BTreeSet<&str> = sources
+        .modules
+        .values()
+        .map(|module| module.file.as_str())
+        .collect();
+    let unread: Vec<String> = rust_files()
+        .into_keys()
+        .filter(|file| file != "main.rs" && !read.contains(file.as_str()))
+        .collect();
+    assert!(
+        unread.is_empty(),
+        "no module declares {}",
+        unread.join(", ")
+    );
 }
 
 #[test]
 fn imports_go_one_way() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    rust_files(&src, &mut files);
-    let mut violations = Vec::new();
+    let mut violations = BTreeSet::new();
     let mut imports = 0;
-    for file in &files {
-        let relative = file.strip_prefix(&src).unwrap();
-        let first = relative
-            .components()
-            .next()
-            .unwrap()
-            .as_os_str()
-            .to_string_lossy();
-        let own = first.trim_end_matches(".rs");
-        if own == "lib" || own == "main" {
-            continue;
-        }
-        let own_rank =
-            rank(own).unwrap_or_else(|| panic!("module {own} has no place in the order"));
-        for module in named_modules(&fs::read_to_string(file).unwrap()) {
-            let Some(imported_rank) = rank(&module) else {
+    for (path, module) in &sources().modules {
+        let Some(own) = path.first() else { continue };
+        let own_row = row(own).unwrap_or_else(|| panic!("room {own} has no place in the order"));
+        for mention in &module.mentions {
+            let Some(named) = mention.absolute(path) else {
+                continue;
+            };
+            let Some((room, named_row)) = named.first().and_then(|room| Some((room, row(room)?)))
+            else {
                 continue;
             };
             imports += 1;
-            if imported_rank > own_rank || (imported_rank == own_rank && module != own) {
-                violations.push(format!("{} names crate::{module}", relative.display()));
+            if named_row > own_row || (named_row == own_row && room != own) {
+                violations.insert(format!("{} names {}", module.file, mention.path.join("::")));
             }
         }
     }
     assert!(
-        imports > 50,
+        imports > 1000,
         "only {imports} imports were found: the test reads the sources wrongly"
     );
+    let violations = Vec::from_iter(violations);
     assert!(violations.is_empty(), "{}", violations.join("\n"));
 }
 
+/// Holds a list of files and folders against those that name a crate.
+fn assert_named_only_in(allowed: &[(&str, &str)], is_the_crate: impl Fn(&str) -> bool) {
+    let sources = sources();
+    let naming: BTreeSet<&str> = sources
+        .modules
+        .values()
+        .filter(|module| module.names_in_code().any(&is_the_crate))
+        .map(|module| module.file.as_str())
+        .collect();
+    let is_in = |file: &str, place: &str| {
+        file == place || (place.ends_with('/') && file.starts_with(place))
+    };
+    let elsewhere = naming
+        .iter()
+        .filter(|file| !allowed.iter().any(|(place, _)| is_in(file, place)))
+        .map(|file| format!("{file} names what only these may: {allowed:#?}"));
+    let unused = allowed
+        .iter()
+        .filter(|(place, _)| !naming.iter().any(|file| is_in(file, place)))
+        .map(|(place, _)| format!("{place} names it no longer: take it off the list"));
+    let wrong: Vec<String> = elsewhere.chain(unused).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 #[test]
-fn the_reader_of_imports_finds_what_is_there() {
-    let source = "use crate::math::Aabb;\nuse crate::{cloud::Frame, octree};\n/// See [`crate::scene::Camera`].";
-    assert_eq!(named_modules(source), ["math", "cloud", "octree", "scene"]);
+fn wgpu_is_named_by_the_renderer_and_the_windows_own_graphics() {
+    assert_named_only_in(MAY_NAME_WGPU, |name| name == "wgpu");
+}
+
+#[test]
+fn egui_is_named_by_the_window_alone() {
+    assert_named_only_in(MAY_NAME_EGUI, |name| {
+        name == "egui" || name.starts_with("egui_")
+    });
+}
+
+#[test]
+#[expect(clippy::print_stdout, reason = "sizes are asked for with --nocapture")]
+fn no_knot_of_files_grows() {
+    let imports = knots::imports(&sources());
+    let mut sizes: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for knot in knots::knots(&imports) {
+        let room = knot.first().unwrap().split(['/', '.']).next().unwrap();
+        sizes.entry(room.into()).or_default().push(knot.len());
+    }
+    println!("Files that import one another, a number for each knot:");
+    for (room, sizes) in sizes {
+        println!("{room:10} {sizes:?}");
+    }
+    let wrong = knots::differences(&imports, KNOTS);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
 fn files_stay_readable() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut files = Vec::new();
-    rust_files(&root.join("src"), &mut files);
-    let long: Vec<String> = files
+    let long: Vec<String> = rust_files()
         .iter()
-        .map(|file| (file, fs::read_to_string(file).unwrap().lines().count()))
+        .map(|(file, text)| (file, text.lines().count()))
         .filter(|(_, lines)| *lines > 600)
-        .map(|(file, lines)| format!("{} has {lines} lines", file.display()))
+        .map(|(file, lines)| format!("{file} has {lines} lines"))
         .collect();
     assert!(
         long.is_empty(),
