@@ -98,7 +98,7 @@ pub(super) fn write_spirv(entry: &EntryPoint<'_>, version: (u8, u8)) -> Result<(
     }
 }
 
-/// Names of the entry points of a SPIR-V module (specification, sections 2.3 and 3.52.6).
+/// Names of the entry points of a SPIR-V module (specification, section 2.3).
 fn spirv_entry_points(words: &[u32]) -> Result<Vec<String>, String> {
     const MAGIC: u32 = 0x0723_0203;
     const HEADER_WORDS: usize = 5;
