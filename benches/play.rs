@@ -4,14 +4,14 @@
 //! coloured points with normals at 60 a second; 30 frames of 1,000,000 without normals at 30 a second. With the argument `soak`:
 //! 10,000 frames of the former in 256 MiB, so that each is read again and again, and memory at the beginning, most and at the end.
 
-use pointreel::bench::{BenchOptions, Input, Progress, Suite, run};
+use pointreel::bench::{BenchOptions, Input, Step, Suite, run};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::io::{WriteFormat, write};
+use pointreel::progress::Progress;
 use pointreel::sequence::Sequence;
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 mod shapes;
 
@@ -68,8 +68,8 @@ fn main() {
         } else {
             default
         };
-        let quiet = |_: Progress| {};
-        let report = run(&inputs, &options, None, &quiet, &AtomicBool::new(false));
+        let quiet = |_: Step| {};
+        let report = run(&inputs, &options, None, &quiet, &Progress::default());
         println!("{}", report.expect("it plays").to_table());
     }
 }

@@ -7,25 +7,56 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 #[derive(Debug, Clone, Default)]
 pub struct Progress(Arc<Shared>);
 
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Shared {
     has_begun: AtomicBool,
     done: AtomicUsize,
     of: AtomicUsize,
     is_cancelled: AtomicBool,
+    tell: Option<Box<Tell>>,
+}
+
+/// Looks at what has become of the work.
+type Tell = dyn Fn(&Progress) + Send + Sync;
+
+impl std::fmt::Debug for Shared {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Shared")
+            .field("done", &self.done)
+            .field("of", &self.of)
+            .field("is_cancelled", &self.is_cancelled)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Progress {
+    /// Of work of which `tell` hears whenever something is said of it, on the thread that says it. It must not block.
+    pub fn told_to(tell: impl Fn(&Self) + Send + Sync + 'static) -> Self {
+        Self(Arc::new(Shared {
+            tell: Some(Box::new(tell)),
+            ..Shared::default()
+        }))
+    }
+
     /// Says that `done` steps of `of` are done; `of` is 0 while nobody knows.
     pub fn set(&self, done: usize, of: usize) {
         self.0.of.store(of, Ordering::Relaxed);
         self.0.done.store(done, Ordering::Relaxed);
         self.0.has_begun.store(true, Ordering::Relaxed);
+        self.tell();
     }
 
     /// Says that so many more steps are done. Threads may share the work.
     pub fn advance(&self, steps: usize) {
         self.0.done.fetch_add(steps, Ordering::Relaxed);
+        self.tell();
+    }
+
+    fn tell(&self) {
+        if let Some(tell) = &self.0.tell {
+            tell(self);
+        }
     }
 
     /// Whether anything was ever said of it.
@@ -50,12 +81,7 @@ impl Progress {
 
     /// True after [`Progress::cancel`].
     pub fn is_cancelled(&self) -> bool {
-        self.cancelled().load(Ordering::Relaxed)
-    }
-
-    /// Set by [`Progress::cancel`].
-    pub(crate) fn cancelled(&self) -> &AtomicBool {
-        &self.0.is_cancelled
+        self.0.is_cancelled.load(Ordering::Relaxed)
     }
 
     /// Whether both are of the same work.

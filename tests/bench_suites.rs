@@ -8,12 +8,12 @@
 mod common;
 
 use pointreel::bench::{
-    BenchError, BenchOptions, Cell, Column, Input, LabPoint, Progress, Report, Row, Suite, run,
+    BenchError, BenchOptions, Cell, Column, Input, LabPoint, Report, Row, Step, Suite, run,
 };
+use pointreel::progress::Progress;
 use pointreel::sequence::{FrameEntry, Sequence, Shape};
 use std::cell::RefCell;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 const STRATEGIES: [&str; 5] = ["storage", "uniform", "texture", "vertex", "compute"];
 
@@ -47,7 +47,7 @@ fn measure(options: &BenchOptions) -> Report {
         options,
         Some(&common::context()),
         &|_| {},
-        &AtomicBool::new(false),
+        &Progress::default(),
     )
     .unwrap()
 }
@@ -285,8 +285,8 @@ fn errors_are_measured_beside_times() {
         ..small(Suite::Accuracy)
     };
     let last_step = RefCell::new(None);
-    let watch = |progress: Progress| *last_step.borrow_mut() = Some(progress);
-    let never = AtomicBool::new(false);
+    let watch = |step: Step| *last_step.borrow_mut() = Some(step);
+    let never = Progress::default();
     let report = run(&demo(), &options, Some(&common::context()), &watch, &never).unwrap();
     let last_step = last_step.into_inner().unwrap();
     // 24 kinds of shapes; preparing, leaves, two distances, and voxels beside surfels.
@@ -494,8 +494,8 @@ fn assert_levels_of_detail(report: &Report) {
 #[test]
 fn progress_reaches_its_total() {
     let steps = RefCell::new(Vec::new());
-    let watch = |progress: Progress| steps.borrow_mut().push(progress);
-    let never = AtomicBool::new(false);
+    let watch = |step: Step| steps.borrow_mut().push(step);
+    let never = Progress::default();
     run(
         &demo(),
         &small(Suite::Octree),
@@ -518,12 +518,12 @@ fn progress_reaches_its_total() {
 fn a_cancelled_run_stops_at_the_next_step() {
     // A window measures itself, and is cancelled by being closed.
     for &suite in Suite::ALL.iter().filter(|&&suite| suite != Suite::Window) {
-        let cancel = AtomicBool::new(false);
+        let progress = Progress::default();
         let seen = RefCell::new(0);
-        let watch = |progress: Progress| {
+        let watch = |step: Step| {
             *seen.borrow_mut() += 1;
-            if progress.done == 2 {
-                cancel.store(true, Ordering::Relaxed);
+            if step.done == 2 {
+                progress.cancel();
             }
         };
         let result = run(
@@ -531,7 +531,7 @@ fn a_cancelled_run_stops_at_the_next_step() {
             &small(suite),
             Some(&common::context()),
             &watch,
-            &cancel,
+            &progress,
         );
         assert!(
             matches!(result, Err(BenchError::Cancelled)),
@@ -548,7 +548,7 @@ fn broken_frames_are_skipped_and_said() {
     std::fs::write(folder.path().join("scan_0.xyz"), "not a cloud\n").unwrap();
     std::fs::write(folder.path().join("scan_1.xyz"), cloud).unwrap();
     let open = || Sequence::discover(&[folder.path().to_owned()]).unwrap();
-    let never = AtomicBool::new(false);
+    let never = Progress::default();
     let inputs = [input("scans", open())];
     let report = run(
         &inputs,
@@ -588,7 +588,7 @@ fn broken_frames_are_skipped_and_said() {
 
 #[test]
 fn nothing_to_measure_is_an_error() {
-    let never = AtomicBool::new(false);
+    let never = Progress::default();
     let measure = |inputs: &[Input], options: &BenchOptions| {
         run(inputs, options, Some(&common::context()), &|_| {}, &never)
             .unwrap_err()
@@ -660,7 +660,7 @@ fn without_an_adapter_the_processor_is_measured() {
             viewpoints: 1,
             ..small(suite)
         };
-        let report = run(&demo(), &options, None, &|_| {}, &AtomicBool::new(false)).unwrap();
+        let report = run(&demo(), &options, None, &|_| {}, &Progress::default()).unwrap();
         assert!(
             report.environment.adapter.starts_with("software renderer"),
             "{suite}"
@@ -701,8 +701,8 @@ fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
         ..BenchOptions::new(Suite::Error)
     };
     let measured = RefCell::new(Vec::new());
-    let watch = |progress: Progress| measured.borrow_mut().extend(progress.measured);
-    let report = run(&[sphere], &options, None, &watch, &AtomicBool::new(false)).unwrap();
+    let watch = |step: Step| measured.borrow_mut().extend(step.measured);
+    let report = run(&[sphere], &options, None, &watch, &Progress::default()).unwrap();
     let said: Vec<String> = measured
         .into_inner()
         .iter()
@@ -806,7 +806,7 @@ fn no_way_among_the_modes_is_an_error() {
         modes: "gpu".parse().unwrap(),
         ..small(Suite::Error)
     };
-    let error = run(&demo(), &options, None, &|_| {}, &AtomicBool::new(false)).unwrap_err();
+    let error = run(&demo(), &options, None, &|_| {}, &Progress::default()).unwrap_err();
     assert!(error.to_string().contains("among the modes"), "{error}");
 }
 
@@ -817,7 +817,7 @@ fn playing_is_counted_frame_by_frame() {
         ..small(Suite::Play)
     };
     let inputs = [input("demo", Sequence::demo().with_fps(60.0))];
-    let never = AtomicBool::new(false);
+    let never = Progress::default();
     let report = run(&inputs, &options, None, &|_| {}, &never).unwrap();
     assert_eq!(report.rows.len(), 3, "points, surfels and voxels");
     for row in &report.rows {

@@ -6,6 +6,10 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "what was measured, for `--nocapture`")]
 
+#[path = "common/data.rs"]
+mod data;
+
+use data::shared;
 use image::RgbaImage;
 use pointreel::measure::flip;
 use pointreel::octree::StopCriterion;
@@ -17,7 +21,6 @@ use pointreel::scene::{
 use pointreel::sequence::{
     OpenOptions, PrepareCounters, PreparedFrame, Sequence, Shape, complete, prepare,
 };
-use std::path::Path;
 use std::sync::Arc;
 
 /// Share of the surfels' pixels that voxels cover, at least.
@@ -127,16 +130,12 @@ fn sequences() -> Vec<(String, Sequence)> {
             Sequence::of(Shape::Torus.frame(100_000)),
         ),
     ];
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
     for name in ["sequences/cesiumman_24fps", "static/bun_zipper.ply"] {
-        let path = data.join(name);
-        if path.exists() {
+        if let Some(path) = shared(name) {
             sequences.push((
                 name.to_owned(),
                 Sequence::open(&[path], &OpenOptions::default()).unwrap(),
             ));
-        } else {
-            println!("{name} is not there: passed over");
         }
     }
     sequences

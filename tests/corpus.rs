@@ -1,6 +1,6 @@
 //! Files that other programs wrote, against what other readers make of them. Prints the score.
 //!
-//! The files lie beside the project, not in it; without them there is nothing to compare with, which is said.
+//! The files lie beside the project, not in it.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(
@@ -8,24 +8,19 @@
     reason = "what was compared, and the score, is for who runs the test"
 )]
 
+#[path = "common/data.rs"]
+mod data;
+
+use data::shared;
 use pointreel::cloud::RawCloud;
 use pointreel::io;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Formats that are read.
 const READ: [&str; 11] = [
     "PLY", "PCD", "XYZ", "PTS", "PTX", "TXT", "LAS", "LAZ", "COPC", "E57", "DRC",
 ];
-
-fn shared_data() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("{} is not there: nothing to compare with", folder.display());
-    None
-}
 
 fn json(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
@@ -90,8 +85,9 @@ fn differences(cloud: &RawCloud, expected: &Value, points: &str, finite: &str) -
 
 #[test]
 fn the_corpus_reads_as_other_readers_read_it() {
-    let Some(data) = shared_data() else { return };
-    let corpus = data.join("corpus");
+    let Some(corpus) = shared("corpus") else {
+        return;
+    };
     let expected = json(&corpus.join("expected.json"));
     let mut wrong = Vec::new();
     let mut tried = 0;
@@ -127,8 +123,10 @@ fn the_corpus_reads_as_other_readers_read_it() {
 
 #[test]
 fn other_formats_are_refused_with_a_reason() {
-    let Some(data) = shared_data() else { return };
-    let error = io::read(&data.join("models/Fox/Texture.png")).unwrap_err();
+    let Some(picture) = shared("models/Fox/Texture.png") else {
+        return;
+    };
+    let error = io::read(&picture).unwrap_err();
     assert!(
         error
             .to_string()
@@ -139,8 +137,9 @@ fn other_formats_are_refused_with_a_reason() {
 
 #[test]
 fn the_sequences_read_as_other_readers_read_them() {
-    let Some(data) = shared_data() else { return };
-    let folder = data.join("sequences");
+    let Some(folder) = shared("sequences") else {
+        return;
+    };
     let mut tried = 0;
     for (name, sequence) in json(&folder.join("expected.json")).as_object().unwrap() {
         for frame in sequence["per_frame"].as_array().unwrap() {

@@ -4,6 +4,10 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "what was measured, for `--nocapture`")]
 
+#[path = "common/data.rs"]
+mod data;
+
+use data::shared;
 use glam::{DVec3, Vec3};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::headless::{CameraChoice, Headless};
@@ -317,11 +321,9 @@ fn no_point_one_point_and_equal_points_are_looked_at() {
 #[test]
 fn every_set_is_seen_at_once_whole_and_right_side_up() {
     use Kind::{CameraFrame, Object, Sweep};
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    if !data.is_dir() {
-        println!("skipped: {} is not there", data.display());
+    let Some(data) = shared("") else {
         return;
-    }
+    };
     let sets: [(&str, Option<Kind>, UpAxis, Option<Primitive>); 10] = [
         (
             "sequences/cesiumman_24fps",

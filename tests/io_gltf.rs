@@ -7,8 +7,12 @@
     reason = "what was compared is for who runs the test"
 )]
 
+#[path = "common/data.rs"]
+mod data;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use data::shared;
 use glam::DVec3;
 use pointreel::cloud::RawCloud;
 use pointreel::io::{self, Part, ReadOptions, SharedFile};
@@ -688,17 +692,6 @@ fn nearest(point: DVec3, [a, b, c]: [DVec3; 3]) -> (DVec3, f64) {
             .unwrap()
     };
     (place, place.distance(point))
-}
-
-fn shared(path: &str) -> Option<std::path::PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/data")
-        .join(path);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("{} is not there: nothing to compare with", path.display());
-    None
 }
 
 /// Points that another program put on the surface of each pose lie on it as this one poses the model, all of them.

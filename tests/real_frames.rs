@@ -3,6 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "what was measured, for `--nocapture`")]
 
+#[path = "common/data.rs"]
+mod data;
+
+use data::shared;
 use glam::{DVec3, Vec3};
 use pointreel::{
     analysis::{Neighbours, Surface, estimate_surface, nearest_neighbours},
@@ -17,31 +21,33 @@ use std::{
 
 /// The first frame of each sequence there is.
 fn frames() -> Vec<(PathBuf, Frame)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    [
-        root.join("assets/demo"),
-        root.join("../shared/data/sequences/cesiumman_24fps"),
-        root.join("../shared/data/sequences/pcl_openni_3frames"),
-        root.join("../shared/data/sequences/ouster_os1_128_3scans"),
-        root.join("../shared/data/sequences/ouster_8beam_10scans"),
-    ]
-    .iter()
-    .filter_map(|folder| {
-        let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
-            .ok()?
-            .map(|entry| entry.expect("folders can be listed").path())
-            .filter(|path| {
-                let extension = path.extension().unwrap_or_default();
-                extension == "ply" || extension == "pcd"
-            })
-            .collect();
-        files.sort();
-        let path = files.into_iter().next()?;
-        let raw: RawCloud = io::read(&path).expect("real frames can be read");
-        let frame = Frame::from_raw(raw, DVec3::ZERO).expect("attributes are complete");
-        Some((path, frame))
-    })
-    .collect()
+    let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/demo");
+    let scans = [
+        "sequences/cesiumman_24fps",
+        "sequences/pcl_openni_3frames/pcd",
+        "sequences/ouster_os1_128_3scans",
+        "sequences/ouster_8beam_10scans",
+    ];
+    let scans = scans.into_iter().filter_map(shared);
+    [demo]
+        .into_iter()
+        .chain(scans)
+        .map(|folder| {
+            let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+                .expect("the folder is there")
+                .map(|entry| entry.expect("folders can be listed").path())
+                .filter(|path| {
+                    let extension = path.extension().unwrap_or_default();
+                    extension == "ply" || extension == "pcd"
+                })
+                .collect();
+            files.sort();
+            let path = files.into_iter().next().expect("a folder of frames");
+            let raw: RawCloud = io::read(&path).expect("real frames can be read");
+            let frame = Frame::from_raw(raw, DVec3::ZERO).expect("attributes are complete");
+            (path, frame)
+        })
+        .collect()
 }
 
 #[test]

@@ -21,6 +21,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
+#[path = "common/data.rs"]
+mod data;
 #[path = "sequence/discovery.rs"]
 mod discovery;
 #[path = "sequence/loading.rs"]

@@ -1,21 +1,26 @@
-//! Every shader permutation, validated without a GPU; and every layout that Rust and WGSL share, by reflection.
+//! Every shader permutation, validated and written for every back end without a GPU; and every layout that Rust and WGSL share, by reflection.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+#[path = "shaders/back_ends.rs"]
+mod back_ends;
+#[path = "shaders/languages.rs"]
+mod languages;
+
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use pointreel::render::gpu::gpu_data::{PointRecord, ShapeRecord, SplatVertex, ViewUniform};
 use pointreel::render::gpu::shaders::{Amplification, Permutation};
 use pointreel::scene::Strategy;
 use std::mem::offset_of;
 
-fn parse(permutation: Permutation) -> Result<naga::Module, String> {
+fn parse(permutation: Permutation) -> Result<(naga::Module, ModuleInfo), String> {
     let source = permutation.source();
     let module = naga::front::wgsl::parse_str(&source)
         .map_err(|error| format!("{}: {}", permutation.label(), error.emit_to_string(&source)))?;
-    Validator::new(ValidationFlags::all(), Capabilities::empty())
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)
         .map_err(|error| format!("{}: {}", permutation.label(), error.emit_to_string(&source)))?;
-    Ok(module)
+    Ok((module, info))
 }
 
 #[test]
@@ -53,7 +58,7 @@ fn vertices_per_record_is_the_same_in_wgsl() {
 
 /// Offsets of the members of a WGSL struct by name, and its size.
 fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
-    let module = parse(Permutation::Amplify(Amplification::Surfel)).unwrap();
+    let (module, _) = parse(Permutation::Amplify(Amplification::Surfel)).unwrap();
     module
         .types
         .iter()

@@ -64,19 +64,21 @@ fn voxel_vertex_with_normal(cell: PointRecord, lit_normal: u32, face: u32, corne
     let half_edge = voxel_half_edge(cell);
     let center = offset_from_eye(cell.position);
     let towards = towards_eye(cell, face);
-    var normal = vec3f(0.0);
-    normal[face] = towards;
+    let normal = along_axis(face, towards);
     // Two axes of the face, ordered so that the corners run counter-clockwise seen from outside.
-    var u = vec3f(0.0);
-    u[(face + 1u) % 3u] = towards;
-    var v = vec3f(0.0);
-    v[(face + 2u) % 3u] = 1.0;
+    let u = along_axis((face + 1u) % 3u, towards);
+    let v = along_axis((face + 2u) % 3u, 1.0);
     let q = quad_corner(corner);
     let face_center = center + normal * half_edge;
     let offset = face_center + (u * q.x + v * q.y) * half_edge;
     let clip = project(rotate_to_view(offset));
     let light = light_at_vertex(oct_decode(lit_normal), face_center, offset);
     return SplatVertex(clip, cell.color, lit_normal, light);
+}
+
+// Not by `vector[axis] = length`: FXC, one of the two compilers for Direct3D 12, refuses it.
+fn along_axis(axis: u32, length: f32) -> vec3f {
+    return select(vec3f(0.0), vec3f(length), vec3u(0u, 1u, 2u) == vec3u(axis));
 }
 
 fn voxel_half_edge(cell: PointRecord) -> f32 {

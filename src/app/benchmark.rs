@@ -2,13 +2,13 @@
 
 use super::progress::{Work, WorkKind};
 use super::tasks::{Outcome, Tasks, Wake};
-use crate::bench::{self, LabPoint};
+use crate::bench::{self, LabPoint, Step};
+use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
 use crate::sequence::Sequence;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -40,22 +40,9 @@ pub struct BenchmarkTable {
     pub points: Vec<Arc<LabPoint>>,
 }
 
-/// What a benchmark reports.
-#[derive(Debug, Clone, Default)]
-pub struct BenchmarkStep {
-    /// Steps done.
-    pub done: usize,
-    /// Steps in all; 0 while unknown.
-    pub total: usize,
-    /// What is measured now.
-    pub label: String,
-    /// A way to draw whose time and error have just become known.
-    pub measured: Option<Arc<LabPoint>>,
-}
-
-/// The work of a benchmark: reports its steps, stops soon after the flag is set. `Err` is a text for the person.
+/// The work of a benchmark: reports its steps, stops soon after it was cancelled. `Err` is a text for the person.
 pub type BenchmarkJob =
-    Box<dyn FnOnce(&dyn Fn(BenchmarkStep), &AtomicBool) -> Result<BenchmarkTable, String> + Send>;
+    Box<dyn FnOnce(&dyn Fn(Step), &Progress) -> Result<BenchmarkTable, String> + Send>;
 
 /// What the benchmark window shows.
 #[derive(Debug, Default)]
@@ -130,7 +117,7 @@ impl Benchmark {
         let reported_label = Arc::clone(&label);
         let reported_points = Arc::clone(&points);
         tasks.start("benchmark", move || {
-            let report = |step: BenchmarkStep| {
+            let report = |step: Step| {
                 reported_points
                     .lock()
                     .unwrap_or_else(PoisonError::into_inner)
@@ -141,7 +128,7 @@ impl Benchmark {
                 progress.set(step.done, step.total);
                 wake();
             };
-            Outcome::Benchmark(job(&report, progress.cancelled()))
+            Outcome::Benchmark(job(&report, &progress))
         });
         *self = Self::Running(RunningBenchmark {
             suite: suite.to_owned(),
@@ -170,25 +157,17 @@ pub(super) fn benchmark_job(
     sequence: Arc<Sequence>,
 ) -> BenchmarkJob {
     if suite == bench::Suite::Window {
-        return Box::new(move |report, cancel| {
-            report(BenchmarkStep {
+        return Box::new(move |report, progress| {
+            report(Step {
                 label: format!("{name}: another window plays, turns and scrubs it"),
-                ..BenchmarkStep::default()
+                ..Step::default()
             });
-            window_job(&sequence, cancel)
+            window_job(&sequence, progress)
         });
     }
-    Box::new(move |report, cancel| {
+    Box::new(move |report, progress| {
         let context =
             Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
-        let progress = |now: bench::Progress| {
-            report(BenchmarkStep {
-                done: now.done,
-                total: now.total,
-                label: now.label,
-                measured: now.measured,
-            });
-        };
         let options = bench::BenchOptions {
             // What a software adapter draws nobody would choose.
             modes: if context.is_software() {
@@ -204,7 +183,7 @@ pub(super) fn benchmark_job(
             sequence,
             shape: None,
         };
-        let measured = bench::run(&[input], &options, Some(&context), &progress, cancel)
+        let measured = bench::run(&[input], &options, Some(&context), report, progress)
             .map_err(|error| error.to_string())?;
         Ok(BenchmarkTable::of(measured))
     })
@@ -233,7 +212,7 @@ impl BenchmarkTable {
 
 /// Has this program measure another window of its own: one process has one event loop, and this window's would be measured with the
 /// benchmark's panel in it.
-fn window_job(sequence: &Sequence, cancel: &AtomicBool) -> Result<BenchmarkTable, String> {
+fn window_job(sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable, String> {
     let say = |error: std::io::Error| format!("the other window cannot be opened: {error}");
     let folder = std::env::temp_dir().join(format!("pointreel-window-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(say)?;
@@ -253,7 +232,7 @@ fn window_job(sequence: &Sequence, cancel: &AtomicBool) -> Result<BenchmarkTable
         .spawn()
         .map_err(say)?;
     let ended = loop {
-        if cancel.load(Ordering::Relaxed) {
+        if progress.is_cancelled() {
             // One that has just ended by itself needs no end.
             let _ = program.kill();
         }

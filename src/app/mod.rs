@@ -49,7 +49,7 @@ mod trails;
 mod trial;
 mod window;
 
-pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkStep, BenchmarkTable};
+pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable};
 pub use beside::{Beside, FrameDistances, Layout, OneWay};
 pub use camera_path::{Draft, PathEditor};
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};

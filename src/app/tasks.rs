@@ -18,7 +18,6 @@ use crate::io;
 use crate::sequence::{OpenOptions, PreparedFrame, Sequence, SequenceError};
 use std::fs;
 use std::io::Write as _;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -243,13 +242,8 @@ impl Tasks {
         side: Side,
         progress: Progress,
     ) {
-        let wake = Arc::clone(&self.wake);
         self.start("find frames", move || {
-            let sequence = Sequence::open_observed(&inputs, &options, &mut |done, of| {
-                progress.set(done, of);
-                wake();
-                go_on_unless(progress.is_cancelled())
-            });
+            let sequence = Sequence::open_observed(&inputs, &options, &progress);
             // What was cancelled during the last file is not wanted either.
             let sequence = match sequence {
                 Ok(_) if progress.is_cancelled() => Err(SequenceError::Cancelled),
@@ -296,15 +290,6 @@ impl Tasks {
             };
             saved.map_or_else(Outcome::Failed, Outcome::Saved)
         });
-    }
-}
-
-/// What those who observe work answer.
-pub(super) fn go_on_unless(is_cancelled: bool) -> ControlFlow<()> {
-    if is_cancelled {
-        ControlFlow::Break(())
-    } else {
-        ControlFlow::Continue(())
     }
 }
 

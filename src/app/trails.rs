@@ -9,11 +9,11 @@ use super::tasks::{Outcome, Tasks};
 use crate::analysis::ColorMap;
 use crate::export::TrailLook;
 use crate::playback::Player;
+use crate::progress::Progress;
 use crate::sequence::{self, Needs, PreparedFrame, Slot, TrailMeasure, TrailRequest};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Weak};
 
 /// Trails of points that are spread evenly over the file.
@@ -46,9 +46,8 @@ struct Wish {
 #[derive(Debug)]
 struct Running {
     wish: Wish,
-    is_wanted: Arc<AtomicBool>,
-    /// Frames that were looked at.
-    done: Arc<AtomicUsize>,
+    /// Of the frames that are looked at.
+    progress: Progress,
 }
 
 /// What a task has found; `None` if it was cancelled.
@@ -101,9 +100,8 @@ impl Trails {
     /// Frames that were looked at, of how many, while trails are being found.
     pub fn progress(&self) -> Option<(usize, usize)> {
         let running = self.running.as_ref()?;
-        let is_wanted = running.is_wanted.load(Ordering::Relaxed);
-        let done = running.done.load(Ordering::Relaxed);
-        is_wanted.then(|| (done, running.wish.request.frames.len()))
+        let progress = &running.progress;
+        (!progress.is_cancelled()).then(|| (progress.done(), running.wish.request.frames.len()))
     }
 
     /// Length and speeds of the trail of the point of this index in the file, if it is among the picked ones.
@@ -162,7 +160,7 @@ impl Trails {
 
     fn stop(&mut self) {
         if let Some(running) = &self.running {
-            running.is_wanted.store(false, Ordering::Relaxed);
+            running.progress.cancel();
         }
     }
 
@@ -241,25 +239,18 @@ impl Trails {
     }
 
     fn start(&mut self, wish: Wish, player: &Player, tasks: &Tasks) {
-        let is_wanted = Arc::new(AtomicBool::new(true));
-        let done = Arc::new(AtomicUsize::new(0));
+        let wake = tasks.wake();
+        let progress = Progress::told_to(move |_| wake());
         let request = wish.request.clone();
         let sequence = Arc::clone(player.sequence());
         let resident = resident(player, &request);
         self.running = Some(Running {
             wish,
-            is_wanted: Arc::clone(&is_wanted),
-            done: Arc::clone(&done),
+            progress: progress.clone(),
         });
-        let wake = tasks.wake();
         tasks.start("trails", move || {
-            let goes_on = |looked_at| {
-                done.store(looked_at, Ordering::Relaxed);
-                wake();
-                is_wanted.load(Ordering::Relaxed)
-            };
             let resident = |index: usize| resident.get(&index).and_then(Weak::upgrade);
-            let trails = sequence::Trails::trace(&request, &sequence, resident, goes_on);
+            let trails = sequence::Trails::trace(&request, &sequence, resident, &progress);
             Outcome::Traced(Traced(trails))
         });
     }
@@ -270,7 +261,7 @@ impl Trails {
             return;
         };
         if let Some(trails) = traced.0
-            && running.is_wanted.load(Ordering::Relaxed)
+            && !running.progress.is_cancelled()
         {
             self.found = Some((running.wish, trails));
         }

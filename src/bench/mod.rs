@@ -37,6 +37,7 @@ pub use suites::window::{WindowAction, window_report, window_report_of_json};
 
 use crate::kept;
 use crate::measure::{SizeMismatch, SsimError, SurfaceMismatch};
+use crate::progress::Progress;
 use crate::render::RenderError;
 use crate::render::gpu::Context;
 use crate::sequence::{Sequence, SequenceError, Shape};
@@ -44,7 +45,6 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What can be measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -203,12 +203,12 @@ impl serde::Serialize for Suite {
     }
 }
 
-/// How far a run is.
-#[derive(Debug, Clone)]
-pub struct Progress {
+/// What a run says of itself.
+#[derive(Debug, Clone, Default)]
+pub struct Step {
     /// Steps done.
     pub done: usize,
-    /// Steps of the whole run.
+    /// Steps of the whole run; 0 while unknown.
     pub total: usize,
     /// What is being measured now.
     pub label: String,
@@ -273,14 +273,14 @@ pub struct Input {
 
 /// Measures `inputs` on the adapter of `context`; without one, on the processor.
 ///
-/// Blocks until everything is measured; `progress` is called before each step, and `cancel` is looked at before each
-/// picture. Frames that cannot be read or have no points are skipped, which [`Report::notes`] say.
+/// Blocks until everything is measured; `say` is called before each step, and whether `progress` is cancelled is looked at before
+/// each picture. Frames that cannot be read or have no points are skipped, which [`Report::notes`] say.
 pub fn run(
     inputs: &[Input],
     options: &BenchOptions,
     context: Option<&Arc<Context>>,
-    progress: &dyn Fn(Progress),
-    cancel: &AtomicBool,
+    say: &dyn Fn(Step),
+    progress: &Progress,
 ) -> Result<Report, BenchError> {
     let at_least_1 = [
         ("viewpoints", options.viewpoints),
@@ -297,7 +297,7 @@ pub fn run(
     if inputs.is_empty() {
         return Err(BenchError::Nothing("no sequence was named".to_owned()));
     }
-    let mut run = suites::Run::new(inputs, options, context, progress, cancel)?;
+    let mut run = suites::Run::new(inputs, options, context, say, progress)?;
     match options.suite {
         Suite::Surfels | Suite::Voxels => suites::draw::measure(&mut run)?,
         Suite::Octree => suites::octree::measure(&mut run)?,
@@ -310,9 +310,9 @@ pub fn run(
     Ok(run.into_report())
 }
 
-/// Fails once `cancel` is set.
-fn check_cancelled(cancel: &AtomicBool) -> Result<(), BenchError> {
-    if cancel.load(Ordering::Relaxed) {
+/// Fails once nobody waits for it any more.
+fn check_cancelled(progress: &Progress) -> Result<(), BenchError> {
+    if progress.is_cancelled() {
         return Err(BenchError::Cancelled);
     }
     Ok(())

@@ -5,7 +5,8 @@ use super::arguments::{
 };
 use super::{answer, say};
 use crate::app::{self, PresentChoice};
-use crate::bench::{self, BenchOptions, Input, Modes, Progress, Report, Suite};
+use crate::bench::{self, BenchOptions, Input, Modes, Report, Step, Suite};
+use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
 use crate::sequence::OpenOptions;
@@ -15,7 +16,6 @@ use clap::Args;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 /// Arguments of `pointreel bench`.
 #[derive(Debug, Args)]
@@ -151,7 +151,7 @@ fn measure(inputs: &[Input], options: &BenchOptions) -> anyhow::Result<Report> {
         options,
         context.as_ref(),
         &show_progress,
-        &AtomicBool::new(false),
+        &Progress::default(),
     );
     clear_progress();
     Ok(report?)
@@ -194,12 +194,12 @@ fn write(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
 }
 
 /// One line that is written over; nothing where nobody looks.
-fn show_progress(progress: Progress) {
+fn show_progress(step: Step) {
     let mut stderr = std::io::stderr().lock();
     if stderr.is_terminal() {
-        let Progress {
+        let Step {
             done, total, label, ..
-        } = progress;
+        } = step;
         // A terminal that has gone is no failure.
         let _ = write!(stderr, "\r\x1b[K[{done}/{total}] {label}");
         let _ = stderr.flush();

@@ -5,11 +5,12 @@ use super::progress::Bar;
 use super::{answer, warnings};
 use crate::convert::{Conversion, Edit, Output, Shard, convert};
 use crate::io::WriteFormat;
+use crate::progress::Progress;
 use anyhow::bail;
 use clap::Args;
 use glam::DMat4;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 /// Arguments of `pointreel convert`.
 #[derive(Debug, Args)]
@@ -87,14 +88,11 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         },
         overwrites: arguments.overwrite,
     };
-    let bar = Bar::new(frame_count);
+    let bar = Arc::new(Bar::new(frame_count));
+    let shown = Arc::clone(&bar);
+    let progress = Progress::told_to(move |progress| shown.set(progress.done()));
     // An interrupt ends the process; what is finished stays, and the next run goes on from there.
-    let converted = convert(
-        &sequence,
-        &conversion,
-        &|done, _| bar.set(done),
-        &AtomicBool::new(false),
-    );
+    let converted = convert(&sequence, &conversion, &progress);
     bar.clear();
     let converted = converted?;
     for (frame, warning) in &converted.warnings {

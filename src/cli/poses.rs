@@ -4,6 +4,7 @@ use super::arguments::FrameRange;
 use super::warnings;
 use crate::export::{ChangeColors, Poses, TrailLook};
 use crate::headless::Headless;
+use crate::progress::Progress;
 use crate::scene::Settings;
 use crate::sequence::{OnionSkin, TrailRequest, Trails};
 use anyhow::bail;
@@ -95,7 +96,7 @@ impl PosesArgs {
             points_in_file,
             frames,
         };
-        let trails = Trails::trace(&request, sequence, |_| None, |_| true);
+        let trails = Trails::trace(&request, sequence, |_| None, &Progress::default());
         for broken in trails.iter().flat_map(Trails::breaks) {
             warnings::warn(&format!("trails break: {}", broken.text(0)));
         }

@@ -4,13 +4,13 @@ use super::arguments::FrameRange;
 use super::progress::Bar;
 use super::render::RenderArgs;
 use super::{answer, warnings};
-use crate::export::{PictureDone, Video, export_video};
+use crate::export::{Video, export_video};
 use crate::headless::{Headless, PictureStats};
+use crate::progress::Progress;
 use crate::scene::{CameraPath, Settings};
 use anyhow::bail;
 use clap::Args;
 use std::collections::HashSet;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 /// Pictures a second of a path or a turntable where nobody said how many.
@@ -73,7 +73,9 @@ pub(super) fn render_video(
     let mut told = HashSet::new();
     let bar = Bar::new(video.picture_count());
     // An interrupt ends the process; what stands there then has a hidden name.
-    let exported = export_video(headless, &video, output, &mut |picture: &PictureDone| {
+    // Who interrupts it ends the program.
+    let progress = Progress::default();
+    let exported = export_video(headless, &video, output, &progress, &mut |picture| {
         bar.set(picture.done);
         for problem in &picture.problems {
             // A loop shows a frame again.
@@ -82,7 +84,6 @@ pub(super) fn render_video(
             }
         }
         stats.push(picture.stats.clone());
-        ControlFlow::Continue(())
     });
     bar.clear();
     let failed = exported?;

@@ -14,12 +14,12 @@ pub use record::Record;
 
 use crate::io::WriteFormat;
 use crate::kept;
+use crate::progress::Progress;
 use crate::sequence::{FrameEntry, FrameError, Sequence};
 use rayon::prelude::*;
 use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Which frames, what becomes of them, and where they go.
 #[derive(Debug, Clone)]
@@ -112,15 +112,14 @@ pub enum ConvertError {
     },
 }
 
-/// Converts frames of `sequence`; `progress` is called from several threads with how many of how many are done.
+/// Converts frames of `sequence`; `progress` counts those that are done, on several threads, and may be cancelled.
 ///
 /// # Errors
 /// What concerns all frames; what concerns one is in [`Converted::failed`].
 pub fn convert(
     sequence: &Sequence,
     conversion: &Conversion,
-    progress: &(dyn Fn(usize, usize) + Sync),
-    cancel: &AtomicBool,
+    progress: &Progress,
 ) -> Result<Converted, ConvertError> {
     if let Output::Folder(folder) = &conversion.output {
         fs::create_dir_all(folder).map_err(|reason| ConvertError::Write {
@@ -135,15 +134,15 @@ pub fn convert(
     let frames: Vec<usize> = range
         .filter(|frame| frame % count == index && *frame <= last)
         .collect();
-    let done = AtomicUsize::new(0);
+    progress.set(0, frames.len());
     let outcomes: Vec<(usize, Option<Result<Outcome, ConvertError>>)> = frames
         .par_iter()
         .map(|&frame| {
-            if cancel.load(Ordering::Relaxed) {
+            if progress.is_cancelled() {
                 return (frame, None);
             }
             let outcome = convert_frame(sequence, frame, conversion);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, frames.len());
+            progress.advance(1);
             (frame, Some(outcome))
         })
         .collect();

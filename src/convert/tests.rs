@@ -1,5 +1,6 @@
 use super::*;
 use crate::cloud::{Positions, RawCloud, ScalarField};
+use crate::progress::Progress;
 use crate::sequence::FrameEntry;
 use glam::{DMat4, DVec3};
 use std::num::NonZeroUsize;
@@ -147,7 +148,7 @@ fn conversion(folder: &Path) -> Conversion {
 }
 
 fn run(conversion: &Conversion) -> Converted {
-    convert(&sequence(), conversion, &|_, _| {}, &AtomicBool::new(false)).unwrap()
+    convert(&sequence(), conversion, &Progress::default()).unwrap()
 }
 
 fn names(folder: &Path) -> Vec<String> {
@@ -184,7 +185,7 @@ fn who_starts_again_does_only_what_is_left() {
         format: WriteFormat::PlyAscii,
         ..conversion(folder.path())
     };
-    let refused = convert(&sequence(), &other, &|_, _| {}, &AtomicBool::new(false));
+    let refused = convert(&sequence(), &other, &Progress::default());
     assert!(matches!(refused, Err(ConvertError::OtherConversion { .. })));
     let anew = Conversion {
         overwrites: true,
@@ -196,9 +197,12 @@ fn who_starts_again_does_only_what_is_left() {
 #[test]
 fn a_cancelled_conversion_leaves_whole_files_alone() {
     let folder = tempfile::tempdir().unwrap();
-    let cancel = AtomicBool::new(false);
-    let stop = |_, _| cancel.store(true, Ordering::Relaxed);
-    let converted = convert(&sequence(), &conversion(folder.path()), &stop, &cancel).unwrap();
+    let progress = Progress::told_to(|progress| {
+        if progress.done() > 0 {
+            progress.cancel();
+        }
+    });
+    let converted = convert(&sequence(), &conversion(folder.path()), &progress).unwrap();
     assert!(converted.is_cancelled);
     assert_eq!(names(folder.path()).len(), converted.written);
     for name in names(folder.path()) {
@@ -232,8 +236,7 @@ fn times_are_in_the_names() {
         ..FrameEntry::file("a.bag")
     }];
     let stamped = Sequence::with_decoder(sources, |_| Ok(cube()));
-    let nobody = AtomicBool::new(false);
-    convert(&stamped, &conversion(folder.path()), &|_, _| {}, &nobody).unwrap();
+    convert(&stamped, &conversion(folder.path()), &Progress::default()).unwrap();
     assert_eq!(
         names(folder.path()),
         ["frame_000000_1305031102.175000000.ply"]
@@ -248,8 +251,7 @@ fn times_that_were_written_into_names_are_read_again() {
         ..FrameEntry::file("fox.glb")
     });
     let animated = Sequence::with_decoder(sources.collect(), |_| Ok(cube()));
-    let nobody = AtomicBool::new(false);
-    convert(&animated, &conversion(folder.path()), &|_, _| {}, &nobody).unwrap();
+    convert(&animated, &conversion(folder.path()), &Progress::default()).unwrap();
     let again = Sequence::discover(&[folder.path().to_owned()]).unwrap();
     let times: Vec<Option<Duration>> = again.entries().iter().map(|source| source.time).collect();
     let expected = [0, 40, 120].map(|millis| Some(Duration::from_millis(millis)));

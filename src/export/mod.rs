@@ -23,8 +23,7 @@ mod webp;
 pub use error::ExportError;
 pub use mp4::has_ffmpeg;
 pub use picture::{
-    MAX_EDGE_PX, ObserveParts, PictureSize, check_size, draw_picture, write_picture,
-    write_picture_observed,
+    MAX_EDGE_PX, PictureSize, check_size, draw_picture, write_picture, write_picture_observed,
 };
 pub use png_files::{FRAME_PLACEHOLDER, numbered};
 pub use poses::{ChangeColors, Dressed, Poses, TrailLook};

@@ -14,13 +14,13 @@ use super::overlay::{Canvas, draw_legend};
 use super::scale_bar::PaintedBar;
 use crate::headless::{Headless, HeadlessError};
 use crate::kept::Partial;
+use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, scaled_to};
 use crate::scene::{Background, Camera, EyeDomeLight, Legend, ScenePacket, Settings};
 use crate::sequence::PreparedFrame;
 use image::{RgbaImage, imageops};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
-use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Longest edge of a picture.
@@ -85,16 +85,16 @@ pub fn draw_picture(
         pixels.extend_from_slice(&strip);
         Ok(())
     };
-    for_each_strip(headless, frame, camera, settings, size, (take, &mut go_on))?;
+    for_each_strip(
+        headless,
+        frame,
+        camera,
+        settings,
+        size,
+        (take, &Progress::default()),
+    )?;
     let [width, height] = size.size_px;
     Ok(RgbaImage::from_raw(width, height, pixels).unwrap_or_default())
-}
-
-/// Is told of how many parts of a picture of how many are drawn, and may cancel.
-pub type ObserveParts<'a> = &'a mut dyn FnMut(usize, usize) -> ControlFlow<()>;
-
-fn go_on(_: usize, _: usize) -> ControlFlow<()> {
-    ControlFlow::Continue(())
 }
 
 /// Draws a picture to a PNG file, which is replaced as a whole.
@@ -109,11 +109,11 @@ pub fn write_picture(
     size: PictureSize,
     output: &Path,
 ) -> Result<(), ExportError> {
-    let output = (output, &mut go_on as ObserveParts<'_>);
+    let output = (output, &Progress::default());
     write_picture_observed(headless, frame, camera, settings, size, output)
 }
 
-/// [`write_picture`], observed.
+/// [`write_picture`], where `progress` counts the parts that are drawn, and may be cancelled.
 ///
 /// # Errors
 /// As [`write_picture`], and [`ExportError::Cancelled`]. Nothing is left of the file then.
@@ -123,7 +123,7 @@ pub fn write_picture_observed(
     camera: &Camera,
     settings: &Settings,
     size: PictureSize,
-    (output, observe): (&Path, ObserveParts<'_>),
+    (output, progress): (&Path, &Progress),
 ) -> Result<(), ExportError> {
     check_size(size.size_px)?;
     let failed = |reason: io::Error| ExportError::Write {
@@ -133,7 +133,7 @@ pub fn write_picture_observed(
     let (partial, file) = Partial::create(output).map_err(failed)?;
     let mut png = start_png(file, size.size_px).map_err(failed)?;
     let take = &mut |strip: RgbaImage| png.write_all(&strip).map_err(failed);
-    for_each_strip(headless, frame, camera, settings, size, (take, observe))?;
+    for_each_strip(headless, frame, camera, settings, size, (take, progress))?;
     png.finish()
         .map_err(io::Error::from)
         .and_then(|()| partial.finish())
@@ -169,7 +169,7 @@ fn for_each_strip(
     camera: &Camera,
     settings: &Settings,
     size: PictureSize,
-    (take, observe): (TakeStrip<'_>, ObserveParts<'_>),
+    (take, progress): (TakeStrip<'_>, &Progress),
 ) -> Result<(), ExportError> {
     let size_px @ [width, height] = size.size_px;
     check_size(size_px)?;
@@ -200,7 +200,7 @@ fn for_each_strip(
     if drawn_width <= part_width && drawn_height <= part_height {
         let image = draw_part(headless, &packet, size.is_transparent)?;
         take(scaled_to(image, size_px), 0)?;
-        return done(observe(1, 1));
+        return note_part(progress, 1, 1);
     }
     if packet.viewport_px != size_px {
         return Err(ExportError::ScaledParts { width, height });
@@ -219,7 +219,7 @@ fn for_each_strip(
             let image = imageops::crop_imm(&image, inset_x, inset_y, columns, rows);
             imageops::replace(&mut strip, &*image, i64::from(left), 0);
             drawn += 1;
-            done(observe(drawn, total))?;
+            note_part(progress, drawn, total)?;
         }
         take(strip, top)?;
     }
@@ -248,11 +248,13 @@ impl Part {
     }
 }
 
-fn done(answer: ControlFlow<()>) -> Result<(), ExportError> {
-    match answer {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(ExportError::Cancelled),
+/// Says that so many parts are drawn. Fails once nobody wants the picture any more.
+fn note_part(progress: &Progress, drawn: usize, total: usize) -> Result<(), ExportError> {
+    progress.set(drawn, total);
+    if progress.is_cancelled() {
+        return Err(ExportError::Cancelled);
     }
+    Ok(())
 }
 
 fn draw_part(

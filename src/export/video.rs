@@ -3,11 +3,11 @@
 use super::picture::{self, PictureSize, draw_picture};
 use super::{Dressed, ExportError, FrameSink, Poses, VideoStream, open_sink};
 use crate::headless::{Headless, HeadlessError, PictureStats};
+use crate::progress::Progress;
 use crate::scene::{CameraPath, Settings};
 use crate::sequence::{Direction, FrameError, PreparedFrame};
 use image::RgbaImage;
 use std::io;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -67,7 +67,7 @@ pub struct PictureDone {
     pub problems: Vec<String>,
 }
 
-/// Draws a video to the file or files that `output` names; `observe` is told of each picture and may cancel. Frames that cannot be
+/// Draws a video to the file or files that `output` names; `progress` counts the pictures and may be cancelled; `tell` hears of each. Frames that cannot be
 /// read are returned; in their place stands the frame before them.
 ///
 /// # Errors
@@ -77,11 +77,12 @@ pub fn export_video(
     headless: &mut Headless,
     video: &Video<'_>,
     output: &Path,
-    observe: &mut dyn FnMut(&PictureDone) -> ControlFlow<()>,
+    progress: &Progress,
+    tell: &mut dyn FnMut(&PictureDone),
 ) -> Result<Vec<(usize, FrameError)>, ExportError> {
     check(video)?;
     let sink = open_sink(output, &video.stream())?;
-    render_path(headless, video, sink, observe)
+    render_path(headless, video, sink, progress, tell)
 }
 
 /// [`export_video`] to a sink that is open.
@@ -89,7 +90,8 @@ pub fn render_path(
     headless: &mut Headless,
     video: &Video<'_>,
     sink: Box<dyn FrameSink>,
-    observe: &mut dyn FnMut(&PictureDone) -> ControlFlow<()>,
+    progress: &Progress,
+    tell: &mut dyn FnMut(&PictureDone),
 ) -> Result<Vec<(usize, FrameError)>, ExportError> {
     check(video)?;
     let (sender, receiver) = sync_channel(WAITING_PICTURES);
@@ -101,7 +103,7 @@ pub fn render_path(
             Ok(encoder) => encoder,
             Err(reason) => return (Err(no_thread(reason)), None),
         };
-        let drawn = draw_pictures(headless, video, &sender, observe);
+        let drawn = draw_pictures(headless, video, &sender, progress, tell);
         drop(sender);
         let encoded = encoder
             .join()
@@ -144,7 +146,8 @@ fn draw_pictures(
     headless: &mut Headless,
     video: &Video<'_>,
     pictures: &SyncSender<RgbaImage>,
-    observe: &mut dyn FnMut(&PictureDone) -> ControlFlow<()>,
+    progress: &Progress,
+    tell: &mut dyn FnMut(&PictureDone),
 ) -> Result<Vec<(usize, FrameError)>, ExportError> {
     let total = video.picture_count();
     let mut failed: Vec<(usize, FrameError)> = Vec::new();
@@ -195,7 +198,9 @@ fn draw_pictures(
             stats,
             problems,
         };
-        if observe(&picture_done).is_break() {
+        tell(&picture_done);
+        progress.set(done + 1, total);
+        if progress.is_cancelled() {
             return Err(ExportError::Cancelled);
         }
     }

@@ -105,6 +105,8 @@ pub(super) fn mebibytes(bytes: u64) -> String {
 pub(super) struct Fault {
     pub(super) place: Place,
     pub(super) problem: String,
+    /// Nothing is wrong: nobody waits for it any more.
+    is_cancelled: bool,
 }
 
 impl Fault {
@@ -112,11 +114,16 @@ impl Fault {
         Self {
             place,
             problem: problem.into(),
+            is_cancelled: false,
         }
     }
 
     /// The same with the file it is in.
     pub(super) fn of(self, path: &Path, format: Format) -> IoError {
+        if self.is_cancelled {
+            let path = path.to_owned();
+            return IoError::Cancelled { path };
+        }
         IoError::Invalid {
             path: path.to_owned(),
             format,
@@ -134,9 +141,12 @@ impl Fault {
         ))
     }
 
-    /// What a decoder ends with that nobody waits for any more; who called it knows why.
+    /// What a decoder ends with that nobody waits for any more.
     pub(super) fn cancelled() -> Self {
-        Self::header("cancelled")
+        Self {
+            is_cancelled: true,
+            ..Self::header("cancelled")
+        }
     }
 
     pub(super) fn header(problem: impl Into<String>) -> Self {

@@ -36,12 +36,12 @@ impl SharedFile {
         options: &ReadOptions,
         progress: &Progress,
     ) -> Result<RawCloud, Arc<IoError>> {
-        if !matches!(part, Part::Moment(_)) {
+        let Part::Moment(time) = part else {
             return read_part_observed(path, part, options, progress).map_err(Arc::new);
-        }
+        };
         let scene = self.scene(path, options, progress)?;
         let format = Format::Gltf;
-        let decoded = scene.frame(part);
+        let decoded = scene.frame(time.as_secs_f64());
         finished(decoded, path, format, &options.of_format(format)).map_err(Arc::new)
     }
 

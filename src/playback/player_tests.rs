@@ -293,7 +293,7 @@ fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
             if player.waiting_for().is_none()
                 && (player.shown().is_some() || player.failure().is_some())
             {
-                let failed = player.failure().map(|error| error.to_string());
+                let failed = player.failure().map(ToString::to_string);
                 return (player.shown().map(|frame| frame.index), failed);
             }
             assert!(begin.elapsed() < Duration::from_secs(20), "no frame comes");

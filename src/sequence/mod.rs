@@ -67,7 +67,7 @@ use crate::progress::Progress;
 use crate::source::{self, Decoder, FrameList, Source, lock};
 use glam::DVec3;
 use origin::OriginFinder;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -116,19 +116,19 @@ impl Sequence {
 
     /// [`Sequence::discover`] with a choice of how.
     pub fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, SequenceError> {
-        Self::open_observed(inputs, options, &mut |_, _| ControlFlow::Continue(()))
+        Self::open_observed(inputs, options, &Progress::default())
     }
 
-    /// [`Sequence::open`], where `observe` is told of how many files of how many were looked at, and may cancel.
+    /// [`Sequence::open`], where `progress` counts the files that were looked at, and may be cancelled.
     ///
     /// # Errors
     /// As [`Sequence::open`], and [`SequenceError::Cancelled`].
     pub fn open_observed(
         inputs: &[PathBuf],
         options: &OpenOptions,
-        observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+        progress: &Progress,
     ) -> Result<Self, SequenceError> {
-        let source = source::open(inputs, options, observe)?;
+        let source = source::open(inputs, options, progress)?;
         Ok(Self::of_shared(source, options.fps))
     }
 

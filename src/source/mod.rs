@@ -29,7 +29,7 @@ pub use spin::Spin;
 use crate::cloud::RawCloud;
 use crate::io::Topic;
 use crate::progress::Progress;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread;
@@ -134,17 +134,17 @@ where
     }
 }
 
-/// The source that `inputs` name: one that is [`Generated`], else files, folders and patterns. `observe` is told of how many files of
-/// how many were looked at, and may cancel.
+/// The source that `inputs` name: one that is [`Generated`], else files, folders and patterns. `progress` counts the files
+/// that were looked at, and may be cancelled.
 pub fn open(
     inputs: &[PathBuf],
     options: &OpenOptions,
-    observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+    progress: &Progress,
 ) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs
         && let Some(generated) = Generated::of_name(input)?
     {
         return Ok(generated.source());
     }
-    Ok(Arc::new(Files::open(inputs, options, observe)?))
+    Ok(Arc::new(Files::open(inputs, options, progress)?))
 }

@@ -11,7 +11,6 @@ pub(crate) const KNOTS: &[&[&str]] = &[
         "app/command/bindings.rs",
         "app/comparison.rs",
         "app/drawing.rs",
-        "app/export/job.rs",
         "app/in_view.rs",
         "app/inspection.rs",
         "app/levels.rs",

@@ -4,13 +4,13 @@ use super::{headless, near_by, settings};
 use crate::common;
 use image::RgbaImage;
 use pointreel::export::{
-    ExportError, MAX_EDGE_PX, ObserveParts, PictureSize, draw_picture, write_picture,
-    write_picture_observed,
+    ExportError, MAX_EDGE_PX, PictureSize, draw_picture, write_picture, write_picture_observed,
 };
 use pointreel::measure::{mean_squared_error, psnr_db};
+use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{Background, EyeDome, Footprint, Primitive, Settings, Splatting, Strategy};
-use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex};
 
 const SIZE_PX: [u32; 2] = [300, 220];
 
@@ -215,27 +215,28 @@ fn a_picture_that_is_cancelled_between_its_parts_leaves_nothing() {
         ..PictureSize::opaque([250, 120])
     };
     let mut write = |last: usize| {
-        let mut told = Vec::new();
-        let mut observe = |drawn: usize, of: usize| {
-            told.push((drawn, of));
-            if drawn == last {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let hears = Arc::clone(&told);
+        let progress = Progress::told_to(move |progress| {
+            hears.lock().unwrap().push(progress.done());
+            if progress.done() == last {
+                progress.cancel();
             }
-        };
-        let output = (file.as_path(), &mut observe as ObserveParts<'_>);
+        });
+        let output = (file.as_path(), &progress);
         let written =
             write_picture_observed(&mut headless, &frame, &camera, &settings, size, output);
+        assert_eq!(progress.of(), Some(6));
+        let told = told.lock().unwrap().clone();
         (written, told)
     };
     let (cancelled, told) = write(4);
     assert!(matches!(cancelled, Err(ExportError::Cancelled)));
-    assert_eq!(told, [(1, 6), (2, 6), (3, 6), (4, 6)]);
+    assert_eq!(told, [1, 2, 3, 4]);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     let (written, told) = write(9);
     written.unwrap();
-    assert_eq!(told.last(), Some(&(6, 6)));
+    assert_eq!(told.last(), Some(&6));
 }
 
 #[test]

@@ -9,13 +9,13 @@ use pointreel::export::{
 };
 use pointreel::headless::Headless;
 use pointreel::math::Aabb;
+use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{Background, Camera, CameraPath, Lighting, Primitive, Settings, UpAxis};
 use pointreel::sequence::{
     ColorSource, Coloring, FrameEntry, OnionSkin, Sequence, TrailRequest, Trails,
 };
 use std::collections::HashSet;
-use std::ops::ControlFlow;
 
 const FRAMES: usize = 4;
 
@@ -73,10 +73,15 @@ fn pictures(poses: &Poses) -> (Vec<RgbaImage>, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("{frame}.png");
     let mut said = Vec::new();
-    let failed = export_video(&mut walk(), &video, &output, &mut |picture| {
-        said.extend(picture.problems.clone());
-        ControlFlow::Continue(())
-    });
+    let failed = export_video(
+        &mut walk(),
+        &video,
+        &output,
+        &Progress::default(),
+        &mut |picture| {
+            said.extend(picture.problems.clone());
+        },
+    );
     assert!(failed.unwrap().is_empty());
     let mut headless = walk();
     let pictures = (0..FRAMES).map(|frame| {
@@ -174,7 +179,13 @@ fn trails_lead_from_pose_to_pose() {
         points_in_file: 40,
         frames: 0..FRAMES,
     };
-    let found = Trails::trace(&request, headless.sequence(), |_| None, |_| true).unwrap();
+    let found = Trails::trace(
+        &request,
+        headless.sequence(),
+        |_| None,
+        &Progress::default(),
+    )
+    .unwrap();
     assert!(found.breaks().is_empty());
     let with = |look| Poses {
         trails: Some((found.clone(), vec![look])),

@@ -8,12 +8,12 @@ use pointreel::export::{
     ExportError, PictureSize, Poses, Video, draw_picture, export_video, open_sink,
 };
 use pointreel::measure::{mean_squared_error, psnr_db};
+use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{CameraPath, Keyframe, Settings};
 use pointreel::sequence::Sequence;
 use std::fs::{self, File};
 use std::io::BufReader;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
 
@@ -47,12 +47,17 @@ fn video<'a>(path: &'a CameraPath, settings: &'a Settings) -> Video<'a> {
 fn export(video: &Video<'_>, output: &Path) -> Vec<usize> {
     let mut shown = Vec::new();
     let mut headless = headless(AnyRenderer::cpu());
-    let failed = export_video(&mut headless, video, output, &mut |picture| {
-        assert_eq!(picture.done, shown.len() + 1);
-        assert_eq!(picture.total, video.picture_count());
-        shown.push(picture.stats.index);
-        ControlFlow::Continue(())
-    });
+    let failed = export_video(
+        &mut headless,
+        video,
+        output,
+        &Progress::default(),
+        &mut |picture| {
+            assert_eq!(picture.done, shown.len() + 1);
+            assert_eq!(picture.total, video.picture_count());
+            shown.push(picture.stats.index);
+        },
+    );
     assert!(failed.unwrap().is_empty());
     shown
 }
@@ -215,11 +220,10 @@ fn what_is_cancelled_leaves_nothing() {
     for name in names {
         let mut headless = headless(AnyRenderer::cpu());
         let output = folder.path().join(name);
-        let cancelled = export_video(&mut headless, &video, &output, &mut |picture| {
+        let progress = Progress::default();
+        let cancelled = export_video(&mut headless, &video, &output, &progress, &mut |picture| {
             if picture.done == 5 {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
+                progress.cancel();
             }
         });
         assert!(matches!(cancelled, Err(ExportError::Cancelled)), "{name}");
@@ -230,12 +234,9 @@ fn what_is_cancelled_leaves_nothing() {
     let kept = folder.path().join("kept.gif");
     fs::write(&kept, "before").unwrap();
     let mut headless = headless(AnyRenderer::cpu());
-    let cancelled = export_video(
-        &mut headless,
-        &video,
-        &kept,
-        &mut |_| ControlFlow::Break(()),
-    );
+    let progress = Progress::default();
+    progress.cancel();
+    let cancelled = export_video(&mut headless, &video, &kept, &progress, &mut |_| {});
     assert!(cancelled.is_err());
     assert_eq!(fs::read(&kept).unwrap(), b"before");
 }
@@ -249,9 +250,13 @@ fn an_mp4_is_made_by_ffmpeg() {
     let file = folder.path().join("a.mp4");
     if !ffmpeg_is_there() {
         let mut headless = headless(AnyRenderer::cpu());
-        let error = export_video(&mut headless, &video, &file, &mut |_| {
-            ControlFlow::Continue(())
-        });
+        let error = export_video(
+            &mut headless,
+            &video,
+            &file,
+            &Progress::default(),
+            &mut |_| {},
+        );
         assert!(
             error
                 .unwrap_err()
@@ -360,10 +365,8 @@ fn a_broken_frame_is_reported_and_the_one_before_it_stays() {
         &mut headless_of(sequence, AnyRenderer::cpu()),
         &video(&path, &settings),
         &folder.path().join("a.gif"),
-        &mut |picture| {
-            shown.push(picture.stats.index);
-            ControlFlow::Continue(())
-        },
+        &Progress::default(),
+        &mut |picture| shown.push(picture.stats.index),
     );
     assert_eq!(shown, [3, 3, 5, 6, 7, 8, 9]);
     let failed: Vec<usize> = failed.unwrap().iter().map(|(frame, _)| *frame).collect();

@@ -3,7 +3,8 @@
 use super::{click, window};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkStep, BenchmarkTable, State};
+use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkTable, State};
+use pointreel::bench::Step;
 use pointreel::bench::{LabPoint, Quality, Table};
 use pointreel::scene::{Background, Primitive, RendererChoice, Settings};
 use std::sync::Arc;
@@ -46,7 +47,7 @@ fn a_benchmark_shows_progress_then_its_table() {
     let (go_on, gate) = sync_channel::<()>(0);
     let (reached, half_way) = sync_channel::<()>(0);
     let job: BenchmarkJob = Box::new(move |report, _| {
-        report(BenchmarkStep {
+        report(Step {
             done: 3,
             total: 6,
             label: "storage".to_owned(),
@@ -99,8 +100,8 @@ fn a_benchmark_shows_progress_then_its_table() {
 #[test]
 fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
     let mut harness = window();
-    let patient: BenchmarkJob = Box::new(|_, cancel| {
-        while !cancel.load(std::sync::atomic::Ordering::Relaxed) {
+    let patient: BenchmarkJob = Box::new(|_, progress| {
+        while !progress.is_cancelled() {
             std::thread::sleep(Duration::from_millis(1));
         }
         Err("cancelled".to_owned())
@@ -173,9 +174,9 @@ fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
     let (reached, half_way) = sync_channel::<()>(0);
     let job: BenchmarkJob = Box::new(move |report, _| {
         for measured in &points()[..2] {
-            report(BenchmarkStep {
+            report(Step {
                 measured: Some(Arc::clone(measured)),
-                ..BenchmarkStep::default()
+                ..Step::default()
             });
         }
         reached.send(()).unwrap();

@@ -1,6 +1,6 @@
-//! Real sequences. The demo is part of the program; the others are looked for beside the project and passed over with a
-//! word where they are not there.
+//! Real sequences: the demo, which is part of the program, and those of the shared data.
 
+use super::data::shared;
 use super::*;
 
 #[test]
@@ -30,24 +30,6 @@ fn the_demo_plays() {
     assert_eq!(loader.stats().decoded, 24);
 }
 
-/// A folder of the shared test data, if it is there.
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/data/sequences")
-        .join(name);
-    let found = path.is_dir();
-    if !found {
-        #[expect(
-            clippy::print_stderr,
-            reason = "a test that checks nothing has to say so"
-        )]
-        {
-            eprintln!("passed over: {} is not there", path.display());
-        }
-    }
-    found.then_some(path)
-}
-
 fn check(folder: &Path, frames: &[usize]) -> Arc<Sequence> {
     let sequence = Arc::new(Sequence::discover(&[folder.to_path_buf()]).unwrap());
     assert_eq!(sequence.len(), frames.len());
@@ -61,7 +43,7 @@ fn check(folder: &Path, frames: &[usize]) -> Arc<Sequence> {
 
 #[test]
 fn plant_of_mixed_formats_with_gaps() {
-    let Some(folder) = shared("plant4d_tomato") else {
+    let Some(folder) = shared("sequences/plant4d_tomato") else {
         return;
     };
     let sequence = check(&folder, &[24_795, 50_000, 179_757, 261_379]);
@@ -74,7 +56,7 @@ fn plant_of_mixed_formats_with_gaps() {
 
 #[test]
 fn camera_frames_named_by_time() {
-    let Some(folder) = shared("pcl_openni_3frames") else {
+    let Some(folder) = shared("sequences/pcl_openni_3frames") else {
         return;
     };
     let sequence = check(&folder.join("pcd"), &[271_575, 271_395, 271_328]);
@@ -85,7 +67,7 @@ fn camera_frames_named_by_time() {
 
 #[test]
 fn the_sampled_man_plays() {
-    if let Some(folder) = shared("cesiumman_24fps") {
+    if let Some(folder) = shared("sequences/cesiumman_24fps") {
         check(&folder, &[50_000; 24]);
     }
 }
@@ -93,7 +75,7 @@ fn the_sampled_man_plays() {
 /// Every second pose of the model, sampled as the demo says.
 #[test]
 fn the_man_the_demo_was_made_from() {
-    let Some(model) = shared("../models").map(|folder| folder.join("CesiumMan.glb")) else {
+    let Some(model) = shared("models/CesiumMan.glb") else {
         return;
     };
     let read = ReadOptions::default().with_sample_count(NonZeroUsize::new(8334));

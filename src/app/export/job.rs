@@ -2,10 +2,7 @@
 
 use super::plan;
 use crate::app::progress::Progress;
-use crate::app::tasks::{Wake, go_on_unless};
-use crate::export::{
-    ExportError, ObserveParts, PictureSize, Poses, Video, export_video, write_picture_observed,
-};
+use crate::export::{ExportError, PictureSize, Poses, Video, export_video, write_picture_observed};
 use crate::headless::{Headless, HeadlessError};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, CameraPath, Settings};
@@ -61,12 +58,7 @@ pub struct Exported {
 }
 
 /// Does `job`, tells `progress` of each picture or part of one, and stops soon after that was cancelled.
-pub(super) fn run(job: Job, progress: &Progress, wake: &Wake) -> Result<Exported, ExportError> {
-    let note = |done: usize, of: usize| {
-        progress.set(done, of);
-        wake();
-        go_on_unless(progress.is_cancelled())
-    };
+pub(super) fn run(job: Job, progress: &Progress) -> Result<Exported, ExportError> {
     let Job {
         sequence,
         settings,
@@ -93,8 +85,7 @@ pub(super) fn run(job: Job, progress: &Progress, wake: &Wake) -> Result<Exported
             let pose = headless.frame(frame, &settings);
             let dressed = pose.and_then(|pose| poses.dress(&pose, &headless, &settings));
             let shown = dressed.map_err(HeadlessError::from)?.frame;
-            let mut note = note;
-            let file = (output.as_path(), &mut note as ObserveParts<'_>);
+            let file = (output.as_path(), progress);
             write_picture_observed(&mut headless, &shown, &camera, &settings, size, file)?;
             return Ok(Exported {
                 output,
@@ -121,9 +112,7 @@ pub(super) fn run(job: Job, progress: &Progress, wake: &Wake) -> Result<Exported
     };
     let pictures = video.picture_count();
     progress.set(0, pictures);
-    let failed = export_video(&mut headless, &video, &output, &mut |picture| {
-        note(picture.done, picture.total)
-    })?;
+    let failed = export_video(&mut headless, &video, &output, progress, &mut |_| {})?;
     let failed = failed
         .into_iter()
         .map(|(frame, reason)| format!("Frame {} is not shown in it: {reason}", frame + 1));

@@ -187,10 +187,9 @@ impl State {
         let name = job.output.file_name().unwrap_or_default();
         let name = format!("Exporting {}", name.to_string_lossy());
         let progress = self.works.begin(WorkKind::Export, name, self.now());
-        let wake = self.wake();
         self.panels.export = false;
         self.tasks.start("export", move || {
-            Outcome::Exported(job::run(job, &progress, &wake))
+            Outcome::Exported(job::run(job, &progress))
         });
     }
 

@@ -14,9 +14,10 @@ use super::report::{Row, SequenceSummary};
 use super::runner::Runner;
 use super::scenario::{self, Coverage, Viewpoint};
 use super::{
-    BenchError, BenchOptions, Environment, Input, LabPoint, Progress, Report, check_cancelled,
+    BenchError, BenchOptions, Environment, Input, LabPoint, Report, Step, check_cancelled,
 };
 use crate::octree::StopCriterion;
+use crate::progress::Progress;
 use crate::render::AnyRenderer;
 use crate::render::gpu::Context;
 use crate::scene::{
@@ -25,7 +26,6 @@ use crate::scene::{
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 /// The two backgrounds that tell covered pixels from free ones.
 const COVERAGE_BACKGROUNDS: [[u8; 3]; 2] = [[0, 0, 0], [255, 255, 255]];
@@ -36,8 +36,8 @@ pub(super) struct Run<'a> {
     /// The adapter if there is one, else the processor.
     pub(super) runner: Runner,
     inputs: &'a [Input],
-    progress: &'a dyn Fn(Progress),
-    cancel: &'a AtomicBool,
+    say: &'a dyn Fn(Step),
+    progress: &'a Progress,
     report: Report,
     steps_done: usize,
     steps_total: usize,
@@ -98,8 +98,8 @@ impl<'a> Run<'a> {
         inputs: &'a [Input],
         options: &'a BenchOptions,
         context: Option<&Arc<Context>>,
-        progress: &'a dyn Fn(Progress),
-        cancel: &'a AtomicBool,
+        say: &'a dyn Fn(Step),
+        progress: &'a Progress,
     ) -> Result<Self, BenchError> {
         let renderer = match context {
             Some(context) => AnyRenderer::gpu(Arc::clone(context))?,
@@ -109,8 +109,8 @@ impl<'a> Run<'a> {
             options,
             runner: Runner::new(renderer),
             inputs,
+            say,
             progress,
-            cancel,
             report: Report::new(
                 options.clone(),
                 Environment::detect(context.map(Arc::as_ref)),
@@ -154,13 +154,13 @@ impl<'a> Run<'a> {
 
     /// Fails once the run is cancelled.
     pub(super) fn check_cancelled(&self) -> Result<(), BenchError> {
-        check_cancelled(self.cancel)
+        check_cancelled(self.progress)
     }
 
     /// Says what comes next.
     pub(super) fn begin_step(&mut self, label: String) -> Result<(), BenchError> {
         self.check_cancelled()?;
-        (self.progress)(Progress {
+        (self.say)(Step {
             done: self.steps_done,
             total: self.steps_total,
             label,
@@ -172,7 +172,7 @@ impl<'a> Run<'a> {
 
     /// Shows what was measured before the run is over.
     pub(super) fn say_measured(&self, point: LabPoint) {
-        (self.progress)(Progress {
+        (self.say)(Step {
             done: self.steps_done,
             total: self.steps_total,
             label: point.label.clone(),

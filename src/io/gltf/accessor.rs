@@ -25,6 +25,22 @@ struct Entries<'a> {
     normalized: bool,
 }
 
+impl<'a> Source<'a> {
+    /// Nothing is read yet.
+    pub(super) fn new(
+        document: &'a Document,
+        buffers: &'a Buffers<'a>,
+        options: &'a ReadOptions,
+    ) -> Self {
+        Self {
+            document,
+            buffers,
+            options,
+            spent_bytes: Cell::new(0),
+        }
+    }
+}
+
 impl Source<'_> {
     /// Fails where `bytes` and what was read before are more than one frame may take.
     pub(super) fn spend(&self, bytes: u64) -> Result<(), Fault> {

@@ -19,18 +19,11 @@ mod scene;
 
 use super::contents::{Entry, Part};
 use super::error::Fault;
-use super::mesh::{self, Places};
 use super::options::ReadOptions;
-use crate::cloud::{Positions, RawCloud};
+use crate::cloud::RawCloud;
 use accessor::Source;
-use animation::Change;
 use buffers::Buffers;
-use document::{Animation, Document};
-use geometry::Geometry;
-use material::Surfaces;
 pub(super) use scene::Scene;
-use std::cell::Cell;
-use std::num::NonZeroUsize;
 use std::path::Path;
 use std::time::Duration;
 
@@ -40,10 +33,6 @@ const FRAME_RATE: f64 = 24.0;
 /// Longer animations end there: more than an hour.
 const MAX_FRAMES: usize = 100_000;
 
-/// Coordinates are kept in double precision where a node moves things further than this: single precision would be coarser than 1 in
-/// 128.
-const FAR: f64 = 65_536.0;
-
 /// The frames of the file `path`, which holds `bytes`.
 pub(super) fn list(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<Entry>, Fault> {
     let (document, binary) = document::parse(bytes, options)?;
@@ -51,7 +40,7 @@ pub(super) fn list(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<V
         return Ok(vec![Entry::whole()]);
     }
     let buffers = Buffers::load(&document, binary, path, options)?;
-    let source = source(&document, &buffers, options);
+    let source = Source::new(&document, &buffers, options);
     let (animations, seconds) = animation::played(&source)?;
     // What is damaged fails here, and not in each of many frames.
     animation::changes(&source, &animations, 0.0)?;
@@ -80,110 +69,9 @@ pub(super) fn decode(
     part: &Part,
     options: &ReadOptions,
 ) -> Result<RawCloud, Fault> {
-    Scene::open(path, bytes, options)?.into_frame(part)
-}
-
-fn source<'a>(
-    document: &'a Document,
-    buffers: &'a Buffers<'a>,
-    options: &'a ReadOptions,
-) -> Source<'a> {
-    Source {
-        document,
-        buffers,
-        options,
-        spent_bytes: Cell::new(0),
-    }
-}
-
-/// The shapes at `time`; as the nodes are without any animation for `None`.
-fn pose(
-    source: &Source<'_>,
-    animations: &[&Animation],
-    time: Option<f64>,
-) -> Result<Geometry, Fault> {
-    let changes = match time {
-        Some(time) => animation::changes(source, animations, time)?,
-        None => vec![Change::default(); source.document.nodes.len()],
+    let time_s = match part {
+        Part::Moment(time) => time.as_secs_f64(),
+        _ => 0.0,
     };
-    let placed = nodes::place(source.document, &changes)?;
-    geometry::gather(source, &placed, &changes)
-}
-
-fn sampled(
-    geometry: Geometry,
-    surfaces: &Surfaces<'_>,
-    places: &Places,
-    count: NonZeroUsize,
-    options: &ReadOptions,
-) -> Result<RawCloud, Fault> {
-    // Colours are those of the surface there, not between those of the corners: textures are finer than meshes.
-    let colors = surfaces.has_colors(&geometry).then(|| {
-        let color = |place: &mesh::Place| {
-            let corners = geometry.faces[place.face as usize].map(|corner| corner as usize);
-            let blend = |values: [f32; 3]| {
-                values
-                    .iter()
-                    .zip(place.weights)
-                    .map(|(value, weight)| value * weight)
-                    .sum::<f32>()
-            };
-            let light = std::array::from_fn(|channel| {
-                blend(corners.map(|corner| geometry.colors[corner][channel]))
-            });
-            let texture = std::array::from_fn(|axis| {
-                blend(corners.map(|corner| geometry.texture_places[corner][axis]))
-            });
-            surfaces.color(geometry.materials[corners[0]], light, texture)
-        };
-        places.0.iter().map(color).collect()
-    });
-    let mesh = bare(geometry);
-    mesh::check_memory(&mesh, count, options)?;
-    let mut cloud = places.apply(&mesh);
-    cloud.colors = colors;
-    Ok(cloud)
-}
-
-fn vertices(geometry: Geometry, surfaces: &Surfaces<'_>) -> RawCloud {
-    let colors = surfaces.has_colors(&geometry).then(|| {
-        let color = |vertex: usize| {
-            surfaces.color(
-                geometry.materials[vertex],
-                geometry.colors[vertex],
-                geometry.texture_places[vertex],
-            )
-        };
-        (0..geometry.positions.len()).map(color).collect()
-    });
-    let mut cloud = bare(geometry);
-    cloud.colors = colors;
-    cloud
-}
-
-/// Positions, normals and faces.
-fn bare(geometry: Geometry) -> RawCloud {
-    let is_far = geometry
-        .positions
-        .iter()
-        .any(|position| position.abs().max_element() > FAR);
-    let positions = geometry.positions;
-    let mut cloud = RawCloud::from_positions(if is_far {
-        Positions::F64(
-            positions
-                .into_iter()
-                .map(|position| position.to_array())
-                .collect(),
-        )
-    } else {
-        Positions::F32(
-            positions
-                .into_iter()
-                .map(|position| position.as_vec3().to_array())
-                .collect(),
-        )
-    });
-    cloud.normals = geometry.has_normals.then_some(geometry.normals);
-    cloud.faces = geometry.faces;
-    cloud
+    Scene::open(path, bytes, options)?.into_frame(time_s)
 }

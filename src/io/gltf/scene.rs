@@ -1,18 +1,22 @@
 //! What all frames of a file share: the parsed document, its buffers, textures, and where points are sampled.
 
-use super::super::contents::Part;
 use super::super::error::Fault;
-use super::super::mesh::Places;
+use super::super::mesh::{self, Places};
 use super::super::options::ReadOptions;
-use super::animation;
+use super::accessor::Source;
+use super::animation::{self, Change};
 use super::buffers::Buffers;
 use super::document::{self, Animation, Document};
-use super::geometry::Geometry;
+use super::geometry::{self, Geometry};
 use super::material::{Surfaces, Textures};
-use super::{Source, pose, sampled, source, vertices};
+use super::nodes;
 use crate::cloud::{Positions, RawCloud};
 use std::num::NonZeroUsize;
 use std::path::Path;
+
+/// Coordinates are kept in double precision where a node moves things further than this: single precision would be coarser than 1 in
+/// 128.
+const FAR: f64 = 65_536.0;
 
 /// A file that was read, of which any frame can be had.
 pub(in crate::io) struct Scene<'a> {
@@ -39,7 +43,7 @@ impl<'a> Scene<'a> {
     ) -> Result<Self, Fault> {
         let (document, binary) = document::parse(bytes, options)?;
         let buffers = Buffers::load(&document, binary, path, options)?;
-        let source = source(&document, &buffers, options);
+        let source = Source::new(&document, &buffers, options);
         let (animations, _) = animation::played(&source)?;
         // What is damaged fails here, and not in each frame.
         animation::changes(&source, &animations, 0.0)?;
@@ -87,31 +91,27 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The scene at the moment that `part` says, by default the first; sampled already where that was asked for.
-    pub(in crate::io) fn frame(&self, part: &Part) -> Result<RawCloud, Fault> {
-        self.cloud(self.posed(part)?)
+    /// The scene at `time_s`; sampled already where that was asked for.
+    pub(in crate::io) fn frame(&self, time_s: f64) -> Result<RawCloud, Fault> {
+        self.cloud(self.posed(time_s)?)
     }
 
     /// [`Scene::frame`] of a scene that is read for one.
-    pub(in crate::io) fn into_frame(mut self, part: &Part) -> Result<RawCloud, Fault> {
+    pub(in crate::io) fn into_frame(mut self, time_s: f64) -> Result<RawCloud, Fault> {
         match self.at_rest.take() {
             Some(geometry) => self.cloud(geometry),
-            None => self.frame(part),
+            None => self.frame(time_s),
         }
     }
 
-    fn posed(&self, part: &Part) -> Result<Geometry, Fault> {
-        let time = match part {
-            Part::Moment(time) => time.as_secs_f64(),
-            _ => 0.0,
-        };
-        let source: Source<'_> = source(&self.document, &self.buffers, &self.options);
+    fn posed(&self, time_s: f64) -> Result<Geometry, Fault> {
+        let source = Source::new(&self.document, &self.buffers, &self.options);
         source.spent_bytes.set(self.spent_bytes);
         let played = self.played.iter();
         let animations: Vec<&Animation> = played
             .map(|&index| &self.document.animations[index])
             .collect();
-        let geometry = pose(&source, &animations, Some(time))?;
+        let geometry = pose(&source, &animations, Some(time_s))?;
         check_shown(&geometry)?;
         Ok(geometry)
     }
@@ -145,4 +145,96 @@ fn spread(
     let positions = geometry.positions.iter().map(glam::DVec3::to_array);
     let positions = Positions::F64(positions.collect());
     Places::spread(&positions, &geometry.faces, count, options)
+}
+
+/// The shapes at `time`; as the nodes are without any animation for `None`.
+fn pose(
+    source: &Source<'_>,
+    animations: &[&Animation],
+    time: Option<f64>,
+) -> Result<Geometry, Fault> {
+    let changes = match time {
+        Some(time) => animation::changes(source, animations, time)?,
+        None => vec![Change::default(); source.document.nodes.len()],
+    };
+    let placed = nodes::place(source.document, &changes)?;
+    geometry::gather(source, &placed, &changes)
+}
+
+fn sampled(
+    geometry: Geometry,
+    surfaces: &Surfaces<'_>,
+    places: &Places,
+    count: NonZeroUsize,
+    options: &ReadOptions,
+) -> Result<RawCloud, Fault> {
+    // Colours are those of the surface there, not between those of the corners: textures are finer than meshes.
+    let colors = surfaces.has_colors(&geometry).then(|| {
+        let color = |place: &mesh::Place| {
+            let corners = geometry.faces[place.face as usize].map(|corner| corner as usize);
+            let blend = |values: [f32; 3]| {
+                values
+                    .iter()
+                    .zip(place.weights)
+                    .map(|(value, weight)| value * weight)
+                    .sum::<f32>()
+            };
+            let light = std::array::from_fn(|channel| {
+                blend(corners.map(|corner| geometry.colors[corner][channel]))
+            });
+            let texture = std::array::from_fn(|axis| {
+                blend(corners.map(|corner| geometry.texture_places[corner][axis]))
+            });
+            surfaces.color(geometry.materials[corners[0]], light, texture)
+        };
+        places.0.iter().map(color).collect()
+    });
+    let mesh = bare(geometry);
+    mesh::check_memory(&mesh, count, options)?;
+    let mut cloud = places.apply(&mesh);
+    cloud.colors = colors;
+    Ok(cloud)
+}
+
+fn vertices(geometry: Geometry, surfaces: &Surfaces<'_>) -> RawCloud {
+    let colors = surfaces.has_colors(&geometry).then(|| {
+        let color = |vertex: usize| {
+            surfaces.color(
+                geometry.materials[vertex],
+                geometry.colors[vertex],
+                geometry.texture_places[vertex],
+            )
+        };
+        (0..geometry.positions.len()).map(color).collect()
+    });
+    let mut cloud = bare(geometry);
+    cloud.colors = colors;
+    cloud
+}
+
+/// Positions, normals and faces.
+fn bare(geometry: Geometry) -> RawCloud {
+    let is_far = geometry
+        .positions
+        .iter()
+        .any(|position| position.abs().max_element() > FAR);
+    let positions = geometry.positions;
+    let mut cloud = RawCloud::from_positions(if is_far {
+        Positions::F64(
+            positions
+                .into_iter()
+                .map(|position| position.to_array())
+                .collect(),
+        )
+    } else {
+        Positions::F32(
+            positions
+                .into_iter()
+                .map(|position| position.as_vec3().to_array())
+                .collect(),
+        )
+    });
+    cloud.normals = geometry.has_normals.then_some(geometry.normals);
+    cloud.faces = geometry.faces;
+    cloud
 }

@@ -113,7 +113,7 @@ impl Faces {
     pub(super) fn put_into(self, cloud: &mut RawCloud) {
         cloud.faces = self.triangles;
         cloud.warnings.extend(self.fault.map(|fault| {
-            let Fault { place, problem } = fault;
+            let Fault { place, problem, .. } = fault;
             format!("{place}: {problem}; all points are there, the faces are left out")
         }));
     }

@@ -15,6 +15,7 @@ pub use breaks::{BreakReason, TrailBreak};
 
 use super::{FrameError, PreparedFrame, Sequence};
 use crate::cloud::even_places;
+use crate::progress::Progress;
 use glam::{DVec3, Vec3};
 use order::{WITNESSES, keeps_order};
 use std::collections::BTreeMap;
@@ -65,13 +66,13 @@ struct Seen {
 }
 
 impl Trails {
-    /// Follows points through `sequence`. `resident` gives frames that are in memory; `goes_on` is told before each frame how many
-    /// were looked at, and ends it by saying no: then there is no answer.
+    /// Follows points through `sequence`. `resident` gives frames that are in memory; `progress` counts those that
+    /// were looked at. There is no answer once it is cancelled.
     pub fn trace(
         request: &TrailRequest,
         sequence: &Sequence,
         resident: impl Fn(usize) -> Option<Arc<PreparedFrame>>,
-        mut goes_on: impl FnMut(usize) -> bool,
+        progress: &Progress,
     ) -> Option<Self> {
         let frame_count = sequence.len();
         let frames = request.frames.start.min(frame_count)..request.frames.end.min(frame_count);
@@ -87,7 +88,8 @@ impl Trails {
 
         let mut walk = Walk::new(request);
         for (done, &index) in visited.iter().enumerate() {
-            if !goes_on(done) {
+            progress.set(done, visited.len());
+            if progress.is_cancelled() {
                 return None;
             }
             let resident = resident(index);

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};
+use crate::progress::Progress;
 use crate::sequence::{FrameEntry, Needs, PrepareCounters, prepare};
 
 /// Far enough from zero that the sequence has an origin.
@@ -49,7 +50,7 @@ fn request(indices: &[u32], chosen_in: usize, frames: Range<usize>) -> TrailRequ
 }
 
 fn trace(sequence: &Sequence, request: &TrailRequest) -> Trails {
-    Trails::trace(request, sequence, |_| None, |_| true).unwrap()
+    Trails::trace(request, sequence, |_| None, &Progress::default()).unwrap()
 }
 
 /// Frames in which the only trail has a place.
@@ -112,7 +113,7 @@ fn places_from_memory_are_those_of_the_files() {
     let resident: Vec<_> = (0..6).map(prepared).collect();
     let decoded = sequence.decode_count();
     let in_memory = |index: usize| Some(Arc::clone(&resident[index]));
-    let from_memory = Trails::trace(&request, &sequence, in_memory, |_| true).unwrap();
+    let from_memory = Trails::trace(&request, &sequence, in_memory, &Progress::default()).unwrap();
     // NaN is not equal to itself.
     for frame in 0..6 {
         for trail in 0..4 {
@@ -181,19 +182,15 @@ fn who_does_not_go_on_has_no_answer_and_reads_no_more() {
     let sequence = sequence(9, |_| Some((0..100).collect()));
     sequence.origin();
     let before = sequence.decode_count();
-    let mut told = Vec::new();
     let request = request(&[1], 0, 0..9);
-    let trails = Trails::trace(
-        &request,
-        &sequence,
-        |_| None,
-        |done| {
-            told.push(done);
-            done < 3
-        },
-    );
+    let progress = Progress::told_to(|progress| {
+        if progress.done() == 3 {
+            progress.cancel();
+        }
+    });
+    let trails = Trails::trace(&request, &sequence, |_| None, &progress);
     assert_eq!(trails, None);
-    assert_eq!(told, [0, 1, 2, 3]);
+    assert_eq!((progress.done(), progress.of()), (3, Some(9)));
     assert_eq!(sequence.decode_count() - before, 3);
 }
 

@@ -16,9 +16,9 @@ use super::stamps::stamp;
 use super::{FrameEntry, OpenOptions, Recording, SequenceError};
 use crate::io::natural::{Run, Runs, natural_order, split_name};
 use crate::io::{self, Format};
+use crate::progress::Progress;
 use std::collections::HashSet;
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -35,13 +35,13 @@ pub(super) struct Discovered {
     pub(super) notes: Vec<String>,
 }
 
-/// The ordered frames of `inputs`; see the module's text for the rules. `observe` is told of how many files of how many were looked
-/// at, and may cancel.
+/// The ordered frames of `inputs`; see the module's text for the rules. `progress` counts the files that were looked at, and may
+/// be cancelled.
 pub(super) fn discover(
     inputs: &[PathBuf],
     options: &OpenOptions,
     known: &mut Known,
-    observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+    progress: &Progress,
 ) -> Result<Discovered, SequenceError> {
     if inputs.is_empty() {
         return Err(SequenceError::NoInput);
@@ -76,7 +76,8 @@ pub(super) fn discover(
     };
     let count = paths.len();
     for (done, path) in paths.into_iter().enumerate() {
-        if observe(done, count).is_break() {
+        progress.set(done, count);
+        if progress.is_cancelled() {
             return Err(SequenceError::Cancelled);
         }
         let normals = companions.normals.remove(&path);
@@ -326,6 +327,7 @@ fn number(entries: &mut [FrameEntry]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::{Arc, Mutex};
 
     fn numbers(names: &[&str]) -> Vec<Option<u64>> {
         let mut entries: Vec<FrameEntry> = names.iter().map(FrameEntry::file).collect();
@@ -354,22 +356,21 @@ mod tests {
             fs::write(folder.path().join(name), "ply").unwrap();
         }
         let inputs = [folder.path().to_owned()];
-        let mut told = Vec::new();
-        let mut open = |last: usize| {
-            let mut observe = |done: usize, of: usize| {
-                told.push((done, of));
-                if done == last {
-                    ControlFlow::Break(())
-                } else {
-                    ControlFlow::Continue(())
-                }
-            };
-            let mut known = Known::default();
-            discover(&inputs, &OpenOptions::default(), &mut known, &mut observe)
-        };
-        assert_eq!(open(9).unwrap().entries.len(), 3);
-        assert!(matches!(open(1), Err(SequenceError::Cancelled)));
-        assert_eq!(told, [(0, 3), (1, 3), (2, 3), (0, 3), (1, 3)]);
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let mut known = Known::default();
+        let mut open =
+            |progress: &Progress| discover(&inputs, &OpenOptions::default(), &mut known, progress);
+        let hears = Arc::clone(&told);
+        let progress = Progress::told_to(move |progress| {
+            hears.lock().unwrap().push((progress.done(), progress.of()));
+        });
+        assert_eq!(open(&progress).unwrap().entries.len(), 3);
+        progress.cancel();
+        assert!(matches!(open(&progress), Err(SequenceError::Cancelled)));
+        assert_eq!(
+            *told.lock().unwrap(),
+            [0, 1, 2, 0].map(|done| (done, Some(3)))
+        );
     }
 
     #[test]

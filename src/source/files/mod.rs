@@ -17,7 +17,7 @@ use crate::progress::Progress;
 use companions::Known;
 use discover::Discovered;
 use std::collections::HashMap;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, RwLock};
 use std::time::Duration;
@@ -49,18 +49,18 @@ pub struct Files {
 }
 
 impl Files {
-    /// Finds the frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. `observe` is told of how many
-    /// files of how many were looked at, and may cancel.
+    /// Finds the frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. `progress` counts the
+    /// files that were looked at, and may be cancelled.
     ///
     /// Nothing is read but folders and the lists of contents of files that hold many frames. See [`SequenceError`] for what can
     /// be wrong.
     pub fn open(
         inputs: &[PathBuf],
         options: &OpenOptions,
-        observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+        progress: &Progress,
     ) -> Result<Self, SequenceError> {
         let mut known = Known::default();
-        let found = discover::discover(inputs, options, &mut known, observe)?;
+        let found = discover::discover(inputs, options, &mut known, progress)?;
         let Discovered {
             entries,
             recordings,
@@ -125,9 +125,9 @@ impl Source for Files {
     /// Looks at the inputs again. What came between others is left out: frames keep their places. Files that are still being written are
     /// left for the next time. Normals that came beside a frame are read with it from then on.
     fn look_again(&self) -> Result<usize, SequenceError> {
-        let observe = &mut |_, _| ControlFlow::Continue(());
+        let never = Progress::default();
         let mut known = lock(&self.known);
-        let found = discover::discover(&self.inputs, &self.options, &mut known, observe)?.entries;
+        let found = discover::discover(&self.inputs, &self.options, &mut known, &never)?.entries;
         drop(known);
         let mut entries = write(&self.entries);
         let is_last = |entry: &FrameEntry| {

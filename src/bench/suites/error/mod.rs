@@ -197,14 +197,14 @@ fn measure_way(
         let packet = scene.packet(&frame, origin, &view.camera, settings, viewport_px);
         (packet, scene.stats().visited_nodes)
     };
-    let (options, cancel) = (run.options, run.cancel);
+    let (options, progress) = (run.options, run.progress);
     let runner = if way.renderer == RendererChoice::Gpu {
         &mut run.runner
     } else {
         &mut runners.processor
     };
     for view in views {
-        crate::bench::check_cancelled(cancel)?;
+        crate::bench::check_cancelled(progress)?;
         let uploaded_before = runner.stats().uploaded_bytes;
         let (drawn_packet, visited_nodes) = packet(view, way);
         let image = runner.image(&drawn_packet)?;
@@ -232,7 +232,7 @@ fn measure_way(
     }
     for round in 0..options.warmup + options.repeat {
         for view in views {
-            crate::bench::check_cancelled(cancel)?;
+            crate::bench::check_cancelled(progress)?;
             let start = Instant::now();
             let (packet, _) = packet(view, way);
             runner.draw(&packet)?;

@@ -1,0 +1,124 @@
+//! Every permutation as wgpu writes it for Vulkan, Metal and Direct3D 12. A machine has one or two of them; naga writes for all.
+//!
+//! **How it works.** An entry point is cut out of its module and its bindings are numbered as wgpu does it, for the oldest and the newest
+//! language that wgpu chooses. What drivers and the compilers of Apple and Microsoft make of that is not tried: they are not here. What
+//! one of them is known to refuse has a test of its own.
+
+use super::languages::{write_hlsl, write_msl, write_spirv};
+use super::parse;
+use naga::back::PipelineConstants;
+use naga::back::hlsl::{FragmentEntryPoint, ShaderModel};
+use naga::back::pipeline_constants::process_overrides;
+use naga::valid::{FunctionInfo, ModuleInfo};
+use naga::{AddressSpace, Expression, Function, Module, ShaderStage, TypeInner};
+use pointreel::render::gpu::shaders::Permutation;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// An entry point on its own.
+pub(super) struct EntryPoint<'a> {
+    pub(super) module: &'a Module,
+    pub(super) info: &'a ModuleInfo,
+    pub(super) stage: ShaderStage,
+    pub(super) name: &'a str,
+    /// What a vertex stage hands its results to.
+    pub(super) fragment: Option<FragmentEntryPoint<'a>>,
+    /// The module that it was cut out of: bindings are numbered for all of its entry points.
+    pub(super) whole: &'a Module,
+}
+
+/// Writes an entry point, or says why it cannot.
+type BackEnd = fn(&EntryPoint<'_>) -> Result<(), String>;
+
+const BACK_ENDS: [(&str, BackEnd); 6] = [
+    // Vulkan 1.0 and 1.3.
+    ("SPIR-V 1.0", |entry| write_spirv(entry, (1, 0))),
+    ("SPIR-V 1.6", |entry| write_spirv(entry, (1, 6))),
+    // macOS 10.12 and 26.
+    ("MSL 1.2", |entry| write_msl(entry, (1, 2))),
+    ("MSL 4.0", |entry| write_msl(entry, (4, 0))),
+    // FXC, which is part of Windows, and DXC.
+    ("HLSL 5.1", |entry| write_hlsl(entry, ShaderModel::V5_1)),
+    ("HLSL 6.9", |entry| write_hlsl(entry, ShaderModel::V6_9)),
+];
+
+#[test]
+fn every_back_end_writes_every_entry_point() {
+    let mut failures = Vec::new();
+    for permutation in Permutation::all() {
+        let label = permutation.label();
+        let (module, info) = parse(permutation).unwrap();
+        assert!(module.entry_points.len() > 1, "{label}");
+        for entry in &module.entry_points {
+            for (back_end, write) in BACK_ENDS {
+                // Where naga meets what it does not expect of a valid module, it panics.
+                let written = catch_unwind(AssertUnwindSafe(|| {
+                    write_alone(&module, &info, (entry.stage, &entry.name), write)
+                }));
+                if let Err(error) = written.unwrap_or_else(|_| Err("naga panics".to_owned())) {
+                    failures.push(format!("{label}, {}, {back_end}: {error}", entry.name));
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+fn write_alone(
+    whole: &Module,
+    info: &ModuleInfo,
+    (stage, name): (ShaderStage, &str),
+    write: BackEnd,
+) -> Result<(), String> {
+    let constants = PipelineConstants::default();
+    let (module, info) = process_overrides(whole, info, Some((stage, name)), &constants)
+        .map_err(|error| error.to_string())?;
+    let fragment = FragmentEntryPoint::new(whole, "fragment");
+    write(&EntryPoint {
+        module: &module,
+        info: &info,
+        stage,
+        name,
+        fragment: fragment.filter(|_| stage == ShaderStage::Vertex),
+        whole,
+    })
+}
+
+/// FXC compiles for Direct3D 12 where DXC is not installed, and refuses `v[i] = x` of a vector (error X3500,
+/// <https://github.com/gfx-rs/wgpu/issues/4460>).
+#[test]
+fn no_variable_that_is_a_vector_is_indexed_by_another_variable() {
+    let refused = Permutation::all().into_iter().filter(|&permutation| {
+        let (module, info) = parse(permutation).unwrap();
+        let functions = module.functions.iter();
+        let functions = functions.map(|(handle, function)| (function, &info[handle]));
+        let entries = module.entry_points.iter().enumerate();
+        let entries = entries.map(|(index, entry)| (&entry.function, info.get_entry_point(index)));
+        functions
+            .chain(entries)
+            .any(|(function, info)| indexes_a_vector_variable(&module, function, info))
+    });
+    let refused: Vec<String> = refused.map(Permutation::label).collect();
+    assert!(refused.is_empty(), "{}", refused.join("\n"));
+}
+
+fn indexes_a_vector_variable(module: &Module, function: &Function, info: &FunctionInfo) -> bool {
+    let is_vector_variable = |ty: &TypeInner| match *ty {
+        TypeInner::Pointer { base, space } => {
+            matches!(module.types[base].inner, TypeInner::Vector { .. }) && is_written(space)
+        }
+        TypeInner::ValuePointer { size, space, .. } => size.is_some() && is_written(space),
+        _ => false,
+    };
+    function.expressions.iter().any(|(_, expression)| {
+        matches!(expression, Expression::Access { base, .. }
+            if is_vector_variable(info[*base].ty.inner_with(&module.types)))
+    })
+}
+
+/// What a shader keeps for itself. Vectors in buffers are written by address.
+fn is_written(space: AddressSpace) -> bool {
+    matches!(
+        space,
+        AddressSpace::Function | AddressSpace::Private | AddressSpace::WorkGroup
+    )
+}
