@@ -32,6 +32,7 @@ mod play_range;
 mod prepare;
 mod records;
 mod scaled;
+mod stamps;
 mod trails;
 mod travel;
 mod watch;
@@ -67,11 +68,12 @@ use crate::progress::Progress;
 use crate::source::{self, Decoder, FrameList, Source, lock};
 use glam::DVec3;
 use origin::OriginFinder;
+use stamps::Stamps;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// The frames of a source, their common origin and their pace. Shared between threads behind an [`Arc`]; may grow at its end.
 pub struct Sequence {
@@ -81,6 +83,7 @@ pub struct Sequence {
     decode_count: AtomicU64,
     origin: OriginFinder,
     fps: Option<f64>,
+    stamps: Mutex<Stamps>,
 }
 
 /// A frame as [`Sequence::load`] gives it.
@@ -105,6 +108,7 @@ impl Sequence {
             decode_count: AtomicU64::new(0),
             origin: OriginFinder::default(),
             fps,
+            stamps: Mutex::default(),
         }
     }
 
@@ -207,9 +211,8 @@ impl Sequence {
 
     /// Pace and frames a second by the time stamps, if every frame has one and they grow.
     fn stamped_pace(&self) -> Option<(Pace, f64)> {
-        let times = (0..self.len()).map(|index| self.entry(index).time);
-        let times: Option<Vec<Duration>> = times.collect();
-        Pace::of_times(&times?)
+        let mut stamps = lock(&self.stamps);
+        stamps.pace(self.len(), |index| self.entry(index).time)
     }
 
     /// What is subtracted from file coordinates before they become f32.

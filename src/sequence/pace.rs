@@ -9,7 +9,6 @@
 use super::travel::{Direction, LoopMode, Travel};
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Duration;
 
 /// Longest duration of a frame, in median frames.
 const LONGEST_FRAME: f64 = 8.0;
@@ -25,16 +24,9 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// The pace of frames that were taken at `times`, and its frames a second; `None` unless each is later than the one before.
-    pub fn of_times(times: &[Duration]) -> Option<(Self, f64)> {
-        let mut spacings_s = Vec::with_capacity(times.len());
-        for pair in times.windows(2) {
-            spacings_s.push(pair[1].checked_sub(pair[0])?.as_secs_f64());
-        }
-        let mut sorted = spacings_s.clone();
-        sorted.sort_by(f64::total_cmp);
-        let median_s = *sorted.get(sorted.len() / 2)?;
-        if sorted[0] <= 0.0 {
+    /// The pace of frames with these times between them, and its frames a second; `None` without any. Precondition: the median is positive.
+    pub(super) fn of_spacings(spacings_s: &[f64], median_s: f64) -> Option<(Self, f64)> {
+        if spacings_s.is_empty() {
             return None;
         }
         let durations = spacings_s
@@ -142,6 +134,7 @@ mod tests {
     use super::*;
     use crate::sequence::PlayRange;
     use proptest::prelude::*;
+    use std::time::Duration;
 
     fn millis(times: &[u64]) -> Vec<Duration> {
         times.iter().copied().map(Duration::from_millis).collect()
