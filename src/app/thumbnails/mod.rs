@@ -19,7 +19,7 @@ use super::tasks::{Outcome, Tasks};
 use crate::playback::Player;
 use crate::priority;
 use crate::scene::{Camera, FirstLook, UpAxis};
-use crate::sequence::{ColorHints, Coloring, Needs, Slot};
+use crate::sequence::{ColorHints, Coloring, FrameError, Needs, Slot};
 use draw::{Job, Made, Material};
 use egui::Context;
 use schedule::{Bustle, Leisure, Wanted};
@@ -187,6 +187,8 @@ impl Thumbnails {
             |&frame| {
                 material = match loader.get(frame, &needs) {
                     Slot::Ready(frame) | Slot::Coarse(frame) => Some(Material::Resident(frame)),
+                    // It is not broken; nobody can make a picture of it any more.
+                    Slot::Failed(error) if matches!(*error, FrameError::Gone { .. }) => None,
                     Slot::Failed(_) => {
                         broken.push(frame);
                         None

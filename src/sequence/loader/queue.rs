@@ -259,7 +259,8 @@ impl Queue {
             let is_there = |frame: Option<&Arc<PreparedFrame>>| {
                 frame.is_some_and(|frame| frame.satisfies(needs))
             };
-            let done = self.cache.error(index).is_some()
+            let done = index < self.focus.travel.first
+                || self.cache.error(index).is_some()
                 || self.cache.is_in_flight(index)
                 || is_there(self.cache.full(index))
                 || is_there(self.cache.coarse(index));
