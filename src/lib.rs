@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`memory`] | the allocator of the program, and how long it keeps what is freed |
 //! | `kept` | files that are kept between runs |
+//! | `locks` | locks that go on after a panic elsewhere |
 //! | [`progress`] | how much of long work is done, and whether it is still wanted |
 //! | `messages` | which messages are of one kind |
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
@@ -38,6 +39,7 @@ pub mod export;
 pub mod headless;
 pub mod io;
 mod kept;
+mod locks;
 pub mod math;
 pub mod measure;
 pub mod memory;

@@ -25,7 +25,9 @@ use std::path::{Path, PathBuf};
 
 /// Rooms that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
-    &["math", "memory", "kept", "messages", "priority", "progress"],
+    &[
+        "math", "memory", "kept", "locks", "messages", "priority", "progress",
+    ],
     &["cloud"],
     &["io", "analysis"],
     &["measure"],

@@ -3,13 +3,14 @@
 use super::progress::{Work, WorkKind};
 use super::tasks::{Outcome, Tasks, Wake};
 use crate::bench::{self, LabPoint, Step};
+use crate::locks::lock;
 use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
 use crate::sequence::Sequence;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// How often is looked whether the other window has measured itself.
@@ -74,18 +75,12 @@ pub struct RunningBenchmark {
 impl RunningBenchmark {
     /// What is measured now.
     pub fn label(&self) -> String {
-        self.label
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+        lock(&self.label).clone()
     }
 
     /// The ways to draw whose time and error are known.
     pub fn points(&self) -> Vec<Arc<LabPoint>> {
-        self.points
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+        lock(&self.points).clone()
     }
 }
 
@@ -118,13 +113,8 @@ impl Benchmark {
         let reported_points = Arc::clone(&points);
         tasks.start("benchmark", move || {
             let report = |step: Step| {
-                reported_points
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .extend(step.measured);
-                *reported_label
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner) = step.label;
+                lock(&reported_points).extend(step.measured);
+                *lock(&reported_label) = step.label;
                 progress.set(step.done, step.total);
                 wake();
             };

@@ -5,6 +5,7 @@
 //! it has pixels ([`points_in_view`]), and estimates the surface of these alone. Their picture replaces that of all points until the view
 //! is another one, or the surfels of all points are there.
 
+use super::levels::REST;
 use super::tasks::{Outcome, Tasks};
 use crate::analysis::MOST_JOINED;
 use crate::playback::can_draw;
@@ -13,9 +14,6 @@ use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare_part};
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// A view that has not changed for so long rests.
-const REST: Duration = Duration::from_millis(50);
 
 /// What surfels in view depend on.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,7 +16,7 @@ use std::time::Duration;
 const SMOOTH_MS: f32 = 28.0;
 
 /// A camera that has not moved for so long rests: longer than the pauses in a slow drag, short enough to be waited for.
-const REST: Duration = Duration::from_millis(50);
+pub(super) const REST: Duration = Duration::from_millis(50);
 
 /// What makes the pictures of one frame coarser while the camera moves.
 #[derive(Debug, Default)]

@@ -135,11 +135,11 @@ impl QualityKey {
     pub fn new(adapter: &str, sequence: &Sequence) -> Self {
         let mut hash = Sha256::new();
         let machine = [env!("CARGO_PKG_VERSION"), adapter, &Environment::cpu()];
-        let sources = sequence.entries().into_iter().map(|source| {
-            let bytes = std::fs::metadata(&source.path).map_or(0, |metadata| metadata.len());
-            format!("{} {bytes}", source.path.display())
+        let entries = sequence.entries().into_iter().map(|entry| {
+            let bytes = std::fs::metadata(&entry.path).map_or(0, |metadata| metadata.len());
+            format!("{} {bytes}", entry.path.display())
         });
-        for text in machine.into_iter().map(str::to_owned).chain(sources) {
+        for text in machine.into_iter().map(str::to_owned).chain(entries) {
             hash.update(text.as_bytes());
             // So that no two lists of texts are alike.
             hash.update([0]);

@@ -128,8 +128,8 @@ fn named(frames: &[usize]) -> String {
 }
 
 fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
-    let sources = sequence.entries();
-    let numbers: Option<Vec<u64>> = sources.iter().map(|source| source.number).collect();
+    let entries = sequence.entries();
+    let numbers: Option<Vec<u64>> = entries.iter().map(|entry| entry.number).collect();
     let numbers = numbers.unwrap_or_default();
     let steps: Vec<u64> = numbers
         .windows(2)
@@ -139,7 +139,7 @@ fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
     // between them is not missing.
     let usual = steps.iter().copied().min().unwrap_or(0);
     let is_counter = usual > 0 && steps.iter().all(|step| step % usual == 0);
-    let has_times = sources.iter().any(|source| source.time.is_some());
+    let has_times = entries.iter().any(|entry| entry.time.is_some());
     if !is_counter || has_times {
         return Vec::new();
     }
@@ -153,8 +153,8 @@ fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
             message: format!(
                 "{missing} {} missing between {} and {} ({} to {}): the frames play one after the other",
                 if missing == 1 { "number is" } else { "numbers are" },
-                sources[index].name,
-                sources[index + 1].name,
+                entries[index].name,
+                entries[index + 1].name,
                 before + usual,
                 after - usual
             ),
@@ -164,10 +164,10 @@ fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
 }
 
 fn time_jumps(sequence: &Sequence) -> Vec<Finding> {
-    let sources = sequence.entries();
-    let times: Option<Vec<f64>> = sources
+    let entries = sequence.entries();
+    let times: Option<Vec<f64>> = entries
         .iter()
-        .map(|source| source.time.map(|time| time.as_secs_f64()))
+        .map(|entry| entry.time.map(|time| time.as_secs_f64()))
         .collect();
     let times = times.unwrap_or_default();
     let spacings: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();

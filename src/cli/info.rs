@@ -225,16 +225,16 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
             error: error.to_string(),
         },
     };
-    let source = sequence.entry(index);
+    let entry = sequence.entry(index);
     FrameInfo {
         index,
-        file: source.path.display().to_string(),
-        name: source.name.clone(),
-        normals_file: source
+        file: entry.path.display().to_string(),
+        name: entry.name.clone(),
+        normals_file: entry
             .normals
             .as_ref()
             .map(|path| path.display().to_string()),
-        time_s: source.time.map(|time| time.as_secs_f64()),
+        time_s: entry.time.map(|time| time.as_secs_f64()),
         content,
     }
 }

@@ -73,7 +73,6 @@ pub(super) fn render_video(
     let mut told = HashSet::new();
     let bar = Bar::new(video.picture_count());
     // An interrupt ends the process; what stands there then has a hidden name.
-    // Who interrupts it ends the program.
     let progress = Progress::default();
     let exported = export_video(headless, &video, output, &progress, &mut |picture| {
         bar.set(picture.done);

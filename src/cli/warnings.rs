@@ -4,8 +4,8 @@
 //! a window may stay open for days, so there the first of each kind is said at once. `--verbose` says all at once.
 
 use super::say;
+use crate::locks::lock;
 use crate::messages::kind_of;
-use crate::source::lock;
 use std::sync::Mutex;
 
 /// When warnings are said.

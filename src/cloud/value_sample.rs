@@ -5,9 +5,10 @@
 //! what follows from it is the same for all frames, whichever of them was seen before. Values are sorted when they are first asked for.
 
 use super::{RawCloud, ScalarField, even_places};
+use crate::locks::lock;
 use crate::math::Aabb;
 use glam::{DVec3, Vec3};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// Most points of a sample: enough that a percentile is a tenth of a percent off.
 pub(crate) const MAX_SAMPLE: usize = 1 << 15;
@@ -121,7 +122,7 @@ impl ValueSample {
 
     /// The finite values of the points, ascending.
     pub fn sorted(&self, kind: ValueKind) -> Arc<[f32]> {
-        let mut kept = self.sorted.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = lock(&self.sorted);
         if let Some((_, values)) = kept.iter().find(|(known, _)| *known == kind) {
             return Arc::clone(values);
         }

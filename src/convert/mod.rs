@@ -175,11 +175,11 @@ fn convert_frame(
     index: usize,
     conversion: &Conversion,
 ) -> Result<Outcome, ConvertError> {
-    let source = sequence.entry(index);
+    let entry = sequence.entry(index);
     let path = match &conversion.output {
         Output::File(path) => path.clone(),
         Output::Folder(folder) => {
-            let stem = match source.time {
+            let stem = match entry.time {
                 // As long as seconds since 1970, so that it is read as a time and not as a number.
                 Some(time) => format!(
                     "frame_{index:06}_{:010}.{:09}",
@@ -191,7 +191,7 @@ fn convert_frame(
             folder.join(format!("{stem}.{}", conversion.format.extension()))
         }
     };
-    if !conversion.overwrites && is_finished(&path, &source) {
+    if !conversion.overwrites && is_finished(&path, &entry) {
         return Ok(Outcome::Left);
     }
     let mut cloud = sequence.decode(index)?;
@@ -199,7 +199,7 @@ fn convert_frame(
         .edit
         .apply(&mut cloud)
         .map_err(|reason| ConvertError::Edit {
-            path: source.path.clone(),
+            path: entry.path.clone(),
             reason,
         })?;
     kept::write_whole_with(&path, |file| {
@@ -214,14 +214,14 @@ fn convert_frame(
 }
 
 /// Whether `output` is there and not older than what it was made from.
-fn is_finished(output: &Path, source: &FrameEntry) -> bool {
+fn is_finished(output: &Path, entry: &FrameEntry) -> bool {
     let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified());
     let Ok(output) = modified(output) else {
         return false;
     };
-    let mut files = std::iter::once(&source.path).chain(&source.normals);
+    let mut files = std::iter::once(&entry.path).chain(&entry.normals);
     // Frames in the program have no file.
-    files.all(|file| modified(file).map_or(true, |source| output >= source))
+    files.all(|file| modified(file).map_or(true, |input| output >= input))
 }
 
 #[cfg(test)]

@@ -150,6 +150,7 @@ fn draw_pictures(
     tell: &mut dyn FnMut(&PictureDone),
 ) -> Result<Vec<(usize, FrameError)>, ExportError> {
     let total = video.picture_count();
+    progress.set(0, total);
     let mut failed: Vec<(usize, FrameError)> = Vec::new();
     let mut shown: Option<Arc<PreparedFrame>> = None;
     // What is drawn of the shown frame: made once for all pictures that show it.

@@ -12,9 +12,10 @@
 
 use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};
-use super::growing::{Growing, lock};
+use super::growing::Growing;
 use super::watched::cancelled;
 use crate::cloud::RawCloud;
+use crate::locks::lock;
 use crate::progress::Progress;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -4,7 +4,8 @@ use super::arrays::{Scales, append_colors, append_f32, append_f64};
 use super::attributes::{Colors, Roles};
 use super::column::Column;
 use crate::cloud::{Positions, RawCloud, ScalarField};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use crate::locks::lock;
+use std::sync::{Mutex, PoisonError};
 
 /// The arrays of a cloud so far, with room for all.
 ///
@@ -143,11 +144,6 @@ impl Attributes {
             }
         }
     }
-}
-
-/// The lock, also of what a thread left when it panicked: the panic ends the reading by itself.
-pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// PCL packs colours as 0xAARRGGBB, into an unsigned integer or into the bits of a float. `rgb` leaves alpha at 0.

@@ -4,9 +4,10 @@ use super::error::IoError;
 use super::gltf::Scene;
 use super::{Format, Part, ReadOptions, finished, read_part_observed, watched};
 use crate::cloud::RawCloud;
+use crate::locks::lock;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// The last file of which several frames were read from something that they share: the scene of an animation. Other formats have their
 /// frames one by one.
@@ -52,7 +53,7 @@ impl SharedFile {
         progress: &Progress,
     ) -> Result<Arc<Scene<'static>>, Arc<IoError>> {
         // Who needs the same file waits here for whoever opens it.
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut last = lock(&self.last);
         if let Some(opened) = last.as_ref().filter(|opened| opened.path == path) {
             return opened.scene.clone();
         }

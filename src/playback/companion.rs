@@ -243,8 +243,8 @@ impl Companion {
         self.loader.grow();
         self.known_counts = counts;
         let times = |sequence: &Sequence| -> Vec<_> {
-            let sources = sequence.entries();
-            sources.iter().map(|source| source.time).collect()
+            let entries = sequence.entries();
+            entries.iter().map(|entry| entry.time).collect()
         };
         self.times = PairTimes::of(&times(&self.leader), &times(&self.sequence));
     }

@@ -64,8 +64,9 @@ pub use travel::{Direction, LoopMode};
 pub use watch::watch;
 
 use crate::cloud::{Frame, RawCloud};
+use crate::locks::lock;
 use crate::progress::Progress;
-use crate::source::{self, Decoder, FrameList, Source, lock};
+use crate::source::{self, Decoder, FrameList, Source};
 use glam::DVec3;
 use origin::OriginFinder;
 use stamps::Stamps;

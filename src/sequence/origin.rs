@@ -16,8 +16,8 @@
 
 use super::{FrameError, Sequence};
 use crate::cloud::{RawCloud, ValueSample};
+use crate::locks::lock;
 use crate::progress::Progress;
-use crate::source::lock;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};

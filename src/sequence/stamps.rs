@@ -63,9 +63,10 @@ impl Stamps {
     }
 }
 
+#[cfg(test)]
 impl Pace {
     /// The pace of frames that were taken at `times`, and its frames a second; `None` unless each is later than the one before.
-    pub fn of_times(times: &[Duration]) -> Option<(Self, f64)> {
+    pub(crate) fn of_times(times: &[Duration]) -> Option<(Self, f64)> {
         Stamps::default().pace(times.len(), |index| Some(times[index]))
     }
 }

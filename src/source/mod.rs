@@ -11,7 +11,6 @@ mod error;
 mod files;
 mod generated;
 mod list;
-mod locks;
 mod shapes;
 mod spin;
 
@@ -21,7 +20,6 @@ pub use error::SequenceError;
 pub use files::{Files, OpenOptions, Recording};
 pub use generated::Generated;
 pub use list::FrameList;
-pub(crate) use locks::lock;
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;

@@ -2,9 +2,9 @@
 //!
 //! It stands for sensors where there is none: whoever shows, measures or records a stream can be tried on it.
 
-use super::locks::lock;
 use super::{DecodeFailure, Decoder, FrameEntry, SequenceError, Shape, Source};
 use crate::cloud::{Positions, RawCloud};
+use crate::locks::lock;
 use crate::progress::Progress;
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;

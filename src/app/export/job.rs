@@ -111,7 +111,6 @@ pub(super) fn run(job: Job, progress: &Progress) -> Result<Exported, ExportError
         speed: 1.0,
     };
     let pictures = video.picture_count();
-    progress.set(0, pictures);
     let failed = export_video(&mut headless, &video, &output, progress, &mut |_| {})?;
     let failed = failed
         .into_iter()

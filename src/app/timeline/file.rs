@@ -37,14 +37,14 @@ pub(super) fn file_of(folder: &Path, sequence: &Sequence) -> Option<PathBuf> {
     if sequence.is_empty() {
         return None;
     }
-    let source = sequence.entry(0);
-    let path = std::path::absolute(&source.path).unwrap_or_else(|_| source.path.clone());
+    let entry = sequence.entry(0);
+    let path = std::path::absolute(&entry.path).unwrap_or_else(|_| entry.path.clone());
     let bytes = std::fs::metadata(&path).map_or(0, |metadata| metadata.len());
     let mut hash = Sha256::new();
     hash.update(path.as_os_str().as_encoded_bytes());
     // So that no two lists of texts are alike.
     hash.update([0]);
-    hash.update(format!("{} {bytes}", source.name));
+    hash.update(format!("{} {bytes}", entry.name));
     let mut name = String::new();
     for byte in &hash.finalize()[..16] {
         // Writing to a String cannot fail.
@@ -247,11 +247,11 @@ mod tests {
     fn sequences_are_told_apart_by_their_first_frame() {
         let folder = Path::new("/kept");
         let file = |names: &[&str]| {
-            let sources = names
+            let entries = names
                 .iter()
                 .map(|name| crate::sequence::FrameEntry::file(format!("/scans/{name}")));
             let decode = |_: &crate::sequence::FrameEntry| Err("unread".into());
-            file_of(folder, &Sequence::with_decoder(sources.collect(), decode))
+            file_of(folder, &Sequence::with_decoder(entries.collect(), decode))
         };
         assert_eq!(file(&[]), None);
         assert_eq!(file(&["a.ply"]), file(&["a.ply", "b.ply"]));

@@ -415,11 +415,11 @@ impl Watched {
 
     fn finish(mut self, now: Duration, state: &State) -> WindowAction {
         if self.step.action == Action::Open {
-            let source = state
+            let entry = state
                 .player
                 .as_ref()
                 .map(|player| player.sequence().entry(0));
-            self.found.read_ms = source.and_then(|source| plain_read_ms(&source.path));
+            self.found.read_ms = entry.and_then(|entry| plain_read_ms(&entry.path));
         }
         if let Phase::Running { begin, .. } = self.phase {
             self.found.seconds = now.saturating_sub(begin).as_secs_f64();

@@ -5,7 +5,7 @@
 
 use super::super::error::Fault;
 use super::accessor::Source;
-use super::document::{Animation, Sampler, at};
+use super::document::{Sampler, at};
 use glam::{DQuat, DVec3};
 use std::collections::HashSet;
 
@@ -25,10 +25,10 @@ enum Interpolation {
     Cubic,
 }
 
-/// The animations that are played, and how long the longest takes in seconds; none where nothing moves.
-pub(super) fn played<'a>(source: &Source<'a>) -> Result<(Vec<&'a Animation>, f64), Fault> {
+/// The indices of the animations that are played, and how long the longest takes in seconds; none where nothing moves.
+pub(super) fn played(source: &Source<'_>) -> Result<(Vec<usize>, f64), Fault> {
     let mut timed = Vec::new();
-    for animation in &source.document.animations {
+    for (index, animation) in source.document.animations.iter().enumerate() {
         let mut end = 0.0f64;
         let inputs: HashSet<usize> = animation
             .samplers
@@ -43,13 +43,13 @@ pub(super) fn played<'a>(source: &Source<'a>) -> Result<(Vec<&'a Animation>, f64
                 .filter(|time| time.is_finite())
                 .fold(end, f64::max);
         }
-        timed.push((end, animation));
+        timed.push((end, index, animation));
     }
-    timed.sort_by(|(first, _), (second, _)| second.total_cmp(first));
-    let longest = timed.first().map_or(0.0, |&(end, _)| end);
+    timed.sort_by(|(first, ..), (second, ..)| second.total_cmp(first));
+    let longest = timed.first().map_or(0.0, |&(end, ..)| end);
     let mut moved = HashSet::new();
     let mut played = Vec::new();
-    for (_, animation) in timed {
+    for (_, index, animation) in timed {
         let targets = || {
             animation
                 .channels
@@ -58,20 +58,21 @@ pub(super) fn played<'a>(source: &Source<'a>) -> Result<(Vec<&'a Animation>, f64
         };
         if targets().all(|target| !moved.contains(&target)) {
             moved.extend(targets());
-            played.push(animation);
+            played.push(index);
         }
     }
     Ok((played, longest))
 }
 
-/// What the animations change of each node at `time` in seconds.
+/// What the animations of these indices change of each node at `time` in seconds.
 pub(super) fn changes(
     source: &Source<'_>,
-    animations: &[&Animation],
+    animations: &[usize],
     time: f64,
 ) -> Result<Vec<Change>, Fault> {
     let mut changes = vec![Change::default(); source.document.nodes.len()];
-    for animation in animations {
+    for &animation in animations {
+        let animation = at(&source.document.animations, animation, "animation")?;
         for channel in &animation.channels {
             let Some(node) = channel.target.node else {
                 continue;

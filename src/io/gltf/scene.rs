@@ -6,7 +6,7 @@ use super::super::options::ReadOptions;
 use super::accessor::Source;
 use super::animation::{self, Change};
 use super::buffers::Buffers;
-use super::document::{self, Animation, Document};
+use super::document::{self, Document};
 use super::geometry::{self, Geometry};
 use super::material::{Surfaces, Textures};
 use super::nodes;
@@ -44,18 +44,9 @@ impl<'a> Scene<'a> {
         let (document, binary) = document::parse(bytes, options)?;
         let buffers = Buffers::load(&document, binary, path, options)?;
         let source = Source::new(&document, &buffers, options);
-        let (animations, _) = animation::played(&source)?;
+        let (played, _) = animation::played(&source)?;
         // What is damaged fails here, and not in each frame.
-        animation::changes(&source, &animations, 0.0)?;
-        let is_played = |animation: &&Animation| {
-            let mut played = animations.iter();
-            played.any(|played| std::ptr::eq(*played, *animation))
-        };
-        let played = document.animations.iter().enumerate();
-        let played = played
-            .filter(|(_, animation)| is_played(animation))
-            .map(|(index, _)| index)
-            .collect();
+        animation::changes(&source, &played, 0.0)?;
         let at_rest = pose(&source, &[], None)?;
         check_shown(&at_rest)?;
         // Each frame has the limit of what its shapes may take, but the textures are there beside it.
@@ -107,11 +98,7 @@ impl<'a> Scene<'a> {
     fn posed(&self, time_s: f64) -> Result<Geometry, Fault> {
         let source = Source::new(&self.document, &self.buffers, &self.options);
         source.spent_bytes.set(self.spent_bytes);
-        let played = self.played.iter();
-        let animations: Vec<&Animation> = played
-            .map(|&index| &self.document.animations[index])
-            .collect();
-        let geometry = pose(&source, &animations, Some(time_s))?;
+        let geometry = pose(&source, &self.played, Some(time_s))?;
         check_shown(&geometry)?;
         Ok(geometry)
     }
@@ -148,11 +135,7 @@ fn spread(
 }
 
 /// The shapes at `time`; as the nodes are without any animation for `None`.
-fn pose(
-    source: &Source<'_>,
-    animations: &[&Animation],
-    time: Option<f64>,
-) -> Result<Geometry, Fault> {
+fn pose(source: &Source<'_>, animations: &[usize], time: Option<f64>) -> Result<Geometry, Fault> {
     let changes = match time {
         Some(time) => animation::changes(source, animations, time)?,
         None => vec![Change::default(); source.document.nodes.len()],

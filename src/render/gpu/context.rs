@@ -1,8 +1,9 @@
 //! The adapter and device: opened once, shared by every renderer.
 
+use crate::locks::lock;
 use crate::render::RenderError;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// How to choose and limit the adapter.
 #[derive(Debug, Clone, Copy, Default)]
@@ -93,7 +94,7 @@ impl Context {
         device.set_device_lost_callback(move |reason, message| {
             // Dropping the device calls this too; that is no loss.
             if reason != wgpu::DeviceLostReason::Destroyed || !message.is_empty() {
-                *lost_flag.lock().unwrap_or_else(PoisonError::into_inner) = Some(message);
+                *lock(&lost_flag) = Some(message);
             }
         });
         device.on_uncaptured_error(Arc::new(|error| log::error!("graphics: {error}")));
@@ -119,7 +120,7 @@ impl Context {
 
     /// Fails when the device was lost since it was opened.
     pub fn check_alive(&self) -> Result<(), RenderError> {
-        match &*self.lost.lock().unwrap_or_else(PoisonError::into_inner) {
+        match &*lock(&self.lost) {
             Some(reason) => Err(RenderError::DeviceLost {
                 reason: reason.clone(),
             }),
@@ -135,7 +136,7 @@ impl Context {
     /// Ends the device as a crashed driver would: every later picture fails with [`RenderError::DeviceLost`].
     pub fn simulate_loss(&self) {
         self.device.destroy();
-        *self.lost.lock().unwrap_or_else(PoisonError::into_inner) = Some("simulated".to_owned());
+        *lock(&self.lost) = Some("simulated".to_owned());
     }
 
     /// One line for reports: name, type and driver.

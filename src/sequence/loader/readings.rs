@@ -1,7 +1,7 @@
 //! The frames that are being read, for those who want to see how far that is, and to end it.
 
+use crate::locks::lock;
 use crate::progress::Progress;
-use crate::source::lock;
 use std::sync::Mutex;
 
 /// What is being done for a frame.

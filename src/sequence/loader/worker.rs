@@ -90,8 +90,8 @@ fn pool_of(
 pub(super) fn run(shared: &Shared) {
     while let Some(job) = next_job(shared) {
         let index = job.index;
-        let source = shared.sequence.entry(index);
-        match catch_panic(index, &source.path, || make(shared, &job)) {
+        let entry = shared.sequence.entry(index);
+        match catch_panic(index, &entry.path, || make(shared, &job)) {
             Ok(None) => {
                 shared.queue().cancel(index);
                 shared.work.notify_all();

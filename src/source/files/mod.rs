@@ -8,11 +8,11 @@ mod stamps;
 pub use recording::Recording;
 pub(super) use recording::topics_of;
 
-use super::locks::{lock, read, write};
 use super::{Content, DecodeFailure, Decoder, FrameEntry, FrameSample, SequenceError, Source};
 use crate::cloud::RawCloud;
 use crate::io::normals::read_with_normals;
 use crate::io::{self, Part, ReadOptions, SharedFile};
+use crate::locks::{lock, read, write};
 use crate::progress::Progress;
 use companions::Known;
 use discover::Discovered;

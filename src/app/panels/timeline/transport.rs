@@ -134,9 +134,9 @@ fn place(ui: &mut Ui, state: &State) {
         ));
     }
     if !sequence.is_empty() {
-        let source = sequence.entry(frame);
-        ui.add(Label::new(&source.name).truncate())
-            .on_hover_text(source.path.display().to_string());
+        let entry = sequence.entry(frame);
+        ui.add(Label::new(&entry.name).truncate())
+            .on_hover_text(entry.path.display().to_string());
     }
 }
 
