@@ -1,13 +1,14 @@
 //! Pictures by the software renderer beside those by the graphics library: `cargo bench --bench cpu_render`.
 //!
-//! Measured, at 1920×1080 of a bumpy torus in Morton order that fills the picture: 1,000,000 points (one pixel each), 100,000
-//! surfels (two-pass-enlarged, 2×) and voxels (τ 1 px) from the packet until the picture is finished in memory, by the
-//! software renderer on one and on two threads, and by the adapter that the program would take (no read back), whose name is printed
-//! first. Points and surfels also from ten times as far, where the picture costs less, and from within, where most is culled.
+//! Measured, at 1920×1080 of a bumpy torus in Morton order that fills the picture: 1,000,000 points (one pixel each),
+//! 100,000 surfels (two-pass-enlarged, 2×) and voxels (τ 1 px) from the packet until the picture is finished in memory,
+//! by the software renderer on one and on two threads, and by the adapter that the program would take (no read back),
+//! whose name is printed first. Points and surfels also from ten times as far, where the picture costs less, and from
+//! within, where most is culled.
 //!
-//! Eye-dome lighting and the grid at 1280×720, two threads: the time of what follows over the whole picture, as the renderer
-//! states it, of points that fill the picture, beside one read of as many depths; and whole pictures with and without it, since tiles
-//! have to keep their depths as well.
+//! Eye-dome lighting and the grid at 1280×720, two threads: the time of what follows over the whole picture, as the
+//! renderer states it, of points that fill the picture, beside one read of as many depths; and whole pictures with and
+//! without it, since tiles have to keep their depths as well.
 //!
 //! `plain fill` is what the memory of the picture takes to be written.
 //!

@@ -2,9 +2,10 @@
 //!
 //! Measured: 1,000,000 points in random order, k = 16, on one thread and on two, from positions to the answer, with
 //! everything allocated. *neighbours* are lists in the order of the file, nearest first; *planes* the normals of
-//! [`estimate_planes`], which needs no such order; *tree* the tree alone (no neighbours asked for). *kiddo* builds its tree
-//! (on all threads) and asks it for the exact neighbours of all points into lists of the same form; *kiddo, Morton order*
-//! does so for points that were sorted along a Morton curve before, which is the order it likes best, the sort included.
+//! [`estimate_planes`], which needs no such order; *tree* the tree alone (no neighbours asked for). *kiddo* builds its
+//! tree (on all threads) and asks it for the exact neighbours of all points into lists of the same form; *kiddo, Morton
+//! order* does so for points that were sorted along a Morton curve before, which is the order it likes best, the sort
+//! included.
 //!
 //! Before that, the mean angle between estimated and true normals is printed, of ours and of principal components of
 //! kiddo's neighbours: the same neighbours make the same normals.

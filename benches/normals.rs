@@ -1,12 +1,12 @@
 //! Completing a frame without normals: what `estimate_surface` does, and its first stage alone.
 //!
 //! Measured: 100,000 points in random order, k = 12, on one thread and on as many as there are cores, with everything
-//! allocated. *surface* is all of it (tree, neighbours, normals, radii, orientation over the spanning tree), *surface to
-//! sensor* without the spanning tree, *radii* what a file with normals needs, *neighbours* tree and neighbours with the
-//! lists put into file order, *planes* normals alone.
+//! allocated. *surface* is all of it (tree, neighbours, normals, radii, orientation over the spanning tree), *surface
+//! to sensor* without the spanning tree, *radii* what a file with normals needs, *neighbours* tree and neighbours with
+//! the lists put into file order, *planes* normals alone.
 //!
-//! *large* is 4,000,000 points, whose signs are those of representatives: *surface*, *surface to sensor*, and beside them the neighbours
-//! alone, as sorted lists, and a plain read of the positions.
+//! *large* is 4,000,000 points, whose signs are those of representatives: *surface*, *surface to sensor*, and beside
+//! them the neighbours alone, as sorted lists, and a plain read of the positions.
 //!
 //! Not measured: decoding, packing of records.
 

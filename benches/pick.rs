@@ -1,7 +1,7 @@
 //! Picking the point under a pixel.
 //!
-//! Measured: `pick` in the middle and at a corner of a picture of 1920×1080 that 1,000,000 points fill (Morton order), drawn as points
-//! and as surfels; and, in the same run, one read of all positions (their box), on as many threads.
+//! Measured: `pick` in the middle and at a corner of a picture of 1920×1080 that 1,000,000 points fill (Morton order),
+//! drawn as points and as surfels; and, in the same run, one read of all positions (their box), on as many threads.
 //!
 //! Not measured: drawing; what is read out of the frame for the panel.
 

@@ -1,13 +1,13 @@
-//! How fast a sequence becomes ready to be drawn: files → decoded → completed → records, through the real [`Loader`] with one
-//! worker a core.
+//! How fast a sequence becomes ready to be drawn: files → decoded → completed → records, through the real [`Loader`]
+//! with one worker a core.
 //!
 //! Measured: the wall time from opening to the last (or first) frame with points and shapes; files are in the system's
-//! cache, as when a sequence loops. *opened and read once* fills an empty cache, whose memory is fresh; *played on* goes
-//! five times through the sequence with a cache that holds a fifth of it, so every frame is made anew, in the memory of
-//! one that was dropped. Not measured: a cold disk, octrees, uploads, drawing.
+//! cache, as when a sequence loops. *opened and read once* fills an empty cache, whose memory is fresh; *played on*
+//! goes five times through the sequence with a cache that holds a fifth of it, so every frame is made anew, in the
+//! memory of one that was dropped. Not measured: a cold disk, octrees, uploads, drawing.
 //!
-//! Targets on two cores: 100,000 points with normals in the file at 60 frames a second, without at 15; the first picture
-//! of 100 frames within 0.5 s of opening. Criterion's `thrpt` is frames a second.
+//! Targets on two cores: 100,000 points with normals in the file at 60 frames a second, without at 15; the first
+//! picture of 100 frames within 0.5 s of opening. Criterion's `thrpt` is frames a second.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pointreel::analysis::fake_color;

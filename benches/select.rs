@@ -1,13 +1,13 @@
 //! Traversing the octree of one frame into its visible set (paper 000, Table III, column *traverse*).
 //!
-//! Measured: `Octree::select` on one and two threads into a `Vec` that has its memory, for a tree seen whole, filling the image,
-//! and from within, at LOD thresholds of 0 (all leaves), 1 and 4 pixels at 1280 pixels of height; 88,000 points at δ = 2 % and
-//! 1,000,000 at δ = 2 %. The throughput is visited nodes: tested ones and those emitted with a whole subtree. A view is asked for
-//! again and again, as by a camera in front of one frame, so that voxels of coarse levels are kept; one row has a tree of its own
-//! each time.
+//! Measured: `Octree::select` on one and two threads into a `Vec` that has its memory, for a tree seen whole, filling
+//! the image, and from within, at LOD thresholds of 0 (all leaves), 1 and 4 pixels at 1280 pixels of height; 88,000
+//! points at δ = 2 % and 1,000,000 at δ = 2 %. The throughput is visited nodes: tested ones and those emitted with a
+//! whole subtree. A view is asked for again and again, as by a camera in front of one frame, so that voxels of coarse
+//! levels are kept; one row has a tree of its own each time.
 //!
-//! Also, on all cores: `Octree::cut` alone, with the cut of the view before, and without what faces away; writing the surfels of
-//! a cut, and working out those of a level, which is done once for a frame.
+//! Also, on all cores: `Octree::cut` alone, with the cut of the view before, and without what faces away; writing the
+//! surfels of a cut, and working out those of a level, which is done once for a frame.
 //!
 //! Not measured: the build, the upload, drawing.
 
@@ -56,8 +56,8 @@ fn select(criterion: &mut Criterion) {
     }
 }
 
-/// A camera that has moved by a hundredth, with and without the cut of the view before; and surfels of cells instead of voxels,
-/// with what faces away and without.
+/// A camera that has moved by a hundredth, with and without the cut of the view before; and surfels of cells instead of
+/// voxels, with what faces away and without.
 fn cut(criterion: &mut Criterion) {
     const POINTS: usize = 1_000_000;
     let surfels = lod_surfels(POINTS);

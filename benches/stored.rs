@@ -1,9 +1,9 @@
 //! An octree written to memory and read back, beside building it.
 //!
-//! Measured: 88,000 points, δ = 2 %, on one thread and on two: `Octree::build` from positions and colours, `Octree::write_to`
-//! and `StoredOctree::read_from`, without and with shapes (normals, radii and scalars that differ from point to point), all
-//! with everything they allocate. Printed: bytes a point of the masks alone and of the whole, for several stop criteria, and
-//! the most memory that reading holds, there and for bytes that ask for more than usual.
+//! Measured: 88,000 points, δ = 2 %, on one thread and on two: `Octree::build` from positions and colours,
+//! `Octree::write_to` and `StoredOctree::read_from`, without and with shapes (normals, radii and scalars that differ
+//! from point to point), all with everything they allocate. Printed: bytes a point of the masks alone and of the whole,
+//! for several stop criteria, and the most memory that reading holds, there and for bytes that ask for more than usual.
 //!
 //! Not measured: a disk.
 
@@ -66,8 +66,8 @@ fn shapes_of(positions: &[Vec3]) -> Vec<ShapeRecord> {
     positions.iter().map(shape).collect()
 }
 
-/// The bytes that ask for the most memory beside their number: finest cells that all hold a point, so that nothing is left to
-/// say of it, each a leaf of a tree of leaves on several levels, with one shape for all.
+/// The bytes that ask for the most memory beside their number: finest cells that all hold a point, so that nothing is
+/// left to say of it, each a leaf of a tree of leaves on several levels, with one shape for all.
 #[expect(clippy::print_stdout, reason = "criterion measures time alone")]
 fn print_dense() {
     const EDGE: u32 = 64;

@@ -5,8 +5,8 @@
 //! surfels (two-pass-enlarged, 2x), 640×480, a sphere that covers about half of it. All by the CPU's clock, on the
 //! adapter that the program would take, which is printed first; `WGPU_BACKEND` and `VK_DRIVER_FILES` choose another.
 //!
-//! `draw in order` is a picture of 1,000,000 points, and of 100,000 surfels, in Morton order, in which frames keep them, and in
-//! random order.
+//! `draw in order` is a picture of 1,000,000 points, and of 100,000 surfels, in Morton order, in which frames keep
+//! them, and in random order.
 //!
 //! Not measured: decoding, normals, compiling pipelines, reading back, showing. GPU time, voxels, real scans and the
 //! picture size of the paper are the business of `pointreel bench`.

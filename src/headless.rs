@@ -45,7 +45,8 @@ pub struct CameraChoice {
 }
 
 impl CameraChoice {
-    /// A camera that shows what `look` says of frames relative to `origin`, in a picture of `size_px`, but for what is given.
+    /// A camera that shows what `look` says of frames relative to `origin`, in a picture of `size_px`, but for what is
+    /// given.
     pub fn camera(&self, look: &FirstLook, origin: DVec3, size_px: [u32; 2]) -> Camera {
         let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
         let framing = look.camera_with_up(self.up.unwrap_or(look.up), origin, aspect);

@@ -1,14 +1,14 @@
 //! The allocator of the program and of its benchmarks.
 //!
-//! Frames are tens of megabytes that come and go many times a second. The system's allocator gives such pieces back at once
-//! and pays for every page again; this one keeps them for the next frame.
+//! Frames are tens of megabytes that come and go many times a second. The system's allocator gives such pieces back at
+//! once and pays for every page again; this one keeps them for the next frame.
 
 pub use mimalloc::MiMalloc;
 
 use std::ffi::c_long;
 
-/// How long freed memory is kept, in milliseconds, before the allocator gives it back to the system, which it does when it
-/// next has something to do. One second, the default, gives back what the next frames need.
+/// How long freed memory is kept, in milliseconds, before the allocator gives it back to the system, which it does when
+/// it next has something to do. One second, the default, gives back what the next frames need.
 const KEPT_MS: c_long = 10_000;
 
 /// `mi_option_purge_delay` of `mimalloc.h`, which the crate does not name.
@@ -20,8 +20,8 @@ pub fn keep_freed_pages() {
         unsafe_code,
         reason = "the allocator has options in its environment or in C alone"
     )]
-    // SAFETY: the function stores a number in an array of options that is as long as the library that comes with the crate
-    // says, and may be called at any time.
+    // SAFETY: the function stores a number in an array of options that is as long as the library that comes with the
+    // crate says, and may be called at any time.
     unsafe {
         libmimalloc_sys::mi_option_set(PURGE_DELAY, KEPT_MS);
     }
@@ -36,8 +36,8 @@ pub(crate) fn give_back_freed_pages() {
     }
 }
 
-/// Bytes of memory that this process may have: the machine's, or those of its control group if they are fewer; `None` where
-/// the system does not say.
+/// Bytes of memory that this process may have: the machine's, or those of its control group if they are fewer; `None`
+/// where the system does not say.
 pub(crate) fn machine_bytes() -> Option<u64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
@@ -71,8 +71,8 @@ mod tests {
         }
     }
 
-    /// The number is the library's own affair: another version may give it to another option. What the library reads from
-    /// its environment by name must be what is read by number, and nothing be there but the default otherwise.
+    /// The number is the library's own affair: another version may give it to another option. What the library reads
+    /// from its environment by name must be what is read by number, and nothing be there but the default otherwise.
     ///
     /// The environment is read once, so each value is seen in a process of its own: this test, run again.
     #[test]

@@ -1,9 +1,11 @@
 //! Messages of one kind: a hundred frames with the same fault are one thing to say, not a hundred.
 //!
-//! Messages are made where something is found, by many hands, and name the file, the place in it and what stands there. Two of them are
-//! of one kind if they differ in nothing else: in numbers, in names of files, in what is quoted from a file.
+//! Messages are made where something is found, by many hands, and name the file, the place in it and what stands there.
+//! Two of them are of one kind if they differ in nothing else: in numbers, in names of files, in what is quoted from a
+//! file.
 
-/// What `message` says apart from numbers, names of files and what stands between grave accents. Messages of one kind have the same.
+/// What `message` says apart from numbers, names of files and what stands between grave accents. Messages of one kind
+/// have the same.
 pub(crate) fn kind_of(message: &str) -> String {
     let mut kind = String::with_capacity(message.len());
     for (place, part) in message.split('`').enumerate() {

@@ -2,11 +2,12 @@
 
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
-/// Below the middle, which is 50, in the crate's hundred steps: niceness 10 on Linux, a tenth of the time of a thread that draws.
+/// Below the middle, which is 50, in the crate's hundred steps: niceness 10 on Linux, a tenth of the time of a thread
+/// that draws.
 const BEHIND_DRAWING: u8 = 25;
 
-/// Lets other threads of the program go before this one: it prepares what is drawn later. A picture that waits for threads which prepare
-/// others is late; those have until they are due.
+/// Lets other threads of the program go before this one: it prepares what is drawn later. A picture that waits for
+/// threads which prepare others is late; those have until they are due.
 pub(crate) fn go_behind_drawing() {
     let lowered = ThreadPriorityValue::try_from(BEHIND_DRAWING)
         .ok()
@@ -16,8 +17,9 @@ pub(crate) fn go_behind_drawing() {
     }
 }
 
-/// Has this thread do its part of what it shares out. Otherwise it sleeps until others have done all, which must be woken first: while the
-/// threads that prepare frames have every processor, the system lets them end their slices, and a picture waits up to 4 ms.
+/// Has this thread do its part of what it shares out. Otherwise it sleeps until others have done all, which must be
+/// woken first: while the threads that prepare frames have every processor, the system lets them end their slices, and
+/// a picture waits up to 4 ms.
 pub(crate) fn work_with_this_thread() {
     let threads = rayon::ThreadPoolBuilder::new()
         .thread_name(|number| format!("helper {number}"))

@@ -1,4 +1,5 @@
-//! How much of some long work is done, and whether it is still wanted: what a thread that works shares with those who wait for it.
+//! How much of some long work is done, and whether it is still wanted: what a thread that works shares with those who
+//! wait for it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

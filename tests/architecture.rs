@@ -1,10 +1,12 @@
 //! Imports go one way, and what is not so is listed and may only shrink.
 //!
-//! - A room, which is a module of the root, never names one to its right; see the table in `src/lib.rs`. Comments and tests count as well.
+//! - A room, which is a module of the root, never names one to its right; see the table in `src/lib.rs`. Comments and
+//!   tests count as well.
 //! - `wgpu` and `egui` are named only where a list says so.
-//! - Files that import one another are a *knot*. A name counts for the file that defines it, whatever re-exports it is reached through; so
-//!   a parent that only declares or re-exports a child does not import it, and a child that takes what its parent re-exports imports the
-//!   sibling. Comments, tests, and what is reached without being named (methods and fields) do not count.
+//! - Files that import one another are a *knot*. A name counts for the file that defines it, whatever re-exports it is
+//!   reached through; so a parent that only declares or re-exports a child does not import it, and a child that takes
+//!   what its parent re-exports imports the sibling. Comments, tests, and what is reached without being named (methods
+//!   and fields) do not count.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

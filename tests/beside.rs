@@ -160,7 +160,8 @@ fn the_same_coordinates_are_the_same_place_whatever_a_sequence_begins_with() {
         assert!(covered(&left, [0; 3]) > 1500);
         assert_eq!(difference(&left, &right), (0, 0));
     }
-    // B begins at zero and keeps its origin there, f32 of which are half a unit apart at the survey: to that they coincide.
+    // B begins at zero and keeps its origin there, f32 of which are half a unit apart at the survey: to that they
+    // coincide.
     let b = tori(const { &[(DVec3::ZERO, 1.0), (SURVEY, 1.0)] });
     let mut state = window(&a, &b, Primitive::Point, 1);
     assert_eq!(b.origin(), DVec3::ZERO);

@@ -1,10 +1,10 @@
-//! Disks close the surfaces they are estimated from: rays at shapes whose surface is known find no holes, or next to none, and
-//! with disks a third smaller they do.
+//! Disks close the surfaces they are estimated from: rays at shapes whose surface is known find no holes, or next to
+//! none, and with disks a third smaller they do.
 //!
-//! A ray goes through a place on the true surface along its true normal. It finds a hole if it hits no disk near that place:
-//! beyond the disk's radius there may be another part of the surface. Disks are as large as a Voronoi cell reaches, so that
-//! lattices must have no holes at all; among points at random a few cells are cut off wrongly, because more neighbours than
-//! there are in a list take part in them.
+//! A ray goes through a place on the true surface along its true normal. It finds a hole if it hits no disk near that
+//! place: beyond the disk's radius there may be another part of the surface. Disks are as large as a Voronoi cell
+//! reaches, so that lattices must have no holes at all; among points at random a few cells are cut off wrongly, because
+//! more neighbours than there are in a list take part in them.
 //!
 //! For real frames, whose surface nobody knows, see `tests/real_frames.rs`.
 
@@ -63,7 +63,8 @@ const TUBE: f32 = 0.4;
 type Place = (Vec3, Vec3);
 
 impl Shape {
-    /// The place at two parameters in 0..1; equal areas of parameters are equal areas of the sphere, of the torus only nearly.
+    /// The place at two parameters in 0..1; equal areas of parameters are equal areas of the sphere, of the torus only
+    /// nearly.
     fn place(self, u: f32, v: f32) -> Place {
         let (sine, cosine) = (u * TAU).sin_cos();
         match self {
@@ -99,8 +100,8 @@ impl Shape {
         places
     }
 
-    /// About `count` places in rows: a spiral of the golden angle on the sphere (Swinbank and Purser 2006), a grid that is square
-    /// on the middle of the torus.
+    /// About `count` places in rows: a spiral of the golden angle on the sphere (Swinbank and Purser 2006), a grid that
+    /// is square on the middle of the torus.
     fn regular(self, count: usize) -> Vec<Place> {
         match self {
             Self::Sphere => (0..count)
@@ -123,7 +124,8 @@ impl Shape {
 
 /// Share of rays through `places` that hit no disk of `scale` times its radius.
 fn open_share(positions: &[Vec3], surface: &Surface, places: &[Place], scale: f32) -> f64 {
-    // The nearest points of each place, as its neighbours among points and places: places are few beside those asked for.
+    // The nearest points of each place, as its neighbours among points and places: places are few beside those asked
+    // for.
     let mut holes = 0u32;
     for chunk in places.chunks(places.len().div_ceil(PARTS)) {
         let both: Vec<Vec3> = positions
@@ -183,8 +185,8 @@ const SHAPES: [Shape; 2] = [Shape::Sphere, Shape::Torus];
 /// Points on each.
 const COUNTS: [usize; 3] = [2_000, 5_000, 25_000];
 
-/// Points of random samples together: one cell that is cut off wrongly is more than one of 2000 parts of the surface, so that
-/// a few points at random say little.
+/// Points of random samples together: one cell that is cut off wrongly is more than one of 2000 parts of the surface,
+/// so that a few points at random say little.
 const POINTS_OF_SAMPLES: usize = 25_000;
 
 fn positions_of(places: &[Place]) -> Vec<Vec3> {
@@ -245,7 +247,8 @@ fn noisy_points_leave_next_to_none() {
     }
 }
 
-/// The count of holes is itself checked: one disk over a plane is hit within its radius, from its edge and beyond it is not.
+/// The count of holes is itself checked: one disk over a plane is hit within its radius, from its edge and beyond it is
+/// not.
 #[test]
 fn rays_know_a_disk_from_a_hole() {
     let surface = Surface {

@@ -1,7 +1,7 @@
 //! Voxels as they are drawn by default close what surfels close, and look like them.
 //!
-//! Held: what of the surfels' pixels voxels cover, what they show beside them, and FLIP over both. `bench accuracy` has the same
-//! numbers as a table, beside those of the paper's δ.
+//! Held: what of the surfels' pixels voxels cover, what they show beside them, and FLIP over both. `bench accuracy` has
+//! the same numbers as a table, beside those of the paper's δ.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "what was measured, for `--nocapture`")]
@@ -26,9 +26,9 @@ use std::sync::Arc;
 /// Share of the surfels' pixels that voxels cover, at least.
 const COVERED: f64 = 0.99;
 
-/// Pixels that voxels show beside them, as a share of the surfels', and FLIP over the pixels that show the object in either picture, at
-/// most. Cubes pass the outline by half of their edge, which is at least the spacing: the fewer points, and the thinner limbs are, the
-/// more that is.
+/// Pixels that voxels show beside them, as a share of the surfels', and FLIP over the pixels that show the object in
+/// either picture, at most. Cubes pass the outline by half of their edge, which is at least the spacing: the fewer
+/// points, and the thinner limbs are, the more that is.
 #[derive(Clone, Copy)]
 struct Bounds {
     outside: f64,

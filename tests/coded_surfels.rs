@@ -1,4 +1,5 @@
-//! Surfels drawn from the byte code of an octree: beside exact disks, with and without offsets, with and without culling.
+//! Surfels drawn from the byte code of an octree: beside exact disks, with and without offsets, with and without
+//! culling.
 //!
 //! Pictures are kept in the folder that `POINTREEL_KEEP_PICTURES` names, if it names one.
 
@@ -97,7 +98,8 @@ fn psnr(a: &RgbaImage, b: &RgbaImage) -> f64 {
 
 const SIZE: [u32; 2] = [480, 480];
 
-/// Pixels that are mostly background although their ray meets a sphere of radius 1 around the origin, smaller by a margin.
+/// Pixels that are mostly background although their ray meets a sphere of radius 1 around the origin, smaller by a
+/// margin.
 fn gaps(picture: &RgbaImage, camera: &Camera, margin: f64) -> usize {
     let radius = 1.0 - margin;
     let largest_slope = radius / (camera.distance * camera.distance - radius * radius).sqrt();
@@ -111,7 +113,8 @@ fn gaps(picture: &RgbaImage, camera: &Camera, margin: f64) -> usize {
     picture.enumerate_pixels().filter(is_gap).count()
 }
 
-/// Directions from which a ball is looked at: along axes, where terraces of cells are widest at its outline, and across them.
+/// Directions from which a ball is looked at: along axes, where terraces of cells are widest at its outline, and across
+/// them.
 const VIEWS_DEG: [[f64; 2]; 5] = [
     [0.0, 0.0],
     [90.0, 0.0],
@@ -129,8 +132,8 @@ fn ball_camera([azimuth_deg, elevation_deg]: [f64; 2], distance: f64) -> Camera 
     }
 }
 
-/// Paper 001, Figs. 8 and 9: tangential splats at the middles of coarse cells leave gaps where the surface is seen at a grazing
-/// angle; moved along their normals they leave none.
+/// Paper 001, Figs. 8 and 9: tangential splats at the middles of coarse cells leave gaps where the surface is seen at a
+/// grazing angle; moved along their normals they leave none.
 #[test]
 fn offsets_close_the_gaps_of_quantised_positions() {
     let settings = Settings {
@@ -177,8 +180,9 @@ fn offsets_close_the_gaps_of_quantised_positions() {
     }
 }
 
-/// Decibels that masks keep beside exact disks, unlit or lit, of a ball from far (cells of a pixel), as large as the picture, and
-/// from near, where most are drawn as exact disks. What they lose is mostly the outline, where a splat ends in another pixel.
+/// Decibels that masks keep beside exact disks, unlit or lit, of a ball from far (cells of a pixel), as large as the
+/// picture, and from near, where most are drawn as exact disks. What they lose is mostly the outline, where a splat
+/// ends in another pixel.
 const BALL_DB: [(f64, f64, f64); 3] = [(8.0, 34.0, 43.0), (2.4, 26.0, 35.5), (1.3, 52.0, 48.0)];
 
 #[test]
@@ -214,9 +218,9 @@ fn masks_beside_exact_disks_on_a_sphere() {
     }
 }
 
-/// Decibels that masks keep beside exact disks on real frames, unlit (a white body on black differs along its whole outline, as the
-/// ball does) and lit, from far, as large as the picture, and near by, where splats of an
-/// outline are tens of pixels and reach over it by what positions were moved.
+/// Decibels that masks keep beside exact disks on real frames, unlit (a white body on black differs along its whole
+/// outline, as the ball does) and lit, from far, as large as the picture, and near by, where splats of an outline are
+/// tens of pixels and reach over it by what positions were moved.
 const REAL_DB: [(&str, f64, f64, f64); 3] = [
     ("far", 4.0, 33.0, 33.0),
     ("full", 1.0, 26.0, 28.0),

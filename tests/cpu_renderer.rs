@@ -286,8 +286,8 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
     );
     let truth = Truth::of_disks(&disks, &view);
     let depths = draw_depths(&packet);
-    // Where the rim of a disk goes through the middle of a pixel, rounding decides. Elsewhere a thousandth of a splat is what f32
-    // leaves of planes that are seen nearly edge-on, where pixels are far apart on them.
+    // Where the rim of a disk goes through the middle of a pixel, rounding decides. Elsewhere a thousandth of a splat
+    // is what f32 leaves of planes that are seen nearly edge-on, where pixels are far apart on them.
     let differing = depths
         .depth
         .iter()
@@ -363,10 +363,11 @@ fn depths_of_points_and_voxels_are_their_distances() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// From anywhere: what shows within the outline does not depend on the background. Two-pass-enlarged lets none of it through:
-    /// wherever a disk of the first pass is seen, its own enlarged splat alone is opaque, and so are those around an opening. The first
-    /// pass alone has openings where rays graze disks that are just large enough to close the surface. (Enlarging both passes
-    /// closes less than the second alone: the rim of a splat hides what would fill it up.)
+    /// From anywhere: what shows within the outline does not depend on the background. Two-pass-enlarged lets none of
+    /// it through: wherever a disk of the first pass is seen, its own enlarged splat alone is opaque, and so are those
+    /// around an opening. The first pass alone has openings where rays graze disks that are just large enough to close
+    /// the surface. (Enlarging both passes closes less than the second alone: the rim of a splat hides what would fill
+    /// it up.)
     #[test]
     fn no_background_shines_through_a_closed_sphere(
         azimuth_deg in -180.0f64..180.0,

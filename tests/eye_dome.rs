@@ -24,7 +24,8 @@ const LEAST_PSNR_DB: f64 = 48.0;
 /// A pixel that rounding puts to the other side of an edge changes the light of eight more.
 const MOST_DIFFERING: f64 = 2e-3;
 
-/// The same of points, whose middles are rounded before it is asked which pixel they are in, and of voxels, which are edges everywhere.
+/// The same of points, whose middles are rounded before it is asked which pixel they are in, and of voxels, which are
+/// edges everywhere.
 const LEAST_PSNR_OF_EDGES_DB: f64 = 35.0;
 const MOST_DIFFERING_OF_EDGES: f64 = 5e-3;
 
@@ -87,8 +88,8 @@ fn of_points() -> Settings {
     }
 }
 
-/// Points two pixels apart in two planes across the view axis: left of it at `depths[0]` from the target towards the eye, right of it at
-/// `depths[1]`. Seen from `unit` × 4 units away.
+/// Points two pixels apart in two planes across the view axis: left of it at `depths[0]` from the target towards the
+/// eye, right of it at `depths[1]`. Seen from `unit` × 4 units away.
 fn step(depths: [f32; 2], unit: f32, size: [u32; 2], projection: Projection) -> ScenePacket {
     let camera = Camera {
         projection,
@@ -339,7 +340,8 @@ fn lines_are_at_multiples_of_the_spacing() {
     let packet = with_grid(packet);
     let ground = packet.ground.unwrap();
     assert_eq!((ground.spacing, ground.point_in_frame), (1.0, Vec3::ZERO));
-    // At a distance of 2 and with 90 degrees, 4 units are 200 px: of lines 50 px apart one is between the two middle columns.
+    // At a distance of 2 and with 90 degrees, 4 units are 200 px: of lines 50 px apart one is between the two middle
+    // columns.
     for (by, picture) in [("CPU", draw_on_cpu(&packet)), ("GPU", draw(&packet))] {
         let bright = |x: u32| f32::from(picture.get_pixel(x, 75).0[0]);
         for (line, opacity) in [(50, 0.4), (100, 0.6), (150, 0.4)] {

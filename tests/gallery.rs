@@ -1,5 +1,5 @@
-//! The first picture of whatever is opened: each set of `../shared/data` and generated clouds that mislead, without a setting touched. How
-//! much of a cloud the picture shows is counted point by point.
+//! The first picture of whatever is opened: each set of `../shared/data` and generated clouds that mislead, without a
+//! setting touched. How much of a cloud the picture shows is counted point by point.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "what was measured, for `--nocapture`")]
@@ -29,8 +29,8 @@ struct Shown {
     inside: f64,
     /// The same of those within the trimmed bounds.
     trimmed_inside: f64,
-    /// Extent of the points of the trimmed part in the picture, as a share of its smaller side: of the longer side of the rectangle around
-    /// them.
+    /// Extent of the points of the trimmed part in the picture, as a share of its smaller side: of the longer side of
+    /// the rectangle around them.
     filled: f64,
     /// Share of the pixels that points within the picture fall on which show something.
     drawn: f64,

@@ -1,5 +1,5 @@
-//! glTF files written here, with known poses and colours, damaged ones, and models that move against a sequence that was sampled
-//! from one of them.
+//! glTF files written here, with known poses and colours, damaged ones, and models that move against a sequence that
+//! was sampled from one of them.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(
@@ -700,8 +700,8 @@ fn a_walking_man_is_posed_as_another_program_posed_him() {
     /// Of the points of a frame: one in so many.
     const STEP: usize = 50;
     const FRAMES: [usize; 5] = [0, 5, 11, 17, 23];
-    /// The man is 1.5 high: single precision rounds a place by up to 6e-8 along each axis, 1.03e-7 in all, and both a point of
-    /// the sequence and the surface are rounded. The farthest of all was measured 1.3e-7 away.
+    /// The man is 1.5 high: single precision rounds a place by up to 6e-8 along each axis, 1.03e-7 in all, and both a
+    /// point of the sequence and the surface are rounded. The farthest of all was measured 1.3e-7 away.
     const TOLERANCE: f64 = 2.1e-7;
     let (Some(model), Some(sequence)) = (
         shared("models/CesiumMan.glb"),

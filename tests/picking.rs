@@ -102,8 +102,8 @@ fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
     renderer.read_image().unwrap()
 }
 
-/// Compares pixels all over the picture, each that shows one record alone, or nothing, with what is picked there: the share that agrees, and how many
-/// pixels showed a record.
+/// Compares pixels all over the picture, each that shows one record alone, or nothing, with what is picked there: the
+/// share that agrees, and how many pixels showed a record.
 fn agreement(
     image: &RgbaImage,
     numbers: &HashMap<Color, usize>,

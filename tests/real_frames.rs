@@ -112,7 +112,8 @@ const CLOSE: usize = 6;
 /// Points whose disks may cover a triangle; leaving out those farther away can only make more holes.
 const AROUND: usize = 24;
 
-/// Rays that may find a hole: of a scanner's few beams all close points are on one beam, which is curved and has no plane.
+/// Rays that may find a hole: of a scanner's few beams all close points are on one beam, which is curved and has no
+/// plane.
 const OPEN: f64 = 0.002;
 
 /// Rays that must find one when disks have a quarter of their radius, or the test would see none at all.
@@ -120,9 +121,9 @@ const OPEN_AT_A_QUARTER: f64 = 0.05;
 
 /// Share of rays that hit the surface but no disk of `scale` times its radius.
 ///
-/// Where the surface of a scan is, is known only between points; so it is taken to be the triangles whose corners are all
-/// close to each other. A ray goes through the middle of each, along the mean of the normals of its corners. It hits a disk
-/// around it no farther from the triangle than the disk's radius, unless the disk is seen from its edge.
+/// Where the surface of a scan is, is known only between points; so it is taken to be the triangles whose corners are
+/// all close to each other. A ray goes through the middle of each, along the mean of the normals of its corners. It
+/// hits a disk around it no farther from the triangle than the disk's radius, unless the disk is seen from its edge.
 fn open_share(positions: &[Vec3], surface: &Surface, lists: &Neighbours, scale: f32) -> f64 {
     let knows = |point: u32, other: u32| lists.of(point as usize)[..CLOSE].contains(&other);
     let know_each_other = |a, b| knows(a, b) && knows(b, a);

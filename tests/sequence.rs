@@ -1,5 +1,5 @@
-//! Sequences through their public interface: discovery of files, preparation, loading, with injected decoders that are slow
-//! or broken, and on files.
+//! Sequences through their public interface: discovery of files, preparation, loading, with injected decoders that are
+//! slow or broken, and on files.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,5 +1,6 @@
-//! One sitting in front of the real program: open, play, scrub, draw otherwise, measure, export, by real keys and a real mouse.
-//! Pictures of the screen are compared from step to step: what is undone must look as it did before, to the last bit.
+//! One sitting in front of the real program: open, play, scrub, draw otherwise, measure, export, by real keys and a
+//! real mouse. Pictures of the screen are compared from step to step: what is undone must look as it did before, to the
+//! last bit.
 #![allow(
     clippy::unwrap_used,
     reason = "a helper of a test that cannot go on fails the test"

@@ -1,4 +1,5 @@
-//! Every shader permutation, validated and written for every back end without a GPU; and every layout that Rust and WGSL share, by reflection.
+//! Every shader permutation, validated and written for every back end without a GPU; and every layout that Rust and
+//! WGSL share, by reflection.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

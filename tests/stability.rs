@@ -181,8 +181,8 @@ fn planes() {
     }
 }
 
-/// 17 points along each axis lie on all borders of 16 cells. The last one belongs to the last cell, which parts from it on the
-/// next finer level, where all are apart.
+/// 17 points along each axis lie on all borders of 16 cells. The last one belongs to the last cell, which parts from it
+/// on the next finer level, where all are apart.
 #[test]
 fn lattices_on_cell_borders() {
     for step in [1.0f32, 0.125, 1e6, 0.1, 1.0 / 3.0] {
@@ -310,8 +310,8 @@ fn other_factors_change_next_to_nothing() {
         let tree = chain.frame.octree.as_ref().unwrap();
         assert_eq!(tree.depth(), base_tree.depth(), "× {factor:e}");
         for (found, expected) in tree.level_counts().iter().zip(base_tree.level_counts()) {
-            // A point changes cells when it is within 2⁻²⁴ of the edge of the cube from a border, of which three axes have
-            // fewer than 2¹⁰: hardly one of 2000. One that does may fill a cell and empty another.
+            // A point changes cells when it is within 2⁻²⁴ of the edge of the cube from a border, of which three axes
+            // have fewer than 2¹⁰: hardly one of 2000. One that does may fill a cell and empty another.
             assert!(
                 found.abs_diff(*expected) <= 4,
                 "× {factor:e}: {found} for {expected}"
@@ -378,8 +378,8 @@ fn shifted_camera(camera: &Camera, shift: DVec3) -> Camera {
     }
 }
 
-/// A scan in coordinates of a survey, ten million units away with detail of a thousandth, is the same picture as at zero,
-/// to the bit: the origin is a short number near it, and what is left is exact in f32.
+/// A scan in coordinates of a survey, ten million units away with detail of a thousandth, is the same picture as at
+/// zero, to the bit: the origin is a short number near it, and what is left is exact in f32.
 #[test]
 fn ten_million_away_with_millimetres() {
     let cloud = millimetres();
@@ -430,8 +430,8 @@ fn ten_million_away_with_millimetres() {
     }
 }
 
-/// A shift that no short number names: positions are rounded to f32 once more, which no pixel shows. (Voxels of points on
-/// the borders of cells would change, for which the cloud above is made, with an edge of 2.)
+/// A shift that no short number names: positions are rounded to f32 once more, which no pixel shows. (Voxels of points
+/// on the borders of cells would change, for which the cloud above is made, with an edge of 2.)
 #[test]
 fn ten_million_and_a_third_away() {
     let cloud = sphere(3000);

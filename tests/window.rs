@@ -449,7 +449,8 @@ impl Weston {
     }
 }
 
-/// On Wayland buffers are lent by turns, decorations are the program's own, and what is shown has to go before the connection.
+/// On Wayland buffers are lent by turns, decorations are the program's own, and what is shown has to go before the
+/// connection.
 fn a_window_on_wayland_shows_a_cloud_and_ends(painter: &str) {
     let weston = Weston::start();
     let home = weston.folder.path();

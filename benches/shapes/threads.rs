@@ -3,7 +3,8 @@
 use criterion::{BenchmarkGroup, BenchmarkId, measurement::WallTime};
 use rayon::ThreadPool;
 
-/// A pool of so many threads for each of `counts`, one after the other: what runs installed in it is shared out among them.
+/// A pool of so many threads for each of `counts`, one after the other: what runs installed in it is shared out among
+/// them.
 #[allow(dead_code, reason = "most benches use the threads there are")]
 pub(crate) fn pools(counts: [usize; 2]) -> impl Iterator<Item = (usize, ThreadPool)> {
     counts.into_iter().map(|threads| {

@@ -1,5 +1,5 @@
-// Eye-dome lighting (Boucheny 2009): what stands behind its neighbours gets darker. Multiplies what is drawn, or its sums, before the
-// background is put behind them. The formula: scene/eye_dome.rs.
+// Eye-dome lighting (Boucheny 2009): what stands behind its neighbours gets darker. Multiplies what is drawn, or its
+// sums, before the background is put behind them. The formula: scene/eye_dome.rs.
 
 @group(1) @binding(0) var depths: texture_depth_2d;
 

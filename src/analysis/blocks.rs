@@ -1,11 +1,13 @@
 //! Normals and radii block by block, so that the neighbours of all points are never in memory at once.
 //!
-//! How it works: slots of the k-d tree that follow each other are close in space, so nearly all neighbours of a block of them are in it.
-//! A block is searched, fitted and measured as a whole cloud is, by the same functions; then the radii of a point's neighbours, which limit
-//! its own, are summed up while its list is still there. Only points with a neighbour beyond the block keep their lists until all
-//! cells are measured: 2 to 5 % of a surface. All operations and their order are those of the whole, so the answers are the same bits.
+//! How it works: slots of the k-d tree that follow each other are close in space, so nearly all neighbours of a block
+//! of them are in it. A block is searched, fitted and measured as a whole cloud is, by the same functions; then the
+//! radii of a point's neighbours, which limit its own, are summed up while its list is still there. Only points with a
+//! neighbour beyond the block keep their lists until all cells are measured: 2 to 5 % of a surface. All operations and
+//! their order are those of the whole, so the answers are the same bits.
 //!
-//! When it wins: wherever nobody needs the lists afterwards. Twelve neighbours of 13.8 million points are 660 MB, of the block's rims 30.
+//! When it wins: wherever nobody needs the lists afterwards. Twelve neighbours of 13.8 million points are 660 MB, of
+//! the block's rims 30.
 
 use super::neighbours::Neighbours;
 use super::point_tree::{LANES, PointTree};
@@ -40,8 +42,8 @@ struct Rim {
     without_plane: Vec<u32>,
 }
 
-/// The planes and radii of all points, from `k` neighbours each. Advances `progress` by the steps of these stages; `None` once it is
-/// cancelled.
+/// The planes and radii of all points, from `k` neighbours each. Advances `progress` by the steps of these stages;
+/// `None` once it is cancelled.
 pub(super) fn surface(tree: &PointTree, k: usize, progress: &Progress) -> Option<SlotSurface> {
     let count = tree.len();
     let mut normals = vec![Vec3::Z; count];

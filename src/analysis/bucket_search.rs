@@ -1,23 +1,24 @@
 //! The k nearest neighbours of the eight points of one bucket, found together and exactly.
 //!
-//! How it works: the points first meet each other and the buckets of their row, those split off last first, which bounds how
-//! far their neighbours can be; then the tree is climbed to its top, and at every step the other children are descended into as
-//! far as their boxes are within the worst of the eight bounds.
+//! How it works: the points first meet each other and the buckets of their row, those split off last first, which
+//! bounds how far their neighbours can be; then the tree is climbed to its top, and at every step the other children
+//! are descended into as far as their boxes are within the worst of the eight bounds.
 //!
-//! A register holds the distances of the *eight searching points* to one candidate. Of the candidates that are near enough
-//! for one of the eight, this row is kept, and for each searching point the k smallest distances so far
-//! ([`super::smallest_rows`]). Which candidates the k smallest distances belong to is asked once, at the end, by comparing
-//! all rows with the k-th.
+//! A register holds the distances of the *eight searching points* to one candidate. Of the candidates that are near
+//! enough for one of the eight, this row is kept, and for each searching point the k smallest distances so far
+//! ([`super::smallest_rows`]). Which candidates the k smallest distances belong to is asked once, at the end, by
+//! comparing all rows with the k-th.
 //!
 //! Equal distances are decided by the index in the file. Only where more candidates than k are within the k-th distance
 //! must they be looked at one by one. Pruning knows about it as well: a box at exactly the bound is entered only if it
-//! holds an index that could still win. Without that, points that all coincide would make every bucket visit every other.
+//! holds an index that could still win. Without that, points that all coincide would make every bucket visit every
+//! other.
 //!
-//! When it wins: descending is paid once for eight points, eight boxes are tested at once, and there is no branch, no index
-//! and no heap where most of the time goes.
+//! When it wins: descending is paid once for eight points, eight boxes are tested at once, and there is no branch, no
+//! index and no heap where most of the time goes.
 //!
-//! Pruning is exact in f32: subtraction, multiplication and addition round monotonically, so the distance to a box, computed
-//! in the same order of operations, never exceeds the computed distance to a point inside.
+//! Pruning is exact in f32: subtraction, multiplication and addition round monotonically, so the distance to a box,
+//! computed in the same order of operations, never exceeds the computed distance to a point inside.
 
 use super::point_tree::{BoxRow, LANES, PointTree, Row};
 use super::smallest_rows::SmallestRows;
@@ -106,7 +107,8 @@ impl<'a> BucketSearch<'a> {
         }
     }
 
-    /// Writes the k neighbours of each point of `bucket`, as slots. Inlined, so that it is compiled for each level of SIMD.
+    /// Writes the k neighbours of each point of `bucket`, as slots. Inlined, so that it is compiled for each level of
+    /// SIMD.
     #[inline(always)]
     pub(super) fn run<S: Simd>(&mut self, simd: S, bucket: usize, lists: &mut [u32]) {
         self.begin(bucket);
@@ -146,8 +148,9 @@ impl<'a> BucketSearch<'a> {
         self.tie_limit = None;
     }
 
-    /// Offers the points of the other buckets of the row to the searching points. Buckets whose lanes differ in low bits only
-    /// were split last, so they are near: nothing needs to be put in order while all are within an infinite bound.
+    /// Offers the points of the other buckets of the row to the searching points. Buckets whose lanes differ in low
+    /// bits only were split last, so they are near: nothing needs to be put in order while all are within an infinite
+    /// bound.
     #[inline(always)]
     fn meet_siblings<S: Simd>(&mut self, simd: S) {
         let (row, own) = (self.bucket / LANES, self.bucket % LANES);
@@ -162,8 +165,8 @@ impl<'a> BucketSearch<'a> {
         }
     }
 
-    /// Puts those of eight children that are near enough on the stack, the nearest on top; of equally near ones, that with
-    /// the lowest index. Not the one in lane `own`.
+    /// Puts those of eight children that are near enough on the stack, the nearest on top; of equally near ones, that
+    /// with the lowest index. Not the one in lane `own`.
     #[inline(always)]
     fn push<S: Simd>(&mut self, simd: S, level: usize, row: usize, boxes: &BoxRow, own: usize) {
         let distances_squared = self.distances_squared(simd, boxes);

@@ -1,5 +1,5 @@
-//! Names and colours of classes of points: the standard classes of ASPRS LAS 1.4 (R15, table 17: formats 6 to 10), in the colours that
-//! programs for them commonly use.
+//! Names and colours of classes of points: the standard classes of ASPRS LAS 1.4 (R15, table 17: formats 6 to 10), in
+//! the colours that programs for them commonly use.
 
 /// Name and colour of the classes 0 to 18.
 const STANDARD: [(&str, u32); 19] = [
@@ -35,7 +35,8 @@ pub fn class_name(class: i32) -> Option<&'static str> {
     STANDARD.get(class).map(|&(name, _)| name)
 }
 
-/// The colour of a class, opaque. Those without a standard one have hues of their own, each far from those of its neighbours.
+/// The colour of a class, opaque. Those without a standard one have hues of their own, each far from those of its
+/// neighbours.
 pub fn class_color(class: i32) -> [u8; 4] {
     let standard = usize::try_from(class)
         .ok()

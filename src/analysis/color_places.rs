@@ -1,8 +1,9 @@
 //! Where many numbers stand in a table of colours.
 //!
-//! How it works: single precision and no branches where that is as exact as the numbers themselves, so that the compiler works out
-//! several numbers at a time; logarithms by a table of 1,025 with lines between them (2 · 10⁻⁷ off, as f32 is). What single precision cannot
-//! say (ends beyond it, offsets under a logarithm, one number for both ends) is worked out by [`ColorScale`] one by one.
+//! How it works: single precision and no branches where that is as exact as the numbers themselves, so that the
+//! compiler works out several numbers at a time; logarithms by a table of 1,025 with lines between them (2 · 10⁻⁷ off,
+//! as f32 is). What single precision cannot say (ends beyond it, offsets under a logarithm, one number for both ends)
+//! is worked out by [`ColorScale`] one by one.
 
 use super::color_maps::TABLE_LEN;
 use super::color_scale::{ColorScale, Mapper};
@@ -80,8 +81,8 @@ impl Placer {
 /// The entry that is nearest to a share.
 #[inline]
 fn nearest(share: f32) -> u32 {
-    // f32 of this size are whole numbers, and their lowest bits count from it: adding it rounds, without a conversion that the
-    // compiler would work out number by number.
+    // f32 of this size are whole numbers, and their lowest bits count from it: adding it rounds, without a conversion
+    // that the compiler would work out number by number.
     const WHOLE: f32 = 8_388_608.0;
     const LAST: f32 = (TABLE_LEN - 1) as f32;
     let place = (share * LAST).clamp(0.0, LAST);

@@ -14,8 +14,8 @@ pub struct ColorScale {
 }
 
 impl ColorScale {
-    /// From `low` to `high`, finite and in this order. By logarithms, if that is asked for and `high` is above zero by more than rounding; a `low` that is not
-    /// becomes a millionth of `high`.
+    /// From `low` to `high`, finite and in this order. By logarithms, if that is asked for and `high` is above zero by
+    /// more than rounding; a `low` that is not becomes a millionth of `high`.
     pub fn new(low: f64, high: f64, is_logarithmic: bool) -> Self {
         let least = high / SIX_DECADES;
         let is_logarithmic = is_logarithmic && least > 0.0;
@@ -41,8 +41,8 @@ impl ColorScale {
         self.is_logarithmic
     }
 
-    /// Where `value` stands: 0 at the lower end and below, 1 at the upper end and above, NaN for NaN. Where both ends are one number, that
-    /// number is in the middle.
+    /// Where `value` stands: 0 at the lower end and below, 1 at the upper end and above, NaN for NaN. Where both ends
+    /// are one number, that number is in the middle.
     pub fn share(&self, value: f64) -> f32 {
         self.mapper(0.0).share(value)
     }
@@ -141,8 +141,8 @@ impl Mapper {
     }
 }
 
-/// The numbers that `shares` of `sorted` (ascending, finite) do not exceed, by the nearest rank, and `offset` added; `None` without
-/// numbers. Where they are one number although there are others, the smallest and the largest.
+/// The numbers that `shares` of `sorted` (ascending, finite) do not exceed, by the nearest rank, and `offset` added;
+/// `None` without numbers. Where they are one number although there are others, the smallest and the largest.
 pub fn quantile_range(sorted: &[f32], offset: f64, shares: Range<f64>) -> Option<[f64; 2]> {
     let last = sorted.len().checked_sub(1)?;
     let at = |share: f64| sorted[(share.clamp(0.0, 1.0) * last as f64).round() as usize];
@@ -153,8 +153,8 @@ pub fn quantile_range(sorted: &[f32], offset: f64, shares: Range<f64>) -> Option
     Some(range.map(|value| f64::from(value) + offset))
 }
 
-/// How many of `sorted` (ascending, finite) with `offset` added fall into each of `bins` parts of `range` that a color scale tells apart
-/// evenly: the first and the last also have what is beyond.
+/// How many of `sorted` (ascending, finite) with `offset` added fall into each of `bins` parts of `range` that a color
+/// scale tells apart evenly: the first and the last also have what is beyond.
 pub fn histogram(sorted: &[f32], offset: f64, scale: &ColorScale, bins: usize) -> Vec<u32> {
     let mut counts = vec![0; bins];
     let Some(last) = bins.checked_sub(1) else {

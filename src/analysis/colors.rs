@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-/// The paper's fake colour (000 §III): the direction of a normal as red, green and blue, each from 0 (facing down the axis)
-/// to 255 (facing up). The zero vector is grey.
+/// The paper's fake colour (000 §III): the direction of a normal as red, green and blue, each from 0 (facing down the
+/// axis) to 255 (facing up). The zero vector is grey.
 pub fn fake_color(normal: Vec3) -> [u8; 4] {
     // `as` rounds towards zero and saturates; the half makes it nearest.
     let [red, green, blue] = ((normal + 1.0) * 127.5 + 0.5)

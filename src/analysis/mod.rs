@@ -47,8 +47,8 @@ use point_tree::PointTree;
 
 /// Number of neighbours that normals and radii are estimated from.
 ///
-/// Twelve are two rings of a triangulated surface: enough to average noise out of a normal and to enclose a point on all
-/// sides, few enough not to reach round corners. The point itself is not counted.
+/// Twelve are two rings of a triangulated surface: enough to average noise out of a normal and to enclose a point on
+/// all sides, few enough not to reach round corners. The point itself is not counted.
 pub const DEFAULT_NEIGHBOURS: usize = 12;
 
 /// By what the signs of normals were decided.
@@ -60,8 +60,8 @@ pub enum Orientation {
     Sensor,
     /// They agree over the neighbourhood graph of all points, and each connected component faces outwards.
     Neighbours,
-    /// The same of one point in 64, with which those around it agree: right nearly everywhere on smooth surfaces, by chance
-    /// where two sheets are nearer to each other than these points.
+    /// The same of one point in 64, with which those around it agree: right nearly everywhere on smooth surfaces, by
+    /// chance where two sheets are nearer to each other than these points.
     Representatives,
 }
 
@@ -94,8 +94,8 @@ pub enum PlaneFit {
     /// Principal components: all points count alike (Hoppe et al. 1992). Fastest, and best against noise that all have.
     #[default]
     LeastSquares,
-    /// Principal components of points weighted by their distance from the plane (Cauchy's weights; Holland and Welsch 1977):
-    /// points far off the surface hardly count, nor does the other side of an edge. Takes several times as long.
+    /// Principal components of points weighted by their distance from the plane (Cauchy's weights; Holland and Welsch
+    /// 1977): points far off the surface hardly count, nor does the other side of an edge. Takes several times as long.
     Robust,
 }
 
@@ -134,24 +134,25 @@ pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
 
 /// Most points whose normals are made to agree over all of their neighbourhood graph.
 ///
-/// That takes one thread half a microsecond a point and 100 bytes, most of a frame's time and memory; surfels with a back side, as
-/// clouds without a sensor have, look the same with any sign. Playing sequences have fewer points a frame, and keep the exact signs.
+/// That takes one thread half a microsecond a point and 100 bytes, most of a frame's time and memory; surfels with a
+/// back side, as clouds without a sensor have, look the same with any sign. Playing sequences have fewer points a
+/// frame, and keep the exact signs.
 pub const MOST_JOINED: usize = 1 << 21;
 
 /// Estimates normals and radii from [`DEFAULT_NEIGHBOURS`] neighbours.
 ///
 /// Normals point to `sensor` if it is given; else they are made consistent over the neighbourhood graph, and each
-/// connected component faces outwards: of all points up to [`MOST_JOINED`], beyond it of representatives. Positions must be finite.
-/// Every number of points is fine: a point without a surface around it (fewer than three distinct points nearby, or all in a
-/// line) gets a normal across what there is, and +Z where there is nothing.
+/// connected component faces outwards: of all points up to [`MOST_JOINED`], beyond it of representatives. Positions
+/// must be finite. Every number of points is fine: a point without a surface around it (fewer than three distinct
+/// points nearby, or all in a line) gets a normal across what there is, and +Z where there is nothing.
 ///
 /// Takes some 70 bytes a point at most beside the positions and the answer; 130 where all points are joined.
 pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
     estimate_surface_observed(positions, sensor, &Progress::default())
 }
 
-/// [`estimate_surface`], which advances `progress` by [`surface_steps`]. Once that is cancelled, the rest is left out and the answer is
-/// of no use.
+/// [`estimate_surface`], which advances `progress` by [`surface_steps`]. Once that is cancelled, the rest is left out
+/// and the answer is of no use.
 pub fn estimate_surface_observed(
     positions: &[Vec3],
     sensor: Option<Vec3>,
@@ -161,7 +162,8 @@ pub fn estimate_surface_observed(
     surface_oriented_by(orientation, positions, sensor, progress)
 }
 
-/// [`estimate_surface`] for a picture that is soon replaced: without a sensor, points agree with representatives however few they are.
+/// [`estimate_surface`] for a picture that is soon replaced: without a sensor, points agree with representatives
+/// however few they are.
 pub(crate) fn estimate_surface_fast(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
     let orientation = orientation_of(usize::MAX, sensor);
     surface_oriented_by(orientation, positions, sensor, &Progress::default())
@@ -278,10 +280,11 @@ pub fn splat_radii(positions: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
     tree.to_file_order(&radii::closing_radii(&tree, &neighbours, &normals))
 }
 
-/// Ellipses that close the surface as the circles of [`splat_radii`] do, with less area; `None` where a circle is right.
+/// Ellipses that close the surface as the circles of [`splat_radii`] do, with less area; `None` where a circle is
+/// right.
 ///
-/// `normals` are of unit length, or zero where the tangent plane has to be estimated. An ellipse has the radius of its point:
-/// see [`Ellipse::half_axes`].
+/// `normals` are of unit length, or zero where the tangent plane has to be estimated. An ellipse has the radius of its
+/// point: see [`Ellipse::half_axes`].
 ///
 /// # Panics
 /// Precondition: as many normals as positions.

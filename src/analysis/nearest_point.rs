@@ -1,14 +1,15 @@
 //! The point of a cloud that is nearest to a place, which need be none of its points: how clouds are compared.
 //!
-//! How it works: the rows of boxes of the k-d tree ([`super::point_tree`]) are descended into, nearest box first, as long as
-//! a box may hold something nearer than what was found. Equal distances are decided by the index in the file, and a box at
-//! exactly the distance found is entered only if it holds a smaller one, so that points that all coincide cost no more.
+//! How it works: the rows of boxes of the k-d tree ([`super::point_tree`]) are descended into, nearest box first, as
+//! long as a box may hold something nearer than what was found. Equal distances are decided by the index in the file,
+//! and a box at exactly the distance found is entered only if it holds a smaller one, so that points that all coincide
+//! cost no more.
 //!
-//! All is computed in f64 of coordinates that are f32: distances to boxes are rounded monotonically in the same order of
-//! operations as those to points, so pruning loses nothing. Places may lie far outside the cloud.
+//! All is computed in f64 of coordinates that are f32: distances to boxes are rounded monotonically in the same order
+//! of operations as those to points, so pruning loses nothing. Places may lie far outside the cloud.
 //!
-//! When it wins: over [`super::bucket_search`] where places have no bucket of their own to search from, and one neighbour is
-//! wanted.
+//! When it wins: over [`super::bucket_search`] where places have no bucket of their own to search from, and one
+//! neighbour is wanted.
 
 use super::point_tree::{BoxRow, LANES, PointTree};
 use glam::{DVec3, Vec3};
@@ -40,7 +41,8 @@ impl NearestPoint {
         }
     }
 
-    /// The index of the position nearest to a finite `place`, the smallest of equally near ones; `None` without positions.
+    /// The index of the position nearest to a finite `place`, the smallest of equally near ones; `None` without
+    /// positions.
     pub fn of(&self, place: Vec3) -> Option<u32> {
         let top_level = self.tree.levels.len().checked_sub(1)?;
         let place = place.as_dvec3() / f64::from(self.tree.unit());

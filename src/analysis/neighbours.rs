@@ -1,7 +1,7 @@
 //! The k nearest neighbours of every point, exactly.
 //!
-//! Sets of neighbours are found a bucket at a time ([`super::bucket_search`]); here they are shared out among threads, and
-//! put in order for those who ask from outside.
+//! Sets of neighbours are found a bucket at a time ([`super::bucket_search`]); here they are shared out among threads,
+//! and put in order for those who ask from outside.
 
 use super::bucket_search::BucketSearch;
 use super::point_tree::{LANES, PointTree};
@@ -16,8 +16,8 @@ pub struct Neighbours {
     per_point: usize,
     /// The first point that has a list here.
     first: usize,
-    /// The lists of [`POINTS_PER_PIECE`] points each, one after the other. One piece for all would be megabytes that are
-    /// filled with zeros before they are written; these never leave the nearest cache in between.
+    /// The lists of [`POINTS_PER_PIECE`] points each, one after the other. One piece for all would be megabytes that
+    /// are filled with zeros before they are written; these never leave the nearest cache in between.
     pieces: Vec<Vec<u32>>,
 }
 
@@ -62,7 +62,8 @@ impl Neighbours {
     }
 }
 
-/// The `k` nearest neighbours of each of `positions` (finite), by squared distance in f32, then by index; in this order.
+/// The `k` nearest neighbours of each of `positions` (finite), by squared distance in f32, then by index; in this
+/// order.
 ///
 /// A point that coincides with another is its neighbour at distance 0.
 pub fn nearest_neighbours(positions: &[Vec3], k: usize) -> Neighbours {

@@ -1,8 +1,8 @@
 //! Normals by principal component analysis of the neighbours.
 //!
 //! How it works: the normal is the direction in which a point and its neighbours spread least, the eigenvector of the
-//! smallest eigenvalue of their covariance (Hoppe et al. 1992). Offsets are taken from the point itself, which is exact in
-//! f32 for near neighbours wherever the cloud lies, and added up in f64. Their mean is no larger than they are, so
+//! smallest eigenvalue of their covariance (Hoppe et al. 1992). Offsets are taken from the point itself, which is exact
+//! in f32 for near neighbours wherever the cloud lies, and added up in f64. Their mean is no larger than they are, so
 //! subtracting its square loses nothing that f32 coordinates had. Four points are summed up and solved side by side
 //! ([`super::four_matrices`]).
 //!
@@ -156,8 +156,8 @@ fn fit_four<S: Simd>(
 /// Whether points (their covariances not divided by their number, `count`) spread in a second direction.
 ///
 /// Rounding moves a coordinate by 2⁻²⁴ of itself at most, and so a point of a line away from it by √3 times that of its
-/// largest coordinate. The two smaller eigenvalues of a rounded line sum up to no more than that squared, for each point;
-/// over the largest eigenvalue, which is nearly the trace, they are the pairwise products.
+/// largest coordinate. The two smaller eigenvalues of a rounded line sum up to no more than that squared, for each
+/// point; over the largest eigenvalue, which is nearly the trace, they are the pairwise products.
 #[inline(always)]
 fn covers_a_plane<S: Simd>(
     simd: S,

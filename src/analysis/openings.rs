@@ -1,31 +1,33 @@
 //! Openings of Voronoi cells that are narrower than the directions along which [`super::radii`] measures are apart.
 //!
-//! How it works: the inverse distance to the end of a cell is the largest of the `w·d`, one for each line. Along a single line
-//! it is a sinusoid, so `h' − 2 cos δ h + 'h` of the inverse distances in three directions δ apart is 0; where another
-//! line takes over it is what the next value is more than the first line, continued, would have made it. Let these surpluses be
-//! `a` and `b` at two neighbouring directions, with inverse distances `g` and `h`. The line that ends the cell before the
-//! first, continued beyond it, and the line that ends the cell after the second, continued backwards, then meet along `a` times the
-//! first direction plus `b` times the second, as `w·d` is linear in `d`, and there (times the length of that sum) the inverse
-//! distance is `a g + b (h − a)`. No line makes it less; if it is next to nothing, and stays so when all lines are asked, the
-//! cell is open there.
+//! How it works: the inverse distance to the end of a cell is the largest of the `w·d`, one for each line. Along a
+//! single line it is a sinusoid, so `h' − 2 cos δ h + 'h` of the inverse distances in three directions δ apart is 0;
+//! where another line takes over it is what the next value is more than the first line, continued, would have made it.
+//! Let these surpluses be `a` and `b` at two neighbouring directions, with inverse distances `g` and `h`. The line that
+//! ends the cell before the first, continued beyond it, and the line that ends the cell after the second, continued
+//! backwards, then meet along `a` times the first direction plus `b` times the second, as `w·d` is linear in `d`, and
+//! there (times the length of that sum) the inverse distance is `a g + b (h − a)`. No line makes it less; if it is next
+//! to nothing, and stays so when all lines are asked, the cell is open there.
 //!
-//! When it wins: over more directions, which are never enough for a row of points, whose cells are strips between two parallel
-//! lines.
+//! When it wins: over more directions, which are never enough for a row of points, whose cells are strips between two
+//! parallel lines.
 
 use super::point_tree::Row;
 use super::radii::{DIRECTIONS, QUARTER};
 
 /// Share of the inverse distance to the last neighbour below which a cell is open between two directions.
 ///
-/// Much less than along a direction: one in two hundred points scattered on a surface has a sharp corner twice as far out as
-/// the last neighbour. It is no opening, and the point may be left with a near duplicate only if it does not count.
+/// Much less than along a direction: one in two hundred points scattered on a surface has a sharp corner twice as far
+/// out as the last neighbour. It is no opening, and the point may be left with a near duplicate only if it does not
+/// count.
 pub(super) const OPEN: f32 = 1.0 / 64.0;
 
 /// Twice the cosine of δ, a 32nd of a turn.
 pub(super) const TWICE_COSINE: f32 = 1.961_570_6;
 
 /// Sets to 0 what is beside an opening between two directions, of the inverse distances of eight cells to their ends.
-/// `known` are those to the last neighbours, `lines` the `w` of all. To be called where there may be one, which is rare.
+/// `known` are those to the last neighbours, `lines` the `w` of all. To be called where there may be one, which is
+/// rare.
 #[cold]
 pub(super) fn set_open(
     quarter_circle: &[[f32; 2]; QUARTER],

@@ -1,21 +1,22 @@
 //! Turning normals to one side of the surface.
 //!
-//! How it works: after Hoppe et al. (1992), the sign of a normal spreads over the minimum spanning tree of the neighbourhood
-//! graph, so that it crosses the surface where it is least in doubt. Two things differ from the textbook.
+//! How it works: after Hoppe et al. (1992), the sign of a normal spreads over the minimum spanning tree of the
+//! neighbourhood graph, so that it crosses the surface where it is least in doubt. Two things differ from the textbook.
 //!
-//! *Mirroring.* Where the surface bends between two points, comparing their normals says little: at the edge of a cube they
-//! are perpendicular, and across a thin sheet they look alike but face opposite ways. So the normal of one point is first
-//! mirrored at the plane midway between the two (Xie et al. 2003), which is what a circular arc through both would
-//! do to it. An edge along the tangent planes leaves the normal as it is, and the weight is the usual `1 − |n·n'|`. An edge
-//! along the normals is the least to be trusted, as noise looks like that too, and comes last.
+//! *Mirroring.* Where the surface bends between two points, comparing their normals says little: at the edge of a
+//! cube they are perpendicular, and across a thin sheet they look alike but face opposite ways. So the normal of one
+//! point is first mirrored at the plane midway between the two (Xie et al. 2003), which is what a circular arc
+//! through both would do to it. An edge along the tangent planes leaves the normal as it is, and the weight is the
+//! usual `1 − |n·n'|`. An edge along the normals is the least to be trusted, as noise looks like that too, and comes
+//! last.
 //!
 //! *No tree is built.* Kruskal's algorithm joins components in the order of their weights; each point stores whether
-//! its normal agrees with that of its parent in the union-find forest. When all edges are in, every point knows its sign
-//! relative to the root of its component. Weights are sorted by counting in 1024 steps (an angle of 2.5 degrees is one
-//! step from none), and edges of the first step, nearly all on a smooth surface, need not even be stored.
+//! its normal agrees with that of its parent in the union-find forest. When all edges are in, every point knows its
+//! sign relative to the root of its component. Weights are sorted by counting in 1024 steps (an angle of 2.5 degrees is
+//! one step from none), and edges of the first step, nearly all on a smooth surface, need not even be stored.
 //!
-//! The sign of a component is decided where the outside is certain: at its six extreme points along the axes the surface
-//! must face that way.
+//! The sign of a component is decided where the outside is certain: at its six extreme points along the axes the
+//! surface must face that way.
 //!
 //! When it wins: it is exact for closed surfaces that are sampled densely enough for neighbours to lie on one sheet.
 
@@ -57,14 +58,16 @@ pub(super) fn face_outwards(tree: &PointTree, neighbours: &Neighbours, normals: 
     }
 }
 
-/// One point in so many represents those around it: two rings of buckets on a surface, few enough that most lie on one sheet.
+/// One point in so many represents those around it: two rings of buckets on a surface, few enough that most lie on one
+/// sheet.
 const POINTS_PER_REPRESENTATIVE: usize = 8 * LANES;
 
-/// Makes normals (by slot) agree with those of representatives, which agree over a neighbourhood graph of their own and face outwards.
+/// Makes normals (by slot) agree with those of representatives, which agree over a neighbourhood graph of their own and
+/// face outwards.
 ///
-/// Each row of buckets is represented by the point in its middle. The forest over a sixty-fourth of the points takes a sixty-fourth of the
-/// time and memory of [`face_outwards`], and the rest is one look at each point. What it gets wrong are points whose representative
-/// is on another sheet: thin walls, and creases sharper than rows are wide.
+/// Each row of buckets is represented by the point in its middle. The forest over a sixty-fourth of the points takes a
+/// sixty-fourth of the time and memory of [`face_outwards`], and the rest is one look at each point. What it gets wrong
+/// are points whose representative is on another sheet: thin walls, and creases sharper than rows are wide.
 pub(super) fn face_as_representatives(tree: &PointTree, k: usize, normals: &mut [Vec3]) {
     let points = tree.points();
     let middles: Vec<usize> = points

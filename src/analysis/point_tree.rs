@@ -1,13 +1,14 @@
 //! A k-d tree over points in buckets of eight: the order in which analysis works, and the boxes that searches prune by.
 //!
-//! How it works: the points are split at the median of the longest side of their box until eight are left, with the median
-//! rounded to a whole bucket. So bucket `b` holds the *slots* `8 b .. 8 b + 8`, points that are close in space are close in
-//! memory, and the tree needs no pointers. Three splits on top of each other are one [`BoxRow`]: the boxes of eight children,
-//! tested with one register for each side. Row `r` of the lowest level has the buckets `8 r .. 8 r + 8`, row `r` of any other
-//! the rows `8 r .. 8 r + 8` of the level below.
+//! How it works: the points are split at the median of the longest side of their box until eight are left, with the
+//! median rounded to a whole bucket. So bucket `b` holds the *slots* `8 b .. 8 b + 8`, points that are close in space
+//! are close in memory, and the tree needs no pointers. Three splits on top of each other are one [`BoxRow`]: the boxes
+//! of eight children, tested with one register for each side. Row `r` of the lowest level has the buckets `8 r .. 8 r +
+//! 8`, row `r` of any other the rows `8 r .. 8 r + 8` of the level below.
 //!
 //! When it wins: over a uniform grid wherever density varies. A cluster with an outlier a million times its size away,
-//! or a laser scanner's sweep, is split as evenly as a sphere; even points that all coincide are shared out among buckets.
+//! or a laser scanner's sweep, is split as evenly as a sphere; even points that all coincide are shared out among
+//! buckets.
 //!
 //! Coordinates are scaled by a power of two into −1..1, which is exact, so that squared distances neither overflow nor
 //! (for clouds of one scale) underflow.
@@ -39,7 +40,8 @@ pub(super) struct PointTree {
     unit: f32,
 }
 
-/// The coordinates of eight slots. Places without a point are so far away that the square of their distance is infinite.
+/// The coordinates of eight slots. Places without a point are so far away that the square of their distance is
+/// infinite.
 #[derive(Debug, Clone)]
 pub(super) struct Bucket {
     pub(super) x: Row,

@@ -1,24 +1,24 @@
 //! Splat radii that close the surface.
 //!
-//! How it works: every place on the surface is nearest to some point, in whose Voronoi cell it is; if each disk covers the
-//! Voronoi cell of its own point, the disks cover the surface. So the neighbours are projected onto the tangent plane, and
-//! the cell is measured along 32 directions. The line midway to a neighbour at `q` is `|q|² / 2 q·d` away in direction `d`;
-//! the cell ends at the nearest of these lines, which is the largest of the `w·d` with `w = 2 q / |q|²`. That needs neither
-//! branches nor sorting, and eight points are measured in one SIMD register. Where the cell reaches farthest there is a
-//! corner; the radius is the distance to the farthest corner, with some overlap for those between two directions. This is
-//! about the smallest radius with which a point need not rely on the disks of others.
+//! How it works: every place on the surface is nearest to some point, in whose Voronoi cell it is; if each disk covers
+//! the Voronoi cell of its own point, the disks cover the surface. So the neighbours are projected onto the tangent
+//! plane, and the cell is measured along 32 directions. The line midway to a neighbour at `q` is `|q|² / 2 q·d` away in
+//! direction `d`; the cell ends at the nearest of these lines, which is the largest of the `w·d` with `w = 2 q / |q|²`.
+//! That needs neither branches nor sorting, and eight points are measured in one SIMD register. Where the cell reaches
+//! farthest there is a corner; the radius is the distance to the farthest corner, with some overlap for those between
+//! two directions. This is about the smallest radius with which a point need not rely on the disks of others.
 //!
-//! Where the cell is open (the rim of a surface, a line of points) it has no farthest place; there, only corners between two
-//! neighbours count, and the lines midway to neighbours. An opening may be narrower than the directions are apart: the cell
-//! of a point in a row is a strip between two parallel lines. So between two directions the lines that end the cell on both
-//! sides are continued to where they meet ([`super::openings`]).
+//! Where the cell is open (the rim of a surface, a line of points) it has no farthest place; there, only corners
+//! between two neighbours count, and the lines midway to neighbours. An opening may be narrower than the directions are
+//! apart: the cell of a point in a row is a strip between two parallel lines. So between two directions the lines that
+//! end the cell on both sides are continued to where they meet ([`super::openings`]).
 //!
-//! Outliers would get disks that hide the scene: a radius is at most a few times the harmonic mean of its neighbours' radii,
-//! which are small for a stray point near a dense surface but grow along in regions that are sparse throughout; and far
-//! beyond the median of the cloud none may grow.
+//! Outliers would get disks that hide the scene: a radius is at most a few times the harmonic mean of its neighbours'
+//! radii, which are small for a stray point near a dense surface but grow along in regions that are sparse throughout;
+//! and far beyond the median of the cloud none may grow.
 //!
-//! When it wins: over multiples of the mean neighbour distance, which are too small for points at the end of a row and too
-//! large for all others.
+//! When it wins: over multiples of the mean neighbour distance, which are too small for points at the end of a row and
+//! too large for all others.
 
 use super::lanes::axes;
 use super::neighbours::Neighbours;
@@ -36,7 +36,8 @@ pub const LONE_RADIUS: f32 = 0.5;
 /// (5.6 degrees at most from one, where the cell is 4 % smaller on average) and the curvature of the surface.
 const OVERLAP: f32 = 1.2;
 
-/// Largest radius, as a multiple of the harmonic mean of the neighbours' radii: one small radius among them keeps it small.
+/// Largest radius, as a multiple of the harmonic mean of the neighbours' radii: one small radius among them keeps it
+/// small.
 const MAX_OF_NEIGHBOURS: f32 = 4.0;
 
 /// Largest radius, as a multiple of the median radius of the cloud.
@@ -68,8 +69,8 @@ pub(super) fn closing_radii(
 }
 
 /// Distances from consecutive points to the farthest corners of their cells, in units of the tree; 0 without neighbours
-/// apart. `normals` are those of these points. Precondition: the first slot begins a bucket, and the last one ends one or
-/// is the last of all.
+/// apart. `normals` are those of these points. Precondition: the first slot begins a bucket, and the last one ends one
+/// or is the last of all.
 pub(super) fn cell_radii(
     tree: &PointTree,
     neighbours: &Neighbours,
@@ -100,7 +101,8 @@ pub(super) fn inverse_of(radius: f32) -> f32 {
     if radius > 0.0 { 1.0 / radius } else { 0.0 }
 }
 
-/// The sum of the inverse radii of a point's neighbours: from zero and in their order, for another sum may differ in its last bit.
+/// The sum of the inverse radii of a point's neighbours: from zero and in their order, for another sum may differ in
+/// its last bit.
 pub(super) fn sum_in_order(inverse: impl Iterator<Item = f32>) -> f32 {
     inverse.fold(0.0, |sum, inverse| sum + inverse)
 }
@@ -123,7 +125,8 @@ impl Limits {
         }
     }
 
-    /// The radius, in scene units, of a point whose cell and the inverse radii of whose neighbours' cells, summed up, are these.
+    /// The radius, in scene units, of a point whose cell and the inverse radii of whose neighbours' cells, summed up,
+    /// are these.
     #[inline(always)]
     pub(super) fn radius(self, cell: f32, neighbours: usize, inverse_sum: f32) -> f32 {
         // Harmonic, over all neighbours; not finite if none has a cell.
@@ -299,8 +302,8 @@ fn orthonormal_pair<S: Simd>(simd: S, [x, y, z]: [f32x8<S>; 3]) -> ([f32x8<S>; 3
     )
 }
 
-/// The inverse radii of the neighbours' cells, summed up for each of up to eight consecutive points. Eight sums side by side,
-/// for each waits for its last term.
+/// The inverse radii of the neighbours' cells, summed up for each of up to eight consecutive points. Eight sums side by
+/// side, for each waits for its last term.
 fn inverse_sums(inverse: &[f32], neighbours: &Neighbours, first_slot: usize, count: usize) -> Row {
     let lists: [&[u32]; LANES] =
         std::array::from_fn(|lane| neighbours.of(first_slot + lane.min(count - 1)));
@@ -313,8 +316,8 @@ fn inverse_sums(inverse: &[f32], neighbours: &Neighbours, first_slot: usize, cou
     sums
 }
 
-/// Values that a median is taken of: it is off by four percent of the ranks at most times, which limits of many times the
-/// median do not feel.
+/// Values that a median is taken of: it is off by four percent of the ranks at most times, which limits of many times
+/// the median do not feel.
 const SAMPLE: usize = 1 << 9;
 
 /// Evenly spaced slots of a cloud, of whose cells the median is taken; all where there are few.

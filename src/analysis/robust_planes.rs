@@ -1,14 +1,15 @@
 //! Normals that a few points far off the surface do not turn.
 //!
-//! How it works: principal components minimise the *squares* of the distances to the plane, so that one point far off outweighs
-//! all others. Here the plane is fitted again and again, each point weighted by `1 / (1 + (r / s)²)` with its distance `r`
-//! from the plane before (iteratively reweighted least squares with Cauchy's weights; Holland and Welsch 1977). The scale `s` is
-//! a multiple of the weighted mean of these distances, so that it follows the noise of the neighbourhood and shrinks as
-//! outliers lose their weight.
+//! How it works: principal components minimise the *squares* of the distances to the plane, so that one point far off
+//! outweighs all others. Here the plane is fitted again and again, each point weighted by `1 / (1 + (r / s)²)` with its
+//! distance `r` from the plane before (iteratively reweighted least squares with Cauchy's weights; Holland and Welsch
+//! 1977). The scale `s` is a multiple of the weighted mean of these distances, so that it follows the noise of the
+//! neighbourhood and shrinks as outliers lose their weight.
 //!
 //! When it wins: over plain principal components where some points are far off the surface, and beside edges, where the
-//! points of the other face count for less. Noise that all points have alike is best averaged out with equal weights: there,
-//! and where the surface is curved and free of noise, this is a few percent worse. It takes several times as long.
+//! points of the other face count for less. Noise that all points have alike is best averaged out with equal weights:
+//! there, and where the surface is curved and free of noise, this is a few percent worse. It takes several times as
+//! long.
 //!
 //! Weights by the distance of the neighbours (a Gaussian) were measured as well: they gain on curved surfaces without
 //! noise and lose with any, as fewer points count. So do weights that fall off faster, and a scale from the median.
@@ -22,8 +23,8 @@ use rayon::prelude::*;
 /// Fits after the one with equal weights.
 const ROUNDS: usize = 4;
 
-/// The distance with half the weight, as a multiple of the weighted mean distance. Gaussian noise has its mean at 0.8 standard
-/// deviations, so half the weight is at three.
+/// The distance with half the weight, as a multiple of the weighted mean distance. Gaussian noise has its mean at 0.8
+/// standard deviations, so half the weight is at three.
 const SCALE: f64 = 3.6;
 
 /// Points that are worth handing to another thread.

@@ -1,9 +1,9 @@
 //! The k smallest numbers in each lane of a stream of rows.
 //!
-//! How it works: a row is sunk into the k ascending registers by a smaller and a larger each, without branches, for eight
-//! lanes at a time. Eight rows at once are cheaper: a network of 19 exchanges puts them in order, the smaller ones of
-//! mirrored places are the smallest of both, and 20 exchanges (32 of sixteen registers) merge them, instead of the 96 (128)
-//! that sinking takes.
+//! How it works: a row is sunk into the k ascending registers by a smaller and a larger each, without branches, for
+//! eight lanes at a time. Eight rows at once are cheaper: a network of 19 exchanges puts them in order, the smaller
+//! ones of mirrored places are the smallest of both, and 20 exchanges (32 of sixteen registers) merge them, instead of
+//! the 96 (128) that sinking takes.
 
 use super::point_tree::{LANES, Row};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
@@ -106,8 +106,8 @@ fn sink<S: Simd, const N: usize>(
     }
 }
 
-/// Puts the smallest of both into the ascending registers of `group`: the eight rows are sorted by a network, and merged
-/// bitonically.
+/// Puts the smallest of both into the ascending registers of `group`: the eight rows are sorted by a network, and
+/// merged bitonically.
 #[inline(always)]
 fn merge<S: Simd, const N: usize>(simd: S, group: &mut [Row; N], rows: &[Row; LANES]) {
     let mut sorted = [f32x8::splat(simd, 0.0); LANES];

@@ -78,7 +78,8 @@ fn neighbours_beside_outliers_and_at_extreme_scales() {
         let scaled: Vec<Vec3> = cloud.iter().map(|&p| p * scale).collect();
         check_neighbours(&scaled, 12);
     }
-    // Beyond the square root of f32::MAX plain squared distances are infinite; the answer is that of the unscaled cloud.
+    // Beyond the square root of f32::MAX plain squared distances are infinite; the answer is that of the unscaled
+    // cloud.
     let huge = 2f32.powi(120);
     let scaled: Vec<Vec3> = cloud.iter().map(|&p| p * huge).collect();
     assert_eq!(
@@ -166,8 +167,8 @@ fn few_and_degenerate_points_have_a_surface() {
     );
 }
 
-/// A cell of points in a line is open between two parallel lines, in two directions of no width, wherever these are among the
-/// directions that cells are measured along.
+/// A cell of points in a line is open between two parallel lines, in two directions of no width, wherever these are
+/// among the directions that cells are measured along.
 #[test]
 fn lines_in_any_direction_have_small_disks() {
     for direction in [
@@ -302,8 +303,8 @@ fn planes_are_exact_far_from_the_origin() {
     }
 }
 
-/// Sheets of rolling hills a thousandth high, at 10⁶ units from the origin: in the file's f64, which frames are made of, the
-/// hills survive, and their normals are as good as at the origin.
+/// Sheets of rolling hills a thousandth high, at 10⁶ units from the origin: in the file's f64, which frames are made
+/// of, the hills survive, and their normals are as good as at the origin.
 #[test]
 fn details_survive_a_shift_of_the_file() {
     let mut random = Random(16);
@@ -410,7 +411,8 @@ fn lines_and_single_places_have_no_plane() {
     for normal in &surface.normals[..400] {
         assert!(normal.abs_diff_eq(Vec3::Z, 1e-6));
     }
-    // Duplicates of three places: no plane where a place has as many as there are neighbours, a plane where it has fewer.
+    // Duplicates of three places: no plane where a place has as many as there are neighbours, a plane where it has
+    // fewer.
     for (copies, expected) in [(13, all(39)), (5, Vec::new())] {
         let places = [Vec3::ZERO, Vec3::X, Vec3::new(0.2, 0.7, 0.0)];
         let cloud: Vec<Vec3> = places

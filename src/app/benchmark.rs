@@ -200,8 +200,8 @@ impl BenchmarkTable {
     }
 }
 
-/// Has this program measure another window of its own: one process has one event loop, and this window's would be measured with the
-/// benchmark's panel in it.
+/// Has this program measure another window of its own: one process has one event loop, and this window's would be
+/// measured with the benchmark's panel in it.
 fn window_job(sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable, String> {
     let say = |error: std::io::Error| format!("the other window cannot be opened: {error}");
     let folder = std::env::temp_dir().join(format!("pointreel-window-{}", std::process::id()));

@@ -1,8 +1,9 @@
 //! A second sequence beside the open one: the same camera, settings and clock, its own frames.
 //!
-//! How it works. A [`Companion`] brings the frames that belong to those of the player; here is how its picture is laid out, drawn and
-//! compared. Both clouds stay where their files say: each is drawn relative to the origin of its sequence, which is one for both
-//! wherever that loses nothing. Distances of the two clouds are measured on a thread, when a person asks for them.
+//! How it works. A [`Companion`] brings the frames that belong to those of the player; here is how its picture is laid
+//! out, drawn and compared. Both clouds stay where their files say: each is drawn relative to the origin of its
+//! sequence, which is one for both wherever that loses nothing. Distances of the two clouds are measured on a thread,
+//! when a person asks for them.
 
 use super::comparison::PicturePair;
 use super::drawing::Drawing;
@@ -157,7 +158,8 @@ impl Beside {
         }
     }
 
-    /// Looks once where both clouds are, as soon as both are here: how far their boxes are from each other, if they do not meet.
+    /// Looks once where both clouds are, as soon as both are here: how far their boxes are from each other, if they do
+    /// not meet.
     pub(super) fn take_gap(&mut self, player: &Player) -> Option<f64> {
         if self.knows_gap {
             return None;
@@ -245,8 +247,8 @@ impl Drop for Beside {
     }
 }
 
-/// The distances of two frames, of which the origin of the second is `shift` away from that of the first; `None` if one has no
-/// points, or once nobody waits.
+/// The distances of two frames, of which the origin of the second is `shift` away from that of the first; `None` if one
+/// has no points, or once nobody waits.
 fn between(
     a: &PreparedFrame,
     b: &PreparedFrame,

@@ -1,8 +1,9 @@
 //! Two ways to draw one pose side by side, and how far apart their pictures are.
 //!
-//! How it works: the settings of the window are those of the side that is edited; the other side's are here, with a scene, a
-//! packet and what its pictures need of the frame beyond what is prepared. That is completed when it is drawn: it
-//! is a way to look at a pose, not to play. Once both pictures have rested for a moment they are read back and compared on a thread.
+//! How it works: the settings of the window are those of the side that is edited; the other side's are here, with a
+//! scene, a packet and what its pictures need of the frame beyond what is prepared. That is completed when it is drawn:
+//! it is a way to look at a pose, not to play. Once both pictures have rested for a moment they are read back and
+//! compared on a thread.
 
 use super::tasks::{Outcome, Tasks};
 use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db, ssim};

@@ -70,8 +70,8 @@ impl Drawing {
         self.scene.stats()
     }
 
-    /// Takes notice of how long the last picture took, if that was not said yet. The points of the frame in it then, if the picture was
-    /// of all of them.
+    /// Takes notice of how long the last picture took, if that was not said yet. The points of the frame in it then, if
+    /// the picture was of all of them.
     pub(super) fn note_draw_ms(&mut self, draw_ms: f64) -> Option<usize> {
         if !std::mem::take(&mut self.is_new) {
             return None;
@@ -85,8 +85,8 @@ impl Drawing {
         Some(drawn.frame.frame.len())
     }
 
-    /// Has made what the next pictures lack: levels of detail for a frame at rest that takes long to draw, so that the camera moves smoothly;
-    /// surfels of what is in view at `now`, where those of the frame are not there.
+    /// Has made what the next pictures lack: levels of detail for a frame at rest that takes long to draw, so that the
+    /// camera moves smoothly; surfels of what is in view at `now`, where those of the frame are not there.
     pub(super) fn prepare(
         &mut self,
         settings: &Settings,
@@ -117,13 +117,15 @@ impl Drawing {
         self.levels.take(frame);
     }
 
-    /// When a picture that is coarse because the camera moved is to be drawn as a whole, or one of points to become surfels.
+    /// When a picture that is coarse because the camera moved is to be drawn as a whole, or one of points to become
+    /// surfels.
     pub(super) fn next_deadline(&self) -> Option<Duration> {
         let levels = self.levels.next_deadline().into_iter();
         levels.chain(self.surfels_in_view.next_deadline()).min()
     }
 
-    /// The packet to draw at `now`, if it differs from the last one. Until the frame has what the primitive needs, it is shown as before.
+    /// The packet to draw at `now`, if it differs from the last one. Until the frame has what the primitive needs, it
+    /// is shown as before.
     pub(super) fn next_packet(
         &mut self,
         mut drawn: DrawnFrame,

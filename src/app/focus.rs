@@ -1,13 +1,15 @@
 //! The keyboard where nobody hands it out.
 //!
-//! Under X11 it is the window manager that gives a new window the keyboard. On a bare server (a kiosk, a virtual screen, `xinit`
-//! with a single program) there is none, and asking for the keyboard by way of one, as `Window::focus_window` does, asks
-//! nobody. Such a window takes the keyboard itself, once, when it has come onto the screen. A window manager is whoever has
-//! the right to redirect the root window's children, which the server grants once; where there is one, nothing is done.
+//! Under X11 it is the window manager that gives a new window the keyboard. On a bare server (a kiosk, a virtual
+//! screen, `xinit` with a single program) there is none, and asking for the keyboard by way of one, as
+//! `Window::focus_window` does, asks nobody. Such a window takes the keyboard itself, once, when it has come onto the
+//! screen. A window manager is whoever has the right to redirect the root window's children, which the server grants
+//! once; where there is one, nothing is done.
 
 use winit::window::Window;
 
-/// Gives the keyboard to `window` where no window manager does. Failing is no problem of the program's: it is in the log.
+/// Gives the keyboard to `window` where no window manager does. Failing is no problem of the program's: it is in the
+/// log.
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(super) fn take_if_unmanaged(window: &Window) {
     use winit::raw_window_handle::{HasWindowHandle as _, RawWindowHandle};

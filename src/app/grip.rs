@@ -1,10 +1,10 @@
 //! The 3-D picture in the hand: from a button that goes down on it until that button is let go.
 //!
-//! **How it works.** egui knows of a drag only where it sees the button down at the end of a pass, and drops what the pointer
-//! moved between the last pass and letting go: at 10 pictures a second a short, fast drag is lost as a whole, and long ones
-//! end short. So the pointer's events are followed one by one, all of them that came since the last pass. A pointer that
-//! trembles during a click is no drag: the first [`Grip::SLACK`] points are held back, and are made up for once they are
-//! left.
+//! **How it works.** egui knows of a drag only where it sees the button down at the end of a pass, and drops what the
+//! pointer moved between the last pass and letting go: at 10 pictures a second a short, fast drag is lost as a whole,
+//! and long ones end short. So the pointer's events are followed one by one, all of them that came since the last pass.
+//! A pointer that trembles during a click is no drag: the first [`Grip::SLACK`] points are held back, and are made up
+//! for once they are left.
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Vec2};
 
@@ -33,8 +33,8 @@ impl Grip {
     /// A click may move as far as this, points: as egui has it.
     const SLACK: f32 = 6.0;
 
-    /// Follows `events`, the latest of which left `modifiers`. `is_on_picture` says whether a button that goes down at a
-    /// place takes hold of the picture. Returns what was dragged, in order.
+    /// Follows `events`, the latest of which left `modifiers`. `is_on_picture` says whether a button that goes down at
+    /// a place takes hold of the picture. Returns what was dragged, in order.
     pub(super) fn follow(
         grip: &mut Option<Self>,
         events: &[Event],
@@ -124,7 +124,8 @@ mod tests {
     }
 
     proptest! {
-        /// Wherever passes cut the events, the picture is dragged from where the button went down to where it was let go.
+        /// Wherever passes cut the events, the picture is dragged from where the button went down to where it was let
+        /// go.
         #[test]
         fn nothing_of_a_drag_is_lost(
             path in prop::collection::vec((0f32..500.0, 0f32..500.0), 0..12),

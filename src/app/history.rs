@@ -1,7 +1,7 @@
 //! Undo and redo of what a person edits: settings and camera path, in one order.
 //!
-//! **How it works.** What is edited is looked at once a pass. Where it differs from the last look, that is kept, unless the change
-//! goes on: with the same button held, or the same fields within half a second of the change before.
+//! **How it works.** What is edited is looked at once a pass. Where it differs from the last look, that is kept, unless
+//! the change goes on: with the same button held, or the same fields within half a second of the change before.
 
 use super::camera_path::Draft;
 use crate::scene::Settings;

@@ -1,9 +1,9 @@
-//! Surfels of what is in view, for a large cloud at rest whose own are not there: they are being estimated, or the machine has no memory
-//! for them.
+//! Surfels of what is in view, for a large cloud at rest whose own are not there: they are being estimated, or the
+//! machine has no memory for them.
 //!
-//! **How it works.** When camera and frame have been the same for a moment, a thread takes the points that the picture shows, no more than
-//! it has pixels ([`points_in_view`]), and estimates the surface of these alone. Their picture replaces that of all points until the view
-//! is another one, or the surfels of all points are there.
+//! **How it works.** When camera and frame have been the same for a moment, a thread takes the points that the picture
+//! shows, no more than it has pixels ([`points_in_view`]), and estimates the surface of these alone. Their picture
+//! replaces that of all points until the view is another one, or the surfels of all points are there.
 
 use super::levels::REST;
 use super::tasks::{Outcome, Tasks};
@@ -126,7 +126,8 @@ impl SurfelsInView {
         }
     }
 
-    /// When the view rests and what it shows is to be made. One view is made at a time: who turns the camera waits for no other.
+    /// When the view rests and what it shows is to be made. One view is made at a time: who turns the camera waits for
+    /// no other.
     pub(super) fn next_deadline(&self) -> Option<Duration> {
         let is_due = self.asked_for.is_none() && self.made_as_wanted().is_none();
         let wanted = self.wanted.as_ref().filter(|_| is_due)?;

@@ -18,7 +18,8 @@ pub enum Tool {
     Measure,
 }
 
-/// A point that was clicked on. In frames of as many points it is the one with the same index in the file; in others, the place.
+/// A point that was clicked on. In frames of as many points it is the one with the same index in the file; in others,
+/// the place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor {
     /// Which of two sequences it is of.
@@ -155,8 +156,8 @@ impl Inspection {
         }
     }
 
-    /// Looks for the points of the sequence `side` in a frame of it, if it is another one. Costs a look at the indices of the frame
-    /// for each.
+    /// Looks for the points of the sequence `side` in a frame of it, if it is another one. Costs a look at the indices
+    /// of the frame for each.
     pub(super) fn follow(&mut self, side: Side, frame: &PreparedFrame, origin: DVec3) {
         if self.followed[side as usize].replace(frame.id) == Some(frame.id) {
             return;

@@ -1,9 +1,9 @@
 //! Levels of detail while the camera moves, for frames at rest that take long to draw.
 //!
-//! **How it works.** A picture of all points that took longer than a smooth motion allows is remembered with its frame, which then gets an
-//! octree on a thread if it has none. While the camera moves, as many cells are drawn as there is time for
-//! ([`Lod::FrameTimeMs`]); once it has rested, all points. Frames that play have fewer points instead (`sequence/effort.rs`): an octree for
-//! each would take the time of the points that it saves.
+//! **How it works.** A picture of all points that took longer than a smooth motion allows is remembered with its frame,
+//! which then gets an octree on a thread if it has none. While the camera moves, as many cells are drawn as there is
+//! time for ([`Lod::FrameTimeMs`]); once it has rested, all points. Frames that play have fewer points instead
+//! (`sequence/effort.rs`): an octree for each would take the time of the points that it saves.
 
 use super::tasks::{Outcome, Tasks};
 use crate::playback::can_draw;
@@ -86,7 +86,8 @@ impl Levels {
             .map(|moved_at| moved_at + REST)
     }
 
-    /// The frame and the settings to draw with from `camera` at `now`: those that are given, or coarser ones while it moves.
+    /// The frame and the settings to draw with from `camera` at `now`: those that are given, or coarser ones while it
+    /// moves.
     pub(super) fn choose(
         &mut self,
         frame: &Arc<PreparedFrame>,

@@ -71,7 +71,8 @@ impl Gauge {
     }
 }
 
-/// Between two directions, as exact for small and for flat angles as for others (Kahan 2006); `None` where one has no length.
+/// Between two directions, as exact for small and for flat angles as for others (Kahan 2006); `None` where one has no
+/// length.
 fn angle_deg(a: DVec3, b: DVec3) -> Option<f64> {
     let (a, b) = (a.try_normalize()?, b.try_normalize()?);
     Some(2.0 * (a - b).length().atan2((a + b).length()).to_degrees())
@@ -117,7 +118,8 @@ impl Measurement {
         self.gauge.value(&places, up)
     }
 
-    /// One line with all digits: the value, and each point with its frame (from 1), its index in the file (from 0) and where it is.
+    /// One line with all digits: the value, and each point with its frame (from 1), its index in the file (from 0) and
+    /// where it is.
     pub fn line(&self, up: DVec3) -> String {
         let mut line = self.gauge.name().to_lowercase();
         match self.value(up) {

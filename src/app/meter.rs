@@ -30,7 +30,8 @@ pub struct GpuWork {
     pub submissions: u64,
     /// Passes, those of the pictures and that of the window.
     pub passes: u64,
-    /// Bytes of points, voxels, pictures and panels that were uploaded; without the few hundred that say how a picture is seen.
+    /// Bytes of points, voxels, pictures and panels that were uploaded; without the few hundred that say how a picture
+    /// is seen.
     pub uploaded_bytes: u64,
 }
 

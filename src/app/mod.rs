@@ -1,12 +1,12 @@
 //! The window: a player for sequences, on winit and egui.
 //!
 //! **How it works.** [`State`] is plain data and knows neither a window nor a GPU: the open sequence with its playhead
-//! ([`crate::playback::Player`]), camera, settings, notices and what panels are open. Panels (`fn timeline_ui(ui, &mut State)`) read and
-//! change it; keys become [`Command`]s through one table that the help window shows as well. `State::update` moves the
-//! playhead and says whether something can be seen to have changed. Only then does the window run the panels and, if the
-//! [`crate::scene::ScenePacket`] differs from the last one, draw a new 3-D picture into a texture that the central panel
-//! shows. Whatever takes long (dialogs, finding files, writing images, benchmarks) runs on a named thread and comes back as
-//! an [`Outcome`] through a bounded channel.
+//! ([`crate::playback::Player`]), camera, settings, notices and what panels are open. Panels (`fn timeline_ui(ui, &mut
+//! State)`) read and change it; keys become [`Command`]s through one table that the help window shows as well.
+//! `State::update` moves the playhead and says whether something can be seen to have changed. Only then does the window
+//! run the panels and, if the [`crate::scene::ScenePacket`] differs from the last one, draw a new 3-D picture into a
+//! texture that the central panel shows. Whatever takes long (dialogs, finding files, writing images, benchmarks) runs
+//! on a named thread and comes back as an [`Outcome`] through a bounded channel.
 //!
 //! **Idle.** The event loop sleeps until an event, a loader's or task's wake, or the clock's next deadline. A paused,
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.

@@ -1,5 +1,5 @@
-//! Messages to the person: shown until dismissed, the same one only once, warnings and errors of one kind together. What merely confirms
-//! goes by itself.
+//! Messages to the person: shown until dismissed, the same one only once, warnings and errors of one kind together.
+//! What merely confirms goes by itself.
 
 use crate::messages::kind_of;
 
@@ -52,8 +52,8 @@ const MAX_NOTICES: usize = 6;
 const MAX_OTHERS: usize = 1000;
 
 impl Notices {
-    /// Shows `text`. The same text again only counts up, however often a broken frame is drawn; a warning or an error of a kind that is
-    /// shown already is listed with it, however many frames are broken.
+    /// Shows `text`. The same text again only counts up, however often a broken frame is drawn; a warning or an error
+    /// of a kind that is shown already is listed with it, however many frames are broken.
     pub fn post(&mut self, severity: Severity, text: impl Into<String>) {
         let text = text.into();
         if let Some(known) = self

@@ -48,7 +48,8 @@ pub(super) struct Pace {
 }
 
 impl Agenda {
-    /// Decides at `now`. A hidden window draws nothing, and nothing of it is waited for: it is drawn when it is seen again.
+    /// Decides at `now`. A hidden window draws nothing, and nothing of it is waited for: it is drawn when it is seen
+    /// again.
     pub(super) fn pace(&self, now: Duration) -> Pace {
         let draw_at = if self.is_changed {
             Some(self.not_before)

@@ -53,8 +53,8 @@ pub struct Palette {
     pub(super) chosen: usize,
 }
 
-/// The commands that `query` finds: each of its words is there in the command's text, letter after letter. Those that have the
-/// words as they are come first.
+/// The commands that `query` finds: each of its words is there in the command's text, letter after letter. Those that
+/// have the words as they are come first.
 pub(super) fn find(query: &str) -> Vec<Entry> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let with_keys = BINDINGS.iter().map(|binding| Entry {

@@ -1,10 +1,10 @@
 //! What a person chose, kept between runs in a small JSON file.
 //!
-//! **How it works.** [`Preferences`] are the part of the window's state that outlives it. The file holds them by the words
-//! of the command line, and outlives versions of this program: what it does not have, or has in a way that cannot be read,
-//! is as by default; of a number that is not offered the nearest is taken; what is not known is kept as it is. Where
-//! something could not be read, a copy is made before the file is written anew (`kept/lenient.rs`). It is written a moment
-//! after something was changed, so that a program that is killed has lost nothing, and never by a run in which
+//! **How it works.** [`Preferences`] are the part of the window's state that outlives it. The file holds them by the
+//! words of the command line, and outlives versions of this program: what it does not have, or has in a way that cannot
+//! be read, is as by default; of a number that is not offered the nearest is taken; what is not known is kept as it is.
+//! Where something could not be read, a copy is made before the file is written anew (`kept/lenient.rs`). It is written
+//! a moment after something was changed, so that a program that is killed has lost nothing, and never by a run in which
 //! nothing was changed.
 
 use super::present_choice::PresentChoice;
@@ -94,8 +94,8 @@ struct Stored<'a> {
 }
 
 impl Preferences {
-    /// Within what the window offers: the command line lets more through, people write files by hand, and a window can be
-    /// squeezed to nothing.
+    /// Within what the window offers: the command line lets more through, people write files by hand, and a window can
+    /// be squeezed to nothing.
     fn offered(self) -> Self {
         Self {
             settings: offered_settings(self.settings),

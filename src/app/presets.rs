@@ -1,9 +1,9 @@
 //! Settings under a name, kept between runs in a small JSON file.
 //!
-//! **How it works.** Each preset is read by itself, and each of its values: one that is not there or not known is as by default,
-//! of a number that is not offered the nearest is taken. So presets outlive versions of this program. What a later one wrote
-//! beside what is known here goes when the list is written anew; a file of which something could not be read is copied first
-//! (`kept/lenient.rs`).
+//! **How it works.** Each preset is read by itself, and each of its values: one that is not there or not known is as by
+//! default, of a number that is not offered the nearest is taken. So presets outlive versions of this program. What a
+//! later one wrote beside what is known here goes when the list is written anew; a file of which something could not be
+//! read is copied first (`kept/lenient.rs`).
 
 use super::preferences::offered_settings;
 use crate::kept::{self, Fields};

@@ -1,8 +1,9 @@
 //! How far long work is: a bar with the time left, and a way to cancel it.
 //!
-//! **How it works.** The thread that works says through a [`Progress`] how much of it is done; the window looks when it is woken, and
-//! measures the pace between the first and the last time that it saw something done. What comes before, such as opening a
-//! graphics card, is no part of the pace. The work is over when its thread has let go of the [`Progress`].
+//! **How it works.** The thread that works says through a [`Progress`] how much of it is done; the window looks when it
+//! is woken, and measures the pace between the first and the last time that it saw something done. What comes before,
+//! such as opening a graphics card, is no part of the pace. The work is over when its thread has let go of the
+//! [`Progress`].
 
 pub use crate::progress::Progress;
 
@@ -176,7 +177,8 @@ impl Works {
         }
     }
 
-    /// Takes notice at `now` of what is done, and forgets what has ended. True if something is no longer shown that was, or begins to be.
+    /// Takes notice at `now` of what is done, and forgets what has ended. True if something is no longer shown that
+    /// was, or begins to be.
     pub(super) fn look(&mut self, before: Duration, now: Duration) -> bool {
         let is_shown = |works: &[Work], at| works.iter().filter(|work| work.is_long(at)).count();
         let shown_before = is_shown(&self.list, before);

@@ -1,4 +1,5 @@
-//! Everything the window shows and what a person can change, without a window: tests drive it with a clock of their own.
+//! Everything the window shows and what a person can change, without a window: tests drive it with a clock of their
+//! own.
 
 mod actions;
 mod companion;
@@ -240,8 +241,8 @@ impl State {
         }
     }
 
-    /// Shows `sequence` in place of what was open. Settings, loop mode and speed stay: they are choices of the person, not of
-    /// the sequence. What is beside it stays there.
+    /// Shows `sequence` in place of what was open. Settings, loop mode and speed stay: they are choices of the person,
+    /// not of the sequence. What is beside it stays there.
     pub fn open(&mut self, sequence: Arc<Sequence>) {
         let loader_options = self.loader_options(self.budget_bytes());
         let mut player = match Player::new(sequence, loader_options, !self.options.paused) {
@@ -416,7 +417,8 @@ impl State {
         deadlines.any(|deadline| deadline <= self.now)
     }
 
-    /// Whether panels show more of the playing frame than its place on the timeline, so that they have to keep step with it.
+    /// Whether panels show more of the playing frame than its place on the timeline, so that they have to keep step
+    /// with it.
     fn panels_show_frame(&self) -> bool {
         let is_playing = self.player.as_ref().is_some_and(Player::is_playing);
         !is_playing
@@ -504,7 +506,8 @@ impl State {
         let settings = self.drawn_settings();
         let Some(player) = &self.player else { return };
         let noted = self.drawing.note_draw_ms(draw_ms);
-        // What stands for a frame that is on its way says nothing about its picture, and levels of it would be in its way.
+        // What stands for a frame that is on its way says nothing about its picture, and levels of it would be in its
+        // way.
         let is_partial = player.is_partial();
         if let Some(points) = noted.filter(|_| !is_partial) {
             player.note_picture_ms(points, draw_ms);
@@ -520,8 +523,8 @@ impl State {
         }
     }
 
-    /// The packet of the other side of a comparison, or of the other sequence, if it differs from the last one. To be asked for after
-    /// [`State::next_packet`].
+    /// The packet of the other side of a comparison, or of the other sequence, if it differs from the last one. To be
+    /// asked for after [`State::next_packet`].
     pub fn next_other_packet(&mut self) -> Option<ScenePacket> {
         if self.beside.is_some() {
             return self.next_packet_beside();

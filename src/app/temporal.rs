@@ -1,9 +1,10 @@
 //! What other poses say of the shown one: how far it is from one of them in colours, and ghosts of its neighbours.
 //!
-//! How it works. Both make another frame from the one that the player shows, on a thread: the same points in other colours
-//! ([`PreparedFrame::in_colors`]), then with others around them ([`with_ghosts`]). Until it is there the pose is shown as it is, but
-//! for a moment the frame that was made of the pose before stays, so that the picture does not flicker while playing. What is under way for a pose that the
-//! playhead has left is cancelled. Distances are kept, as they take longest; colours follow from them.
+//! How it works. Both make another frame from the one that the player shows, on a thread: the same points in other
+//! colours ([`PreparedFrame::in_colors`]), then with others around them ([`with_ghosts`]). Until it is there the pose
+//! is shown as it is, but for a moment the frame that was made of the pose before stays, so that the picture does not
+//! flicker while playing. What is under way for a pose that the playhead has left is cancelled. Distances are kept, as
+//! they take longest; colours follow from them.
 
 use super::progress::Progress;
 use super::tasks::{Outcome, Tasks};
@@ -163,7 +164,8 @@ impl Temporal {
         };
     }
 
-    /// Starts what the shown pose lacks, and cancels what nobody waits for any more. True if another frame is to be drawn.
+    /// Starts what the shown pose lacks, and cancels what nobody waits for any more. True if another frame is to be
+    /// drawn.
     pub(super) fn follow(
         &mut self,
         player: &Player,

@@ -1,8 +1,8 @@
 //! Trails: the ways that picked points, or points spread over the frame, take through time.
 //!
 //! How it works. All of them are found together by one task, which looks at every frame from in to out point
-//! ([`crate::sequence::Trails`]) and can be cancelled between two. Another task begins only when the one before has ended, so that no
-//! more than one frame is being read for it.
+//! ([`crate::sequence::Trails`]) and can be cancelled between two. Another task begins only when the one before has
+//! ended, so that no more than one frame is being read for it.
 
 use super::inspection::{Anchor, Inspection};
 use super::tasks::{Outcome, Tasks};

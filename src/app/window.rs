@@ -34,8 +34,9 @@ const DEFAULT_SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
 /// Below this the timeline does not fit, logical pixels.
 const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(720.0, 420.0);
 
-/// The shortest time from one redraw to the next, of that between two pictures of the screen, where presenting does not wait: a mouse
-/// tells of its moves a thousand times a second. It is below 1, so that pictures which are due do not move back little by little.
+/// The shortest time from one redraw to the next, of that between two pictures of the screen, where presenting does not
+/// wait: a mouse tells of its moves a thousand times a second. It is below 1, so that pictures which are due do not
+/// move back little by little.
 const MIN_REDRAW_INTERVAL: f64 = 0.75;
 
 /// Of a screen that does not tell.

@@ -1,9 +1,10 @@
 //! Which pixels of a picture an object covers, and where in it a closer look covers more.
 //!
-//! How it works: the same picture is drawn on two backgrounds, and a pixel is free only where it shows both of them, so that
-//! no colour of the object can pass for background. Covered pixels are kept as a summed-area table (Crow 1984): the covered
-//! share of any rectangle is four look-ups. [`Cover::closer_view`] tries rectangles of the picture's shape, largest first,
-//! until one is covered as wanted: what a camera would see that aims at its middle and comes closer by its scale.
+//! How it works: the same picture is drawn on two backgrounds, and a pixel is free only where it shows both of them, so
+//! that no colour of the object can pass for background. Covered pixels are kept as a summed-area table (Crow 1984):
+//! the covered share of any rectangle is four look-ups. [`Cover::closer_view`] tries rectangles of the picture's shape,
+//! largest first, until one is covered as wanted: what a camera would see that aims at its middle and comes closer by
+//! its scale.
 
 use image::RgbaImage;
 

@@ -1,7 +1,7 @@
 //! Ways to draw as points of time and error, and which of them is best for a person who says what may be spent.
 //!
-//! How it works: a way is on the *front* (Pareto) when no other is at once as fast and as right. Fastest below an error, best within a
-//! time, and a slider from fast to exact all choose from the front alone.
+//! How it works: a way is on the *front* (Pareto) when no other is at once as fast and as right. Fastest below an
+//! error, best within a time, and a slider from fast to exact all choose from the front alone.
 
 use super::Environment;
 use crate::kept;

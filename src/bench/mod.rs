@@ -1,5 +1,5 @@
-//! The program measures itself by the protocol of paper 000 §VII: pictures of 1920×1280 from viewpoints around the object, 25
-//! to 85 % of the pixels covered, after a warm-up, by CPU and GPU clocks.
+//! The program measures itself by the protocol of paper 000 §VII: pictures of 1920×1280 from viewpoints around the
+//! object, 25 to 85 % of the pixels covered, after a warm-up, by CPU and GPU clocks.
 //!
 //! | suite | the paper's | one row |
 //! |---|---|---|
@@ -12,9 +12,10 @@
 //! | [`Suite::Window`] | – | sequence × primitive × action: pictures presented, latency, processor time by part |
 //! | [`Suite::Error`] | – | sequence × way to draw: error against the truth beside time |
 //!
-//! `scenario` places the viewpoints by what the suite draws (the octree's by surfels) and `cover` counts their pixels, `runner` holds the clocks, `suites` are the loops, `report` the answer. The
-//! command line and the window's benchmark menu both call [`run`]; nothing else of the program runs meanwhile: frames
-//! are prepared on the calling thread before they are measured, since a loader's workers would take its cores.
+//! `scenario` places the viewpoints by what the suite draws (the octree's by surfels) and `cover` counts their pixels,
+//! `runner` holds the clocks, `suites` are the loops, `report` the answer. The command line and the window's benchmark
+//! menu both call [`run`]; nothing else of the program runs meanwhile: frames are prepared on the calling thread before
+//! they are measured, since a loader's workers would take its cores.
 
 mod cover;
 mod environment;
@@ -148,7 +149,8 @@ pub struct BenchOptions {
     pub viewport_px: [u32; 2],
     /// Directions from which each frame is seen; at least 1. The protocol wants 8.
     pub viewpoints: usize,
-    /// Frames of each sequence, spread evenly; at least 1. For [`Suite::Play`] and [`Suite::Window`] how many are shown, turn after turn.
+    /// Frames of each sequence, spread evenly; at least 1. For [`Suite::Play`] and [`Suite::Window`] how many are
+    /// shown, turn after turn.
     pub frames: usize,
     /// Memory for prepared frames of [`Suite::Play`], bytes; the loader's default if `None`.
     pub budget_bytes: Option<usize>,
@@ -273,8 +275,8 @@ pub struct Input {
 
 /// Measures `inputs` on the adapter of `context`; without one, on the processor.
 ///
-/// Blocks until everything is measured; `say` is called before each step, and whether `progress` is cancelled is looked at before
-/// each picture. Frames that cannot be read or have no points are skipped, which [`Report::notes`] say.
+/// Blocks until everything is measured; `say` is called before each step, and whether `progress` is cancelled is looked
+/// at before each picture. Frames that cannot be read or have no points are skipped, which [`Report::notes`] say.
 pub fn run(
     inputs: &[Input],
     options: &BenchOptions,

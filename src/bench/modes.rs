@@ -1,7 +1,8 @@
 //! Which ways to draw are compared, in the words of the command line.
 //!
-//! Words of one group are alternatives, groups must all be met: who draws (cpu, gpu), what (surfel, voxel, point, or surfels of one
-//! splatting mode), and how instances reach the GPU (storage, uniform …). A group without words is no condition.
+//! Words of one group are alternatives, groups must all be met: who draws (cpu, gpu), what (surfel, voxel, point, or
+//! surfels of one splatting mode), and how instances reach the GPU (storage, uniform …). A group without words is no
+//! condition.
 
 use crate::scene::{Primitive, RendererChoice, Settings, Splatting, Strategy};
 use std::str::FromStr;

@@ -1,8 +1,8 @@
 //! The clocks: what one upload and one picture take.
 //!
-//! A picture is timed by the wall clock from handing over the packet until the GPU has finished, nothing being read back or
-//! shown, and by GPU timestamps around its passes where the adapter has them. What it draws is resident before: uploads
-//! are timed apart, until their copies have arrived. Compiling pipelines is in neither.
+//! A picture is timed by the wall clock from handing over the packet until the GPU has finished, nothing being read
+//! back or shown, and by GPU timestamps around its passes where the adapter has them. What it draws is resident before:
+//! uploads are timed apart, until their copies have arrived. Compiling pipelines is in neither.
 
 use crate::render::{AnyRenderer, RenderError, Renderer};
 use crate::scene::{ScenePacket, Voxels};

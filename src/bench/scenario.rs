@@ -1,17 +1,17 @@
 //! From where a frame is seen (paper 000 §VII: "distinct viewpoints", 25 to 85 % of the pixels covered).
 //!
-//! How it works: viewpoints stand on a circle around the frame at changing elevations and look at the mean of its points
-//! first. How much of a picture the object covers cannot be computed from its box, so it is measured: the frame is drawn as
-//! the suite draws it and its pixels are counted. Too much, and the camera moves out: the covered area goes with
-//! 1/distance². Too little, and [`Cover::closer_view`] finds the part of the picture that is covered as wanted, at which the
-//! camera then aims and to which it comes closer. A move that does not help is taken back and tried by half.
+//! How it works: viewpoints stand on a circle around the frame at changing elevations and look at the mean of its
+//! points first. How much of a picture the object covers cannot be computed from its box, so it is measured: the frame
+//! is drawn as the suite draws it and its pixels are counted. Too much, and the camera moves out: the covered area goes
+//! with 1/distance². Too little, and [`Cover::closer_view`] finds the part of the picture that is covered as wanted, at
+//! which the camera then aims and to which it comes closer. A move that does not help is taken back and tried by half.
 //!
-//! Voxels of a sparse cloud do not close its surface: at δ = 5 % nearly every point has a cell of its own, much smaller than the
-//! point's share of the surface. Coming closer therefore helps only until the object fills the picture. By its own figures
-//! the paper's do not close it either: the depths of its Table IV are those that Table III gives for δ = 5 %, and 85,000
-//! leaves of edge 1/1024 have 8 % of the area of a face of the cube. How its 25 % were reached it does not say. δ and LOD
-//! threshold stay the paper's here, viewpoints of voxels show a part of the object, and what cannot be brought into the band (a
-//! laser sweep, a thinned cloud) is measured where it came closest and named in the report.
+//! Voxels of a sparse cloud do not close its surface: at δ = 5 % nearly every point has a cell of its own, much smaller
+//! than the point's share of the surface. Coming closer therefore helps only until the object fills the picture. By its
+//! own figures the paper's do not close it either: the depths of its Table IV are those that Table III gives for δ = 5
+//! %, and 85,000 leaves of edge 1/1024 have 8 % of the area of a face of the cube. How its 25 % were reached it does
+//! not say. δ and LOD threshold stay the paper's here, viewpoints of voxels show a part of the object, and what cannot
+//! be brought into the band (a laser sweep, a thinned cloud) is measured where it came closest and named in the report.
 
 use super::cover::Cover;
 use crate::scene::Camera;
@@ -26,8 +26,8 @@ const COVERAGE_TARGET: f64 = 0.46;
 /// Moves of one climb.
 const MAX_MOVES: usize = 10;
 
-/// Largest change of the distance in the first moves: what is seen from afar says little about a view from close by. A climb
-/// that ends in a hollow is tried again by smaller steps, which take another way.
+/// Largest change of the distance in the first moves: what is seen from afar says little about a view from close by. A
+/// climb that ends in a hollow is tried again by smaller steps, which take another way.
 const FIRST_REACHES: [f64; 2] = [2.5, 1.6];
 
 /// A correction that may change the distance by no more than this is not worth a picture.
@@ -36,8 +36,8 @@ const LEAST_REACH: f64 = 1.05;
 /// A correction that gains less of the picture than this hardly helps: the next one is smaller.
 const LEAST_GAIN: f64 = 0.003;
 
-/// How far in and out the camera may go, as parts of the distance that frames the whole object. Closer than this the eye
-/// would stand inside it.
+/// How far in and out the camera may go, as parts of the distance that frames the whole object. Closer than this the
+/// eye would stand inside it.
 const DISTANCE_RANGE: RangeInclusive<f64> = 0.12..=4.0;
 
 /// Elevations that successive viewpoints take, degrees.
@@ -98,7 +98,8 @@ pub(super) fn place<E>(
     Ok(best)
 }
 
-/// Moves `best`, of which `cover` is the picture, as long as it helps. The first move changes the distance at most by `reach`.
+/// Moves `best`, of which `cover` is the picture, as long as it helps. The first move changes the distance at most by
+/// `reach`.
 fn climb<E>(
     mut best: Viewpoint,
     mut cover: Cover,
@@ -201,7 +202,8 @@ mod tests {
         }
     }
 
-    /// A rectangle in the plane z = 0, of which every `every`th pixel is seen, as drawn by a camera that looks along -z.
+    /// A rectangle in the plane z = 0, of which every `every`th pixel is seen, as drawn by a camera that looks
+    /// along -z.
     fn board(
         center: [f64; 2],
         half: [f64; 2],

@@ -1,8 +1,9 @@
-//! True pictures on disk, by the content that they show: they take seconds, and the same view is measured again and again.
+//! True pictures on disk, by the content that they show: they take seconds, and the same view is measured again and
+//! again.
 //!
-//! How it works: the name of a truth is the SHA-256 of everything that it depends on. Picture, depths and tolerances are three PNG
-//! files, the latter with the bytes of an f32 in the channels of a pixel. What cannot be read is made again. The oldest files go
-//! when there are too many bytes of them.
+//! How it works: the name of a truth is the SHA-256 of everything that it depends on. Picture, depths and tolerances
+//! are three PNG files, the latter with the bytes of an f32 in the channels of a pixel. What cannot be read is made
+//! again. The oldest files go when there are too many bytes of them.
 
 use super::lab::hex;
 use crate::kept;

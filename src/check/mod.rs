@@ -1,8 +1,9 @@
 //! What may be wrong with a sequence: gaps, frames that fail, attributes that change, points that are no points.
 //!
-//! **How it works.** Every frame is decoded once, on as many threads as there are cores, and shrinks to its [`FrameFacts`] at once, so
-//! that a sequence of any length takes the memory of a few frames. Rules about one frame look at its facts, rules about the
-//! sequence at the facts of all. What a rule finds is a [`Finding`]: of which kind, in which frames, said in one sentence.
+//! **How it works.** Every frame is decoded once, on as many threads as there are cores, and shrinks to its
+//! [`FrameFacts`] at once, so that a sequence of any length takes the memory of a few frames. Rules about one frame
+//! look at its facts, rules about the sequence at the facts of all. What a rule finds is a [`Finding`]: of which kind,
+//! in which frames, said in one sentence.
 
 mod facts;
 mod rules;

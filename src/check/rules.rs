@@ -135,8 +135,8 @@ fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
         .windows(2)
         .map(|pair| pair[1].saturating_sub(pair[0]))
         .collect();
-    // Every second frame may have been kept on purpose: the smallest step is the rule. Time stamps count too, but what lies
-    // between them is not missing.
+    // Every second frame may have been kept on purpose: the smallest step is the rule. Time stamps count too, but what
+    // lies between them is not missing.
     let usual = steps.iter().copied().min().unwrap_or(0);
     let is_counter = usual > 0 && steps.iter().all(|step| step % usual == 0);
     let has_times = entries.iter().any(|entry| entry.time.is_some());

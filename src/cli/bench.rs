@@ -20,13 +20,15 @@ use std::sync::Arc;
 /// Arguments of `pointreel bench`.
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
-    /// surfels, octree or voxels (Tables II, III and IV of the paper), accuracy (errors of stages beside times), render (processor
-    /// beside adapter), play (rate held by the clock, nothing presented), window (rate presented, latency and cost of a real window) or error (errors of pictures beside times, for every way to draw)
+    /// surfels, octree or voxels (Tables II, III and IV of the paper), accuracy (errors of stages beside times), render
+    /// (processor beside adapter), play (rate held by the clock, nothing presented), window (rate presented, latency
+    /// and cost of a real window) or error (errors of pictures beside times, for every way to draw)
     #[arg(value_name = "SUITE")]
     suite: Suite,
 
-    /// Folders, patterns or files, each a sequence of its own; `demo:` is the built-in one, `sphere:`, `torus:`, `cube:` and
-    /// `saddle:` are sampled shapes of which `error` knows the truth (`sphere:20000` has 20,000 points instead of 100,000)
+    /// Folders, patterns or files, each a sequence of its own; `demo:` is the built-in one, `sphere:`, `torus:`,
+    /// `cube:` and `saddle:` are sampled shapes of which `error` knows the truth (`sphere:20000` has 20,000 points
+    /// instead of 100,000)
     #[arg(default_value = DEMO_INPUT, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
@@ -46,7 +48,8 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "MODES")]
     modes: Option<Modes>,
 
-    /// Frames of each sequence, spread evenly [default: 3; 1 for render and error]; for play and window, frames shown [default: 300]
+    /// Frames of each sequence, spread evenly [default: 3; 1 for render and error]; for play and window, frames shown
+    /// [default: 300]
     #[arg(long, value_name = "N", value_parser = count)]
     frames: Option<usize>,
 
@@ -58,7 +61,8 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "SIZE", value_parser = byte_count)]
     budget: Option<u64>,
 
-    /// Picture size in pixels [default: 1920x1280; 1920x1080 for render, 1280x720 for play and error]; of the window itself 1280x800
+    /// Picture size in pixels [default: 1920x1280; 1920x1080 for render, 1280x720 for play and error]; of the window
+    /// itself 1280x800
     #[arg(long, value_name = "WxH", value_parser = size_px)]
     size: Option<[u32; 2]>,
 

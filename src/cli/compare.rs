@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 /// Pixels that a picture may claim to have. 8K (7680×4320) fits; measuring takes a hundred bytes for each.
 const MAX_PIXELS: u64 = 1 << 25;
 
-/// Bytes that the decoder may use for one picture: 16-bit channels of [`MAX_PIXELS`], and as much again for its own needs.
+/// Bytes that the decoder may use for one picture: 16-bit channels of [`MAX_PIXELS`], and as much again for its own
+/// needs.
 const MAX_DECODER_BYTES: u64 = 16 * MAX_PIXELS;
 
 /// Arguments of `pointreel compare`.

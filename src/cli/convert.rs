@@ -15,8 +15,8 @@ use std::sync::Arc;
 /// Arguments of `pointreel convert`.
 #[derive(Debug, Args)]
 pub(super) struct ConvertArgs {
-    /// A folder, a pattern, or files; `demo:` is the built-in sequence; the last one is the OUTPUT: a file for one frame, else a
-    /// folder, which is made
+    /// A folder, a pattern, or files; `demo:` is the built-in sequence; the last one is the OUTPUT: a file for one
+    /// frame, else a folder, which is made
     #[arg(required = true, num_args = 2.., value_name = "INPUT… OUTPUT")]
     paths: Vec<PathBuf>,
 
@@ -32,7 +32,8 @@ pub(super) struct ConvertArgs {
     #[arg(long, value_name = "SIZE", value_parser = edge)]
     voxel: Option<f64>,
 
-    /// Move the points: a file with 16 numbers (4 x 4, row by row, as `CloudCompare` writes it), or the numbers with commas between
+    /// Move the points: a file with 16 numbers (4 x 4, row by row, as `CloudCompare` writes it), or the numbers with
+    /// commas between
     #[arg(long, value_name = "MATRIX", value_parser = matrix, allow_hyphen_values = true)]
     transform: Option<DMat4>,
 

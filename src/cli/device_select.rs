@@ -1,9 +1,9 @@
 //! A layer of Vulkan that is left out where it only complains.
 //!
-//! Mesa installs a layer that asks the Wayland session which graphics card is its own, each time that cards are listed. Without a
-//! session it learns nothing, and libwayland prints `error: XDG_RUNTIME_DIR is invalid or not set in the environment.` for
-//! each question. wgpu has no switch that would keep the layer out: it always asks for all kinds of windows that Vulkan knows. The
-//! layer's own switch is in the environment, and is set here.
+//! Mesa installs a layer that asks the Wayland session which graphics card is its own, each time that cards are listed.
+//! Without a session it learns nothing, and libwayland prints `error: XDG_RUNTIME_DIR is invalid or not set in the
+//! environment.` for each question. wgpu has no switch that would keep the layer out: it always asks for all kinds of
+//! windows that Vulkan knows. The layer's own switch is in the environment, and is set here.
 //!
 //! Without the layer cards are listed in the order of their drivers. Nothing follows from that but which of two equally
 //! good cards is taken.
@@ -13,8 +13,8 @@ use std::ffi::OsString;
 /// The switch in the layer's manifest, `VkLayer_MESA_device_select.json`.
 const SWITCH: &str = "NODEVICE_SELECT";
 
-/// Leaves the layer out for the rest of the program if there is no session that it could ask. To be called once, when the program
-/// starts and has one thread.
+/// Leaves the layer out for the rest of the program if there is no session that it could ask. To be called once, when
+/// the program starts and has one thread.
 pub(super) fn leave_out_without_session() {
     if cfg!(target_os = "linux") && is_useless(|name| std::env::var_os(name)) {
         #[allow(

@@ -1,4 +1,5 @@
-//! What other poses add to a picture: colours by how far each point is from another frame, ghosts, and the ways of points.
+//! What other poses add to a picture: colours by how far each point is from another frame, ghosts, and the ways of
+//! points.
 
 use super::arguments::FrameRange;
 use super::warnings;

@@ -1,7 +1,8 @@
 //! Warnings on stderr: those of one kind are one line with a count.
 //!
-//! They come from verbs and, through the log, from anywhere. They are held until the verb is done, since only then the count is known;
-//! a window may stay open for days, so there the first of each kind is said at once. `--verbose` says all at once.
+//! They come from verbs and, through the log, from anywhere. They are held until the verb is done, since only then the
+//! count is known; a window may stay open for days, so there the first of each kind is said at once. `--verbose` says
+//! all at once.
 
 use super::say;
 use crate::locks::lock;

@@ -1,15 +1,15 @@
 //! Anisotropic extents of a splat in 32 bits.
 //!
-//! An ellipse is a direction in the tangent plane and the ratio of its half axes; its size is that of the splat. The *quadratic
-//! mean* of both half axes is the radius, so that a circle is the ellipse of ratio 1, and the farthest corner of a rectangle that
-//! is as long as the ellipse in proportion is as far from the middle for both: where a circle just covers a rectangular cell,
-//! so does the ellipse. (An ellipse within the circle does not cover the corner unless it is the circle.) The longer half
-//! axis is up to √2 radii.
+//! An ellipse is a direction in the tangent plane and the ratio of its half axes; its size is that of the splat.
+//! The *quadratic mean* of both half axes is the radius, so that a circle is the ellipse of ratio 1, and the
+//! farthest corner of a rectangle that is as long as the ellipse in proportion is as far from the middle for both:
+//! where a circle just covers a rectangular cell, so does the ellipse. (An ellipse within the circle does not cover
+//! the corner unless it is the circle.) The longer half axis is up to √2 radii.
 //!
-//! The upper 16 bits are the direction, the lower 16 the ratio in steps of 1/65535; 0 is a circle. The direction is `x / (|x| +
-//! y)` of its coordinates in the basis of Duff et al. (2017, *Building an Orthonormal Basis, Revisited*) to the normal *as it is
-//! decoded*, turned so that y is not negative: from 1 over 0 to −1 for half a turn, in 65535 steps. No angle, so that neither
-//! side needs a trigonometric function.
+//! The upper 16 bits are the direction, the lower 16 the ratio in steps of 1/65535; 0 is a circle. The direction is `x
+//! / (|x| + y)` of its coordinates in the basis of Duff et al. (2017, *Building an Orthonormal Basis, Revisited*) to
+//! the normal *as it is decoded*, turned so that y is not negative: from 1 over 0 to −1 for half a turn, in 65535
+//! steps. No angle, so that neither side needs a trigonometric function.
 
 use super::record::oct_decode;
 use glam::Vec3;
@@ -36,8 +36,8 @@ const STEPS: f32 = u16::MAX as f32;
 
 /// Packs an ellipse in the tangent plane of a packed normal; without one, a circle, which is 0.
 ///
-/// Errors: the direction below 0.002 degrees, the ratio below 10⁻⁵ (and none is smaller than 1/65535). A part of the axis along
-/// the normal is dropped; an axis along the normal, or a ratio of 1, has no direction.
+/// Errors: the direction below 0.002 degrees, the ratio below 10⁻⁵ (and none is smaller than 1/65535). A part of the
+/// axis along the normal is dropped; an axis along the normal, or a ratio of 1, has no direction.
 pub fn encode_ellipse(normal: [i16; 2], ellipse: Option<Ellipse>) -> u32 {
     let Some(Ellipse { axis, ratio }) = ellipse else {
         return 0;

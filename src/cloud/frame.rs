@@ -43,8 +43,8 @@ pub enum CloudError {
 /// One pose: a structure of arrays, all of one length.
 ///
 /// Invariants, held by [`Frame::from_raw`]: every position and scalar is finite; normals are of unit length, or zero
-/// where the file gave none that can be used; radii are finite and not negative; points stand in the order of their Morton
-/// codes in the [`Cube`] around them, those in one finest cell in the order of the file.
+/// where the file gave none that can be used; radii are finite and not negative; points stand in the order of their
+/// Morton codes in the [`Cube`] around them, those in one finest cell in the order of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     positions: Vec<Vec3>,
@@ -69,8 +69,8 @@ impl Frame {
     /// Most points a frame can hold.
     pub const MAX_POINTS: usize = 1 << 31;
 
-    /// Validates `raw`, moves it to `origin` (in f64), drops points without finite coordinates and puts the others in Morton
-    /// order.
+    /// Validates `raw`, moves it to `origin` (in f64), drops points without finite coordinates and puts the others in
+    /// Morton order.
     pub fn from_raw(raw: RawCloud, origin: DVec3) -> Result<Self, CloudError> {
         let point_count = raw.positions.len();
         check_lengths(&raw)?;
@@ -114,8 +114,8 @@ impl Frame {
         })
     }
 
-    /// [`Frame::from_raw`] of at most `most_points` points, taken evenly from the order of the file. Radii grow, so that they cover
-    /// what all cover.
+    /// [`Frame::from_raw`] of at most `most_points` points, taken evenly from the order of the file. Radii grow, so
+    /// that they cover what all cover.
     pub fn from_raw_sample(
         mut raw: RawCloud,
         origin: DVec3,
@@ -153,8 +153,8 @@ impl Frame {
         Ok(frame)
     }
 
-    /// At most `most_points` of the points, taken evenly in their order, and where each of them stands here. Radii of the file grow, so
-    /// that they cover what all cover.
+    /// At most `most_points` of the points, taken evenly in their order, and where each of them stands here. Radii of
+    /// the file grow, so that they cover what all cover.
     pub fn sample(&self, most_points: usize) -> Result<(Self, Vec<u32>), CloudError> {
         let taken: Vec<u32> = even_places(self.len(), most_points)
             .into_iter()
@@ -241,8 +241,8 @@ impl Frame {
         self.radii.as_deref()
     }
 
-    /// Some points of the first frame of the sequence, by which is decided what all frames have in common; of this one where it belongs
-    /// to none.
+    /// Some points of the first frame of the sequence, by which is decided what all frames have in common; of this one
+    /// where it belongs to none.
     pub fn value_sample(&self) -> &Arc<ValueSample> {
         self.sample.0.get_or_init(|| {
             let (positions, colors) = (self.positions(), self.colors());
@@ -260,7 +260,8 @@ impl Frame {
         _ = self.sample.0.set(sample);
     }
 
-    /// The values of the first scalar field (intensity and the like), the best to colour by; NaN where the file has no finite number.
+    /// The values of the first scalar field (intensity and the like), the best to colour by; NaN where the file has no
+    /// finite number.
     pub fn scalars(&self) -> Option<&[f32]> {
         self.scalars.first().map(|field| field.values.as_slice())
     }

@@ -1,17 +1,19 @@
-//! Unit vectors as indices of 13, 15 or 17 bits: the faces of an octahedron that is refined again and again (paper 001 §4.1).
+//! Unit vectors as indices of 13, 15 or 17 bits: the faces of an octahedron that is refined again and again (paper 001
+//! §4.1).
 //!
-//! How it works: three bits name the octant (x, y, z negative). Its face is a spherical triangle; halving its edges, and putting the
-//! new corners back on the sphere, parts it into four, which two bits name: 0 is the one in the middle, 1 to 3 are those at its
-//! corners. Five refinements make 13 bits, six 15, seven 17. What is finer is told by lower bits, so an index with those dropped
-//! is that of the triangle around, and one index serves every precision.
+//! How it works: three bits name the octant (x, y, z negative). Its face is a spherical triangle; halving its edges,
+//! and putting the new corners back on the sphere, parts it into four, which two bits name: 0 is the one in the middle,
+//! 1 to 3 are those at its corners. Five refinements make 13 bits, six 15, seven 17. What is finer is told by lower
+//! bits, so an index with those dropped is that of the triangle around, and one index serves every precision.
 //!
-//! A triangle stands for the direction of its centroid. The normal of the flat triangle, which the paper takes, is the middle of
-//! its circumcircle, and at the corners of the octahedron, where triangles stay right-angled however small they are, that is a
-//! place on the edge to a neighbour.
+//! A triangle stands for the direction of its centroid. The normal of the flat triangle, which the paper takes, is the
+//! middle of its circumcircle, and at the corners of the octahedron, where triangles stay right-angled however small
+//! they are, that is a place on the edge to a neighbour.
 //!
-//! When it wins: where something is worked out for directions instead of points (light, footprints of splats), as a table of all
-//! of 13 bits has 8192 entries; and where normals are stored. The octahedral coordinates of [`super::oct_encode`] are quicker to
-//! decode, and more precise for their bits, but do not name the directions one by one.
+//! When it wins: where something is worked out for directions instead of points (light, footprints of splats), as a
+//! table of all of 13 bits has 8192 entries; and where normals are stored. The octahedral coordinates of
+//! [`super::oct_encode`] are quicker to decode, and more precise for their bits, but do not name the directions one by
+//! one.
 
 use glam::Vec3;
 use std::sync::LazyLock;
@@ -27,8 +29,8 @@ const fn bits(level: u32) -> u32 {
     3 + 2 * level
 }
 
-/// Triangles of the first octant, of all levels above the finest one after the other: the planes that part each from the ones
-/// at its corners.
+/// Triangles of the first octant, of all levels above the finest one after the other: the planes that part each from
+/// the ones at its corners.
 static PLANES: LazyLock<Vec<[Vec3; 3]>> = LazyLock::new(|| {
     let levels = (0..FINEST_LEVEL).flat_map(triangles);
     levels.map(|triangle| corner_planes(&triangle)).collect()
@@ -84,8 +86,8 @@ fn corner_planes(triangle: &[Vec3; 3]) -> [Vec3; 3] {
     [ab.cross(ca), bc.cross(ab), ca.cross(bc)]
 }
 
-/// The index of a direction after `level` refinements (7 at most): `3 + 2·level` bits. Length does not matter; what has none, or
-/// is no number, has some index.
+/// The index of a direction after `level` refinements (7 at most): `3 + 2·level` bits. Length does not matter; what has
+/// none, or is no number, has some index.
 pub fn quantise_direction(direction: Vec3, level: u32) -> u32 {
     let negative = |axis: usize| u32::from(direction[axis] < 0.0) << axis;
     let octant = negative(0) | negative(1) | negative(2);
@@ -121,8 +123,8 @@ pub fn quantised_normals(bits: u32) -> &'static [Vec3] {
     quantised_directions(bits.saturating_sub(3) / 2)
 }
 
-/// The largest angle between a unit vector and what its index of so many bits stands for, in radians: of no place in a triangle
-/// farther than of a corner, and 2.5° at 13 bits.
+/// The largest angle between a unit vector and what its index of so many bits stands for, in radians: of no place in a
+/// triangle farther than of a corner, and 2.5° at 13 bits.
 pub fn largest_normal_error(bits: u32) -> f32 {
     LARGEST_ERRORS[(bits.saturating_sub(3) / 2).min(FINEST_LEVEL) as usize]
 }
@@ -191,7 +193,8 @@ mod tests {
         }
     }
 
-    /// The middle part of a triangle has its direction, which is what lets an index with zeros for low bits stand for it.
+    /// The middle part of a triangle has its direction, which is what lets an index with zeros for low bits stand for
+    /// it.
     #[test]
     fn middle_parts_have_the_direction_of_the_whole() {
         for (index, &normal) in quantised_normals(13).iter().enumerate() {

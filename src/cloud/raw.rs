@@ -59,8 +59,8 @@ pub struct ScalarField {
     pub name: String,
     /// One entry a point.
     pub values: Vec<f32>,
-    /// What is to be added to a value to get the number in the file: not zero where single precision would lose it, as in GPS
-    /// times.
+    /// What is to be added to a value to get the number in the file: not zero where single precision would lose it, as
+    /// in GPS times.
     pub offset: f64,
 }
 
@@ -74,7 +74,8 @@ impl ScalarField {
         }
     }
 
-    /// Numbers of double precision, of which the smallest finite one becomes the offset if single precision loses digits.
+    /// Numbers of double precision, of which the smallest finite one becomes the offset if single precision loses
+    /// digits.
     pub fn from_f64(name: impl Into<String>, values: &[f64]) -> Self {
         let is_exact = |value: &f64| !value.is_finite() || f64::from(*value as f32) == *value;
         let offset = if values.iter().all(is_exact) {
@@ -159,8 +160,8 @@ impl RawCloud {
         }
     }
 
-    /// Leaves the points at `indices`, in their order, and no faces. Precondition: each is below the number of points and of the
-    /// entries of every attribute.
+    /// Leaves the points at `indices`, in their order, and no faces. Precondition: each is below the number of points
+    /// and of the entries of every attribute.
     pub fn keep(&mut self, indices: &[usize]) {
         fn gather<T: Copy>(values: &[T], indices: &[usize]) -> Vec<T> {
             indices.iter().map(|&index| values[index]).collect()

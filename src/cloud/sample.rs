@@ -1,7 +1,8 @@
 //! Which points stand for all of them where there is no time for all.
 //!
-//! Points are taken evenly from the order of the file: one out of each of as many equal parts, at a place that differs from part to
-//! part. So a sample costs no look at the coordinates, organised clouds do not lose whole columns, and equal clouds have equal samples.
+//! Points are taken evenly from the order of the file: one out of each of as many equal parts, at a place that differs
+//! from part to part. So a sample costs no look at the coordinates, organised clouds do not lose whole columns, and
+//! equal clouds have equal samples.
 
 /// `most` places of `0..count`, ascending, one in each of as many equal parts; all where there are no more.
 pub(crate) fn even_places(count: usize, most: usize) -> Vec<usize> {
@@ -17,7 +18,8 @@ pub(crate) fn even_places(count: usize, most: usize) -> Vec<usize> {
         .collect()
 }
 
-/// Factor on the radii of a sample of `kept` out of `count` points, so that it covers the surface that all of them cover.
+/// Factor on the radii of a sample of `kept` out of `count` points, so that it covers the surface that all of them
+/// cover.
 pub(crate) fn radius_factor(count: usize, kept: usize) -> f32 {
     (count as f64 / kept.max(1) as f64).max(1.0).sqrt() as f32
 }

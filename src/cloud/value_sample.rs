@@ -1,8 +1,9 @@
 //! Some points of the first frame of a sequence: what is decided once for all of its frames is decided by them.
 //!
-//! How it works: points are taken evenly from the order of the file, so the sample costs no look at the rest of them, and equal files
-//! have equal samples. Each frame of a sequence shares the one of the first frame that can be read ([`super::Frame::value_sample`]), so
-//! what follows from it is the same for all frames, whichever of them was seen before. Values are sorted when they are first asked for.
+//! How it works: points are taken evenly from the order of the file, so the sample costs no look at the rest of them,
+//! and equal files have equal samples. Each frame of a sequence shares the one of the first frame that can be read
+//! ([`super::Frame::value_sample`]), so what follows from it is the same for all frames, whichever of them was seen
+//! before. Values are sorted when they are first asked for.
 
 use super::{RawCloud, ScalarField, even_places};
 use crate::locks::lock;
@@ -95,8 +96,8 @@ impl ValueSample {
         }
     }
 
-    /// Whether the file's colours say anything: they are not all the same, nor all black or white, which is what programs write that have
-    /// none.
+    /// Whether the file's colours say anything: they are not all the same, nor all black or white, which is what
+    /// programs write that have none.
     pub fn has_telling_colors(&self) -> bool {
         *self.has_telling_colors.get_or_init(|| {
             let colors = self.colors.as_deref().unwrap_or_default();

@@ -1,10 +1,11 @@
 //! Frames of one sequence written anew: in another format, moved, thinned out, with normals.
 //!
-//! **How it works.** Each frame is read, edited ([`Edit`]) and written by itself, as many at a time as there are cores, so that a
-//! sequence of any length takes the memory of a few frames. A frame is written under a hidden name and renamed when it is
-//! whole: what stands in the folder is finished. Who is interrupted and starts again finds finished frames and leaves them,
-//! unless their source has changed since, or the options: those are kept beside the frames ([`Record`]), and a folder that
-//! holds a conversion with others is refused. Shards take every n-th frame, whoever runs them.
+//! **How it works.** Each frame is read, edited ([`Edit`]) and written by itself, as many at a time as there are cores,
+//! so that a sequence of any length takes the memory of a few frames. A frame is written under a hidden name and
+//! renamed when it is whole: what stands in the folder is finished. Who is interrupted and starts again finds finished
+//! frames and leaves them, unless their source has changed since, or the options: those are kept beside the frames
+//! ([`Record`]), and a folder that holds a conversion with others is refused. Shards take every n-th frame, whoever
+//! runs them.
 
 mod edit;
 mod record;

@@ -29,8 +29,8 @@ impl Record {
         }
     }
 
-    /// Leaves itself in `folder`, unless another one is there and is not to be overwritten. Several shards may do so at once: they
-    /// write the same.
+    /// Leaves itself in `folder`, unless another one is there and is not to be overwritten. Several shards may do so at
+    /// once: they write the same.
     pub(super) fn keep_in(&self, folder: &Path, overwrites: bool) -> Result<(), ConvertError> {
         let path = folder.join(FILE_NAME);
         let known = std::fs::read(&path)

@@ -24,8 +24,8 @@ impl Part {
     }
 }
 
-/// The smallest part, beginning at multiples of `grid`, outside of which `picture` is as `before`: one pixel at least. All of it
-/// without a picture before.
+/// The smallest part, beginning at multiples of `grid`, outside of which `picture` is as `before`: one pixel at least.
+/// All of it without a picture before.
 pub(super) fn changed_part(before: Option<&RgbaImage>, picture: &RgbaImage, grid: u32) -> Part {
     let (width, height) = picture.dimensions();
     let whole = Part {

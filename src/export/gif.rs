@@ -1,7 +1,7 @@
 //! GIF files: up to 255 colours a picture, of its own, found by a neural net (`NeuQuant`) where there are more.
 //!
-//! Pixels that are as before are left out (transparent): they keep their colours, whatever the colours of the new picture are, so
-//! that what stands still does not flicker.
+//! Pixels that are as before are left out (transparent): they keep their colours, whatever the colours of the new
+//! picture are, so that what stands still does not flicker.
 
 use super::changes::changed_part;
 use super::{ExportError, FrameSink, VideoStream};

@@ -1,10 +1,10 @@
 //! Pictures of any size, and videos of camera paths, as files.
 //!
-//! **How it works.** A picture larger than a texture is drawn part by part and written row by row (`picture.rs`). A video is a
-//! [`CameraPath`](crate::scene::CameraPath) drawn picture by picture (`video.rs`), while the pictures before are encoded on another
-//! thread by a [`FrameSink`]: PNG files, GIF, WebP, or MP4 by `ffmpeg`. Everything is written under a hidden name until it is whole,
-//! so what is cancelled or fails leaves nothing that looks finished. Equal input makes equal bytes, but for MP4, whose bytes are
-//! those of the `ffmpeg` that is there.
+//! **How it works.** A picture larger than a texture is drawn part by part and written row by row (`picture.rs`). A
+//! video is a [`CameraPath`](crate::scene::CameraPath) drawn picture by picture (`video.rs`), while the pictures before
+//! are encoded on another thread by a [`FrameSink`]: PNG files, GIF, WebP, or MP4 by `ffmpeg`. Everything is written
+//! under a hidden name until it is whole, so what is cancelled or fails leaves nothing that looks finished. Equal input
+//! makes equal bytes, but for MP4, whose bytes are those of the `ffmpeg` that is there.
 
 mod changes;
 mod error;

@@ -1,13 +1,15 @@
 //! Pictures of any size, opaque or with alpha.
 //!
-//! **How it works.** The records that a picture is drawn from are chosen once, for the whole of it. What is larger than a part of
-//! 4096² pixels (or the largest texture) is drawn part by part, each as the same eye sees it through another piece of the same
-//! screen, and written a strip of parts after the other: a strip takes a quarter of a GiB at most, however large the picture is.
+//! **How it works.** The records that a picture is drawn from are chosen once, for the whole of it. What is larger than
+//! a part of 4096² pixels (or the largest texture) is drawn part by part, each as the same eye sees it through another
+//! piece of the same screen, and written a strip of parts after the other: a strip takes a quarter of a GiB at most,
+//! however large the picture is.
 //!
-//! Where eye-dome lighting looks at neighbours, parts are drawn with as many pixels around them as it looks far: no seams are seen.
+//! Where eye-dome lighting looks at neighbours, parts are drawn with as many pixels around them as it looks far: no
+//! seams are seen.
 //!
-//! *Alpha* is found by drawing each part on black and on white. What covers a pixel by `alpha` and has the colour `c` leaves
-//! `alpha · c` on black and `alpha · c + 1 - alpha` on white, in every mode and by every renderer.
+//! *Alpha* is found by drawing each part on black and on white. What covers a pixel by `alpha` and has the colour `c`
+//! leaves `alpha · c` on black and `alpha · c + 1 - alpha` on white, in every mode and by every renderer.
 
 use super::ExportError;
 use super::overlay::{Canvas, draw_legend};

@@ -1,7 +1,9 @@
-//! What other poses add to pictures: colours by how far each point is from another frame, ghosts, and the ways of points.
+//! What other poses add to pictures: colours by how far each point is from another frame, ghosts, and the ways of
+//! points.
 //!
-//! All of it is a frame made of frames, so that every renderer and every primitive draws it. In the window the same is made of what is in
-//! memory, and trails are lines over the picture; here frames are waited for, and trails are tubes of points.
+//! All of it is a frame made of frames, so that every renderer and every primitive draws it. In the window the same is
+//! made of what is in memory, and trails are lines over the picture; here frames are waited for, and trails are tubes
+//! of points.
 
 use crate::headless::Headless;
 use crate::measure::Change;

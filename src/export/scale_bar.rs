@@ -1,7 +1,8 @@
-//! A scale bar in the pixels of a picture: a bar with ends and a length, light with a dark rim, so that it is read before anything.
+//! A scale bar in the pixels of a picture: a bar with ends and a length, light with a dark rim, so that it is read
+//! before anything.
 //!
-//! It is as large in a picture of any size as in one of 720 rows. Strokes are covered by how far pixels are from them; the rim is the
-//! same with wider strokes.
+//! It is as large in a picture of any size as in one of 720 rows. Strokes are covered by how far pixels are from them;
+//! the rim is the same with wider strokes.
 
 use super::strokes::{Stroke, text_strokes};
 use crate::cloud::LengthUnit;

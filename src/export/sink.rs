@@ -32,8 +32,8 @@ pub struct VideoStream {
 }
 
 impl VideoStream {
-    /// How long picture `index` is shown, in ticks of `1 / ticks_per_second`: whole numbers whose sums are never off by more than
-    /// half a tick.
+    /// How long picture `index` is shown, in ticks of `1 / ticks_per_second`: whole numbers whose sums are never off by
+    /// more than half a tick.
     pub(super) fn ticks(&self, index: usize, ticks_per_second: f64) -> u64 {
         let start = |index: usize| (index as f64 * ticks_per_second / self.per_second).round();
         (start(index + 1) - start(index)) as u64

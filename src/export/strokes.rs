@@ -9,7 +9,8 @@ const HEIGHT: f32 = 6.0;
 /// Between two letters, in the same units.
 const GAP: f32 = 1.6;
 
-/// The polylines of a letter: digits are x and y, from the left and from the top; the lower edge of digits is at 6. And how wide it is.
+/// The polylines of a letter: digits are x and y, from the left and from the top; the lower edge of digits is at 6. And
+/// how wide it is.
 fn glyph(letter: char) -> (&'static [&'static str], f32) {
     match letter {
         '0' => (&["10 30 41 45 36 16 05 01 10"], 4.0),

@@ -62,17 +62,17 @@ pub struct PictureDone {
     pub total: usize,
     /// What the last one took.
     pub stats: PictureStats,
-    /// What could not be read of its frame, and what other poses could not add to it; of pictures of one frame in a row only the first one
-    /// tells.
+    /// What could not be read of its frame, and what other poses could not add to it; of pictures of one frame in a row
+    /// only the first one tells.
     pub problems: Vec<String>,
 }
 
-/// Draws a video to the file or files that `output` names; `progress` counts the pictures and may be cancelled; `tell` hears of each. Frames that cannot be
-/// read are returned; in their place stands the frame before them.
+/// Draws a video to the file or files that `output` names; `progress` counts the pictures and may be cancelled; `tell`
+/// hears of each. Frames that cannot be read are returned; in their place stands the frame before them.
 ///
 /// # Errors
-/// What the format has not, what stands in the way of reading the first frame, drawing or writing, and [`ExportError::Cancelled`].
-/// Nothing is left of the video then.
+/// What the format has not, what stands in the way of reading the first frame, drawing or writing, and
+/// [`ExportError::Cancelled`]. Nothing is left of the video then.
 pub fn export_video(
     headless: &mut Headless,
     video: &Video<'_>,

@@ -1,8 +1,8 @@
 //! Animated WebP files, lossless: pictures by the encoder of the crate `image`, and the container around them.
 //!
-//! How it works: a RIFF file whose chunk `VP8X` says the size, `ANIM` that it repeats for ever, and each `ANMF` a picture: where the
-//! part lies that is not as before, how long it is shown, and its pixels (`VP8L`). See the WebP container specification
-//! (<https://developers.google.com/speed/webp/docs/riff_container>).
+//! How it works: a RIFF file whose chunk `VP8X` says the size, `ANIM` that it repeats for ever, and each `ANMF` a
+//! picture: where the part lies that is not as before, how long it is shown, and its pixels (`VP8L`). See the WebP
+//! container specification (<https://developers.google.com/speed/webp/docs/riff_container>).
 
 use super::changes::{Part, changed_part};
 use super::{ExportError, FrameSink, VideoStream};

@@ -151,7 +151,8 @@ impl Roles {
         })
     }
 
-    /// Whether a row alone tells what it means. Colours wider than a byte do not: the brightest of all tells what is full intensity.
+    /// Whether a row alone tells what it means. Colours wider than a byte do not: the brightest of all tells what is
+    /// full intensity.
     pub(super) fn are_local(&self, columns: &[Column<'_>]) -> bool {
         match self.colors {
             Some(Colors::Channels { channels, alpha }) => channels

@@ -1,15 +1,16 @@
 //! Bare little-endian f32 records: KITTI's `.bin` (x y z intensity) and nuScenes' `.pcd.bin` (x y z intensity ring).
 //!
-//! Nothing in such a file says what it is, so it must be plausible to be believed, and how many numbers a point has is told by
-//! statistics:
+//! Nothing in such a file says what it is, so it must be plausible to be believed, and how many numbers a point has is
+//! told by statistics:
 //!
-//! 1. The name decides where it can: `.pcd.bin` is five numbers, as only nuScenes names its files so. A person may say it as well.
-//! 2. A width is possible if the size of the file is a multiple of it and all coordinates are plausible: finite, no more than a million
-//!    away from the origin (sensors see some hundred metres, map projections some million), and not tiny but for zero: other data
-//!    read as floats is full of numbers like 1e-38.
-//! 3. Read at the right width a column holds numbers of one kind, which change little from a point to the next; at a wrong one it holds
-//!    coordinates and intensities by turns. So the width is taken whose columns change least ([`roughness`]). Where that does not
-//!    decide, it is the most common one.
+//! 1. The name decides where it can: `.pcd.bin` is five numbers, as only nuScenes names its files so. A person may say
+//!    it as well.
+//! 2. A width is possible if the size of the file is a multiple of it and all coordinates are plausible: finite, no
+//!    more than a million away from the origin (sensors see some hundred metres, map projections some million), and not
+//!    tiny but for zero: other data read as floats is full of numbers like 1e-38.
+//! 3. Read at the right width a column holds numbers of one kind, which change little from a point to the next; at a
+//!    wrong one it holds coordinates and intensities by turns. So the width is taken whose columns change least
+//!    ([`roughness`]). Where that does not decide, it is the most common one.
 
 use super::attributes;
 use super::column::{Column, Scalar, Values};
@@ -135,8 +136,8 @@ fn implausible(bytes: &[u8], width: usize) -> Option<Fault> {
     None
 }
 
-/// How much the columns change from a point to the next: the mean over them of the logarithm of the mean step. Numbers of another kind
-/// in between make steps as large as the cloud.
+/// How much the columns change from a point to the next: the mean over them of the logarithm of the mean step. Numbers
+/// of another kind in between make steps as large as the cloud.
 fn roughness(bytes: &[u8], width: usize) -> f64 {
     let mut steps = vec![0.0f64; width];
     let (mut sizes, mut count) = (0.0, 0.0);

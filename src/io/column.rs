@@ -153,7 +153,8 @@ macro_rules! walk {
 }
 
 impl Column<'_> {
-    /// Whether coordinates are kept with all digits. Text has the digits that were written, whatever its header calls them.
+    /// Whether coordinates are kept with all digits. Text has the digits that were written, whatever its header calls
+    /// them.
     pub(super) fn is_wide(&self) -> bool {
         matches!(self.values, Values::Parsed(_)) || self.scalar.is_wide()
     }

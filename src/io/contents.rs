@@ -4,8 +4,8 @@ use super::{Format, IoError, ReadOptions};
 use std::path::Path;
 use std::time::Duration;
 
-/// Which of the frames in a file is meant. What a file holds is found once, by [`list`]; a part is then read without looking at
-/// the others.
+/// Which of the frames in a file is meant. What a file holds is found once, by [`list`]; a part is then read without
+/// looking at the others.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Part {
@@ -73,8 +73,9 @@ impl Contents {
     }
 }
 
-/// What is in the file at `path`; a file of one frame is not looked at beyond its first bytes. Of a recording, the point clouds of
-/// `topic` are the frames: none where it has no such topic, those of the topic that has the most if `None`.
+/// What is in the file at `path`; a file of one frame is not looked at beyond its first bytes. Of a recording, the
+/// point clouds of `topic` are the frames: none where it has no such topic, those of the topic that has the most if
+/// `None`.
 pub fn contents(
     path: &Path,
     topic: Option<&str>,

@@ -1,7 +1,7 @@
 //! Draco: compressed point clouds and meshes, by the crate `draco-core`.
 //!
-//! The crate has ceilings for what a file may unpack to, and refuses memory that a file merely claims; a panic within it becomes
-//! an error.
+//! The crate has ceilings for what a file may unpack to, and refuses memory that a file merely claims; a panic within
+//! it becomes an error.
 
 use super::ReadOptions;
 use super::arrays;

@@ -1,14 +1,15 @@
 //! Rows of one length in a file, made into points piece by piece.
 //!
-//! A plain copy of a file into memory is bound by memory, and so is taking it apart: whoever reads the whole first moves every
-//! byte three times through memory that no cache holds. Here each thread reads a piece that its core's cache holds and takes it
-//! apart, and the arrays of the cloud are written once, from their beginning to their end. Threads follow one another from the
-//! file to the positions to the other attributes, each step being held by one of them, so that pieces stay in order and a step
-//! is taken while others take theirs. Neither the file nor a second copy of a column is in memory beside the cloud.
+//! A plain copy of a file into memory is bound by memory, and so is taking it apart: whoever reads the whole first
+//! moves every byte three times through memory that no cache holds. Here each thread reads a piece that its core's
+//! cache holds and takes it apart, and the arrays of the cloud are written once, from their beginning to their end.
+//! Threads follow one another from the file to the positions to the other attributes, each step being held by one of
+//! them, so that pieces stay in order and a step is taken while others take theirs. Neither the file nor a second copy
+//! of a column is in memory beside the cloud.
 //!
-//! A decoder whose header tells of such rows says so ([`super::ply`], [`super::pcd`]). Whatever is unusual is left to the reading of
-//! whole files, which also has the words for what is wrong: headers that claim more than there is, attributes of which a row
-//! alone does not tell what it means.
+//! A decoder whose header tells of such rows says so ([`super::ply`], [`super::pcd`]). Whatever is unusual is left to
+//! the reading of whole files, which also has the words for what is wrong: headers that claim more than there is,
+//! attributes of which a row alone does not tell what it means.
 
 use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};
@@ -96,8 +97,8 @@ impl FixedRows {
         Ok(Some(cloud))
     }
 
-    /// The cloud of the rows at `places` (ascending), of which little more than themselves is read; `None` as for [`FixedRows::read`], and
-    /// where that takes longer than `most_time`: a disk may have to look for every row.
+    /// The cloud of the rows at `places` (ascending), of which little more than themselves is read; `None` as for
+    /// [`FixedRows::read`], and where that takes longer than `most_time`: a disk may have to look for every row.
     ///
     /// Precondition: each place is below the number of rows.
     pub(super) fn read_at(
@@ -146,7 +147,8 @@ impl FixedRows {
             })
     }
 
-    /// What the columns are for, and the file at `path`, if each row tells all of its point and there are as many as the header claims.
+    /// What the columns are for, and the file at `path`, if each row tells all of its point and there are as many as
+    /// the header claims.
     fn open(&self, path: &Path) -> io::Result<Option<(Roles, File)>> {
         let columns = self.columns(&[]);
         let roles = Roles::of(&columns).ok();

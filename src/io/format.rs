@@ -111,8 +111,8 @@ impl Format {
         matches!(self, Self::E57 | Self::Gltf) || self.is_container()
     }
 
-    /// Whether frames lie in a file of this format as whole files or messages: each is read alone, as the file may be larger than
-    /// the memory.
+    /// Whether frames lie in a file of this format as whole files or messages: each is read alone, as the file may be
+    /// larger than the memory.
     pub fn is_container(self) -> bool {
         matches!(
             self,
@@ -125,8 +125,8 @@ impl Format {
         matches!(self, Self::Obj | Self::Off | Self::Stl | Self::Gltf)
     }
 
-    /// The unit of coordinates, where all files of this format have the same: ASTM E2807, Leica's PTX, glTF 2.0 (§3.4), the laser scans
-    /// of KITTI and nuScenes, and messages of ROS (REP 103) and Foxglove are in metres.
+    /// The unit of coordinates, where all files of this format have the same: ASTM E2807, Leica's PTX, glTF 2.0 (§3.4),
+    /// the laser scans of KITTI and nuScenes, and messages of ROS (REP 103) and Foxglove are in metres.
     pub fn unit(self) -> Option<LengthUnit> {
         matches!(
             self,

@@ -9,8 +9,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// The arrays of a cloud so far, with room for all.
 ///
-/// Columns of the same names and types are appended piece by piece, or all at once. Threads with a piece each follow one another
-/// along the arrays: one appends positions while the one before appends the rest.
+/// Columns of the same names and types are appended piece by piece, or all at once. Threads with a piece each follow
+/// one another along the arrays: one appends positions while the one before appends the rest.
 #[derive(Debug)]
 pub(super) struct Growing {
     roles: Roles,
@@ -36,8 +36,8 @@ enum Numbers {
 }
 
 impl Growing {
-    /// No points yet, with room for `count` of `columns`, which are looked at where types do not tell what colours mean: of the
-    /// columns of a piece this must not be asked unless [`Roles::are_local`].
+    /// No points yet, with room for `count` of `columns`, which are looked at where types do not tell what colours
+    /// mean: of the columns of a piece this must not be asked unless [`Roles::are_local`].
     pub(super) fn new(roles: Roles, columns: &[Column<'_>], count: usize) -> Self {
         let is_wide = |&index: &usize| columns[index].is_wide();
         let positions = if roles.positions.iter().any(is_wide) {
@@ -76,8 +76,8 @@ impl Growing {
         }
     }
 
-    /// Appends the first `count` rows of `columns`. Rows of several threads come in the order of their turns: `turn` is what
-    /// keeps others from beginning, and is dropped as soon as they cannot overtake.
+    /// Appends the first `count` rows of `columns`. Rows of several threads come in the order of their turns: `turn` is
+    /// what keeps others from beginning, and is dropped as soon as they cannot overtake.
     pub(super) fn append<T>(&self, columns: &[Column<'_>], count: usize, turn: T) {
         let mut positions = lock(&self.positions);
         drop(turn);

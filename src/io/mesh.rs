@@ -1,14 +1,16 @@
 //! Triangles of polygons and strips, and points spread evenly over the faces of a mesh.
 //!
-//! The faces are put in the order of a curve that fills space (Morton's), so that neighbours on the surface are mostly neighbours in
-//! the order, and their areas are added up along it. Sample `i` of `n` lies at `(i + 1/2) / n` of the whole area: every face, and
-//! every patch of neighbouring faces, gets the number of points that its area is due, give or take one. Within a face the place
-//! is the `i`th of the triangular van der Corput sequence (Basu and Owen, 2015), which cuts a triangle into four again and again and
-//! visits the parts in turn: consecutive samples keep their distance, whether a face has one of them or all.
+//! The faces are put in the order of a curve that fills space (Morton's), so that neighbours on the surface are mostly
+//! neighbours in the order, and their areas are added up along it. Sample `i` of `n` lies at `(i + 1/2) / n` of the
+//! whole area: every face, and every patch of neighbouring faces, gets the number of points that its area is due, give
+//! or take one. Within a face the place is the `i`th of the triangular van der Corput sequence (Basu and Owen, 2015),
+//! which cuts a triangle into four again and again and visits the parts in turn: consecutive samples keep their
+//! distance, whether a face has one of them or all.
 //!
-//! Only additions, multiplications, divisions and square roots are used, which every machine rounds alike, and nothing is random:
-//! the same mesh gives the same bits everywhere. The places are found apart from the points there ([`Places::apply`]), so that an
-//! animated mesh is sampled once and point `i` is the same place of the surface in every pose.
+//! Only additions, multiplications, divisions and square roots are used, which every machine rounds alike, and nothing
+//! is random: the same mesh gives the same bits everywhere. The places are found apart from the points there
+//! ([`Places::apply`]), so that an animated mesh is sampled once and point `i` is the same place of the surface in
+//! every pose.
 
 use super::error::Fault;
 use super::options::ReadOptions;
@@ -24,8 +26,8 @@ pub(super) fn fan(polygon: &[u32], triangles: &mut Vec<[u32; 3]>) {
     }
 }
 
-/// Adds the triangles of a strip: every second one is turned, so that all show the same side. Those without an area only lead from
-/// one part of a strip to the next.
+/// Adds the triangles of a strip: every second one is turned, so that all show the same side. Those without an area
+/// only lead from one part of a strip to the next.
 pub(super) fn strip(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
     let turned = |(index, corner): (usize, &[u32])| match index % 2 {
         0 => [corner[0], corner[1], corner[2]],
@@ -48,8 +50,8 @@ pub(super) struct Place {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Places(pub(super) Vec<Place>);
 
-/// Replaces the vertices of `cloud` by `count` points spread evenly over its faces. A mesh whose faces have no area keeps its
-/// vertices.
+/// Replaces the vertices of `cloud` by `count` points spread evenly over its faces. A mesh whose faces have no area
+/// keeps its vertices.
 pub(super) fn sample(
     cloud: &mut RawCloud,
     count: NonZeroUsize,
@@ -210,9 +212,9 @@ fn morton(point: DVec3) -> u64 {
     spread(point.x) | spread(point.y) << 1 | spread(point.z) << 2
 }
 
-/// The weights of the corners at place `index` of the triangular sequence: each digit to base four chooses one of the four triangles
-/// that the lines between the middles of the sides cut the last one into, the lowest digit first, and the place is the centre of the
-/// smallest.
+/// The weights of the corners at place `index` of the triangular sequence: each digit to base four chooses one of the
+/// four triangles that the lines between the middles of the sides cut the last one into, the lowest digit first, and
+/// the place is the centre of the smallest.
 fn weights(index: usize) -> [f32; 3] {
     const THIRD: f64 = 1.0 / 3.0;
     let mut weights = [THIRD; 3];

@@ -1,9 +1,9 @@
 //! Reading and writing point clouds as other programs do.
 //!
-//! Well-kept crates read what is intricate (ARCHITECTURE.md, "Libraries"). The payload of simple formats is ours: the crates'
-//! readers make a value a property or a row, which takes about 40 times as long or more, and one of them allocates what a
-//! header merely claims. Here every size is checked against the bytes there are, or against [`ReadOptions::max_memory_bytes`],
-//! before anything is allocated for it.
+//! Well-kept crates read what is intricate (ARCHITECTURE.md, "Libraries"). The payload of simple formats is ours: the
+//! crates' readers make a value a property or a row, which takes about 40 times as long or more, and one of them
+//! allocates what a header merely claims. Here every size is checked against the bytes there are, or against
+//! [`ReadOptions::max_memory_bytes`], before anything is allocated for it.
 
 mod archive;
 mod arrays;
@@ -59,8 +59,8 @@ use std::io::Read as _;
 use std::path::Path;
 use std::time::Duration;
 
-/// Reads the cloud in the file at `path`: by its first bytes, else by its extension. Of a file with many frames, all that belong
-/// together (scans) or the first one.
+/// Reads the cloud in the file at `path`: by its first bytes, else by its extension. Of a file with many frames, all
+/// that belong together (scans) or the first one.
 pub fn read(path: &Path) -> Result<RawCloud, IoError> {
     read_part(path, &Part::Whole, &ReadOptions::default())
 }
@@ -70,8 +70,8 @@ pub fn read_part(path: &Path, part: &Part, options: &ReadOptions) -> Result<RawC
     read_part_observed(path, part, options, &Progress::default())
 }
 
-/// [`read_part`], which tells `progress` how much of the file is read, then how much of it is decoded where the decoder can say so, and
-/// ends soon after it was cancelled.
+/// [`read_part`], which tells `progress` how much of the file is read, then how much of it is decoded where the decoder
+/// can say so, and ends soon after it was cancelled.
 ///
 /// # Errors
 /// As [`read_part`], and [`IoError::Cancelled`].
@@ -142,9 +142,9 @@ fn read_watched(
     read_bytes_with(path, &bytes, part, options, progress)
 }
 
-/// At most `most_points` of the points in the file at `path`, and how many it has, where its rows are of one length and it has at least
-/// `fewest_points`: one point in each of as many equal parts, without the rest being read. `None` otherwise, and where looking for
-/// them takes longer than `most_time`.
+/// At most `most_points` of the points in the file at `path`, and how many it has, where its rows are of one length and
+/// it has at least `fewest_points`: one point in each of as many equal parts, without the rest being read. `None`
+/// otherwise, and where looking for them takes longer than `most_time`.
 pub(crate) fn read_sample(
     path: &Path,
     most_points: usize,

@@ -1,7 +1,8 @@
 //! Normals in a file of their own, beside the points that they belong to.
 //!
-//! Tools of the Point Cloud Library write `7.pcd` and `7_normal.pcd`: as many rows in each, coordinates in one, normals in the other.
-//! What a file holds is read off its header alone, so that a folder of such files costs a small read a file.
+//! Tools of the Point Cloud Library write `7.pcd` and `7_normal.pcd`: as many rows in each, coordinates in one, normals
+//! in the other. What a file holds is read off its header alone, so that a folder of such files costs a small read a
+//! file.
 
 use super::error::Fault;
 use super::{Format, IoError, Part, ReadOptions, attributes, mesh, pcd, ply, watched};
@@ -66,8 +67,8 @@ fn rows_of_text(head: &[u8]) -> Option<Rows> {
     (counts.len() > 1 && counts.iter().all(|&count| count < 3)).then_some(Rows::Other)
 }
 
-/// [`super::read_part_observed`] of a whole file whose normals are in the file at `normals`. Normals of its own go first. Those that
-/// cannot be read, or are not as many as the points, are left out with a warning.
+/// [`super::read_part_observed`] of a whole file whose normals are in the file at `normals`. Normals of its own go
+/// first. Those that cannot be read, or are not as many as the points, are left out with a warning.
 pub(crate) fn read_with_normals(
     path: &Path,
     normals: &Path,

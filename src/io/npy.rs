@@ -1,7 +1,8 @@
 //! Arrays of numpy: NPY, one array, and NPZ, a ZIP archive of named ones.
 //!
-//! The header is a Python dictionary of three known keys. It is read here: the crates at hand parse any Python literal, of any depth,
-//! on the stack. Numbers stay where they are in the file, whatever their type, byte order and order of rows and columns.
+//! The header is a Python dictionary of three known keys. It is read here: the crates at hand parse any Python literal,
+//! of any depth, on the stack. Numbers stay where they are in the file, whatever their type, byte order and order of
+//! rows and columns.
 
 use super::attributes;
 use super::column::Column;

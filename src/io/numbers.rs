@@ -31,7 +31,8 @@ impl<'a> Tokens<'a> {
         }
     }
 
-    /// The next token as a number, in one pass over its bytes; `None` behind the last one, the token itself where it is no number.
+    /// The next token as a number, in one pass over its bytes; `None` behind the last one, the token itself where it is
+    /// no number.
     #[inline]
     pub(super) fn next_number(&mut self) -> Option<Result<f64, &'a [u8]>> {
         let mut start = self.position;
@@ -122,7 +123,8 @@ pub(super) fn quoted(token: &[u8]) -> String {
 /// Rows of text between two looks at whether they are still wanted.
 const ROWS_AT_ONCE: usize = 1 << 14;
 
-/// Tells `progress` now and then, and when they are, that the first `row` of `rows` are read; fails once they are not wanted any more.
+/// Tells `progress` now and then, and when they are, that the first `row` of `rows` are read; fails once they are not
+/// wanted any more.
 pub(super) fn note_row(row: usize, rows: usize, progress: &Progress) -> Result<(), Fault> {
     if row.is_multiple_of(ROWS_AT_ONCE) || row == rows {
         if progress.is_cancelled() {

@@ -1,7 +1,8 @@
 //! OBJ of Wavefront: a statement a line; vertices, normals, and faces that name them by number.
 //!
-//! Read here rather than by a crate: those at hand drop vertices that no face names, which are all of them where an OBJ file is a
-//! cloud, and keep single precision only. Colours stand behind the coordinates of a vertex. Materials and textures are left out.
+//! Read here rather than by a crate: those at hand drop vertices that no face names, which are all of them where an OBJ
+//! file is a cloud, and keep single precision only. Colours stand behind the coordinates of a vertex. Materials and
+//! textures are left out.
 
 use super::error::{Fault, Place};
 use super::numbers::{parse_number, quoted};
@@ -160,7 +161,8 @@ impl Model {
     }
 }
 
-/// Fractions, as the format is commonly used, or numbers to 255 where there are larger ones; vertices without a colour are white.
+/// Fractions, as the format is commonly used, or numbers to 255 where there are larger ones; vertices without a colour
+/// are white.
 fn colors(colors: &[[f64; 3]]) -> Vec<[u8; 4]> {
     let largest = colors.iter().flatten().copied().fold(0.0, f64::max);
     let scale = if largest > 1.0 { 1.0 } else { 255.0 };

@@ -1,7 +1,8 @@
 //! OFF of Geomview: a keyword that says what vertices have, three counts, vertices, then faces.
 //!
-//! `ST`, `C` and `N` before `OFF` announce texture coordinates, colours and normals; but many writers leave the `C` away, so
-//! what stands behind the coordinates in a line counts more than the keyword. Text only: the binary variant is refused.
+//! `ST`, `C` and `N` before `OFF` announce texture coordinates, colours and normals; but many writers leave the `C`
+//! away, so what stands behind the coordinates in a line counts more than the keyword. Text only: the binary variant is
+//! refused.
 
 use super::attributes;
 use super::column::{Column, Scalar, Values};

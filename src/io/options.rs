@@ -7,8 +7,8 @@ use std::num::NonZeroUsize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ReadOptions {
-    /// Most bytes that one frame may take in memory: a file that unpacks to more is refused before it is unpacked, or read in
-    /// part where it has coarse levels.
+    /// Most bytes that one frame may take in memory: a file that unpacks to more is refused before it is unpacked, or
+    /// read in part where it has coarse levels.
     pub max_memory_bytes: u64,
     /// Points sampled evenly from the faces of a mesh in place of its vertices.
     pub sample_count: Option<NonZeroUsize>,

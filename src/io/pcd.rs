@@ -1,4 +1,5 @@
-//! PCD of the Point Cloud Library, versions 0.5 to 0.7: ascii, binary, and binary compressed with LZF, column by column.
+//! PCD of the Point Cloud Library, versions 0.5 to 0.7: ascii, binary, and binary compressed with LZF, column by
+//! column.
 //!
 //! The header is read by `pcd-rs`, blocks are decompressed by `lzf`.
 
@@ -158,7 +159,8 @@ impl Table {
         })
     }
 
-    /// The fields but for padding, and the bytes before each in a row. Of fields with several numbers (descriptors) it is the first.
+    /// The fields but for padding, and the bytes before each in a row. Of fields with several numbers (descriptors) it
+    /// is the first.
     fn fields(&self) -> impl Iterator<Item = (&Field, usize)> {
         let mut end = 0;
         let placed = self.fields.iter().map(move |field| {
@@ -338,8 +340,8 @@ impl Table {
     }
 }
 
-/// Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid of the camera
-/// that took them.
+/// Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid of the
+/// camera that took them.
 fn sensor(header: &PcdMeta) -> Option<DVec3> {
     let viewpoint = &header.viewpoint;
     let position = DVec3::new(viewpoint.tx, viewpoint.ty, viewpoint.tz);

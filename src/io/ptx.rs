@@ -1,9 +1,9 @@
 //! PTX of Leica: text with several scans, each a grid of points as the scanner saw them, with the pose it stood in.
 //!
-//! A scan is ten lines of header (columns, rows, position, three axes, four rows of a matrix), then a line a point:
-//! `x y z intensity`, and red, green and blue in some files. A row vector times the matrix is the point in the coordinates
-//! that all scans share; the position and the axes say the same once more. Beams that met nothing are stored at the scanner:
-//! they are kept, as other readers keep them.
+//! A scan is ten lines of header (columns, rows, position, three axes, four rows of a matrix), then a line a point: `x
+//! y z intensity`, and red, green and blue in some files. A row vector times the matrix is the point in the coordinates
+//! that all scans share; the position and the axes say the same once more. Beams that met nothing are stored at the
+//! scanner: they are kept, as other readers keep them.
 
 use super::attributes;
 use super::column::{Column, Scalar, Values};

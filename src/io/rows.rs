@@ -1,7 +1,7 @@
 //! Lines of numbers in columns, parsed by all cores.
 //!
-//! The text is cut into blocks at line ends, each block is parsed by itself, and the blocks are put together in order: the
-//! result, and the line that an error names, are the same for any number of threads.
+//! The text is cut into blocks at line ends, each block is parsed by itself, and the blocks are put together in order:
+//! the result, and the line that an error names, are the same for any number of threads.
 
 use super::error::{Fault, Place};
 use super::numbers::{parse_number, quoted};
@@ -189,8 +189,8 @@ struct Block {
     fault: Option<(usize, String)>,
 }
 
-/// Parses `text`, whose first line is number `first_line` and whose lines have `width` numbers, or one, or none. Its bytes are the
-/// steps that `progress` is told of.
+/// Parses `text`, whose first line is number `first_line` and whose lines have `width` numbers, or one, or none. Its
+/// bytes are the steps that `progress` is told of.
 pub(super) fn parse(
     text: &[u8],
     first_line: usize,

@@ -9,8 +9,8 @@ use crate::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-/// The last file of which several frames were read from something that they share: the scene of an animation. Other formats have their
-/// frames one by one.
+/// The last file of which several frames were read from something that they share: the scene of an animation. Other
+/// formats have their frames one by one.
 #[derive(Default)]
 pub struct SharedFile {
     last: Mutex<Option<Opened>>,
@@ -28,8 +28,8 @@ impl std::fmt::Debug for SharedFile {
 }
 
 impl SharedFile {
-    /// [`read_part_observed`], which reads of a file that it has opened before no more than the frame takes. A file that changes
-    /// meanwhile is read as it was.
+    /// [`read_part_observed`], which reads of a file that it has opened before no more than the frame takes. A file
+    /// that changes meanwhile is read as it was.
     pub fn read_part(
         &self,
         path: &Path,

@@ -1,8 +1,9 @@
 //! STL: triangles with three corners each, as text or binary; corners at the same place are made one vertex.
 //!
-//! The header of a binary file may begin with `solid` like a text. What tells them apart is the length: a binary file has 50 bytes
-//! for each of the triangles that it counts. Some writers (`VisCAM`, `SolidView`) put a colour into the two bytes behind a triangle,
-//! which is told by its highest bit; a vertex has that of the first triangle it is a corner of.
+//! The header of a binary file may begin with `solid` like a text. What tells them apart is the length: a binary file
+//! has 50 bytes for each of the triangles that it counts. Some writers (`VisCAM`, `SolidView`) put a colour into the
+//! two bytes behind a triangle, which is told by its highest bit; a vertex has that of the first triangle it is a
+//! corner of.
 
 use super::error::{Fault, Place};
 use super::numbers::{Tokens, parse_number, quoted};

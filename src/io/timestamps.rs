@@ -1,17 +1,18 @@
 //! Times in file names, and in lists of times.
 //!
-//! Recorders name frames by when they were taken; others number them. A number is believed to be a time only if it cannot well
-//! be a counter:
+//! Recorders name frames by when they were taken; others number them. A number is believed to be a time only if it
+//! cannot well be a counter:
 //!
-//! - a date and a time of day, `20121214T142255.814212` or `2012-12-14_14-22-55-814`, in range (no month 13). Eight digits
-//!   alone may be a date, but a day is no time of a frame, and as well a counter.
-//! - seconds with a fraction, `1305031102.175304`: seven or more digits, a point, three to nine digits. Counters have no fraction;
-//!   versions (`v1.25`) and sizes (`0.5`) are shorter.
-//! - 16 or 19 digits: micro- or nanoseconds since 1970, from 2001 on (a first digit that is not 0): counters are padded to ten
-//!   digits at most. Ten and thirteen digits (seconds, milliseconds) are left: padded counters and serial numbers are as long.
+//! - a date and a time of day, `20121214T142255.814212` or `2012-12-14_14-22-55-814`, in range (no month 13). Eight
+//!   digits alone may be a date, but a day is no time of a frame, and as well a counter.
+//! - seconds with a fraction, `1305031102.175304`: seven or more digits, a point, three to nine digits. Counters have
+//!   no fraction; versions (`v1.25`) and sizes (`0.5`) are shorter.
+//! - 16 or 19 digits: micro- or nanoseconds since 1970, from 2001 on (a first digit that is not 0): counters are padded
+//!   to ten digits at most. Ten and thirteen digits (seconds, milliseconds) are left: padded counters and serial
+//!   numbers are as long.
 //!
-//! All names must have a time of the same kind and the times must grow in the order of the names; else it is no time of them, as
-//! one of a thousand clouds with a date in its name says nothing about the others.
+//! All names must have a time of the same kind and the times must grow in the order of the names; else it is no time of
+//! them, as one of a thousand clouds with a date in its name says nothing about the others.
 
 use std::path::Path;
 use std::time::Duration;
@@ -24,8 +25,8 @@ enum Kind {
     Digits(usize),
 }
 
-/// The times in `names`, which are in order: since 1970, or since whatever moment they count from. All are `None` unless all are
-/// times that grow.
+/// The times in `names`, which are in order: since 1970, or since whatever moment they count from. All are `None`
+/// unless all are times that grow.
 pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
     let none = || vec![None; names.len()];
     let mut times: Vec<Option<Duration>> = Vec::with_capacity(names.len());
@@ -45,8 +46,8 @@ pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
     if times.len() < 2 { none() } else { times }
 }
 
-/// The times in `text`, one a line: seconds, `1.037359e-01`, or a date with a time of day, `2011-09-26 13:02:25.964389445`. `None`
-/// where a line is neither.
+/// The times in `text`, one a line: seconds, `1.037359e-01`, or a date with a time of day, `2011-09-26
+/// 13:02:25.964389445`. `None` where a line is neither.
 pub(crate) fn times_of_lines(text: &str) -> Option<Vec<Duration>> {
     let time = |line: &str| match line.trim().parse() {
         Ok(seconds) => Duration::try_from_secs_f64(seconds).ok(),

@@ -1,7 +1,7 @@
 //! Packed bytes to plain ones, never more than was claimed and is allowed.
 //!
-//! What a file claims is held against the limit before anything is unpacked; memory then grows with what really comes out, so
-//! that neither a false claim nor a bomb takes more than it is allowed to.
+//! What a file claims is held against the limit before anything is unpacked; memory then grows with what really comes
+//! out, so that neither a false claim nor a bomb takes more than it is allowed to.
 
 use super::ReadOptions;
 use std::io::{self, Read};

@@ -32,7 +32,8 @@ impl<R: Seek> Seek for Watched<'_, R> {
     }
 }
 
-/// All bytes of the file at `path`, in one allocation of its length, refused by an error where there is no memory for it.
+/// All bytes of the file at `path`, in one allocation of its length, refused by an error where there is no memory for
+/// it.
 pub(super) fn read_file(path: &Path, progress: &Progress) -> io::Result<Vec<u8>> {
     let mut file = File::open(path)?;
     let length = usize::try_from(file.metadata()?.len()).map_err(io::Error::other)?;

@@ -210,7 +210,8 @@ fn has_coordinates(names: &[String]) -> bool {
         .all(|axis| names.iter().any(|name| name.eq_ignore_ascii_case(axis)))
 }
 
-/// What the columns are by their number and the values behind the coordinates, of which the fourth to the seventh are looked at.
+/// What the columns are by their number and the values behind the coordinates, of which the fourth to the seventh are
+/// looked at.
 pub(super) fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
     const COLOR: [&str; 3] = ["red", "green", "blue"];
     const NORMAL: [&str; 3] = ["nx", "ny", "nz"];

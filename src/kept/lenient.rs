@@ -1,9 +1,10 @@
 //! Files that people own, read as far as they can be.
 //!
-//! **How it works.** Such a file outlives versions of this program. Its JSON object is read field by field ([`fields`]): what is
-//! not there, or has a value that cannot be read, is as by default; names that are not known are passed over. Whoever reads
-//! notes in a list what could not be read. If there is anything in it, the file is first copied to a name beside it
-//! ([`read_leniently`]), since the next change writes it anew. What cannot be copied is not written over.
+//! **How it works.** Such a file outlives versions of this program. Its JSON object is read field by field
+//! ([`fields`]): what is not there, or has a value that cannot be read, is as by default; names that are not known are
+//! passed over. Whoever reads notes in a list what could not be read. If there is anything in it, the file is first
+//! copied to a name beside it ([`read_leniently`]), since the next change writes it anew. What cannot be copied is not
+//! written over.
 
 use super::{read, write_whole};
 use serde::de::DeserializeOwned;
@@ -32,8 +33,8 @@ pub(crate) struct Lenient<T> {
     pub(crate) file: Option<PathBuf>,
 }
 
-/// What can be read of `file`, which need not be there. `parse` is given its object and notes in the list what it could not
-/// read of it. `what` is what a notice calls the things in it.
+/// What can be read of `file`, which need not be there. `parse` is given its object and notes in the list what it could
+/// not read of it. `what` is what a notice calls the things in it.
 pub(crate) fn read_leniently<T: Default>(
     file: &Path,
     what: &str,
@@ -88,8 +89,8 @@ fn copied(file: &Path, what: &str, reasons: &str) -> (String, Option<PathBuf>) {
     }
 }
 
-/// The fields of `T` that `stored` has, each by itself: what cannot be read is as by default and noted in `unread`. `T` must
-/// take defaults for what is missing (`#[serde(default)]`).
+/// The fields of `T` that `stored` has, each by itself: what cannot be read is as by default and noted in `unread`. `T`
+/// must take defaults for what is missing (`#[serde(default)]`).
 pub(crate) fn fields<T: DeserializeOwned + Default>(
     stored: &Fields,
     unread: &mut Vec<String>,
@@ -109,7 +110,8 @@ pub(crate) fn fields<T: DeserializeOwned + Default>(
     })
 }
 
-/// The entries of the list `name` in `stored`; none, which is noted, if it is no list. A list that is not there has none.
+/// The entries of the list `name` in `stored`; none, which is noted, if it is no list. A list that is not there has
+/// none.
 pub(crate) fn entries<'a>(stored: &'a Fields, name: &str, unread: &mut Vec<String>) -> &'a [Value] {
     match stored.get(name) {
         Some(Value::Array(entries)) => entries,
@@ -140,7 +142,8 @@ fn in_short(reasons: &[String]) -> String {
     }
 }
 
-/// Copies `file` to the first of `name.unreadable`, `name.unreadable-2` and so on that is free, or has the same bytes already.
+/// Copies `file` to the first of `name.unreadable`, `name.unreadable-2` and so on that is free, or has the same bytes
+/// already.
 fn copy_beside(file: &Path) -> std::io::Result<PathBuf> {
     let bytes = fs::read(file)?;
     for number in 1..=MAX_COPIES {

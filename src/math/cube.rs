@@ -31,8 +31,8 @@ impl Cube {
     /// The cube whose smallest corner is that of the bounding box of `points` and whose edge is the longest of the box,
     /// rounded up; `None` for no points.
     ///
-    /// Points that coincide sit in the middle of a cube of edge 1 (or of 2⁻²⁰ of their distance from the origin, if that is
-    /// more). A box wider than the largest f32 gets that as its edge.
+    /// Points that coincide sit in the middle of a cube of edge 1 (or of 2⁻²⁰ of their distance from the origin, if
+    /// that is more). A box wider than the largest f32 gets that as its edge.
     pub fn around(points: &[Vec3]) -> Option<Self> {
         Self::around_box(&Aabb::from_points(points))
     }
@@ -75,8 +75,8 @@ impl Cube {
 
     /// The finest cells that hold `points`. Precondition: the points this cube was made around.
     ///
-    /// Cells are half-open: a point on the border of two belongs to the upper one, except for the upper faces of the cube,
-    /// which belong to the last cells.
+    /// Cells are half-open: a point on the border of two belongs to the upper one, except for the upper faces of the
+    /// cube, which belong to the last cells.
     pub fn cells(&self, points: &[Vec3]) -> Vec<PackedCell> {
         bytemuck::cast_vec(self.quantized::<false>(points))
     }
@@ -133,10 +133,10 @@ const BLOCKS_PER_TASK: usize = 256;
 
 /// Maps points to finest cells, exactly.
 ///
-/// `floor(offset / cell)` needs a correctly rounded division to put a point that lies on a border into the right cell. A
-/// multiplication with the reciprocal is faster but not exact, so it is only rounded to the *nearest* border, and a second
-/// look says on which side of it the point is: `border · cell` is exact in f64 (22 bits times the 24 of an f32), so comparing
-/// it with the offset is, too.
+/// `floor(offset / cell)` needs a correctly rounded division to put a point that lies on a border into the right cell.
+/// A multiplication with the reciprocal is faster but not exact, so it is only rounded to the *nearest* border, and a
+/// second look says on which side of it the point is: `border · cell` is exact in f64 (22 bits times the 24 of an f32),
+/// so comparing it with the offset is, too.
 struct Quantizer {
     min: DVec3,
     cell: f64,
@@ -182,8 +182,8 @@ impl Quantizer {
         }
     }
 
-    /// The indices of the cell of a point along the axes. Loops over points are compiled so that registers hold one axis of
-    /// four points, which never leave them before their cells are whole.
+    /// The indices of the cell of a point along the axes. Loops over points are compiled so that registers hold one
+    /// axis of four points, which never leave them before their cells are whole.
     #[inline(always)]
     fn indices(&self, point: Vec3) -> [u64; 3] {
         [

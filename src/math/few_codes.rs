@@ -1,11 +1,12 @@
 //! Sorting the codes of a cloud that the caches hold whole.
 //!
-//! How it works: the lowest bits of each code give place to its index, and these *items* are sorted ([`super::items`]), in two
-//! passes of up to 14 bits. Where codes differ in the bits that gave place alone, they are asked for.
+//! How it works: the lowest bits of each code give place to its index, and these *items* are sorted ([`super::items`]),
+//! in two passes of up to 14 bits. Where codes differ in the bits that gave place alone, they are asked for.
 //!
-//! When it wins: over the buckets of [`super::morton_sort`] while all items fit the second and third cache, where the many
-//! places that a pass writes to are near: 88,000 are sorted in two thirds to three quarters of the time. Two passes of 14 bits
-//! were faster than three of 8 to 10 bits, four of 7, and two of 11 to 13, which leave more to the insertion sort.
+//! When it wins: over the buckets of [`super::morton_sort`] while all items fit the second and third cache, where the
+//! many places that a pass writes to are near: 88,000 are sorted in two thirds to three quarters of the time. Two
+//! passes of 14 bits were faster than three of 8 to 10 bits, four of 7, and two of 11 to 13, which leave more to the
+//! insertion sort.
 //!
 //! The sort is stable, and nothing is done by several threads.
 
@@ -33,8 +34,8 @@ pub(crate) fn index_of(item: u64) -> usize {
     (item & INDEX) as usize
 }
 
-/// Sorts `items` as their codes are, equal ones by index. `code` tells the code of an index; `scratch` is as long as `items`, and
-/// has nothing of meaning afterwards.
+/// Sorts `items` as their codes are, equal ones by index. `code` tells the code of an index; `scratch` is as long as
+/// `items`, and has nothing of meaning afterwards.
 pub(crate) fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>, code: impl Fn(usize) -> u64) {
     // Three bits divide a surface by four. Two levels more, so that few cells have two points.
     let telling_bits = items.len().max(1).ilog2() * 3 / 2 + 4;

@@ -3,8 +3,8 @@
 //!
 //! A code has three bits a level, the coarsest level in the highest: bit `3i` is bit `i` of x, bit `3i + 1` of y, bit
 //! `3i + 2` of z. Three bits read as a number are the *octant* of a cell in its parent. Two codes share exactly the
-//! cells above the level at which their highest different bit lies ([`PackedCell`] says which); paper 000 §VI-A needs no more
-//! than that to count the occupied cells of every level.
+//! cells above the level at which their highest different bit lies ([`PackedCell`] says which); paper 000 §VI-A needs
+//! no more than that to count the occupied cells of every level.
 
 /// Levels below the root: 21 × 3 bits fill 63 of 64.
 pub const LEVELS: u32 = 21;
@@ -81,14 +81,15 @@ impl PackedCell {
         (self.0 ^ other.0) & !(below * LOWEST) == 0
     }
 
-    /// The first level (1 to 21) at which two finest cells are in different cells, or [`NEVER_PART`]; and whether their codes are in
-    /// ascending order, or equal.
+    /// The first level (1 to 21) at which two finest cells are in different cells, or [`NEVER_PART`]; and whether their
+    /// codes are in ascending order, or equal.
     #[inline(always)]
     pub(crate) fn parting(self, next: Self) -> (u8, bool) {
         let different = self.0 ^ next.0;
         let along_any =
             (different | different >> LEVELS | different >> (2 * LEVELS)) as u32 % FINEST_CELLS;
-        // The exponent of a number of 21 bits, exact as an f32, is its highest bit; this is one SIMD instruction. That of 0 is −127.
+        // The exponent of a number of 21 bits, exact as an f32, is its highest bit; this is one SIMD instruction. That
+        // of 0 is −127.
         let exponent = ((along_any as i32 as f32).to_bits() >> 23) as i32 - 127;
         let parting = (LEVELS as i32 - exponent).min(i32::from(NEVER_PART));
         let octants = LOWEST.wrapping_shl(exponent as u32);

@@ -1,22 +1,22 @@
 //! Sorting by Morton codes: points are put in the order in which an octree visits them.
 //!
-//! How it works: codes, each with what goes with it, are first parted into 4,096 buckets by their highest twelve bits (the cells
-//! of octree level 4), chunk by chunk. Then each bucket is gathered from all chunks and sorted.
+//! How it works: codes, each with what goes with it, are first parted into 4,096 buckets by their highest twelve bits
+//! (the cells of octree level 4), chunk by chunk. Then each bucket is gathered from all chunks and sorted.
 //!
 //! ```text
 //! codes ── chunks of 65,536 ──► each chunk parted ── bucket after bucket, from all chunks ──► sorted
 //!          a task each          into buckets         a task each
 //! ```
 //!
-//! A bucket is sorted as *items* ([`super::items`]): numbers that have the bits in which its codes differ above an index. Of up to
-//! 8,192 codes an item has all bits that a bucket leaves to differ, so that codes are read off the sorted items; of more, the
-//! lowest give place, and where items are alike in all others, the codes are asked for. Most of a surface is in order after
-//! two passes. Clouds that are no surfaces, or that an outlier squeezes into few cells, leave more, which is then sorted by
-//! comparison.
+//! A bucket is sorted as *items* ([`super::items`]): numbers that have the bits in which its codes differ above an
+//! index. Of up to 8,192 codes an item has all bits that a bucket leaves to differ, so that codes are read off the
+//! sorted items; of more, the lowest give place, and where items are alike in all others, the codes are asked for. Most
+//! of a surface is in order after two passes. Clouds that are no surfaces, or that an outlier squeezes into few cells,
+//! leave more, which is then sorted by comparison.
 //!
-//! When it wins: each point is moved once through memory, to its bucket, and all else happens in the first and second cache, while
-//! a radix sort of the whole moves it once for each digit and then fetches what goes with each code from anywhere. Codes are
-//! made chunk by chunk as they are parted, and never written to memory before. Tasks share nothing.
+//! When it wins: each point is moved once through memory, to its bucket, and all else happens in the first and second
+//! cache, while a radix sort of the whole moves it once for each digit and then fetches what goes with each code from
+//! anywhere. Codes are made chunk by chunk as they are parted, and never written to memory before. Tasks share nothing.
 //!
 //! Codes that are in order already are left alone, which one look over them tells.
 //!
@@ -65,8 +65,8 @@ const CODE_BITS: u32 = 63;
 const BUCKET_BITS: u32 = 12;
 const BUCKETS: usize = 1 << BUCKET_BITS;
 
-/// Codes that are parted together: what they are read from and written to is near the size of a second cache, and a bucket's
-/// part of it, on a surface, is longer than a few cache lines.
+/// Codes that are parted together: what they are read from and written to is near the size of a second cache, and a
+/// bucket's part of it, on a surface, is longer than a few cache lines.
 const CHUNK: usize = 1 << 16;
 
 /// Codes, and what goes with each, parted by the highest bits of the codes.
@@ -85,8 +85,8 @@ struct Parted<T> {
 }
 
 impl<T: Copy + Default + Send + Sync> Buckets<T> {
-    /// Parts `count` 63-bit codes, which `write_codes` writes for any range of them, each with what `carried` says goes with
-    /// its index.
+    /// Parts `count` 63-bit codes, which `write_codes` writes for any range of them, each with what `carried` says goes
+    /// with its index.
     pub(crate) fn new(
         count: usize,
         write_codes: impl Fn(Range<usize>, &mut [u64]) + Sync,
@@ -118,8 +118,8 @@ impl<T: Copy + Default + Send + Sync> Buckets<T> {
         self.lens.iter().filter_map(place).collect()
     }
 
-    /// Writes to `carried` what goes with each code, in their order, and hands the codes of each bucket to `write`, in order,
-    /// with the place of the bucket. Those without codes are left out.
+    /// Writes to `carried` what goes with each code, in their order, and hands the codes of each bucket to `write`, in
+    /// order, with the place of the bucket. Those without codes are left out.
     pub(crate) fn sort_each<P: Send>(
         &self,
         carried: &mut [T],
@@ -405,7 +405,8 @@ mod tests {
         }
     }
 
-    /// Codes that differ in their lowest bits alone, which the index of an item takes the place of, in runs of every length.
+    /// Codes that differ in their lowest bits alone, which the index of an item takes the place of, in runs of every
+    /// length.
     #[test]
     fn codes_whose_items_differ_in_the_index_alone() {
         let codes: Vec<u64> = (0..5000)

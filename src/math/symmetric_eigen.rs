@@ -8,7 +8,8 @@
 //! live in the plane orthogonal to it, where a 2×2 problem remains that one square root solves.
 //!
 //! The cubic is solved by Newton's method instead of `acos` and `cos`: from the secant between its known ends it needs
-//! three steps, and, made only of the basic operations that IEEE 754 rounds exactly, gives the same bits on every machine.
+//! three steps, and, made only of the basic operations that IEEE 754 rounds exactly, gives the same bits on every
+//! machine.
 //!
 //! Degenerate matrices have a defined answer: coinciding eigenvalues get some orthonormal basis of their space, a
 //! multiple of the identity the axes x, y, z. Matrices with entries that are not finite are treated as zero.

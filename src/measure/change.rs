@@ -1,8 +1,9 @@
 //! How far the points of one pose are from another pose, point by point: what has changed between them.
 //!
-//! How it works: each point is taken to the nearest of the other pose (D1 of [`super::GeometryError`], one way), in f64. What was
-//! there before and is not any more is far from all that is; what only slid along a surface is near to its other points, so this
-//! is a change of shape and not a motion. Positions of both poses are relative to the same origin.
+//! How it works: each point is taken to the nearest of the other pose (D1 of [`super::GeometryError`], one way), in
+//! f64. What was there before and is not any more is far from all that is; what only slid along a surface is near to
+//! its other points, so this is a change of shape and not a motion. Positions of both poses are relative to the same
+//! origin.
 
 use crate::analysis::{ColorMap, NearestPoint};
 use glam::Vec3;
@@ -22,8 +23,8 @@ pub struct Change {
 }
 
 impl Change {
-    /// Measures from each of `places` to the nearest of `other`, both finite; `None` if there is no other, or once `is_wanted` says
-    /// no.
+    /// Measures from each of `places` to the nearest of `other`, both finite; `None` if there is no other, or once
+    /// `is_wanted` says no.
     pub fn between(
         places: &[Vec3],
         other: &[Vec3],
@@ -90,7 +91,8 @@ impl Change {
 }
 
 impl Change {
-    /// The distance that 99 % of the points do not exceed, scene units: the end of a colour map that a few outliers do not stretch.
+    /// The distance that 99 % of the points do not exceed, scene units: the end of a colour map that a few outliers do
+    /// not stretch.
     pub fn usual_range(&self) -> f64 {
         f64::from(self.quantile(0.99))
     }

@@ -1,5 +1,5 @@
-//! How far a result is from the truth: errors of pictures, of clouds and of normals, each with its unit, its range and its
-//! source.
+//! How far a result is from the truth: errors of pictures, of clouds and of normals, each with its unit, its range and
+//! its source.
 //!
 //! | measure | of | unit, range | source |
 //! |---|---|---|---|
@@ -12,8 +12,9 @@
 //! | [`Change`] | two poses | scene units | D1 one way, point by point |
 //! | [`AngularError`] | two sets of normals | degrees, 0 to 90 or 180 | – |
 //!
-//! PSNR and SSIM are what others can compare with. PSNR weighs a shift of a thin line as much as a wrong colour, and says
-//! nothing of whether anybody sees it; FLIP does. SSIM tells a change of light from a lost pattern, but sees no colours.
+//! PSNR and SSIM are what others can compare with. PSNR weighs a shift of a thin line as much as a wrong colour, and
+//! says nothing of whether anybody sees it; FLIP does. SSIM tells a change of light from a lost pattern, but sees no
+//! colours.
 
 mod change;
 mod difference;

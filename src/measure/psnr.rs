@@ -1,8 +1,8 @@
 //! Peak signal-to-noise ratio.
 //!
-//! How it works: the mean of the squared differences over all pixels and the three colour channels, against the square of
-//! the largest value there is, 255. Alpha is not compared: pictures are opaque. Values are compared as they are stored
-//! (display-referred), which is what published figures mean.
+//! How it works: the mean of the squared differences over all pixels and the three colour channels, against the square
+//! of the largest value there is, 255. Alpha is not compared: pictures are opaque. Values are compared as they are
+//! stored (display-referred), which is what published figures mean.
 
 use super::{SizeMismatch, check_sizes, size_px};
 use image::RgbaImage;

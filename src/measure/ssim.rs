@@ -28,7 +28,8 @@ const SIGMA_PX: f64 = 1.5;
 const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
-/// Weights of red, green and blue in luma (ITU-R BT.601), as in `MATLAB`'s `rgb2gray`, which published figures come from.
+/// Weights of red, green and blue in luma (ITU-R BT.601), as in `MATLAB`'s `rgb2gray`, which published figures come
+/// from.
 const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
 
 /// Why two pictures have no structural similarity.
@@ -50,8 +51,8 @@ pub enum SsimError {
 
 /// The mean structural similarity of two pictures, −1 to 1 (equal).
 ///
-/// Compared is luma, 0.299 R + 0.587 G + 0.114 B of the values as they are stored (display-referred, not rounded to whole
-/// steps). Alpha is ignored. The same bits for any number of threads.
+/// Compared is luma, 0.299 R + 0.587 G + 0.114 B of the values as they are stored (display-referred, not rounded to
+/// whole steps). Alpha is ignored. The same bits for any number of threads.
 pub fn ssim(reference: &RgbaImage, test: &RgbaImage) -> Result<f64, SsimError> {
     let size_px = size_px(reference);
     check_sizes(size_px, self::size_px(test))?;

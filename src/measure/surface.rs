@@ -1,8 +1,9 @@
 //! Where a picture shows no surface, another surface, or one too many: holes and wrong-surface pixels.
 //!
-//! How it works: two pictures of one view are compared pixel by pixel by what they show *of space*, not by colour: the depth
-//! of the surface along the view axis. A splat is an approximation as thick as its radius, so depths that differ by no more
-//! are the same surface; beyond it something shines through that should be hidden, or hides what should be seen.
+//! How it works: two pictures of one view are compared pixel by pixel by what they show *of space*, not by colour: the
+//! depth of the surface along the view axis. A splat is an approximation as thick as its radius, so depths that differ
+//! by no more are the same surface; beyond it something shines through that should be hidden, or hides what should be
+//! seen.
 //!
 //! When it wins: over errors of colours, where a hole shows a background of nearly the colour of the surface, or a far
 //! surface of the same colour shines through.
@@ -12,8 +13,8 @@
 pub struct DepthImage {
     /// Width and height.
     pub size_px: [u32; 2],
-    /// Distances from the eye along the view axis in scene units, 0 and above; infinite where the background shows. Row by
-    /// row from the top left.
+    /// Distances from the eye along the view axis in scene units, 0 and above; infinite where the background shows. Row
+    /// by row from the top left.
     pub depth: Vec<f32>,
 }
 

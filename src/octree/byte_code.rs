@@ -1,11 +1,11 @@
 //! The byte code of an octree: one mask byte for each internal node, breadth-first (paper 000 §VI-A).
 //!
-//! The bytes of a level say how many bytes the next level has, so the code needs no lengths, and any byte lost, added or
-//! emptied is noticed. What cannot be noticed is an octant moved within its byte.
+//! The bytes of a level say how many bytes the next level has, so the code needs no lengths, and any byte lost, added
+//! or emptied is noticed. What cannot be noticed is an octant moved within its byte.
 //!
-//! How it works: a level at a time, cells as *location codes*: a one, and below it the Morton code of the cell, three bits a
-//! level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a cell of any level
-//! in one word: the root is 1, and a cell of level 21 fills all 64 bits.
+//! How it works: a level at a time, cells as *location codes*: a one, and below it the Morton code of the cell, three
+//! bits a level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a cell
+//! of any level in one word: the root is 1, and a cell of level 21 fills all 64 bits.
 
 use super::{Octree, stop::Leaves};
 use crate::math::morton::{self, LEVELS};
@@ -65,8 +65,9 @@ pub enum OctreeError {
 }
 
 impl Octree {
-    /// One byte for each node above the deepest level, breadth-first; bit `o` is set when octant `o` is occupied, none is for a
-    /// leaf. Together with the depth it is the whole shape of the tree (000 §VI-A): see [`Octree::cells_from_masks`].
+    /// One byte for each node above the deepest level, breadth-first; bit `o` is set when octant `o` is occupied, none
+    /// is for a leaf. Together with the depth it is the whole shape of the tree (000 §VI-A): see
+    /// [`Octree::cells_from_masks`].
     pub fn masks(&self) -> Vec<u8> {
         match self.leaves {
             Leaves::OnLevel(_) => (0..self.depth())
@@ -100,8 +101,8 @@ impl Octree {
     /// The occupied cells at level `depth` that a byte code stands for, as integer coordinates below `2^depth`, in
     /// Morton order.
     ///
-    /// At depth 0 the code has no bytes and stands for the root. (An octree without points has no code: nothing to store.)
-    /// Memory is bounded by the bytes there are: eight cells for each.
+    /// At depth 0 the code has no bytes and stands for the root. (An octree without points has no code: nothing to
+    /// store.) Memory is bounded by the bytes there are: eight cells for each.
     pub fn cells_from_masks(masks: &[u8], depth: u32) -> Result<Vec<[u32; 3]>, OctreeError> {
         let leaves = leaves_of_masks(masks, depth, LeafLevels::OnDeepestLevel, usize::MAX)?;
         let codes = leaves.into_iter().map(|leaf| leaf ^ ROOT << (3 * depth));
@@ -121,8 +122,8 @@ pub(super) enum LeafLevels {
     OnAnyLevel,
 }
 
-/// The location codes of the leaves that `masks` stand for, from the uppermost level down, on each in Morton order. More than
-/// `most_cells` are refused before there is memory for them.
+/// The location codes of the leaves that `masks` stand for, from the uppermost level down, on each in Morton order.
+/// More than `most_cells` are refused before there is memory for them.
 pub(super) fn leaves_of_masks(
     masks: &[u8],
     depth: u32,

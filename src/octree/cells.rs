@@ -1,9 +1,9 @@
 //! Where the cells of a level begin, read off the parting levels.
 //!
-//! How it works: a cell of a level begins with each point whose parting level is that or less. Parting levels are below 32,
-//! so eight of them, in one word, are compared by one addition: what is added lifts just those above the level into the
-//! highest bit of their byte, and no carry leaves a byte. Where a cell has many points its end is searched for among the points
-//! themselves instead.
+//! How it works: a cell of a level begins with each point whose parting level is that or less. Parting levels are below
+//! 32, so eight of them, in one word, are compared by one addition: what is added lifts just those above the level into
+//! the highest bit of their byte, and no carry leaves a byte. Where a cell has many points its end is searched for
+//! among the points themselves instead.
 
 use super::NodeRange;
 use super::sorted_points::SortedPoints;
@@ -26,8 +26,8 @@ fn beginnings(partings: [u8; WORD], level: u32) -> u64 {
 /// Partings looked at in registers.
 const ROW: usize = 64;
 
-/// From so many points on, the end of a cell is searched for by bisection. Each of its steps waits for memory, while bytes
-/// that are read in order come by the thousand in the same time.
+/// From so many points on, the end of a cell is searched for by bisection. Each of its steps waits for memory, while
+/// bytes that are read in order come by the thousand in the same time.
 const SEARCHED: usize = 1 << 14;
 
 impl SortedPoints {
@@ -85,8 +85,8 @@ impl SortedPoints {
         })
     }
 
-    /// The occupied octants of every cell of a level above 21, in Morton order: in one pass, as a cell of the level below begins
-    /// wherever one of this level does.
+    /// The occupied octants of every cell of a level above 21, in Morton order: in one pass, as a cell of the level
+    /// below begins wherever one of this level does.
     pub(super) fn masks_of_level(&self, level: u32) -> Vec<u8> {
         let mut masks = Vec::with_capacity(self.occupied[level as usize]);
         let mut mask = 0;

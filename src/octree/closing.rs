@@ -1,13 +1,14 @@
 //! Morphological closing of the cells of a level, as far as they touch leaves.
 //!
-//! How it works: a cell without points between two that hold some, opposite each other across a face, an edge or a corner of it (13
-//! directions), is closed; then those between closed ones are, which makes holes of several cells disappear.
+//! How it works: a cell without points between two that hold some, opposite each other across a face, an edge or a
+//! corner of it (13 directions), is closed; then those between closed ones are, which makes holes of several cells
+//! disappear.
 //!
-//! Sixty-four cells (4×4×4) are a block, and one word. The words of the 27 blocks around one are shifted along each axis, after
-//! which 13 comparisons close all cells of the block.
+//! Sixty-four cells (4×4×4) are a block, and one word. The words of the 27 blocks around one are shifted along each
+//! axis, after which 13 comparisons close all cells of the block.
 //!
-//! When it wins: blocks around are looked up once, so a cell costs about as much as a few comparisons. Blocks without leaves beside them
-//! are not looked at.
+//! When it wins: blocks around are looked up once, so a cell costs about as much as a few comparisons. Blocks without
+//! leaves beside them are not looked at.
 
 use super::gaps::Gap;
 use super::sorted_points::SortedPoints;
@@ -329,7 +330,8 @@ fn beside(words: Words) -> Words {
     shifted::<2>(shifted::<1>(shifted::<0>(words)))
 }
 
-/// Of each line of three blocks along an axis: what is one cell below each cell of the middle one, it itself, and what is one above.
+/// Of each line of three blocks along an axis: what is one cell below each cell of the middle one, it itself, and what
+/// is one above.
 #[inline(always)]
 fn shifted<const AXIS: usize>(words: Words) -> Words {
     let ((step, low), count) = (AXES[AXIS], STEPS[AXIS]);

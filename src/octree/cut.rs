@@ -67,8 +67,8 @@ impl Cut {
 pub struct CutHints<'a> {
     /// Nodes whose points all face away from the eye are dropped; these know it.
     pub back_faces: Option<&'a LodSurfels>,
-    /// The cut of the view before, of the same points: near the threshold, what was divided stays so, and what was not stays
-    /// whole. Without it a node is divided or not by the threshold alone.
+    /// The cut of the view before, of the same points: near the threshold, what was divided stays so, and what was not
+    /// stays whole. Without it a node is divided or not by the threshold alone.
     pub before: Option<&'a Cut>,
 }
 

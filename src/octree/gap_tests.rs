@@ -18,7 +18,8 @@ fn of_tree(tree: &Octree) -> &[Gap] {
     &tree.gaps
 }
 
-/// The gaps of a level by definition: cells without points that touch leaves, between two opposite ones with some or closed before.
+/// The gaps of a level by definition: cells without points that touch leaves, between two opposite ones with some or
+/// closed before.
 fn by_definition(tree: &Octree, level: u32) -> HashSet<[i32; 3]> {
     let cells = tree.points.cells.iter();
     let occupied: HashSet<IVec3> = cells

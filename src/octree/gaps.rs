@@ -1,8 +1,10 @@
-//! Cells without points that are drawn between leaves: what closes surfaces whose cells are about as small as the spacing.
+//! Cells without points that are drawn between leaves: what closes surfaces whose cells are about as small as the
+//! spacing.
 //!
-//! How it works: of the cells that a surface passes some hold no point, as points lie at random or the surface only grazes them, and
-//! what is behind shows through. Those that touch a leaf and are found by morphological closing (`closing.rs`) are gaps, and are drawn as
-//! that leaf is, where the leaf is in the cut. No gap is beyond the outline of the points.
+//! How it works: of the cells that a surface passes some hold no point, as points lie at random or the surface only
+//! grazes them, and what is behind shows through. Those that touch a leaf and are found by morphological closing
+//! (`closing.rs`) are gaps, and are drawn as that leaf is, where the leaf is in the cut. No gap is beyond the outline
+//! of the points.
 //!
 //! What it costs beside the rest of the tree is in `benches/octree.rs`.
 

@@ -1,8 +1,8 @@
 //! What stands for all nodes of a level, kept where it is drawn again and again.
 //!
-//! How it works: a level of which as many points were read as there are is worked out whole and kept, and what is drawn of it are
-//! contiguous pieces. So a frame that is seen once reads each point once, and a view that moves about copies, having paid at most
-//! twice for what it copies.
+//! How it works: a level of which as many points were read as there are is worked out whole and kept, and what is drawn
+//! of it are contiguous pieces. So a frame that is seen once reads each point once, and a view that moves about copies,
+//! having paid at most twice for what it copies.
 //!
 //! When it wins: where nodes have several points each, and a camera moves about a frame or a loop comes back to it.
 
@@ -63,8 +63,8 @@ impl<R> KeptLevels<R> {
         node_counts.iter().map(bytes).sum()
     }
 
-    /// The levels that are kept of those that some nodes, which are about to be written, are on; this may be the time to begin
-    /// with one.
+    /// The levels that are kept of those that some nodes, which are about to be written, are on; this may be the time
+    /// to begin with one.
     pub(super) fn kept<'r, W: NodeWriter<Record = R>>(
         &self,
         ranges: impl Iterator<Item = &'r NodeRange>,
@@ -98,8 +98,8 @@ impl<R> KeptLevels<R> {
         if let Some(records) = kept.get() {
             return records;
         }
-        // Not inside of `get_or_init`: a thread that waits for its share of the level may take up other work, and come by here
-        // again. If two work out the same, one of them is dropped.
+        // Not inside of `get_or_init`: a thread that waits for its share of the level may take up other work, and come
+        // by here again. If two work out the same, one of them is dropped.
         let worked_out = LevelRecords::work_out(level, points, writer);
         kept.get_or_init(|| worked_out)
     }

@@ -77,11 +77,13 @@ impl NodeSurfel {
         }
     }
 
-    /// Whether all normals of a node face away from an eye, if the node is in a sphere around a point that is `from_eye` away.
+    /// Whether all normals of a node face away from an eye, if the node is in a sphere around a point that is
+    /// `from_eye` away.
     ///
-    /// A point faces away when the angle between its normal and the line of sight is below 90°. The line of sight to any point of
-    /// the sphere is within β of that to its middle, `sin β = radius/distance`, and all normals are within α of the mean. So all face
-    /// away when the angle between the mean normal and the line of sight is below 90° − α − β.
+    /// A point faces away when the angle between its normal and the line of sight is below 90°. The line of sight to
+    /// any point of the sphere is within β of that to its middle, `sin β = radius/distance`, and all normals are within
+    /// α of the mean. So all face away when the angle between the mean normal and the line of sight is below 90° − α −
+    /// β.
     pub(super) fn faces_away(&self, from_eye: Vec3, sphere_radius: f32) -> bool {
         let distance = from_eye.length();
         if distance <= sphere_radius || self.cone_cosine <= 0.0 {

@@ -44,14 +44,14 @@ impl Octree {
         cut.stats()
     }
 
-    /// The cut of at most `most_nodes` nodes with the smallest LOD threshold from `view.lod_px` up, in steps of a 32nd of an
-    /// octave (2 %).
+    /// The cut of at most `most_nodes` nodes with the smallest LOD threshold from `view.lod_px` up, in steps of a 32nd
+    /// of an octave (2 %).
     ///
     /// Cells that the eye is in are always divided, so that around it some more are emitted than a very small number.
     ///
     /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap beside drawing:
-    /// it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it still fits: a
-    /// threshold that emits at least three quarters of what is allowed stays.
+    /// it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it still
+    /// fits: a threshold that emits at least three quarters of what is allowed stays.
     pub fn cut_at_most(&self, most_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
         let kept = hints.before.map(Cut::lod_px);
         if let Some(lod_px) = kept.filter(|&lod_px| lod_px >= view.lod_px) {

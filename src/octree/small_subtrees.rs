@@ -1,13 +1,15 @@
 //! Cells of small subtrees, tested side by side instead of one under the other.
 //!
-//! How it works: where the border of the frustum or of two levels of detail cuts through a cell of few points, descending from
-//! cell to cell costs more than testing all cells of the first level on which any may stop. Nothing above that level needs a
-//! test: the bounding sphere of a cell lies in those of all cells that it is in, so it tells alone whether they are seen. The
-//! cells of 64 points are read off their parting levels together and tested eight at a time; a bit of each says whether it is in
-//! view, another whether it stops. Runs of cells that are alike are emitted as one range, or sifted one level below.
+//! How it works: where the border of the frustum or of two levels of detail cuts through a cell of few points,
+//! descending from cell to cell costs more than testing all cells of the first level on which any may stop. Nothing
+//! above that level needs a test: the bounding sphere of a cell lies in those of all cells that it is in, so it tells
+//! alone whether they are seen. The cells of 64 points are read off their parting levels together and tested eight at a
+//! time; a bit of each says whether it is in view, another whether it stops. Runs of cells that are alike are emitted
+//! as one range, or sifted one level below.
 //!
-//! When it wins: a cell takes 2 to 3 ns so, one that is visited by itself 50 to 60, most of them for branches that nothing
-//! foretells. In large subtrees most cells would be tested that descending passes over, or emits with thousands of others.
+//! When it wins: a cell takes 2 to 3 ns so, one that is visited by itself 50 to 60, most of them for branches that
+//! nothing foretells. In large subtrees most cells would be tested that descending passes over, or emits with thousands
+//! of others.
 
 use super::cells::write_beginnings;
 use super::cut::Cut;
@@ -34,7 +36,8 @@ const BLOCK: usize = 64;
 /// Cells tested by one instruction.
 const LANES: usize = 8;
 
-/// At most [`BLOCK`] consecutive cells of one level, and what was found out about each, the first one in the lowest bit.
+/// At most [`BLOCK`] consecutive cells of one level, and what was found out about each, the first one in the lowest
+/// bit.
 struct Block {
     level: u32,
     /// The first points of the cells, then the point after the last cell; what follows is of no importance.
@@ -61,8 +64,8 @@ impl Block {
 }
 
 impl Traversal<'_> {
-    /// Emits the nodes that stand for some points: of the cells of `level`, those that are in view and stop, and for the others
-    /// what is below them. No cell above `level` stops. Recursion is bounded by the 21 levels.
+    /// Emits the nodes that stand for some points: of the cells of `level`, those that are in view and stop, and for
+    /// the others what is below them. No cell above `level` stops. Recursion is bounded by the 21 levels.
     pub(super) fn sift(&self, level: u32, points: Range<usize>, subtree: &Subtree, cut: &mut Cut) {
         let sorted = &self.tree.points;
         let mut next = points.start;

@@ -18,8 +18,8 @@ use rayon::prelude::*;
 pub(super) struct SortedPoints {
     /// Their finest cells, by ascending code.
     pub(super) cells: Vec<PackedCell>,
-    /// The level at which each cell parts from the one before it: the point is the first of its cell there and below; 0 for
-    /// the first.
+    /// The level at which each cell parts from the one before it: the point is the first of its cell there and below; 0
+    /// for the first.
     pub(super) partings: Vec<u8>,
     /// Cells of every level that hold a point.
     pub(super) occupied: OccupiedCells,
@@ -166,8 +166,8 @@ fn partings_in_order(cells: &[PackedCell]) -> Option<Vec<u8>> {
     are_in_order.then_some(partings)
 }
 
-/// Writes the levels at which all but the first of `cells` part from the ones before them, as far as they are asked for, or
-/// to where their codes do not ascend; whether they do.
+/// Writes the levels at which all but the first of `cells` part from the ones before them, as far as they are asked
+/// for, or to where their codes do not ascend; whether they do.
 fn write_partings(cells: &[PackedCell], partings: &mut [u8]) -> bool {
     dispatch!(Level::new(), _simd => {
         let mut cells = cells;

@@ -1,22 +1,23 @@
 //! Leaves no smaller than the spacing of the points around them: what makes cubes a closed solid.
 //!
-//! How it works: leaves are on the deepest level whose cells are closed, together with the gaps between them (`gaps.rs`). While a level
-//! is as dense as the surface, it has four times the cells of the level above; where points are too few for that, cells are left
-//! empty, and once it has less than twice as many there are more empty ones in a row than can be closed. Curves have twice the cells
-//! at best, so for them, as for whatever is dense, the number of points a cell tells. Leaves are one to two and a half
-//! spacings long.
+//! How it works: leaves are on the deepest level whose cells are closed, together with the gaps between them
+//! (`gaps.rs`). While a level is as dense as the surface, it has four times the cells of the level above; where points
+//! are too few for that, cells are left empty, and once it has less than twice as many there are more empty ones in a
+//! row than can be closed. Curves have twice the cells at best, so for them, as for whatever is dense, the number of
+//! points a cell tells. Leaves are one to two and a half spacings long.
 //!
-//! Spacings differ within a cloud, by a hundred times in the sweep of a scanner. So the question is asked of the root, of its octants,
-//! and so on, as long as there are points enough to answer. A node keeps the level that it inherits unless that is clearly wrong
-//! for it: sizes that change from cell to cell with the noise of sampling are worse to look at than one that is slightly off (000,
-//! Fig. 5). Few points far from all others are never asked, so none becomes a cube that hides the cloud.
+//! Spacings differ within a cloud, by a hundred times in the sweep of a scanner. So the question is asked of the root,
+//! of its octants, and so on, as long as there are points enough to answer. A node keeps the level that it inherits
+//! unless that is clearly wrong for it: sizes that change from cell to cell with the noise of sampling are worse to
+//! look at than one that is slightly off (000, Fig. 5). Few points far from all others are never asked, so none becomes
+//! a cube that hides the cloud.
 //!
-//! Points at the same place count once, and so do those that are much nearer to each other than all are to the rest, as where two scans of
-//! one surface are laid on each other.
+//! Points at the same place count once, and so do those that are much nearer to each other than all are to the rest, as
+//! where two scans of one surface are laid on each other.
 //!
-//! Measured for bodies of 8,000 to 100,000 points (`tests/closed_voxels.rs`): leaves and gaps cover 99.4 % and more of what surfels cover.
-//! Without the gaps it took cells of 2.5 points on average and more to cover as much, which are twice as long and pass the outline
-//! by two to three times as much.
+//! Measured for bodies of 8,000 to 100,000 points (`tests/closed_voxels.rs`): leaves and gaps cover 99.4 % and more of
+//! what surfels cover. Without the gaps it took cells of 2.5 points on average and more to cover as much, which are
+//! twice as long and pass the outline by two to three times as much.
 //!
 //! When it wins: everything is read off running counts of the parting levels, one pass over a byte a point.
 
@@ -29,8 +30,8 @@ use rayon::prelude::*;
 /// Cells that hold so many points on average have hardly a hole.
 const MANY_POINTS: f64 = 2.5;
 
-/// Cells of a surface that hold fewer are closed by the gaps between them (`gaps.rs`) while they are so many times as many as those of the
-/// level above; all of them would be four times as many.
+/// Cells of a surface that hold fewer are closed by the gaps between them (`gaps.rs`) while they are so many times as
+/// many as those of the level above; all of them would be four times as many.
 const GROWTH: f64 = 2.0;
 
 /// Where fewer points share a cell, how many cells there are says nothing about their size.
@@ -48,8 +49,8 @@ const ASKED_POINTS: usize = 64;
 /// A node has cells of so many levels above the leaves, or is not asked: too few cells to take a mean over.
 const ASKED_LEVELS: u32 = 2;
 
-/// Leaves are at most so many levels above those of the whole cloud: 4 times their edge. Few points in a large place, as in the trees that
-/// a scanner sees from afar, would ask for more.
+/// Leaves are at most so many levels above those of the whole cloud: 4 times their edge. Few points in a large place,
+/// as in the trees that a scanner sees from afar, would ask for more.
 const MOST_LEVELS_ABOVE: u32 = 2;
 
 /// Points counted together.
@@ -124,8 +125,8 @@ fn add(counts: &mut [u32; LEVEL_COUNT], partings: &[u8]) {
     }
 }
 
-/// Points that count: where the cells of a level are hardly divided by the next two, each is a point, though some have several close
-/// together. Cells of a curve are divided into four by two levels, those of a surface into sixteen.
+/// Points that count: where the cells of a level are hardly divided by the next two, each is a point, though some have
+/// several close together. Cells of a curve are divided into four by two levels, those of a surface into sixteen.
 fn distinct_points(cells: &OccupiedCells) -> usize {
     /// More points than that are not one place but a part of the cloud.
     const MOST_TOGETHER: usize = 8;
@@ -189,7 +190,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Adds the leaves below a node whose parent would have them on the level `inherited`. Recursion is bounded by the 21 levels.
+    /// Adds the leaves below a node whose parent would have them on the level `inherited`. Recursion is bounded by the
+    /// 21 levels.
     fn visit(&self, node: &NodeRange, inherited: u32, found: &mut LeavesBySpacing) {
         let cells = self.census.cells_in(node);
         let is_asked = node.points.len() >= ASKED_POINTS;

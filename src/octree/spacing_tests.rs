@@ -11,7 +11,8 @@ fn tree_of(positions: &[Vec3]) -> Octree {
     Octree::build(positions, &colors, StopCriterion::Spacing)
 }
 
-/// A lattice of as many points along each edge, from a corner, in a plane that is parallel to no face of the octree's cube.
+/// A lattice of as many points along each edge, from a corner, in a plane that is parallel to no face of the octree's
+/// cube.
 fn lattice(count: u32, spacing: f32, corner: Vec3) -> Vec<Vec3> {
     let u = Vec3::new(0.8, 0.36, 0.48);
     let v = Vec3::new(-0.6, 0.48, 0.64);

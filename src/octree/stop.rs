@@ -11,11 +11,12 @@ pub(super) type OccupiedCells = [usize; LEVELS as usize + 1];
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StopCriterion {
-    /// Leaves are no smaller than the spacing of the points around them, so that cubes are closed surfaces: on one level where points
-    /// are spread evenly, on several where they are not. See `octree/spacing.rs`.
+    /// Leaves are no smaller than the spacing of the points around them, so that cubes are closed surfaces: on one
+    /// level where points are spread evenly, on several where they are not. See `octree/spacing.rs`.
     #[default]
     Spacing,
-    /// The paper's δ (000 §VI-A): level h is subdivided while `oct(h)/n < 1 − δ`, where `oct(h)` counts its occupied cells.
+    /// The paper's δ (000 §VI-A): level h is subdivided while `oct(h)/n < 1 − δ`, where `oct(h)` counts its occupied
+    /// cells.
     ///
     /// δ is clamped to 0..=1 and NaN counts as 0; the interface offers 0 to 0.6. Subdivision also ends where no finer
     /// level of the 21 separates any two points, so that duplicates (which no cell size can part) do not drive δ = 0 to
@@ -23,8 +24,8 @@ pub enum StopCriterion {
     Loss(f32),
     /// All leaves on this level, at most 21.
     Depth(u32),
-    /// A cell is divided while it holds more than so many points (0 counts as 1), so leaves are on several levels: what the
-    /// paper's Fig. 5 shows the incoherent voxel sizes of.
+    /// A cell is divided while it holds more than so many points (0 counts as 1), so leaves are on several levels: what
+    /// the paper's Fig. 5 shows the incoherent voxel sizes of.
     PointsPerOctant(u32),
 }
 
@@ -32,8 +33,8 @@ impl StopCriterion {
     /// The δ of 5 % that the paper found good for its sequences: most points have a leaf of their own.
     pub const PAPER: Self = Self::Loss(0.05);
 
-    /// The same for surfels, whose leaves are drawn as the points that they hold: leaves that are as large as the spacing would spare
-    /// them the finest levels of detail.
+    /// The same for surfels, whose leaves are drawn as the points that they hold: leaves that are as large as the
+    /// spacing would spare them the finest levels of detail.
     #[must_use]
     pub fn of_surfels(self) -> Self {
         match self {
@@ -55,8 +56,8 @@ pub(super) enum Leaves {
 }
 
 impl Leaves {
-    /// The level of all leaves that have one of some points; `None` if there are several, or they are not known. Precondition: the
-    /// points are those of a node that is a leaf or above the leaves, or some of them.
+    /// The level of all leaves that have one of some points; `None` if there are several, or they are not known.
+    /// Precondition: the points are those of a node that is a leaf or above the leaves, or some of them.
     #[inline]
     pub(super) fn only_level(&self, points: &Range<usize>) -> Option<u32> {
         match self {

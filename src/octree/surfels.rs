@@ -1,12 +1,14 @@
 //! Surfels for the nodes of every level (future work of paper 000): what voxels are to points, these are to surfels.
 //!
-//! A node's surfel has the mean position, colour, normal and scalar of its points. Its disk covers theirs, as far as they lie in
-//! one plane: it reaches to the farthest of them, so a surface that is closed at the finest level is closed at all. A *normal
-//! cone* around the mean normal holds those of all points; where it faces away from the eye, so do they.
+//! A node's surfel has the mean position, colour, normal and scalar of its points. Its disk covers theirs, as far as
+//! they lie in one plane: it reaches to the farthest of them, so a surface that is closed at the finest level is closed
+//! at all. A *normal cone* around the mean normal holds those of all points; where it faces away from the eye, so do
+//! they.
 //!
-//! How it works: the points of a node are a contiguous range. The surfels of a cut are worked out from the points under it, in one
-//! pass over their records, and forgotten; those of levels that are drawn again and again are kept (`kept_levels.rs`). Leaves, where
-//! all are on one level, are drawn as the very points they hold, so that nothing is lost where nothing is small.
+//! How it works: the points of a node are a contiguous range. The surfels of a cut are worked out from the points under
+//! it, in one pass over their records, and forgotten; those of levels that are drawn again and again are kept
+//! (`kept_levels.rs`). Leaves, where all are on one level, are drawn as the very points they hold, so that nothing is
+//! lost where nothing is small.
 //!
 //! When it wins: where splats are small on the screen and many.
 
@@ -24,8 +26,8 @@ pub struct LodSurfels {
     pub(super) octree: Arc<Octree>,
     points: Arc<Vec<PointRecord>>,
     pub(super) shapes: Arc<Vec<ShapeRecord>>,
-    /// The one level whose nodes are tested for facing away: the finest at which that is less than drawing them. Those above
-    /// it would each take a pass over all points, to spare some visits.
+    /// The one level whose nodes are tested for facing away: the finest at which that is less than drawing them. Those
+    /// above it would each take a pass over all points, to spare some visits.
     cone_level: Option<u32>,
     levels: KeptLevels<NodeSurfel>,
     /// Of voxels.
@@ -42,8 +44,8 @@ impl LodSurfels {
     /// The surfels of `octree`, from the records of its points. Nothing is worked out yet.
     ///
     /// # Panics
-    /// Preconditions: a record of each kind for each point, in the order of the points the tree was built from, which was
-    /// Morton order.
+    /// Preconditions: a record of each kind for each point, in the order of the points the tree was built from, which
+    /// was Morton order.
     pub fn new(
         octree: Arc<Octree>,
         points: Arc<Vec<PointRecord>>,
@@ -111,8 +113,8 @@ impl LodSurfels {
             + KeptLevels::<ShapeRecord>::most_bytes(normals, count)
     }
 
-    /// Replaces the contents of `points` and `shapes` by the surfels of a cut of the octree; those of leaves are the points
-    /// themselves.
+    /// Replaces the contents of `points` and `shapes` by the surfels of a cut of the octree; those of leaves are the
+    /// points themselves.
     pub fn write(&self, cut: &Cut, points: &mut Vec<PointRecord>, shapes: &mut Vec<ShapeRecord>) {
         points.clear();
         shapes.clear();
@@ -156,7 +158,8 @@ impl LodSurfels {
             .is_some_and(|surfels| surfels[0].faces_away(center - eye, sphere_radius))
     }
 
-    /// The surfels of the nodes of `level` from the one that begins with a point; `None` where they are not tested for facing away.
+    /// The surfels of the nodes of `level` from the one that begins with a point; `None` where they are not tested for
+    /// facing away.
     pub(super) fn cones(&self, level: u32, first: usize) -> Option<&[NodeSurfel]> {
         if self.cone_level != Some(level) {
             return None;
@@ -186,8 +189,8 @@ fn cone_level(octree: &Octree) -> Option<u32> {
 }
 
 impl Octree {
-    /// Whether nodes of a cut are leaves that are drawn as their points. Where leaves are on several levels, the cells are what
-    /// is to be seen.
+    /// Whether nodes of a cut are leaves that are drawn as their points. Where leaves are on several levels, the cells
+    /// are what is to be seen.
     fn is_leaf_range(&self, range: &NodeRange) -> bool {
         match self.leaves {
             Leaves::OnLevel(depth) => range.level == depth,

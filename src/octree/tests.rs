@@ -196,7 +196,8 @@ proptest! {
     }
 }
 
-/// The leaves where cells are divided while they hold more than `most_points` points that differ, by recursion over lists.
+/// The leaves where cells are divided while they hold more than `most_points` points that differ, by recursion over
+/// lists.
 fn leaves_by_brute_force(
     positions: &[Vec3],
     most_points: usize,

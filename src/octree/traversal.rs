@@ -1,14 +1,14 @@
 //! Traversal: which nodes stand for the cloud in one view (paper 000 §VI-B).
 //!
-//! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its diameter)
-//! is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on screen.
-//! Five things keep most nodes from being looked at, and time short:
+//! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its
+//! diameter) is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on
+//! screen. Five things keep most nodes from being looked at, and time short:
 //!
 //! - *Inside mask.* A plane that a sphere is entirely inside of is not tested again below that node.
 //! - *Uniform cuts.* Once no plane is left, the nearest and the farthest distance of a cell bound where all of its
-//!   descendants would stop. When both name the same level, the answer for the whole subtree is all of its nodes on that
-//!   level: the points of the cell, emitted at once. Only cells that straddle the border of the frustum or of two levels of
-//!   detail are descended into.
+//!   descendants would stop. When both name the same level, the answer for the whole subtree is all of its nodes on
+//!   that level: the points of the cell, emitted at once. Only cells that straddle the border of the frustum or of two
+//!   levels of detail are descended into.
 //! - *Small subtrees* that straddle one of these are not descended into: their cells are tested eight at a time
 //!   (`small_subtrees.rs`).
 //! - *Normal cones.* A node whose points all face away is dropped, if that is asked for ([`LodSurfels`]).
@@ -16,8 +16,8 @@
 //!
 //! The eight octants of the root, and those below, come nearest first, so that what is drawn early hides what follows.
 //!
-//! Levels of detail do not flicker: given the cut of the view before, a cell changes sides only when it is a tenth beyond the
-//! threshold; and a subtree that was uniform, and may stay so, is emitted at once.
+//! Levels of detail do not flicker: given the cut of the view before, a cell changes sides only when it is a tenth
+//! beyond the threshold; and a subtree that was uniform, and may stay so, is emitted at once.
 //!
 //! When it wins: always; at worst (every cell straddles something) it visits what a plain traversal does.
 //!
@@ -100,12 +100,12 @@ impl Octree {
 /// Every squared distance is beyond it.
 const ALWAYS: f32 = -1.0;
 
-/// Share of the threshold by which a cell must be larger to be divided, or smaller not to be, than the view before decided.
-/// A tenth is more than a hand that holds the mouse still moves the camera, and too little to see.
+/// Share of the threshold by which a cell must be larger to be divided, or smaller not to be, than the view before
+/// decided. A tenth is more than a hand that holds the mouse still moves the camera, and too little to see.
 const HYSTERESIS: f64 = 0.1;
 
-/// A cell with this edge is not divided at a share of the threshold when the square of its distance is above this; infinite
-/// when it always is.
+/// A cell with this edge is not divided at a share of the threshold when the square of its distance is above this;
+/// infinite when it always is.
 fn stop_distance_squared(edge: f32, view: &SelectView, share: f64) -> f32 {
     let lod_px = f64::from(view.lod_px) * share;
     if lod_px > 0.0 {
@@ -234,8 +234,8 @@ impl Traversal<'_> {
         point_count: usize,
         cut: &mut Cut,
     ) {
-        // An octant can only be hidden by those that differ from the eye's along fewer axes, and along no others: they have
-        // smaller numbers when the octant of the eye is number 0.
+        // An octant can only be hidden by those that differ from the eye's along fewer axes, and along no others: they
+        // have smaller numbers when the octant of the eye is number 0.
         let of_eye = |visit: &Visit| {
             (0..3).fold(0, |number, axis| {
                 let is_upper = visit.cell[axis] & 1 == 1;
@@ -298,8 +298,8 @@ impl Traversal<'_> {
         }
     }
 
-    /// The one level below that of `node` on which all descendants stop; `None` when there may be several. Its middle is
-    /// `distance` from the eye along each axis.
+    /// The one level below that of `node` on which all descendants stop; `None` when there may be several. Its middle
+    /// is `distance` from the eye along each axis.
     fn uniform_cut(&self, node: &NodeRange, distance: Vec3) -> Option<u32> {
         let half_edge = 0.5 * self.levels[node.level as usize].edge;
         let farthest_squared = self.farthest_squared(node, distance);
@@ -324,7 +324,8 @@ impl Traversal<'_> {
         all_stop.then_some(first_stop)
     }
 
-    /// The first level below that of `node` on which a descendant may stop, wherever in it that is; `depth` is that of the leaves.
+    /// The first level below that of `node` on which a descendant may stop, wherever in it that is; `depth` is that of
+    /// the leaves.
     fn first_stop(&self, node: &NodeRange, distance: Vec3, depth: u32) -> u32 {
         let farthest_squared = self.farthest_squared(node, distance);
         (node.level + 1..depth)
@@ -332,7 +333,8 @@ impl Traversal<'_> {
             .unwrap_or(depth)
     }
 
-    /// At least the square of the distance from the eye to anything in a cell whose middle is `distance` away along each axis.
+    /// At least the square of the distance from the eye to anything in a cell whose middle is `distance` away along
+    /// each axis.
     fn farthest_squared(&self, node: &NodeRange, distance: Vec3) -> f32 {
         let half_edge = 0.5 * self.levels[node.level as usize].edge;
         (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN)

@@ -1,8 +1,9 @@
 //! The normals of voxels (future work of paper 000): what light falls on instead of the faces of cubes.
 //!
-//! How it works: the mean of the normals of a node's points, which are a range; each is turned to the side of those before it, so
-//! that the normals of a file without a sensor, whose signs mean nothing, do not cancel each other. As the light is two-sided, the sign of
-//! the mean means nothing either. Levels that are drawn again and again are kept, as voxels are (`kept_levels.rs`).
+//! How it works: the mean of the normals of a node's points, which are a range; each is turned to the side of those
+//! before it, so that the normals of a file without a sensor, whose signs mean nothing, do not cancel each other. As
+//! the light is two-sided, the sign of the mean means nothing either. Levels that are drawn again and again are kept,
+//! as voxels are (`kept_levels.rs`).
 
 use super::gaps::{Gap, add_gaps};
 use super::kept_levels::Kept;
@@ -12,8 +13,8 @@ use crate::cloud::{ShapeRecord, oct_decode, oct_encode};
 use glam::Vec3;
 
 impl LodSurfels {
-    /// Replaces the contents of `out` by records whose normals are those of the voxels of a cut of the octree, in the order of
-    /// [`super::Octree::write_voxels`]. All else in them is 0.
+    /// Replaces the contents of `out` by records whose normals are those of the voxels of a cut of the octree, in the
+    /// order of [`super::Octree::write_voxels`]. All else in them is 0.
     pub fn write_voxel_normals(&self, cut: &Cut, out: &mut Vec<ShapeRecord>) {
         let sorted = &self.octree.points;
         let writer = NormalWriter {

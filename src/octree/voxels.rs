@@ -3,8 +3,8 @@
 //! How it works: the points of a node are a range in Morton order. Its cell is the upper part of the first one's; its
 //! colour the difference of two running sums over all points, divided by their number.
 //!
-//! When it wins: of all nodes, one view shows a third (leaves only) or less, so a frame that is played and gone never pays
-//! for the others, and they need no memory. Of levels that are coarse enough for it, what is drawn again is kept
+//! When it wins: of all nodes, one view shows a third (leaves only) or less, so a frame that is played and gone never
+//! pays for the others, and they need no memory. Of levels that are coarse enough for it, what is drawn again is kept
 //! (`kept_levels.rs`): reading the points of cells that have several each takes longer than copying.
 
 use super::gaps::{Gap, add_gaps};
@@ -19,8 +19,8 @@ use rayon::prelude::*;
 
 /// Red, green and blue in one number, a field of 21 bits each (blue has one more).
 ///
-/// Sums of it are taken modulo 2⁶⁴, where carries from field to field, and out of the last, do no harm: the difference of two
-/// sums is right in every field as long as it has no more than [`MOST_SUMMED`] colours.
+/// Sums of it are taken modulo 2⁶⁴, where carries from field to field, and out of the last, do no harm: the difference
+/// of two sums is right in every field as long as it has no more than [`MOST_SUMMED`] colours.
 pub(super) type ColorSum = u64;
 
 const FIELD_BITS: u32 = 21;
@@ -28,7 +28,8 @@ const FIELD_BITS: u32 = 21;
 /// So many colours have sums that fit a field.
 const MOST_SUMMED: u32 = 1 << 13;
 
-/// Colours whose sums are made together: few, so that registers and the first cache hold them until they are in their place.
+/// Colours whose sums are made together: few, so that registers and the first cache hold them until they are in their
+/// place.
 const SUM_BLOCK: usize = 64;
 
 /// Such blocks that are worth handing to another thread.
@@ -102,7 +103,8 @@ fn field_of(sum: ColorSum, channel: u32) -> u32 {
 }
 
 impl Octree {
-    /// What stands for the cloud at `level`, in Morton order: its nodes, and the leaves above it. Empty below the deepest.
+    /// What stands for the cloud at `level`, in Morton order: its nodes, and the leaves above it. Empty below the
+    /// deepest.
     pub fn level_voxels(&self, level: u32) -> Vec<VoxelRecord> {
         let mut ranges = Vec::new();
         if self.level_counts.len() > level as usize {

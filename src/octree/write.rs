@@ -1,9 +1,9 @@
 //! From ranges of nodes to what is drawn for each, whatever that is.
 //!
 //! How it works: the nodes of a range begin where parting levels say so. Sixty-four nodes of any levels are handed to a
-//! [`NodeWriter`] at a time, so that taking codes apart and dividing are SIMD instructions. Long lists of ranges are shared out
-//! among threads by their points; each part knows from a count of its nodes where its records go. Of levels that are kept, records
-//! are copied.
+//! [`NodeWriter`] at a time, so that taking codes apart and dividing are SIMD instructions. Long lists of ranges are
+//! shared out among threads by their points; each part knows from a count of its nodes where its records go. Of levels
+//! that are kept, records are copied.
 
 use super::NodeRange;
 use super::cells::write_beginnings;
@@ -16,8 +16,8 @@ use rayon::prelude::*;
 /// Nodes that are worked out together.
 pub(super) const BATCH: usize = 64;
 
-/// Up to [`BATCH`] nodes, each property in an array of its own. Beyond their number stand nodes of some batch before, or of no
-/// points.
+/// Up to [`BATCH`] nodes, each property in an array of its own. Beyond their number stand nodes of some batch before,
+/// or of no points.
 pub(super) struct Nodes<'a> {
     /// Their first points.
     pub(super) firsts: &'a [u32; BATCH],
@@ -31,7 +31,8 @@ pub(super) trait NodeWriter: Sync {
     /// What stands for one node.
     type Record: Copy + Send + Sync + Zeroable;
 
-    /// Writes the records of the first `out.len()` of `nodes`. To be inlined, so that it is compiled for each level of SIMD.
+    /// Writes the records of the first `out.len()` of `nodes`. To be inlined, so that it is compiled for each level of
+    /// SIMD.
     fn write(&self, nodes: &Nodes<'_>, out: &mut [Self::Record]);
 }
 

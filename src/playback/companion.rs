@@ -1,9 +1,11 @@
-//! A second sequence that goes along with a first one: its frames are those that belong to the first one's, by one clock.
+//! A second sequence that goes along with a first one: its frames are those that belong to the first one's, by one
+//! clock.
 //!
-//! **How it works.** The clock is that of the first sequence's [`Player`](super::Player). Before it moves, the companion is told where to; it
-//! asks its own loader for the frame that belongs there and says whether it is at hand: playing waits for it as for the player's own.
-//! The loader prepares ahead in the clock's direction, between the frames that belong to the ends of what plays, and is told how
-//! long one of *its* frames lasts, which is another time where the sequences have other rates.
+//! **How it works.** The clock is that of the first sequence's [`Player`](super::Player). Before it moves, the
+//! companion is told where to; it asks its own loader for the frame that belongs there and says whether it is at hand:
+//! playing waits for it as for the player's own. The loader prepares ahead in the clock's direction, between the frames
+//! that belong to the ends of what plays, and is told how long one of *its* frames lasts, which is another time where
+//! the sequences have other rates.
 
 use super::can_draw;
 use super::pairing::{Pair, PairBy, PairTimes};
@@ -38,7 +40,8 @@ pub struct Companion {
 }
 
 impl Companion {
-    /// Opens `sequence` beside `leader`, whose origin it takes if that keeps its detail. Paired by time where both have times.
+    /// Opens `sequence` beside `leader`, whose origin it takes if that keeps its detail. Paired by time where both have
+    /// times.
     pub fn new(
         leader: &Arc<Sequence>,
         sequence: Arc<Sequence>,
@@ -75,7 +78,8 @@ impl Companion {
         companion
     }
 
-    /// How much of `budget_bytes` is for the frames of the leader and how much for those of its companion: all of it together.
+    /// How much of `budget_bytes` is for the frames of the leader and how much for those of its companion: all of it
+    /// together.
     pub fn shares(budget_bytes: usize) -> [usize; 2] {
         let of_companion = budget_bytes / 2;
         [budget_bytes - of_companion, of_companion]
@@ -145,8 +149,8 @@ impl Companion {
         }
     }
 
-    /// Asks for the frame that belongs to that of `clock`, and for those that come then. True if nothing is to be waited for: it is
-    /// here, cannot be read, or there is none.
+    /// Asks for the frame that belongs to that of `clock`, and for those that come then. True if nothing is to be
+    /// waited for: it is here, cannot be read, or there is none.
     pub fn prepare(&mut self, clock: &Clock, is_playing: bool, settings: &Settings) -> bool {
         self.look_at_times();
         if self.sequence.is_empty() {
@@ -183,7 +187,8 @@ impl Companion {
         }
     }
 
-    /// Shows the frame that [`Companion::prepare`] has asked for, if it is here. What was shown before stays until then.
+    /// Shows the frame that [`Companion::prepare`] has asked for, if it is here. What was shown before stays until
+    /// then.
     pub fn show(&mut self, settings: &Settings) -> PlayerChange {
         let mut change = PlayerChange::default();
         let before = self.shown.as_ref().map(Arc::as_ptr);

@@ -281,8 +281,8 @@ proptest! {
         prop_assert!(a.abs_diff(b) <= 1);
     }
 
-    /// Whatever is played, both together stay within the budget, as long as each share holds a few frames: also after the
-    /// first sequence has filled all of it alone, and when it is changed.
+    /// Whatever is played, both together stay within the budget, as long as each share holds a few frames: also after
+    /// the first sequence has filled all of it alone, and when it is changed.
     #[test]
     fn both_together_keep_the_budget(
         frames in 4usize..30,

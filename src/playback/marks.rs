@@ -1,7 +1,7 @@
 //! What the timeline paints under the playhead: where frames are in memory and where they failed.
 //!
-//! A sequence may have more frames than the screen has pixels, so states are kept as runs of equal ones, and asked for only
-//! when the loader says that they may have changed.
+//! A sequence may have more frames than the screen has pixels, so states are kept as runs of equal ones, and asked for
+//! only when the loader says that they may have changed.
 
 use crate::sequence::FrameState;
 

@@ -1,7 +1,7 @@
 //! Playing a sequence: which frame is due, which is shown, what is waited for.
 //!
-//! [`Player`] joins a clock and a loader and knows no window; time is handed in. The window and the benchmark of playing are its users.
-//! A [`Companion`] goes along with it: a second sequence by the same clock.
+//! [`Player`] joins a clock and a loader and knows no window; time is handed in. The window and the benchmark of
+//! playing are its users. A [`Companion`] goes along with it: a second sequence by the same clock.
 
 mod attributes;
 mod companion;

@@ -1,14 +1,15 @@
 //! Which frame of a sequence B stands beside a frame of a sequence A.
 //!
-//! **How it works.** By index, the frames of the same number belong together. By time, the frame of B that was taken nearest to that of
-//! A does, unless it is so far away that B has none at that moment: before its first, behind its last, or where one was lost.
-//! Times of both are on one clock if they overlap; if not (one counts from its start, the other since 1970), each counts from
-//! its first frame. The offset is in frames of B: by time, a frame is the median spacing.
+//! **How it works.** By index, the frames of the same number belong together. By time, the frame of B that was taken
+//! nearest to that of A does, unless it is so far away that B has none at that moment: before its first, behind its
+//! last, or where one was lost. Times of both are on one clock if they overlap; if not (one counts from its start, the
+//! other since 1970), each counts from its first frame. The offset is in frames of B: by time, a frame is the median
+//! spacing.
 
 use std::time::Duration;
 
-/// A frame belongs to a moment up to so many median spacings away: more than half of one, as frames do not come evenly, and less
-/// than a whole, at which a lost one would hide behind its neighbours.
+/// A frame belongs to a moment up to so many median spacings away: more than half of one, as frames do not come evenly,
+/// and less than a whole, at which a lost one would hide behind its neighbours.
 const REACH_IN_SPACINGS: f64 = 0.75;
 
 /// By what frames belong together.

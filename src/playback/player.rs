@@ -1,11 +1,12 @@
 //! An open sequence with its playhead: which frame is due, which is shown, what is waited for.
 //!
-//! **How it works.** The clock says which frame is due. If that frame is in memory, or cannot be read, the clock moves on;
-//! if not, the clock is stopped on that frame and goes on from it when the loader has it.
+//! **How it works.** The clock says which frame is due. If that frame is in memory, or cannot be read, the clock moves
+//! on; if not, the clock is stopped on that frame and goes on from it when the loader has it.
 //!
-//! Where there is no time for all points of the frames, fewer are shown: the loader is told how long a frame lasts and how long its
-//! picture took, and says what it has. Paused, all points are shown. A disk that cannot even bring enough for that slows playing
-//! down, so that every frame is seen, and frames are *late*; a screen that is too slow even so *skips* frames. All of it is counted.
+//! Where there is no time for all points of the frames, fewer are shown: the loader is told how long a frame lasts
+//! and how long its picture took, and says what it has. Paused, all points are shown. A disk that cannot even bring
+//! enough for that slows playing down, so that every frame is seen, and frames are *late*; a screen that is too slow
+//! even so *skips* frames. All of it is counted.
 
 use super::attributes::FirstAttributes;
 use super::marks::{Run, runs};
@@ -56,7 +57,8 @@ pub struct Player {
 pub struct PlayerChange {
     /// Another frame is shown, or the place of the playhead is another one.
     pub visible: bool,
-    /// Something else than which frame is shown, and where the playhead is: playing has begun, ended or stopped, frames came, one failed.
+    /// Something else than which frame is shown, and where the playhead is: playing has begun, ended or stopped, frames
+    /// came, one failed.
     pub beyond_frame: bool,
     /// A frame at the playhead cannot be shown, and this is the first time that it was met.
     pub new_failure: Option<Arc<FrameError>>,
@@ -144,7 +146,8 @@ impl Player {
         self.waiting_for
     }
 
-    /// Whether the frame in the picture is on its way: some of its points are there, or all of them without what is estimated.
+    /// Whether the frame in the picture is on its way: some of its points are there, or all of them without what is
+    /// estimated.
     pub fn is_partial(&self) -> bool {
         self.is_partial
     }
@@ -162,7 +165,8 @@ impl Player {
         plays.then(|| clock.frame_interval())
     }
 
-    /// True when playing, or waiting for a frame to play on. One frame alone does not play: it is at rest, with all its points.
+    /// True when playing, or waiting for a frame to play on. One frame alone does not play: it is at rest, with all its
+    /// points.
     pub fn is_playing(&self) -> bool {
         self.clock.is_moving() || self.play_on_arrival
     }
@@ -288,8 +292,8 @@ impl Player {
         self.update_beside(now, settings, |_, _| true)
     }
 
-    /// [`Player::update`] beside something else that goes by the same clock: `prepare` is told where the clock will be, and whether
-    /// it plays, and says whether what belongs there is at hand. Playing waits for it.
+    /// [`Player::update`] beside something else that goes by the same clock: `prepare` is told where the clock will be,
+    /// and whether it plays, and says whether what belongs there is at hand. Playing waits for it.
     pub fn update_beside(
         &mut self,
         now: Duration,

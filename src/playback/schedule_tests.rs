@@ -1,4 +1,5 @@
-//! Which frame is shown when, with how many points: slow files, slow pictures and broken files by a clock that the test turns.
+//! Which frame is shown when, with how many points: slow files, slow pictures and broken files by a clock that the test
+//! turns.
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};

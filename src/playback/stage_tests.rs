@@ -121,7 +121,8 @@ fn nothing_is_read_or_estimated_twice() {
     // The simulation has the origin decided, for which the frame is decoded and kept.
     let stats = stage.player.loader().stats();
     assert_eq!((stats.decoded, stats.surfaces_estimated), (1, 1));
-    // Records of points of the sample and of all, and of their surfels: heights, which are the colours here, need no normals.
+    // Records of points of the sample and of all, and of their surfels: heights, which are the colours here, need no
+    // normals.
     assert_eq!(stats.records_written, (SAMPLE + 2 * LARGE) as u64);
 }
 

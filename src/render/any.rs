@@ -17,8 +17,9 @@ pub enum AnyRenderer {
 }
 
 impl AnyRenderer {
-    /// Opens what was chosen. Where it may choose, it takes the GPU if there is a real one: a software adapter is slower than
-    /// [`CpuRenderer`], and where there is none at all that needs none. No driver is opened where no card can be.
+    /// Opens what was chosen. Where it may choose, it takes the GPU if there is a real one: a software adapter is
+    /// slower than [`CpuRenderer`], and where there is none at all that needs none. No driver is opened where no card
+    /// can be.
     pub fn open(choice: RendererChoice) -> Result<Self, RenderError> {
         Self::open_where(choice, may_have_gpu())
     }
@@ -70,7 +71,8 @@ impl AnyRenderer {
         }
     }
 
-    /// Waits for uploads and pictures that were asked for. Copies out of mapped memory are carried out with the next submission.
+    /// Waits for uploads and pictures that were asked for. Copies out of mapped memory are carried out with the next
+    /// submission.
     pub fn wait(&self) -> Result<(), RenderError> {
         if let Self::Gpu(renderer) = self {
             renderer.context().queue.submit([]);

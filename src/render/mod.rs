@@ -16,7 +16,8 @@ const DEPTH_SLACK_RADII: f32 = 1.0;
 /// How fast a splat's mask falls off: at the rim of its disk it is exp(-3) (`shaders/common/varyings.wgsl`).
 const MASK_FALLOFF: f32 = 3.0;
 
-/// Light of a surface that is seen edge-on, and white that is added where it faces the eye (`shaders/common/light.wgsl`).
+/// Light of a surface that is seen edge-on, and white that is added where it faces the eye
+/// (`shaders/common/light.wgsl`).
 const HEAD_LIGHT_AMBIENT: f32 = 0.25;
 const HEAD_LIGHT_SPECULAR: f32 = 0.15;
 /// Factor on the colour of a surfel that is seen from behind, where that is to be told.
@@ -60,12 +61,13 @@ pub struct RenderStats {
     pub encode_ms: f64,
     /// GPU time of the last picture that was measured; `None` where timestamps are not supported.
     pub gpu_ms: Option<f64>,
-    /// Of that of the software renderer, the time of what follows over the whole picture: eye-dome lighting and the grid.
+    /// Of that of the software renderer, the time of what follows over the whole picture: eye-dome lighting and the
+    /// grid.
     pub screen_ms: f64,
 }
 
-/// A picture in the size in which it is shown, where a smaller one was drawn (see [`Settings::resolution`](crate::scene::Settings::resolution)): interpolated linearly, as
-/// the window does.
+/// A picture in the size in which it is shown, where a smaller one was drawn (see
+/// [`Settings::resolution`](crate::scene::Settings::resolution)): interpolated linearly, as the window does.
 pub(crate) fn scaled_to(image: image::RgbaImage, size_px: [u32; 2]) -> image::RgbaImage {
     let [width, height] = size_px.map(|edge| edge.max(1));
     if image.dimensions() == (width, height) {

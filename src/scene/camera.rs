@@ -118,10 +118,11 @@ impl ViewPreset {
 
 /// A camera on an orbit. World space is right-handed.
 ///
-/// An orthographic camera shows what a perspective one with the same target, distance and field of view shows of the plane through
-/// the target, and everything else as large. It is drawn as seen through a telephoto lens of a tenth of a degree from as far away
-/// as that takes, so that renderers, traversals and truths know of one projection only: within the sphere that fills the picture
-/// points are less than half a pixel from where parallel rays would put them (`tests/orthographic.rs`).
+/// An orthographic camera shows what a perspective one with the same target, distance and field of view shows of the
+/// plane through the target, and everything else as large. It is drawn as seen through a telephoto lens of a tenth of a
+/// degree from as far away as that takes, so that renderers, traversals and truths know of one projection only: within
+/// the sphere that fills the picture points are less than half a pixel from where parallel rays would put them
+/// (`tests/orthographic.rs`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// What it looks at, in world space.
@@ -143,8 +144,8 @@ pub struct Camera {
 /// Field of view of a new camera, degrees.
 const DEFAULT_FOV_DEG: f64 = 45.0;
 
-/// Cotangent of half the field of view through which an orthographic camera is drawn: of 0.05 degrees. A narrower one leaves fewer
-/// bits of f32 for what is in the picture.
+/// Cotangent of half the field of view through which an orthographic camera is drawn: of 0.05 degrees. A narrower one
+/// leaves fewer bits of f32 for what is in the picture.
 const TELEPHOTO_FOCAL: f64 = 1_145.915_299_281_798;
 
 /// How much of the picture's height the bounding sphere fills after [`Camera::frame_bounds`].
@@ -182,11 +183,12 @@ impl Camera {
         self.distance = radius / (FRAMED_FRACTION * radius_at_1);
     }
 
-    /// Moves to where `points` (relative to `origin`) just fit into a picture whose width is `aspect` of its height, keeping the
-    /// direction. Precondition: finite points and a positive aspect.
+    /// Moves to where `points` (relative to `origin`) just fit into a picture whose width is `aspect` of its height,
+    /// keeping the direction. Precondition: finite points and a positive aspect.
     ///
-    /// How it works: each side of the picture is a plane through the eye, and all points are to be on its inner side. What is left
-    /// and right tells how far away the eye is at least, and where it is across the view; so does what is above and below.
+    /// How it works: each side of the picture is a plane through the eye, and all points are to be on its inner side.
+    /// What is left and right tells how far away the eye is at least, and where it is across the view; so does what is
+    /// above and below.
     pub fn frame_points(&mut self, points: &[Vec3], origin: DVec3, aspect: f64) {
         let bounds = Aabb::from_points(points);
         if bounds.is_empty() || bounds.radius() == 0.0 {
@@ -352,9 +354,11 @@ pub struct ViewTransform {
     pub near: f32,
     /// A length `s` at distance `d` covers `s / d` times this many pixels.
     pub pixels_per_unit_at_1: f32,
-    /// Where the view axis meets the picture, in normalised device coordinates: `[0, 0]`, but for a part of a larger picture.
+    /// Where the view axis meets the picture, in normalised device coordinates: `[0, 0]`, but for a part of a larger
+    /// picture.
     pub center_ndc: [f32; 2],
-    /// Where the upper and the lower edge are in the whole picture, as shares of its height from the top: `[0, 1]`, but for a part.
+    /// Where the upper and the lower edge are in the whole picture, as shares of its height from the top: `[0, 1]`, but
+    /// for a part.
     pub rows_of_whole: [f32; 2],
     /// How many times farther away the eye is than the camera's distance: 1 in perspective.
     pub telephoto: f32,
@@ -371,8 +375,8 @@ impl ViewTransform {
         )
     }
 
-    /// This view of a picture of `whole_px`, but of the part of `part_px` whose upper left pixel is `start_px` alone: the same rays
-    /// through the same pixels. Precondition: it is the view of a whole picture.
+    /// This view of a picture of `whole_px`, but of the part of `part_px` whose upper left pixel is `start_px` alone:
+    /// the same rays through the same pixels. Precondition: it is the view of a whole picture.
     #[must_use]
     pub fn of_part(&self, whole_px: [u32; 2], start_px: [u32; 2], part_px: [u32; 2]) -> Self {
         let [whole, start, part] = [whole_px, start_px, part_px].map(|px| px.map(f64::from));

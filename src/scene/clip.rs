@@ -1,8 +1,9 @@
 //! What of the world is drawn: what is within a box, or on one side of a plane; or all but that.
 //!
-//! How it works. Records are left out when a packet is made, by where their middles are, so every renderer and every primitive draws
-//! the same, and nobody can pick what is not drawn. Each record is tested for itself: a test costs as much as finding the box around
-//! its neighbours would. Whole points go or stay: a splat or a voxel whose middle is inside reaches beyond the border by its radius.
+//! How it works. Records are left out when a packet is made, by where their middles are, so every renderer and every
+//! primitive draws the same, and nobody can pick what is not drawn. Each record is tested for itself: a test costs as
+//! much as finding the box around its neighbours would. Whole points go or stay: a splat or a voxel whose middle is
+//! inside reaches beyond the border by its radius.
 
 use crate::cloud::{PointRecord, VoxelRecord};
 use crate::math::Aabb;
@@ -72,8 +73,8 @@ impl ClipShape {
     }
 }
 
-/// Which part of the cloud is drawn, in the coordinates of the file; in a packet relative to the origin of the sequence, as all
-/// of it.
+/// Which part of the cloud is drawn, in the coordinates of the file; in a packet relative to the origin of the
+/// sequence, as all of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clip {
     /// Whether anything is left out at all.

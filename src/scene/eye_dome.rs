@@ -1,20 +1,20 @@
 //! Eye-dome lighting: light from depths alone, for clouds without normals.
 //!
-//! **How it works** (Boucheny 2009, chapter 4; as in `CloudCompare` and Potree). A pixel is as dark as its neighbours stand before it:
-//! with view distances d, `exp(-strength · 300 · mean max(0, ln d - ln d_n))` over eight neighbours. Logarithms make it the same in
-//! any unit. Three things are done otherwise here:
+//! **How it works** (Boucheny 2009, chapter 4; as in `CloudCompare` and Potree). A pixel is as dark as its neighbours
+//! stand before it: with view distances d, `exp(-strength · 300 · mean max(0, ln d - ln d_n))` over eight neighbours.
+//! Logarithms make it the same in any unit. Three things are done otherwise here:
 //!
-//! - `ln d - ln d_n` is replaced by `d / d_n - 1`, which takes no logarithm. Steps end at [`MOST_STEP`], and up to there both differ
-//!   by 1.3 %. The bound leaves a little of the colour behind a silhouette, however far behind.
-//! - Neighbours are whole pixels, so their radius is rounded; steps are scaled to the radius that was asked for. So a slope is as dark in
-//!   small pictures as in large ones.
-//! - Nothing stands before what has only background beside it. Where a surface ends there, its last pixels get [`EDGE`]: all of it where
-//!   three of eight neighbours are background, as along a straight border, and none from [`EyeDomeLight::LONE`] on, so that points of one or two pixels
-//!   that stand alone keep their colours.
+//! - `ln d - ln d_n` is replaced by `d / d_n - 1`, which takes no logarithm. Steps end at [`MOST_STEP`], and up to
+//!   there both differ by 1.3 %. The bound leaves a little of the colour behind a silhouette, however far behind.
+//! - Neighbours are whole pixels, so their radius is rounded; steps are scaled to the radius that was asked for. So a
+//!   slope is as dark in small pictures as in large ones.
+//! - Nothing stands before what has only background beside it. Where a surface ends there, its last pixels get
+//!   [`EDGE`]: all of it where three of eight neighbours are background, as along a straight border, and none from
+//!   [`EyeDomeLight::LONE`] on, so that points of one or two pixels that stand alone keep their colours.
 //!
-//! Orthographic views are drawn from very far away, where all distances are alike. Steps are scaled by how much farther that is than
-//! the camera's distance (`ViewTransform::telephoto`): they are then relative to that distance, as they are in perspective around the
-//! target.
+//! Orthographic views are drawn from very far away, where all distances are alike. Steps are scaled by how much farther
+//! that is than the camera's distance (`ViewTransform::telephoto`): they are then relative to that distance, as they
+//! are in perspective around the target.
 
 use super::ScenePacket;
 use super::settings::{Splatting, choices};
@@ -37,7 +37,8 @@ const RADIUS_PX_AT_720: f32 = 1.4;
 /// How dark steps are.
 const GAIN: f32 = 300.0;
 
-/// What counts of a step, relative to the distance. Pixels of which three neighbours are that near or nearer keep 6 % of their colour.
+/// What counts of a step, relative to the distance. Pixels of which three neighbours are that near or nearer keep 6 %
+/// of their colour.
 const MOST_STEP: f32 = 0.025;
 
 /// How dark an edge of the cloud is: exp(-0.5) of its colour.
@@ -48,9 +49,10 @@ const BORDER: f32 = 3.0 / 8.0;
 
 /// How dark the pixels of a picture get, in terms of reversed depths `near / distance`.
 ///
-/// Of a pixel with the depth `r` and neighbours with `r_n`, 0 where nothing is, the colour is multiplied with
-/// `exp(-(Σ clamp(gain · (r_n / r - 1), 0, most) + edge · b · max(LONE - b, 0)))`, where `b` is the share of neighbours without depth. Beyond
-/// the borders of the picture, neighbours are the pixels on the borders. Pixels without depth stay as they are.
+/// Of a pixel with the depth `r` and neighbours with `r_n`, 0 where nothing is, the colour is multiplied with `exp(-(Σ
+/// clamp(gain · (r_n / r - 1), 0, most) + edge · b · max(LONE - b, 0)))`, where `b` is the share of neighbours without
+/// depth. Beyond the borders of the picture, neighbours are the pixels on the borders. Pixels without depth stay as
+/// they are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EyeDomeLight {
     /// How far neighbours in a row or a column are, and how many columns and rows those on diagonals are.

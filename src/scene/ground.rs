@@ -1,10 +1,10 @@
 //! The grid on the ground: which plane, how wide its cells are, and where a pixel's ray meets it.
 //!
-//! **How it works.** The plane lies at the lower side of a box around the cloud. Its cells are a power of ten wide, so that 5 to 50 of
-//! them lie under the cloud; lines ten times finer and ten times coarser appear where they have room. Lines are at whole multiples of
-//! the spacing in the coordinates of the file. Renderers intersect the ray of each pixel with the plane; how many pixels away the
-//! nearest line is follows from the derivative, which is known in closed form, so that both draw the same lines
-//! (`shaders/passes/grid.wgsl`, `render/cpu/grid.rs`).
+//! **How it works.** The plane lies at the lower side of a box around the cloud. Its cells are a power of ten wide, so
+//! that 5 to 50 of them lie under the cloud; lines ten times finer and ten times coarser appear where they have room.
+//! Lines are at whole multiples of the spacing in the coordinates of the file. Renderers intersect the ray of each
+//! pixel with the plane; how many pixels away the nearest line is follows from the derivative, which is known in closed
+//! form, so that both draw the same lines (`shaders/passes/grid.wgsl`, `render/cpu/grid.rs`).
 
 use super::background::luma;
 use super::{Background, UpAxis, ViewTransform};
@@ -32,8 +32,8 @@ pub struct GroundPlane {
     pub spacing: f32,
     /// How far from the point lines are seen, scene units.
     pub reach: f32,
-    /// Red, green and blue of the lines, 0 to 1. It is chosen with the packet, not when it is drawn: a picture with alpha is drawn on
-    /// black and on white, and its lines must be the same on both.
+    /// Red, green and blue of the lines, 0 to 1. It is chosen with the packet, not when it is drawn: a picture with
+    /// alpha is drawn on black and on white, and its lines must be the same on both.
     pub color: [f32; 3],
 }
 

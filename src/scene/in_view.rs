@@ -1,12 +1,13 @@
 //! Which points of a large cloud a picture shows, and how many of them it can tell apart.
 //!
-//! **How it works.** Points stand in Morton order, so a run of them is a small piece of the cloud. The nearest point of each pixel says
-//! which pieces are seen. Each of these keeps as many points as the picture can tell apart, evenly along the Morton curve, so that they are
-//! equally dense in all directions along the surface. The nearest points themselves would not be: of a floor seen at a grazing angle
-//! they stand in rows, which define no plane, and of what is half hidden there would be too few.
+//! **How it works.** Points stand in Morton order, so a run of them is a small piece of the cloud. The nearest point of
+//! each pixel says which pieces are seen. Each of these keeps as many points as the picture can tell apart, evenly
+//! along the Morton curve, so that they are equally dense in all directions along the surface. The nearest points
+//! themselves would not be: of a floor seen at a grazing angle they stand in rows, which define no plane, and of what
+//! is half hidden there would be too few.
 //!
-//! **When it wins.** It costs one read of the positions, and what is estimated afterwards depends on the picture alone: surfels of a
-//! view take the same time for any number of points.
+//! **When it wins.** It costs one read of the positions, and what is estimated afterwards depends on the picture alone:
+//! surfels of a view take the same time for any number of points.
 
 use super::{Clip, ViewTransform};
 use crate::cloud::even_places;
@@ -26,8 +27,9 @@ const MOST_PIXELS: usize = 1 << 20;
 /// No point is seen there.
 const EMPTY: u64 = u64::MAX;
 
-/// The slots, ascending, of points that make a picture of `viewport_px` from `view`: of each piece of the cloud that is seen as many as
-/// the picture can tell apart, about 2¹⁹ in all at most. `clip`, relative to the origin of the positions, hides points from sight.
+/// The slots, ascending, of points that make a picture of `viewport_px` from `view`: of each piece of the cloud that is
+/// seen as many as the picture can tell apart, about 2¹⁹ in all at most. `clip`, relative to the origin of the
+/// positions, hides points from sight.
 ///
 /// Precondition: `positions` are in Morton order; in another one more points than necessary are kept, of larger pieces.
 pub fn points_in_view(
@@ -94,7 +96,8 @@ impl<'a> Grid<'a> {
         self.size[0] * self.size[1]
     }
 
-    /// How many points, spread evenly over a piece of surface in `pixels`, are as close in its longer direction as pixels are.
+    /// How many points, spread evenly over a piece of surface in `pixels`, are as close in its longer direction as
+    /// pixels are.
     fn detail_of(&self, mut pixels: Vec<usize>) -> f64 {
         let width = self.size[0];
         let steps = |place_of: fn(usize, usize) -> usize| {

@@ -1,6 +1,7 @@
 //! What the colours of a picture mean, as it is shown beside it: a ramp with round numbers, or classes.
 //!
-//! It is text, colours and places from 0 to 1; the window (`app/panels/legend.rs`) and exports (`export/overlay`) draw it.
+//! It is text, colours and places from 0 to 1; the window (`app/panels/legend.rs`) and exports (`export/overlay`) draw
+//! it.
 
 use crate::analysis::{ColorMap, ColorScale, class_color, class_name, class_of};
 use crate::cloud::ValueSample;
@@ -136,8 +137,8 @@ fn even_numbers(low: f64, high: f64) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Powers of ten between two positive numbers; where there are few, twice and five times as much as well. Each is as far from the next as
-/// it is large.
+/// Powers of ten between two positive numbers; where there are few, twice and five times as much as well. Each is as
+/// far from the next as it is large.
 fn decades(low: f64, high: f64) -> Vec<(f64, f64)> {
     let within = |value: &f64| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(value);
     let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;

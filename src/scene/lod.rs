@@ -13,8 +13,8 @@ pub enum Lod {
     Level(u32),
     /// The finest picture of at most so many voxels: the smallest threshold that draws no more.
     Budget(u32),
-    /// As many voxels as are drawn in so many milliseconds. The number follows the times of the pictures before, so that what
-    /// is drawn depends on the machine.
+    /// As many voxels as are drawn in so many milliseconds. The number follows the times of the pictures before, so
+    /// that what is drawn depends on the machine.
     FrameTimeMs(f32),
 }
 
@@ -56,8 +56,8 @@ impl Lod {
         }
     }
 
-    /// The cells of `octree` that stand for the cloud in `view`, and the threshold in pixels that they come from, if they come
-    /// from one. `affordable` is their number for [`Lod::FrameTimeMs`].
+    /// The cells of `octree` that stand for the cloud in `view`, and the threshold in pixels that they come from, if
+    /// they come from one. `affordable` is their number for [`Lod::FrameTimeMs`].
     pub(super) fn cut(
         self,
         octree: &Octree,
@@ -98,8 +98,8 @@ const FINEST_USEFUL_PX: f32 = 0.5;
 
 /// How many voxels a time budget affords, learnt from the times of pictures.
 ///
-/// It changes in steps of an eighth of an octave, and only once a picture took a quarter longer or shorter than asked, so
-/// that a picture does not flicker between two levels of detail.
+/// It changes in steps of an eighth of an octave, and only once a picture took a quarter longer or shorter than asked,
+/// so that a picture does not flicker between two levels of detail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Affordable {
     /// Eighths of an octave above one voxel.

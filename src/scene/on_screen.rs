@@ -10,7 +10,8 @@ impl Camera {
         (-place.z >= self.lens().near()).then(|| self.view_to_px(place, viewport_px))
     }
 
-    /// Both ends of the part of a line that is in front of the near plane, as [`Camera::to_px`]; `None` where there is none.
+    /// Both ends of the part of a line that is in front of the near plane, as [`Camera::to_px`]; `None` where there is
+    /// none.
     pub fn line_to_px(
         &self,
         ends_in_world: [DVec3; 2],
@@ -29,8 +30,8 @@ impl Camera {
         Some([a, b].map(|end| self.view_to_px(end, viewport_px)))
     }
 
-    /// From world space to view space (right, up, backward). Around the target first: near it nothing is lost however far away the
-    /// eye is.
+    /// From world space to view space (right, up, backward). Around the target first: near it nothing is lost however
+    /// far away the eye is.
     fn in_view_space(&self, place_in_world: DVec3) -> DVec3 {
         let around_target =
             self.view_from_world_rotation() * (place_in_world - self.target_in_world);

@@ -1,7 +1,7 @@
 //! From a prepared frame, a camera and settings to the one value that a renderer draws.
 //!
-//! [`Scene`] remembers the last traversal: as long as camera, viewport, octree and level of detail stay, the visible set
-//! is the same allocation, so that nobody downstream uploads it again.
+//! [`Scene`] remembers the last traversal: as long as camera, viewport, octree and level of detail stay, the visible
+//! set is the same allocation, so that nobody downstream uploads it again.
 
 use super::clip::at;
 use super::lod::{Affordable, Lod};
@@ -76,8 +76,8 @@ impl ScenePacket {
         [middle - radius, middle + radius]
     }
 
-    /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition: it lies
-    /// within the picture, which is no part itself.
+    /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition:
+    /// it lies within the picture, which is no part itself.
     #[must_use]
     pub fn part(&self, start_px: [u32; 2], part_px: [u32; 2]) -> Self {
         Self {
@@ -87,7 +87,8 @@ impl ScenePacket {
         }
     }
 
-    /// Whether two packets have the same records, however they draw them. Arrays are compared by identity, which costs nothing.
+    /// Whether two packets have the same records, however they draw them. Arrays are compared by identity, which costs
+    /// nothing.
     pub fn has_same_records(&self, other: &Self) -> bool {
         let same_voxels = match (&self.voxels, &other.voxels) {
             (Some(a), Some(b)) => {
@@ -235,8 +236,8 @@ impl PartialEq for SelectedFrom {
 }
 
 impl Scene {
-    /// A scene that remembers which cells it drew, so that levels of detail do not flicker when the camera moves a little. What
-    /// it draws depends on what it drew before; that of [`Scene::default`] does not.
+    /// A scene that remembers which cells it drew, so that levels of detail do not flicker when the camera moves a
+    /// little. What it draws depends on what it drew before; that of [`Scene::default`] does not.
     pub fn that_remembers() -> Self {
         Self {
             remembers: true,
@@ -257,8 +258,8 @@ impl Scene {
         }
     }
 
-    /// The packet for `frame`, whose positions are relative to `origin`, to be shown in a picture of `viewport_px`; what is drawn
-    /// may be smaller, see [`Settings::drawn_px`].
+    /// The packet for `frame`, whose positions are relative to `origin`, to be shown in a picture of `viewport_px`;
+    /// what is drawn may be smaller, see [`Settings::drawn_px`].
     ///
     /// A frame that lacks what the primitive needs gives a packet that draws nothing of it; see [`Scene::needs`].
     pub fn packet(
@@ -349,8 +350,8 @@ impl Scene {
         self.clipped = Some(clipped);
     }
 
-    /// The byte code of a frame, if it is to be drawn. What is not a threshold chooses a level: as the code is stored breadth-first,
-    /// that is one of its prefixes.
+    /// The byte code of a frame, if it is to be drawn. What is not a threshold chooses a level: as the code is stored
+    /// breadth-first, that is one of its prefixes.
     fn coded(&self, frame: &PreparedFrame, settings: &Settings) -> Option<CodedCells> {
         let cloud = frame.coded.as_ref().filter(|_| settings.draws_codes())?;
         let at_most = |nodes: u32| (0.0, cloud.deepest_level_of(nodes as usize));

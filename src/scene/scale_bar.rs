@@ -18,8 +18,9 @@ impl ScaleBar {
     /// How long bars are: from one round length to the next it is a factor of 2.5 at most.
     pub const LENGTHS_PX: RangeInclusive<f64> = 80.0..=200.0;
 
-    /// The longest within [`Self::LENGTHS_PX`] times `scale` in a picture `height_px` high. In perspective, things nearer than the
-    /// target look longer than that, and those farther away shorter. `None` where lengths are beyond f64.
+    /// The longest within [`Self::LENGTHS_PX`] times `scale` in a picture `height_px` high. In perspective, things
+    /// nearer than the target look longer than that, and those farther away shorter. `None` where lengths are beyond
+    /// f64.
     pub fn of(
         camera: &Camera,
         height_px: f64,

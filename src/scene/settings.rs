@@ -80,7 +80,8 @@ impl ParseChoiceError {
 choices! {
     /// What a point becomes on the screen.
     Primitive, "primitive" {
-        /// Surfels where the points sample a surface, else points; see [`super::FirstLook`]. Surfels where nobody has looked.
+        /// Surfels where the points sample a surface, else points; see [`super::FirstLook`]. Surfels where nobody has
+        /// looked.
         Auto = "auto",
         /// Oriented disks (paper 000 §V).
         Surfel = "surfel",
@@ -110,8 +111,8 @@ choices! {
 }
 
 choices! {
-    /// What the software renderer draws surfels from, and as what. Effective in the splatting modes that begin with a visibility
-    /// pass; the GPU draws exact disks whatever it says.
+    /// What the software renderer draws surfels from, and as what. Effective in the splatting modes that begin with a
+    /// visibility pass; the GPU draws exact disks whatever it says.
     Footprint, "footprint" {
         /// Exact disks, pixel by pixel, of the records of points.
         Disks = "disks",
@@ -205,8 +206,8 @@ impl Splatting {
 choices! {
     /// Whether surfels are drawn whose normals point away from the eye.
     BackFaces, "choice for back faces" {
-        /// Left out where the surface is closed, so that nothing is missed, else drawn, and darker where the normals are known to point
-        /// outwards; see [`super::FirstLook`]. Left out where nobody has looked.
+        /// Left out where the surface is closed, so that nothing is missed, else drawn, and darker where the normals
+        /// are known to point outwards; see [`super::FirstLook`]. Left out where nobody has looked.
         Auto = "auto",
         /// From behind as from the front.
         Drawn = "drawn",
@@ -278,7 +279,8 @@ choices! {
 choices! {
     /// What the light of voxels falls on.
     VoxelLight, "light of voxels" {
-        /// The mean normals of the points of cells, from either side; the faces of cubes where normals are not known yet.
+        /// The mean normals of the points of cells, from either side; the faces of cubes where normals are not known
+        /// yet.
         Normals = "normals",
         /// The faces of cubes (paper 000 §VI).
         Faces = "faces",
@@ -287,8 +289,8 @@ choices! {
 
 /// All choices about a picture but where the camera stands.
 ///
-/// They are kept in files of people, which outlive versions: what a file does not have is as by default, and what is not
-/// known here is passed over.
+/// They are kept in files of people, which outlive versions: what a file does not have is as by default, and what is
+/// not known here is passed over.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct Settings {
@@ -330,9 +332,11 @@ pub struct Settings {
     pub stop: StopCriterion,
     /// Which of its cells are drawn.
     pub lod: Lod,
-    /// Surfels stand for cells of the octree, as [`Settings::lod`] says, where they are small; else all points are drawn.
+    /// Surfels stand for cells of the octree, as [`Settings::lod`] says, where they are small; else all points are
+    /// drawn.
     pub surfel_lod: bool,
-    /// Edge of the picture that is drawn, as a share of the one that is shown: below 1 fewer pixels are drawn and scaled up.
+    /// Edge of the picture that is drawn, as a share of the one that is shown: below 1 fewer pixels are drawn and
+    /// scaled up.
     pub resolution: f32,
     /// What the software renderer draws surfels from.
     pub footprint: Footprint,
@@ -340,7 +344,8 @@ pub struct Settings {
     pub normal_bits: NormalBits,
     /// Precision of offsets along normals drawn from byte codes.
     pub offset_bits: OffsetBits,
-    /// What the ground is below, relative to the origin; all points of a frame if `None`. Kept in no file, as it is of one sequence.
+    /// What the ground is below, relative to the origin; all points of a frame if `None`. Kept in no file, as it is of
+    /// one sequence.
     #[serde(skip)]
     pub ground_box: Option<Aabb>,
     /// What of the cloud is drawn; all if `None`. Its numbers belong to one sequence, so it is kept in no file.
@@ -361,8 +366,9 @@ impl Settings {
         shown_px.map(|edge| ((edge as f32 * self.resolution).round() as u32).max(1))
     }
 
-    /// These settings, but drawn as `way` is: the colours, the background and the grid stay, what is clipped, and whether back faces
-    /// are left out. Eye-dome lighting is that of `way` where that decides, which ways to draw that are measured do not.
+    /// These settings, but drawn as `way` is: the colours, the background and the grid stay, what is clipped, and
+    /// whether back faces are left out. Eye-dome lighting is that of `way` where that decides, which ways to draw that
+    /// are measured do not.
     #[must_use]
     pub fn drawn_as(&self, way: &Self) -> Self {
         let decides = way.eye_dome != EyeDome::Auto;
@@ -459,7 +465,8 @@ impl Settings {
             && self.lighting != Lighting::Unlit
     }
 
-    /// What the octree is to be divided for: surfels that it is drawn as have no use for leaves as large as the spacing.
+    /// What the octree is to be divided for: surfels that it is drawn as have no use for leaves as large as the
+    /// spacing.
     pub fn octree_stop(&self) -> StopCriterion {
         match self.primitive {
             Primitive::Auto | Primitive::Surfel => self.stop.of_surfels(),
@@ -467,8 +474,8 @@ impl Settings {
         }
     }
 
-    /// Whether surfels are drawn from the byte code of an octree, if the processor draws; [`Settings::lod`] says how finely. While
-    /// something is clipped the same surfels are drawn as disks: a code cannot be cut.
+    /// Whether surfels are drawn from the byte code of an octree, if the processor draws; [`Settings::lod`] says how
+    /// finely. While something is clipped the same surfels are drawn as disks: a code cannot be cut.
     pub fn draws_codes(&self) -> bool {
         self.draws_surfels()
             && self.footprint != Footprint::Disks

@@ -1,10 +1,10 @@
 //! The playback clock: which frame is due at a given time. Pure: time is handed in, nothing here looks at a real clock.
 //!
-//! **How it works.** The clock remembers an anchor: a time, a frame, a direction and how much of that frame's duration had
-//! passed. The frame due at time t is `floor(phase + (t − anchor) · fps · |speed|)` steps away from the anchor, or as many as
-//! [`Pace`] says where frames have times of their own. Since t is
-//! compared with the anchor and never added up, there is no drift however unevenly the clock is asked. Whatever changes the
-//! pace or the place (speed, rate, seek, pause) sets a new anchor at the present position, fraction included.
+//! **How it works.** The clock remembers an anchor: a time, a frame, a direction and how much of that frame's duration
+//! had passed. The frame due at time t is `floor(phase + (t − anchor) · fps · |speed|)` steps away from the anchor, or
+//! as many as [`Pace`] says where frames have times of their own. Since t is compared with the anchor and never added
+//! up, there is no drift however unevenly the clock is asked. Whatever changes the pace or the place (speed, rate,
+//! seek, pause) sets a new anchor at the present position, fraction included.
 //!
 //! The last frame lasts like any other: with [`LoopMode::Off`] playing ends when its time is over.
 
@@ -26,8 +26,8 @@ pub const MAX_SPEED: f64 = 10.0;
 /// Frame rates the clock takes.
 const FPS_RANGE: (f64, f64) = (0.1, 1000.0);
 
-/// A step counts as due this fraction of a frame early: more than what rounding of times to nanoseconds can be off, so that
-/// asking at [`Clock::next_deadline`] always moves on.
+/// A step counts as due this fraction of a frame early: more than what rounding of times to nanoseconds can be off, so
+/// that asking at [`Clock::next_deadline`] always moves on.
 const TOLERANCE_FRAMES: f64 = 1e-4;
 
 /// Place and pace of a playhead. Times are durations since any fixed moment, the same for all calls.
@@ -133,8 +133,8 @@ impl Clock {
         }
     }
 
-    /// Goes to `frame`, or to the last one if there are fewer; playing goes on from there, or from the beginning of the range if
-    /// that is elsewhere.
+    /// Goes to `frame`, or to the last one if there are fewer; playing goes on from there, or from the beginning of the
+    /// range if that is elsewhere.
     pub fn seek(&mut self, frame: usize, now: Duration) {
         self.advance(now);
         self.frame = frame.min(self.last());
@@ -197,8 +197,8 @@ impl Clock {
         }
     }
 
-    /// Says which frames there are now: more of them, or none before the first any more. The position stays; of frames that are gone none
-    /// plays.
+    /// Says which frames there are now: more of them, or none before the first any more. The position stays; of frames
+    /// that are gone none plays.
     pub fn set_frames(&mut self, frames: Range<usize>, now: Duration) {
         self.reanchor(now);
         (self.travel.first, self.travel.frame_count) = (frames.start, frames.end);

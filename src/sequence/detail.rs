@@ -27,7 +27,8 @@ impl Detail {
         }
     }
 
-    /// Whether `frame` has as many points as are wanted. Three quarters of them will do: a frame is not made anew for so little.
+    /// Whether `frame` has as many points as are wanted. Three quarters of them will do: a frame is not made anew for
+    /// so little.
     pub(super) fn is_met_by(self, frame: &Frame) -> bool {
         let points = frame.len() + frame.dropped_points();
         !frame.is_sample() || points >= self.most_points() / 4 * 3

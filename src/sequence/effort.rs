@@ -1,12 +1,13 @@
 //! How detailed frames can be at the rate that they are played at.
 //!
-//! **How it works.** Two things may be too slow for a frame rate. *Making* frames: what decoding takes and what a point takes after it
-//! are averaged over the frames made lately, as they were measured, with whatever else the machine did meanwhile; the workers'
-//! time between two frames, less decoding, says how many points there is time for. *Drawing* them: while pictures take longer than a
-//! frame lasts, frames of fewer points are wanted, as long as that helps; now and then twice the points are tried. Playing begins with
-//! few points, unless pictures were drawn before.
+//! **How it works.** Two things may be too slow for a frame rate. *Making* frames: what decoding takes and what a point
+//! takes after it are averaged over the frames made lately, as they were measured, with whatever else the machine did
+//! meanwhile; the workers' time between two frames, less decoding, says how many points there is time for. *Drawing*
+//! them: while pictures take longer than a frame lasts, frames of fewer points are wanted, as long as that helps; now
+//! and then twice the points are tried. Playing begins with few points, unless pictures were drawn before.
 //!
-//! Numbers of points are powers of two, and are raised only when there is time for a third more, so that they do not waver.
+//! Numbers of points are powers of two, and are raised only when there is time for a third more, so that they do not
+//! waver.
 //!
 //! What is made in a hurry is [`Effort::in_time`]; what may be made while all that is due soon is there already is
 //! [`Effort::at_best`], which only drawing limits. Nothing here looks at a clock.

@@ -1,9 +1,9 @@
 //! Poses in other colours, and with others around them: frames made from frames.
 //!
-//! **Ghosts** (onion skin). Neighbouring poses become points of the same frame: some of their points, evenly taken, in a tint. Which
-//! share of them says how faint a ghost is: a screen door in place of blending, which every renderer and every primitive draws alike,
-//! as blended surfels have no order and voxels no transparency. The indices in the file of the merged frame lead back: those below
-//! the number of the pose's points are its slots, all others are ghosts.
+//! **Ghosts** (onion skin). Neighbouring poses become points of the same frame: some of their points, evenly taken, in
+//! a tint. Which share of them says how faint a ghost is: a screen door in place of blending, which every renderer and
+//! every primitive draws alike, as blended surfels have no order and voxels no transparency. The indices in the file of
+//! the merged frame lead back: those below the number of the pose's points are its slots, all others are ghosts.
 
 use super::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, prepare};
 use crate::cloud::{CloudError, Frame, Positions, RawCloud, oct_decode};
@@ -39,8 +39,8 @@ impl Ghost {
     }
 }
 
-/// The points of `pose` as they are drawn and those of `ghosts`, with what `needs` ask for but colours. Where surfels are asked for,
-/// ghosts without shapes are left out.
+/// The points of `pose` as they are drawn and those of `ghosts`, with what `needs` ask for but colours. Where surfels
+/// are asked for, ghosts without shapes are left out.
 pub fn with_ghosts(
     pose: &PreparedFrame,
     ghosts: &[Ghost],

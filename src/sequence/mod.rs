@@ -1,8 +1,8 @@
 //! A sequence of point clouds through time: finding its files, preparing its frames ahead of the playhead, playing it.
 //!
-//! [`Sequence::discover`] orders files without reading them. [`Clock`] says which frame is due. A [`Loader`] decodes and
-//! prepares frames on worker threads in the order in which the clock will ask for them, and keeps what a byte budget
-//! allows:
+//! [`Sequence::discover`] orders files without reading them. [`Clock`] says which frame is due. A [`Loader`] decodes
+//! and prepares frames on worker threads in the order in which the clock will ask for them, and keeps what a byte
+//! budget allows:
 //!
 //! ```no_run
 //! use pointreel::sequence::{Direction, Loader, LoaderOptions, Needs, Sequence};
@@ -76,7 +76,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-/// The frames of a source, their common origin and their pace. Shared between threads behind an [`Arc`]; may grow at its end.
+/// The frames of a source, their common origin and their pace. Shared between threads behind an [`Arc`]; may grow at
+/// its end.
 pub struct Sequence {
     source: Arc<dyn Source>,
     /// Decoders that nobody uses now, and the frame that each has decoded last.
@@ -113,8 +114,8 @@ impl Sequence {
         }
     }
 
-    /// The frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. See [`SequenceError`] for what can be
-    /// wrong.
+    /// The frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. See
+    /// [`SequenceError`] for what can be wrong.
     pub fn discover(inputs: &[PathBuf]) -> Result<Self, SequenceError> {
         Self::open(inputs, &OpenOptions::default())
     }
@@ -226,8 +227,8 @@ impl Sequence {
         self.origin.origin(self, &never).unwrap_or_default()
     }
 
-    /// Takes the origin of `other` where f32 from there keep the detail, so that the same coordinates of both files become
-    /// the same f32. To be said before the origin is asked for; later it changes nothing.
+    /// Takes the origin of `other` where f32 from there keep the detail, so that the same coordinates of both files
+    /// become the same f32. To be said before the origin is asked for; later it changes nothing.
     pub fn share_origin_with(self: &Arc<Self>, other: &Arc<Self>) {
         if !Arc::ptr_eq(self, other) {
             self.origin.share(Arc::clone(other));
@@ -270,7 +271,8 @@ impl Sequence {
         decoded
     }
 
-    /// A decoder that nobody uses: that of the frame before, if there is one, as it may know what frame `index` is made from.
+    /// A decoder that nobody uses: that of the frame before, if there is one, as it may know what frame `index` is made
+    /// from.
     fn decoder_for(&self, index: usize) -> Box<dyn Decoder> {
         let mut idle = lock(&self.decoders);
         let of_before = idle.iter().position(|&(last, _)| last + 1 == index);
@@ -340,7 +342,8 @@ impl Sequence {
         })
     }
 
-    /// At most `most_points` of frame `index`, if it has at least `fewest_points` and they can be read without the others.
+    /// At most `most_points` of frame `index`, if it has at least `fewest_points` and they can be read without the
+    /// others.
     pub(crate) fn load_sample(
         &self,
         index: usize,

@@ -13,7 +13,8 @@ pub struct Needs {
     pub ellipses: bool,
     /// An octree of this depth: for voxels, levels of detail and picking.
     pub octree: Option<StopCriterion>,
-    /// The byte code of the octree with attributes, where shapes and an octree are asked for: for footprints from masks.
+    /// The byte code of the octree with attributes, where shapes and an octree are asked for: for footprints from
+    /// masks.
     pub coded: bool,
     /// The colours of points and voxels.
     pub colors: Coloring,

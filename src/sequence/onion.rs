@@ -23,7 +23,8 @@ impl OnionSkin {
     /// Most ghosts on either side.
     pub const MAX_GHOSTS: usize = 8;
 
-    /// The poses of `frame_count` that are drawn around `index`: which, and as what share of their points in what colour.
+    /// The poses of `frame_count` that are drawn around `index`: which, and as what share of their points in what
+    /// colour.
     pub fn around(&self, index: usize, frame_count: usize) -> Vec<(usize, f32, [u8; 3])> {
         let side = |count: usize, tint, is_past: bool| {
             (1..=count).filter_map(move |place| {

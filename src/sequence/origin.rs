@@ -1,18 +1,19 @@
 //! The origin of a sequence: what is subtracted from f64 file coordinates so that f32 keeps the detail.
 //!
-//! **How it works.** An f32 has 24 significant bits. A cloud of extent e around a centre c spends log2(|c| / e) of them on
-//! saying where it is. Up to two bits are given away for the sake of coordinates that read like those of the file; beyond
-//! that the origin becomes the centre, rounded to a grid whose step is a power of two near the extent. Rounding keeps
-//! the origin short in binary, so that subtracting it from f32 coordinates is exact.
+//! **How it works.** An f32 has 24 significant bits. A cloud of extent e around a centre c spends log2(|c| / e) of them
+//! on saying where it is. Up to two bits are given away for the sake of coordinates that read like those of the file;
+//! beyond that the origin becomes the centre, rounded to a grid whose step is a power of two near the extent. Rounding
+//! keeps the origin short in binary, so that subtracting it from f32 coordinates is exact.
 //!
-//! **By some points.** Of a large frame some points are shown before all are read: they decide then. The grid's step and the centre are
-//! those of all points, or so near to them that f32 from there keep as much.
+//! **By some points.** Of a large frame some points are shown before all are read: they decide then. The grid's step
+//! and the centre are those of all points, or so near to them that f32 from there keep as much.
 //!
-//! **Beside another sequence** its origin is taken where that keeps enough: the same coordinates of two files are then the same f32,
-//! and equal clouds have no distance.
+//! **Beside another sequence** its origin is taken where that keeps enough: the same coordinates of two files are then
+//! the same f32, and equal clouds have no distance.
 //!
-//! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. What it decoded is
-//! kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice, but for what was cancelled.
+//! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. What it decoded
+//! is kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice, but for what
+//! was cancelled.
 
 use super::{FrameError, Sequence};
 use crate::cloud::{RawCloud, ValueSample};
@@ -26,8 +27,8 @@ use std::sync::{Arc, Mutex, OnceLock};
 /// The centre may be this many extents away from zero before the origin moves.
 const FAR_IN_EXTENTS: f64 = 4.0;
 
-/// As many for the origin of another sequence: 18 bits are left, finer than points are apart, and a part of a cloud has the same f32
-/// as the whole.
+/// As many for the origin of another sequence: 18 bits are left, finer than points are apart, and a part of a cloud has
+/// the same f32 as the whole.
 const FAR_BESIDE_IN_EXTENTS: f64 = 64.0;
 
 /// A decoded frame with its time in milliseconds, or why there is none.
@@ -54,7 +55,8 @@ impl OriginFinder {
             let given_up = || self.given_up.load(Ordering::Relaxed);
             let before = given_up();
             let _turn = lock(&self.deciding);
-            // Somebody else may have decided it meanwhile; what was cancelled is not done again by all who waited for it.
+            // Somebody else may have decided it meanwhile; what was cancelled is not done again by all who waited for
+            // it.
             self.known().or_else(|| {
                 if given_up() != before {
                     return None;
@@ -68,7 +70,8 @@ impl OriginFinder {
         })
     }
 
-    /// Takes the origin of `other` if that keeps the detail. Says nothing any more once the origin is decided, or for the second time.
+    /// Takes the origin of `other` if that keeps the detail. Says nothing any more once the origin is decided, or for
+    /// the second time.
     pub(super) fn share(&self, other: Arc<Sequence>) {
         if self.beside.set(other).is_err() {
             log::debug!("an origin is shared with one other sequence");
@@ -80,7 +83,8 @@ impl OriginFinder {
         self.origin.get().copied()
     }
 
-    /// The origin, decided by some points of the first frame if it is not known; `None` where it depends on another sequence.
+    /// The origin, decided by some points of the first frame if it is not known; `None` where it depends on another
+    /// sequence.
     pub(super) fn decided_by(&self, sample: &RawCloud) -> Option<DVec3> {
         self.known().or_else(|| {
             let _turn = lock(&self.deciding);
@@ -176,7 +180,8 @@ fn center_and_extent(min: DVec3, max: DVec3) -> (DVec3, f64) {
     (min * 0.5 + max * 0.5, extent)
 }
 
-/// Whether coordinates between `min` and `max` are no more than so many extents away from `origin`, so that f32 keep their detail.
+/// Whether coordinates between `min` and `max` are no more than so many extents away from `origin`, so that f32 keep
+/// their detail.
 fn is_near(origin: DVec3, min: DVec3, max: DVec3, far_in_extents: f64) -> bool {
     let (center, extent) = center_and_extent(min, max);
     let away = center - origin;

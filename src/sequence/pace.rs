@@ -1,8 +1,8 @@
 //! How long each frame lasts: equally long, or as long as its time stamps say.
 //!
-//! **How it works.** Durations are counted in the duration of the median frame, so that a frame rate says the same of both kinds:
-//! frames a second of most of the time. What lies between two steps of a playhead is a sum of durations along its way; a
-//! whole turn of a loop is added at once, so that no sum is longer than a turn.
+//! **How it works.** Durations are counted in the duration of the median frame, so that a frame rate says the same of
+//! both kinds: frames a second of most of the time. What lies between two steps of a playhead is a sum of durations
+//! along its way; a whole turn of a loop is added at once, so that no sum is longer than a turn.
 //!
 //! **Pauses.** Recordings stop and go on a day later. Nobody waits for that: a frame lasts at most [`LONGEST_FRAME`].
 
@@ -24,7 +24,8 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// The pace of frames with these times between them, and its frames a second; `None` without any. Precondition: the median is positive.
+    /// The pace of frames with these times between them, and its frames a second; `None` without any. Precondition: the
+    /// median is positive.
     pub(super) fn of_spacings(spacings_s: &[f64], median_s: f64) -> Option<(Self, f64)> {
         if spacings_s.is_empty() {
             return None;
@@ -47,7 +48,8 @@ impl Pace {
         self.durations.get(frame).copied().unwrap_or(1.0)
     }
 
-    /// How many steps a playhead is due to have made when `elapsed` median frames have passed since frame `start` began.
+    /// How many steps a playhead is due to have made when `elapsed` median frames have passed since frame `start`
+    /// began.
     pub(super) fn steps_within(
         &self,
         travel: &Travel,

@@ -1,7 +1,7 @@
 //! A frame made ready for a picture: completed, coloured, packed into records, indexed; each only if it is needed.
 //!
-//! **How it works.** [`complete`] takes what is there and adds what [`Needs`] ask for beyond it. Every part is shared by an
-//! [`Arc`], and stays the same one as long as it is right:
+//! **How it works.** [`complete`] takes what is there and adds what [`Needs`] ask for beyond it. Every part is shared
+//! by an [`Arc`], and stays the same one as long as it is right:
 //!
 //! | changed | decoded | estimated | rewritten |
 //! |---|---|---|---|
@@ -11,8 +11,9 @@
 //! | shapes wanted now | – | normals and radii the file has not | shapes |
 //! | ellipses wanted now | – | ellipses, where radii are estimated | shapes |
 //!
-//! **Who changed.** [`PreparedFrame::id`] names the content of `points`: equal ids mean equal points, so a renderer that holds
-//! the points of an id need not upload them again. For shapes and octree the `Arc` itself tells: `Arc::ptr_eq`.
+//! **Who changed.** [`PreparedFrame::id`] names the content of `points`: equal ids mean equal points, so a renderer
+//! that holds the points of an id need not upload them again. For shapes and octree the `Arc` itself tells:
+//! `Arc::ptr_eq`.
 //!
 //! Fake colours are always taken from the packed normals, so that they do not depend on the order in which shapes and
 //! colours were asked for.
@@ -94,8 +95,8 @@ pub struct PreparedFrame {
     pub points: Arc<Vec<PointRecord>>,
     /// One record a point, if asked for, or if estimating normals for colours brought them anyway.
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
-    /// By what the signs of the normals in `shapes` were decided: the back of a surfel says nothing unless they are right. `None`
-    /// without shapes.
+    /// By what the signs of the normals in `shapes` were decided: the back of a surfel says nothing unless they are
+    /// right. `None` without shapes.
     pub orientation: Option<Orientation>,
     /// The index of the points in the colours of `points`, if it was asked for.
     pub octree: Option<Arc<Octree>>,
@@ -147,8 +148,9 @@ impl PreparedFrame {
         self.frame.is_sample()
     }
 
-    /// The same points in `colors`, one a point, which `paint` says, under an id of their own: octree, byte code and surfels of its nodes are made anew
-    /// if there are any. To be drawn, not to be completed: what is added later would have the colours of the file again.
+    /// The same points in `colors`, one a point, which `paint` says, under an id of their own: octree, byte code and
+    /// surfels of its nodes are made anew if there are any. To be drawn, not to be completed: what is added later would
+    /// have the colours of the file again.
     #[must_use]
     pub fn in_colors(&self, colors: &[[u8; 4]], paint: Paint) -> Self {
         let points = self.points.iter().zip(colors);
@@ -218,8 +220,8 @@ pub fn prepare(
     prepare_observed(index, frame, decode_ms, needs, counters, &never)
 }
 
-/// [`prepare`], which says in `progress` how much of the estimation of normals is done: the rest takes little beside it. Once that is
-/// cancelled, the answer is of no use.
+/// [`prepare`], which says in `progress` how much of the estimation of normals is done: the rest takes little beside
+/// it. Once that is cancelled, the answer is of no use.
 pub(super) fn prepare_observed(
     index: usize,
     frame: Arc<Frame>,
@@ -236,7 +238,8 @@ pub(super) fn prepare_observed(
     build((index, frame), None, None, needs, timings, observers)
 }
 
-/// Prepares at most `most_points` of the points of `existing`, taken evenly. Normals and radii that are known are not estimated again.
+/// Prepares at most `most_points` of the points of `existing`, taken evenly. Normals and radii that are known are not
+/// estimated again.
 pub(super) fn prepare_sample(
     existing: &PreparedFrame,
     most_points: usize,
@@ -268,8 +271,9 @@ pub(super) fn prepare_sample(
     ))
 }
 
-/// Prepares the points of `existing` at `slots` alone, for a picture that is soon replaced: where nobody knows a sensor, normals
-/// agree with those of representatives. Radii are those that close the surface of these points, whatever the file says.
+/// Prepares the points of `existing` at `slots` alone, for a picture that is soon replaced: where nobody knows a
+/// sensor, normals agree with those of representatives. Radii are those that close the surface of these points,
+/// whatever the file says.
 pub fn prepare_part(
     existing: &PreparedFrame,
     slots: &[u32],

@@ -54,8 +54,8 @@ fn file_radii(frame: &Frame) -> Option<&[f32]> {
         .filter(|radii| radii.iter().all(|&radius| radius > 0.0))
 }
 
-/// Takes what the file has and estimates the rest: a zero normal and a zero radius count as missing. Where normals are missing, `estimate`
-/// is given the positions and the place of the sensor.
+/// Takes what the file has and estimates the rest: a zero normal and a zero radius count as missing. Where normals are
+/// missing, `estimate` is given the positions and the place of the sensor.
 pub(super) fn complete_surface(
     frame: &Frame,
     estimate: impl FnOnce(&[Vec3], Option<Vec3>) -> Surface,
@@ -128,8 +128,8 @@ pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec
     }
 }
 
-/// `shapes` with ellipses in place of circles wherever the radius is estimated; `None` if it is nowhere, as a radius of the file
-/// says what a point covers.
+/// `shapes` with ellipses in place of circles wherever the radius is estimated; `None` if it is nowhere, as a radius of
+/// the file says what a point covers.
 pub(super) fn with_ellipses(frame: &Frame, shapes: &[ShapeRecord]) -> Option<Vec<ShapeRecord>> {
     if file_radii(frame).is_some() {
         return None;
@@ -148,7 +148,8 @@ pub(super) fn with_ellipses(frame: &Frame, shapes: &[ShapeRecord]) -> Option<Vec
     Some(records.collect())
 }
 
-/// Records in `paint`, which is that of this frame. Precondition: `shapes` for fake colours of a frame that lacks normals.
+/// Records in `paint`, which is that of this frame. Precondition: `shapes` for fake colours of a frame that lacks
+/// normals.
 pub(super) fn painted_points(
     frame: &Frame,
     paint: &Paint,

@@ -1,7 +1,7 @@
 //! The pace of time stamps, which may come one after the other.
 //!
-//! How it works: a frame that comes adds one spacing. The median, which durations are counted in, is looked for anew once there are an eighth
-//! more, so that a stream of any length sorts nothing when a frame comes.
+//! How it works: a frame that comes adds one spacing. The median, which durations are counted in, is looked for anew
+//! once there are an eighth more, so that a stream of any length sorts nothing when a frame comes.
 
 use super::pace::Pace;
 use std::time::Duration;
@@ -25,8 +25,8 @@ pub(super) struct Stamps {
 }
 
 impl Stamps {
-    /// The pace of `count` frames, and its frames a second; `None` unless each was taken later than the one before. Asks for the times of those
-    /// that came since the last call.
+    /// The pace of `count` frames, and its frames a second; `None` unless each was taken later than the one before.
+    /// Asks for the times of those that came since the last call.
     pub(super) fn pace(
         &mut self,
         count: usize,
@@ -65,7 +65,8 @@ impl Stamps {
 
 #[cfg(test)]
 impl Pace {
-    /// The pace of frames that were taken at `times`, and its frames a second; `None` unless each is later than the one before.
+    /// The pace of frames that were taken at `times`, and its frames a second; `None` unless each is later than the one
+    /// before.
     pub(crate) fn of_times(times: &[Duration]) -> Option<(Self, f64)> {
         Stamps::default().pace(times.len(), |index| Some(times[index]))
     }

@@ -1,8 +1,9 @@
 //! The way of a playhead through a sequence: what comes after what, which frame is needed how soon.
 //!
-//! **How it works.** Playing backward is playing forward through the mirrored sequence, so every rule is written once, for
-//! forward, between two reflections. The clock asks where the playhead is after so many steps; the loader asks in which
-//! order frames will be needed (its *rank*: 0 for the playhead) and, inverted, which resident frame is needed last.
+//! **How it works.** Playing backward is playing forward through the mirrored sequence, so every rule is written once,
+//! for forward, between two reflections. The clock asks where the playhead is after so many steps; the loader asks in
+//! which order frames will be needed (its *rank*: 0 for the playhead) and, inverted, which resident frame is needed
+//! last.
 
 use super::PlayRange;
 use std::collections::BTreeSet;
@@ -100,7 +101,8 @@ impl Travel {
         self.mirrored(direction, 0)
     }
 
-    /// A frame that plays and its number from the end that `direction` leaves behind, the first being 0, are each other's image.
+    /// A frame that plays and its number from the end that `direction` leaves behind, the first being 0, are each
+    /// other's image.
     fn mirrored(&self, direction: Direction, position: usize) -> usize {
         let frames = self.frames();
         match direction {

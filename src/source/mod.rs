@@ -1,9 +1,11 @@
 //! Where frames come from: files and recordings, shapes with a formula, the demo, streams that nobody can rewind.
 //!
-//! A [`Source`] knows which frames there are and what can be said of each without reading it; a [`Decoder`], one for each thread that reads,
-//! makes point clouds of them. A sequence gives the frames of any source an origin, a pace and a place in memory.
+//! A [`Source`] knows which frames there are and what can be said of each without reading it; a [`Decoder`], one for
+//! each thread that reads, makes point clouds of them. A sequence gives the frames of any source an origin, a pace and
+//! a place in memory.
 //!
-//! To add a source: a type that implements [`Source`] and its [`Decoder`], and where a person names it: a file format in [`crate::io`], or a word of [`Generated`].
+//! To add a source: a type that implements [`Source`] and its [`Decoder`], and where a person names it: a file format
+//! in [`crate::io`], or a word of [`Generated`].
 
 mod demo;
 mod entry;
@@ -41,17 +43,19 @@ pub type FrameSample = (RawCloud, usize);
 
 /// Where the frames of a sequence come from. Shared between threads.
 pub trait Source: Send + Sync {
-    /// The frames that can be decoded now: up to the newest, from the oldest that is not gone for good. Frames keep their numbers.
+    /// The frames that can be decoded now: up to the newest, from the oldest that is not gone for good. Frames keep
+    /// their numbers.
     fn frames(&self) -> Range<usize>;
 
-    /// What is known of a frame before it is decoded, be it gone or not. Precondition: it is before the end of [`Source::frames`].
+    /// What is known of a frame before it is decoded, be it gone or not. Precondition: it is before the end of
+    /// [`Source::frames`].
     fn entry(&self, index: usize) -> Arc<FrameEntry>;
 
     /// Something that decodes frames of this source, for one thread at a time.
     fn decoder(&self) -> Box<dyn Decoder>;
 
-    /// At most `most_points` of a frame that has at least `fewest_points`, without reading the others, and how many it has; `None` where
-    /// that cannot be done.
+    /// At most `most_points` of a frame that has at least `fewest_points`, without reading the others, and how many it
+    /// has; `None` where that cannot be done.
     fn sample(
         &self,
         _index: usize,
@@ -61,7 +65,8 @@ pub trait Source: Send + Sync {
         Ok(None)
     }
 
-    /// Whether its frames come while it is open and are gone for good some time later. Who opens it is shown the newest.
+    /// Whether its frames come while it is open and are gone for good some time later. Who opens it is shown the
+    /// newest.
     fn is_live(&self) -> bool {
         false
     }
@@ -76,8 +81,8 @@ pub trait Source: Send + Sync {
         Ok(0)
     }
 
-    /// [`Source::look_again`] once there is something, or after this time: a stream wakes up when a frame comes, a folder is looked at
-    /// from time to time.
+    /// [`Source::look_again`] once there is something, or after this time: a stream wakes up when a frame comes, a
+    /// folder is looked at from time to time.
     fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
         thread::sleep(at_most);
         self.look_again()
@@ -104,11 +109,11 @@ pub trait Source: Send + Sync {
     }
 }
 
-/// Decodes frames of one source. It may keep what several frames share, such as an open file or the frame before, but gives the same
-/// answer whatever it decoded before.
+/// Decodes frames of one source. It may keep what several frames share, such as an open file or the frame before, but
+/// gives the same answer whatever it decoded before.
 pub trait Decoder: Send {
-    /// The point cloud of frame `index`, which `entry` tells of, in file coordinates. Says how far it is; what it returns after it was
-    /// cancelled is not looked at.
+    /// The point cloud of frame `index`, which `entry` tells of, in file coordinates. Says how far it is; what it
+    /// returns after it was cancelled is not looked at.
     fn decode(
         &mut self,
         index: usize,
@@ -132,8 +137,8 @@ where
     }
 }
 
-/// The source that `inputs` name: one that is [`Generated`], else files, folders and patterns. `progress` counts the files
-/// that were looked at, and may be cancelled.
+/// The source that `inputs` name: one that is [`Generated`], else files, folders and patterns. `progress` counts the
+/// files that were looked at, and may be cancelled.
 pub fn open(
     inputs: &[PathBuf],
     options: &OpenOptions,

@@ -1,7 +1,7 @@
 //! Surfaces with a formula: sampled as a scan is, and known as no scan is, so that errors can be told.
 //!
-//! Points are spread evenly at random over the area, as scans are nearly; each shape has its seed, so that every machine
-//! measures the same points. Noise moves a point by a normal deviate along each axis.
+//! Points are spread evenly at random over the area, as scans are nearly; each shape has its seed, so that every
+//! machine measures the same points. Noise moves a point by a normal deviate along each axis.
 
 use super::{FrameEntry, FrameList};
 use crate::cloud::{Positions, RawCloud};
@@ -24,8 +24,8 @@ pub enum Shape {
 /// One point in so many is an outlier, where there are any.
 pub(crate) const OUTLIERS: usize = 20;
 
-/// Standard deviation of an outlier along each axis, as a part of the diameter: about twice the distance between points of
-/// the sphere, so that it is a neighbour of others.
+/// Standard deviation of an outlier along each axis, as a part of the diameter: about twice the distance between points
+/// of the sphere, so that it is a neighbour of others.
 const OUTLIER_DEVIATION: f32 = 0.03;
 
 /// Points with their normals.
@@ -62,8 +62,8 @@ impl Shape {
         }
     }
 
-    /// `count` points with the normals of where they were before `noise` moved them: its standard deviation along each axis
-    /// as a part of the diameter.
+    /// `count` points with the normals of where they were before `noise` moved them: its standard deviation along each
+    /// axis as a part of the diameter.
     pub(crate) fn sample(self, count: usize, noise: f32) -> Sampled {
         let mut random = Random(0x5eed + self as u64);
         let mut sampled = Sampled::default();
@@ -80,8 +80,8 @@ impl Shape {
         sampled
     }
 
-    /// Moves one point in [`OUTLIERS`] off the surface, by a normal deviate along each axis of [`OUTLIER_DEVIATION`] of the
-    /// diameter.
+    /// Moves one point in [`OUTLIERS`] off the surface, by a normal deviate along each axis of [`OUTLIER_DEVIATION`] of
+    /// the diameter.
     pub(crate) fn scatter(self, sampled: &mut Sampled) {
         let mut random = Random(0x0ff + self as u64);
         let deviation = OUTLIER_DEVIATION * self.diameter();

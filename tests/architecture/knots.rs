@@ -1,7 +1,8 @@
 //! Files that import one another.
 //!
-//! **How it works.** Each name of a file is followed through the `use` of the modules on its way to the file that defines it. Files are the
-//! nodes of a graph, and those that can be reached from each other are a knot: none of them can be read, or taken out, without the others.
+//! **How it works.** Each name of a file is followed through the `use` of the modules on its way to the file that
+//! defines it. Files are the nodes of a graph, and those that can be reached from each other are a knot: none of them
+//! can be read, or taken out, without the others.
 
 use super::sources::{Mention, Path, Place, Sources};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -61,7 +62,8 @@ pub(crate) fn imports(sources: &Sources) -> Imports {
     imports
 }
 
-/// Follows `path`, as written in the module `at`. Names of other crates and of what is local to a function lead nowhere.
+/// Follows `path`, as written in the module `at`. Names of other crates and of what is local to a function lead
+/// nowhere.
 fn resolve(sources: &Sources, at: &[String], path: &[String], uses_left: usize) -> Option<Target> {
     let uses_left = uses_left.checked_sub(1)?;
     let mut at = at.to_vec();
@@ -156,7 +158,8 @@ pub(crate) fn circle(imports: &Imports, file: &str) -> String {
     lines.join("\n")
 }
 
-/// What is wrong with the list of known knots: files that were tied to one, knots that are new, and those that are smaller than listed.
+/// What is wrong with the list of known knots: files that were tied to one, knots that are new, and those that are
+/// smaller than listed.
 pub(crate) fn differences(imports: &Imports, known: &[&[&str]]) -> Vec<String> {
     let mut wrong = Vec::new();
     let found = knots(imports);

@@ -1,4 +1,5 @@
-//! The knots that there were when they were first looked for. One that is smaller is made smaller here; none grows and none is added.
+//! The knots that there were when they were first looked for. One that is smaller is made smaller here; none grows and
+//! none is added.
 
 pub(crate) const KNOTS: &[&[&str]] = &[
     &["analysis/blocks.rs", "analysis/mod.rs"],

@@ -1,8 +1,9 @@
 //! What the modules of a crate name, read from their tokens.
 //!
-//! **How it works.** Modules are followed from `lib.rs` by their `mod`, as the compiler does, so that a file is known by the place where
-//! it is declared, and `super` means what it means there. Of the tokens only four things matter: attributes that say what is test code,
-//! `mod`, `use`, and identifiers joined by `::` wherever they stand. What macros are given is tokens as well, so it is seen too.
+//! **How it works.** Modules are followed from `lib.rs` by their `mod`, as the compiler does, so that a file is known
+//! by the place where it is declared, and `super` means what it means there. Of the tokens only four things matter:
+//! attributes that say what is test code, `mod`, `use`, and identifiers joined by `::` wherever they stand. What macros
+//! are given is tokens as well, so it is seen too.
 
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
@@ -48,7 +49,8 @@ pub(crate) enum Place {
 }
 
 impl Mention {
-    /// The path from the root, unless it begins with a name, which another `use` has brought or which is below the module.
+    /// The path from the root, unless it begins with a name, which another `use` has brought or which is below the
+    /// module.
     pub(crate) fn absolute(&self, module: &[String]) -> Option<Path> {
         let mut at = module.to_vec();
         for (i, name) in self.path.iter().enumerate() {
@@ -356,7 +358,8 @@ fn read_path<'a, 'b>(tokens: &'b [&'a str]) -> (Path, &'b [&'a str]) {
     (path, rest)
 }
 
-/// Reads the tree of a `use` below `stem` into paths and the names that they are given, none for a glob. What is after it is returned.
+/// Reads the tree of a `use` below `stem` into paths and the names that they are given, none for a glob. What is after
+/// it is returned.
 fn read_tree<'a, 'b>(
     tokens: &'b [&'a str],
     stem: &Path,
@@ -401,7 +404,8 @@ fn read_name<'a, 'b>(
     after
 }
 
-/// What comments link to: whatever looks like a path from the root or the module above. Examples name the crate as others do.
+/// What comments link to: whatever looks like a path from the root or the module above. Examples name the crate as
+/// others do.
 fn paths_in_comments(text: &str) -> Vec<Path> {
     let comments: Vec<&str> = text
         .lines()

@@ -3,8 +3,8 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// A file or folder of that data. Where it is missing that is said, for a test that looks at less must not pass in silence; and under
-/// continuous integration (`CI=true`), where it has to be there, the test fails.
+/// A file or folder of that data. Where it is missing that is said, for a test that looks at less must not pass in
+/// silence; and under continuous integration (`CI=true`), where it has to be there, the test fails.
 pub(crate) fn shared(name: &str) -> Option<PathBuf> {
     let project = Path::new(env!("CARGO_MANIFEST_DIR"));
     let path = project.join("../shared/data").join(name);

@@ -14,7 +14,8 @@ use std::sync::{Arc, Mutex};
 
 const SIZE_PX: [u32; 2] = [300, 220];
 
-/// How near a picture drawn in parts is to one drawn whole: in dB, and as the number of pixels that anybody could see to be others.
+/// How near a picture drawn in parts is to one drawn whole: in dB, and as the number of pixels that anybody could see
+/// to be others.
 fn parts_beside_whole(renderer: AnyRenderer, settings: &Settings) -> (f64, usize) {
     let mut headless = headless(renderer);
     let (frame, camera) = near_by(&headless, settings);
@@ -37,8 +38,8 @@ fn parts_beside_whole(renderer: AnyRenderer, settings: &Settings) -> (f64, usize
     (db, others.count())
 }
 
-/// Places within a part are rounded otherwise. Where squares are cut off at once, as the mode `regular` does, a pixel whose middle is
-/// on a border may be inside in one picture and outside in the other: here 4 of 66,000 are.
+/// Places within a part are rounded otherwise. Where squares are cut off at once, as the mode `regular` does, a pixel
+/// whose middle is on a border may be inside in one picture and outside in the other: here 4 of 66,000 are.
 const MOST_BORDER_PIXELS: usize = 10;
 
 fn ways() -> Vec<Settings> {

@@ -59,7 +59,8 @@ fn path() -> CameraPath {
     CameraPath::turntable(camera, 0.0, [FRAMES as f64, 10.0], [0.0, 1.0]).unwrap()
 }
 
-/// The pictures of a video with `poses`, each of which is compared with the single picture of its frame; and what was said.
+/// The pictures of a video with `poses`, each of which is compared with the single picture of its frame; and what was
+/// said.
 fn pictures(poses: &Poses) -> (Vec<RgbaImage>, Vec<String>) {
     let (path, settings) = (path(), settings());
     let video = Video {

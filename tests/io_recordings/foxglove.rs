@@ -167,7 +167,8 @@ fn clouds_have_times_attributes_and_poses() {
             let entries = io::list(&path, &options).unwrap();
             let times: Vec<_> = entries.iter().map(|entry| entry.time.unwrap()).collect();
             let stamp = |seconds| Duration::new(seconds, 300);
-            // Keys of this writer stand in the order of the alphabet: the time is last, found where all of the message is at hand.
+            // Keys of this writer stand in the order of the alphabet: the time is last, found where all of the message
+            // is at hand.
             let is_found = encoding == "protobuf" || is_chunked;
             let expected = if is_found {
                 [Duration::from_secs(7), stamp(8), stamp(9)]

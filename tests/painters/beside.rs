@@ -15,8 +15,8 @@ use std::sync::Arc;
 /// Steps of 255 that a channel may differ by: a rounding either way.
 const TOLERANCE: u8 = 1;
 
-/// Of a million pixels, so many may differ by more: less than a glyph. Those that do (one of some millions) are soft edges under
-/// soft edges, where two roundings add up.
+/// Of a million pixels, so many may differ by more: less than a glyph. Those that do (one of some millions) are soft
+/// edges under soft edges, where two roundings add up.
 const ODD_PER_MILLION: usize = 20;
 
 /// The pictures in the middle, and how they are scaled. Their ids count from 0.

@@ -18,7 +18,8 @@ use std::time::{Duration, Instant};
 /// `FRAMES` of the window's own sequence are loaded by its helpers.
 use super::FRAMES;
 
-/// Cubes of edge 1 at `place`, in a folder `name`, `spacing_ms` apart if there are times; frames in `broken` cannot be read.
+/// Cubes of edge 1 at `place`, in a folder `name`, `spacing_ms` apart if there are times; frames in `broken` cannot be
+/// read.
 fn cubes(
     name: &'static str,
     place: DVec3,

@@ -51,7 +51,8 @@ impl Driven {
         self.redraws += 1;
     }
 
-    /// What the event loop does at its time: it updates after a wake, and draws what can be seen to change, is due, or is news.
+    /// What the event loop does at its time: it updates after a wake, and draws what can be seen to change, is due, or
+    /// is news.
     fn step(&mut self) {
         self.now += STEP;
         let state = self.harness.state_mut();

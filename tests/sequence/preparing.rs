@@ -214,7 +214,8 @@ fn another_delta_builds_an_octree_and_nothing_else() {
     assert!(second.octree.unwrap().leaf_count() < first.octree.unwrap().leaf_count());
 }
 
-/// Rows of points three times as far apart as the points in them: circles for those who draw, ellipses for those who ask.
+/// Rows of points three times as far apart as the points in them: circles for those who draw, ellipses for those who
+/// ask.
 #[test]
 fn ellipses_are_written_for_those_who_ask() {
     let place = |i: u32| [f64::from(i % 30), 3.0 * f64::from(i / 30), 0.0];
@@ -434,8 +435,8 @@ fn every_byte_is_counted() {
     );
     // Position 12, file index 4, colour 4, normal 12, radius 4; a point record and a shape record of 16.
     let octree = prepared.octree.as_ref().unwrap();
-    // Surfels of nodes are counted before they are worked out: a node above the leaves has 40 bytes, and of each level two
-    // numbers of 4 bytes tell where the nodes of each 64 points are.
+    // Surfels of nodes are counted before they are worked out: a node above the leaves has 40 bytes, and of each level
+    // two numbers of 4 bytes tell where the nodes of each 64 points are.
     let nodes = octree.internal_count() * 40 + octree.depth() as usize * 8;
     // So are the normals of voxels, 16 bytes each, of the levels whose cells have three points and more.
     let coarse = octree.level_counts().iter();

@@ -1,8 +1,9 @@
-//! Every permutation as wgpu writes it for Vulkan, Metal and Direct3D 12. A machine has one or two of them; naga writes for all.
+//! Every permutation as wgpu writes it for Vulkan, Metal and Direct3D 12. A machine has one or two of them; naga writes
+//! for all.
 //!
-//! **How it works.** An entry point is cut out of its module and its bindings are numbered as wgpu does it, for the oldest and the newest
-//! language that wgpu chooses. What drivers and the compilers of Apple and Microsoft make of that is not tried: they are not here. What
-//! one of them is known to refuse has a test of its own.
+//! **How it works.** An entry point is cut out of its module and its bindings are numbered as wgpu does it, for the
+//! oldest and the newest language that wgpu chooses. What drivers and the compilers of Apple and Microsoft make of that
+//! is not tried: they are not here. What one of them is known to refuse has a test of its own.
 
 use super::languages::{write_hlsl, write_msl, write_spirv};
 use super::parse;

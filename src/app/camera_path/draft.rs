@@ -123,7 +123,8 @@ impl Draft {
         Some((next.frame - key.frame) / (next.time_s - key.time_s))
     }
 
-    /// Plays so many frames a second between keyframe `index` and the next one. What follows keeps its rates, as far as there are frames.
+    /// Plays so many frames a second between keyframe `index` and the next one. What follows keeps its rates, as far as
+    /// there are frames.
     pub fn set_rate_after(&mut self, index: usize, rate: f64) {
         self.edit_soundly(|keys| {
             let Some(next) = keys.get(index + 1) else {

@@ -1,6 +1,7 @@
 //! The camera path that is being made: its keyframes ([`Draft`]), the time at which the next one is set, and its file.
 //!
-//! A path belongs to no sequence and stays when another one is opened. What is not in a file is never lost without a question.
+//! A path belongs to no sequence and stays when another one is opened. What is not in a file is never lost without a
+//! question.
 
 mod draft;
 mod preview;
@@ -85,7 +86,8 @@ impl PathEditor {
 }
 
 impl State {
-    /// Sets a keyframe of what is shown at the path's time, or does so in place of the one that is there. At the end the time moves on.
+    /// Sets a keyframe of what is shown at the path's time, or does so in place of the one that is there. At the end
+    /// the time moves on.
     pub(super) fn add_keyframe(&mut self) {
         self.panels.path = true;
         let key = Keyframe {

@@ -1,7 +1,7 @@
 //! Which frame is shown when, and from where, in videos that a person does not write keyframes for.
 //!
-//! **How it works.** A keyframe a picture: it shows the frame that the player would show in the middle of that picture, whatever its
-//! time stamps, speed, direction and range. Videos take their pictures exactly at keyframes then.
+//! **How it works.** A keyframe a picture: it shows the frame that the player would show in the middle of that picture,
+//! whatever its time stamps, speed, direction and range. Videos take their pictures exactly at keyframes then.
 
 use crate::scene::{Camera, CameraPath, Keyframe, PathError};
 use crate::sequence::{Clock, Direction, LoopMode};
@@ -65,7 +65,8 @@ pub(super) fn sequence(
     CameraPath::new(keys.collect(), false)
 }
 
-/// `turns` about the up axis in so many pictures, at one pace, as a loop, while the frames play as `clock` does, around its range.
+/// `turns` about the up axis in so many pictures, at one pace, as a loop, while the frames play as `clock` does, around
+/// its range.
 ///
 /// # Errors
 /// If there are more pictures than a path has keyframes.

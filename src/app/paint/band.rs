@@ -1,7 +1,8 @@
 //! From layers to pixels, in bands of rows that threads share.
 //!
-//! **How it works.** A rectangle of a band is painted from the last layer that hides all of it, or from black. If there is very much to paint,
-//! bands are tasks; nothing is shared between them, and what a pixel becomes does not depend on how many there are.
+//! **How it works.** A rectangle of a band is painted from the last layer that hides all of it, or from black. If there
+//! is very much to paint, bands are tasks; nothing is shared between them, and what a pixel becomes does not depend on
+//! how many there are.
 
 use super::PixelRect;
 use super::blend::lay;
@@ -16,8 +17,8 @@ use rayon::prelude::*;
 /// Rows of a band: a few tasks for each thread, and layers are not gone through too often.
 const BAND_ROWS: usize = 64;
 
-/// Less than this is painted by one thread. Most of it is a picture, which is copied: 0.13 ms for a million pixels, while on a busy
-/// machine another thread may not begin for four.
+/// Less than this is painted by one thread. Most of it is a picture, which is copied: 0.13 ms for a million pixels,
+/// while on a busy machine another thread may not begin for four.
 const WORTH_SHARING_PX: u64 = 4_000_000;
 
 /// A mesh that is to be painted, and with what.

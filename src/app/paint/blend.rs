@@ -1,9 +1,9 @@
 //! Colours of 8 bits a channel, and laying one over another.
 //!
-//! **How it works.** A colour is one word, `0xAARRGGBB`, premultiplied as egui's are. Two channels are worked out at a time in lanes
-//! of 16 bits. A fragment is rounded to 8 bits before it is blended, and what shows through it is divided by 255 as lavapipe
-//! divides it: what is laid over each other many times stays the same picture. Channels are added with saturation, because
-//! colours that only add light have more colour than alpha.
+//! **How it works.** A colour is one word, `0xAARRGGBB`, premultiplied as egui's are. Two channels are worked out at a
+//! time in lanes of 16 bits. A fragment is rounded to 8 bits before it is blended, and what shows through it is divided
+//! by 255 as lavapipe divides it: what is laid over each other many times stays the same picture. Channels are added
+//! with saturation, because colours that only add light have more colour than alpha.
 
 use egui::Color32;
 

@@ -1,9 +1,9 @@
 //! What has to be painted anew: a few rectangles that share no pixel.
 //!
-//! **How it works.** Changed shapes hand in their bounds one after the other. A rectangle is joined with one that is there if
-//! the rectangle around both costs few more pixels than the two; else what is painted already is cut off it, which leaves up to four
-//! parts. Two long thin rectangles that cross therefore stay thin, and glyphs of a line become one. When there are too many, those
-//! that cost the least are joined.
+//! **How it works.** Changed shapes hand in their bounds one after the other. A rectangle is joined with one that is
+//! there if the rectangle around both costs few more pixels than the two; else what is painted already is cut off it,
+//! which leaves up to four parts. Two long thin rectangles that cross therefore stay thin, and glyphs of a line become
+//! one. When there are too many, those that cost the least are joined.
 
 use super::PixelRect;
 

@@ -1,9 +1,9 @@
 //! Images: parts of textures whose rows and columns are those of the window.
 //!
-//! **How it works.** Glyphs and the 3-D picture lie texel on pixel; then linear sampling and the nearest texel are the same, and
-//! rows are taken as they are. A picture's row is swizzled and copied, a glyph's texel is mostly coverage, the same
-//! in all channels, which takes two products for the colour and two for what shows through. What is scaled linearly is in
-//! `scaled`.
+//! **How it works.** Glyphs and the 3-D picture lie texel on pixel; then linear sampling and the nearest texel are the
+//! same, and rows are taken as they are. A picture's row is swizzled and copied, a glyph's texel is mostly coverage,
+//! the same in all channels, which takes two products for the colour and two for what shows through. What is scaled
+//! linearly is in `scaled`.
 
 use super::PixelRect;
 use super::blend::{OPAQUE, alpha, dimmed, over, times};

@@ -1,9 +1,10 @@
 //! The list of what is shown, and what of it is new.
 //!
-//! **How it works.** egui hands over all shapes of a window each time, in the order in which they are painted. They are compared with
-//! those of the last time: what is equal at both ends of the list is found first, then each new shape of the middle is looked
-//! for among the next few old ones. Shapes in both lists, in the same order, keep their meshes; a pixel that none of the others
-//! touches is made of the same shapes in the same order as before, so the bounds of the others are the damage.
+//! **How it works.** egui hands over all shapes of a window each time, in the order in which they are painted. They are
+//! compared with those of the last time: what is equal at both ends of the list is found first, then each new shape of
+//! the middle is looked for among the next few old ones. Shapes in both lists, in the same order, keep their meshes; a
+//! pixel that none of the others touches is made of the same shapes in the same order as before, so the bounds of the
+//! others are the damage.
 //!
 //! Shapes are compared as they are, not by a hash: a difference is mostly found in the first few numbers. A text is
 //! known by the allocation of its galley, which cannot be another one's as long as the old list holds it.

@@ -1,20 +1,21 @@
 //! Painting what egui shows on the processor, for windows without a graphics card.
 //!
-//! **How it works.** [`SoftwarePainter`] keeps the list of shapes that egui wants to be seen (`list`), each with its mesh cut into
-//! fills, images and triangles (`pieces`). A new list is compared with the last one; only shapes that are new are
-//! tessellated, and the bounds of what came and went are the damage (`damage`). Any part of the window can be painted at any time
-//! from the list: a buffer that is two pictures old is brought up to date by painting the damage of both. Parts are painted
-//! from the last shape that hides all of what is below it, as a 3-D picture does, so nothing is painted to be painted over.
+//! **How it works.** [`SoftwarePainter`] keeps the list of shapes that egui wants to be seen (`list`), each with its
+//! mesh cut into fills, images and triangles (`pieces`). A new list is compared with the last one; only shapes that are
+//! new are tessellated, and the bounds of what came and went are the damage (`damage`). Any part of the window can be
+//! painted at any time from the list: a buffer that is two pictures old is brought up to date by painting the damage of
+//! both. Parts are painted from the last shape that hides all of what is below it, as a 3-D picture does, so nothing is
+//! painted to be painted over.
 //!
-//! **Why not a graphics library's software driver.** It paints the whole window for each change, and runs every pixel through
-//! what it must be able to do. Most pixels of a window are one colour, a copy, or a glyph's coverage.
+//! **Why not a graphics library's software driver.** It paints the whole window for each change, and runs every pixel
+//! through what it must be able to do. Most pixels of a window are one colour, a copy, or a glyph's coverage.
 //!
-//! **Why our own.** `egui_software_backend` 0.0.3 and `dream-soft-render` 1.0.0 want egui 0.34. The first caches meshes and tiles, but
-//! lays its whole canvas over the window each time, tells nothing of what changed and shows no textures of ours; the second
-//! paints all of it.
+//! **Why our own.** `egui_software_backend` 0.0.3 and `dream-soft-render` 1.0.0 want egui 0.34. The first caches meshes
+//! and tiles, but lays its whole canvas over the window each time, tells nothing of what changed and shows no textures
+//! of ours; the second paints all of it.
 //!
-//! **The same picture.** Corners are rounded to 256ths of a pixel, edges belong to shapes by the top-left rule, colours are blended in
-//! 8 bits, textures are sampled as in `egui.wgsl`: `tests/painters.rs` holds it beside `egui-wgpu`.
+//! **The same picture.** Corners are rounded to 256ths of a pixel, edges belong to shapes by the top-left rule, colours
+//! are blended in 8 bits, textures are sampled as in `egui.wgsl`: `tests/painters.rs` holds it beside `egui-wgpu`.
 
 mod band;
 mod blend;
@@ -69,8 +70,8 @@ impl SoftwarePainter {
         self.textures.update(changes);
     }
 
-    /// Says that the picture that shapes call `id` has other pixels, another size or another filter: if `version` or `filter` differ
-    /// from the last time. The pixels are handed over with [`Self::paint`].
+    /// Says that the picture that shapes call `id` has other pixels, another size or another filter: if `version` or
+    /// `filter` differ from the last time. The pixels are handed over with [`Self::paint`].
     pub fn set_picture(&mut self, id: TextureId, version: u64, filter: TextureFilter) {
         self.textures.set_picture(id, version, filter);
     }
@@ -116,7 +117,8 @@ impl SoftwarePainter {
         );
     }
 
-    /// What has to be painted anew since the last call: at most eight rectangles that share no pixel, none if nothing changed.
+    /// What has to be painted anew since the last call: at most eight rectangles that share no pixel, none if nothing
+    /// changed.
     pub fn take_damage(&mut self) -> Vec<PixelRect> {
         for entry in &mut self.entries {
             entry.follow_textures(&self.textures, |rect| self.damage.add(rect));
@@ -124,10 +126,11 @@ impl SoftwarePainter {
         self.damage.take()
     }
 
-    /// Paints these parts anew. `target` is the window's pixels by rows, `0x00RRGGBB`; outside of `region` it stays as it is.
+    /// Paints these parts anew. `target` is the window's pixels by rows, `0x00RRGGBB`; outside of `region` it stays as
+    /// it is.
     ///
-    /// `pictures` are those that [`Self::set_picture`] told of; they are taken to be opaque. What has no texture is left
-    /// out, and where there is nothing the window is black. Rectangles of `region` may share pixels.
+    /// `pictures` are those that [`Self::set_picture`] told of; they are taken to be opaque. What has no texture is
+    /// left out, and where there is nothing the window is black. Rectangles of `region` may share pixels.
     pub fn paint(
         &self,
         pictures: &[(TextureId, &RgbaImage)],

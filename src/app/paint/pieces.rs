@@ -1,11 +1,11 @@
 //! From egui's meshes to what is painted: fills, images and triangles, in pixels.
 //!
-//! **How it works.** egui tells triangles only, but most of what a window shows are two triangles that make a rectangle whose edges are
-//! rows and columns: backgrounds, glyphs, pictures. They are found here, once for each new shape, and are painted by rows
-//! without a look at edges. What remains are rounded corners, soft edges, curves and turned text.
+//! **How it works.** egui tells triangles only, but most of what a window shows are two triangles that make a rectangle
+//! whose edges are rows and columns: backgrounds, glyphs, pictures. They are found here, once for each new shape, and
+//! are painted by rows without a look at edges. What remains are rounded corners, soft edges, curves and turned text.
 //!
-//! A pixel is covered if its centre is, with corners rounded to 256ths of a pixel; a centre on an edge belongs to the shape whose
-//! left or upper edge it is (the top-left rule), so shapes that meet neither overlap nor leave a gap.
+//! A pixel is covered if its centre is, with corners rounded to 256ths of a pixel; a centre on an edge belongs to the
+//! shape whose left or upper edge it is (the top-left rule), so shapes that meet neither overlap nor leave a gap.
 
 use super::PixelRect;
 use super::blend::{alpha, packed};
@@ -153,7 +153,8 @@ impl PixelMesh {
         let high = Pos2::new(most(xs), most(ys));
         // Along each axis, at the lower and at the higher edge; the texture must be neither turned nor skewed.
         let mut uv: [[Option<f32>; 2]; 2] = [[None; 2]; 2];
-        // Corners count from 0 to 3, which is 6 in all; what is missing of one triangle is opposite to what is of the other.
+        // Corners count from 0 to 3, which is 6 in all; what is missing of one triangle is opposite to what is of the
+        // other.
         let mut missing = [6; 2];
         for (triangle, missing) in [a, b].into_iter().zip(&mut missing) {
             let mut seen = 0_u32;

@@ -1,9 +1,9 @@
 //! Images that are enlarged or reduced linearly: a 3-D picture drawn at a lower resolution, thumbnails.
 //!
-//! **How it works.** A row of texels is first mixed along the row, for all columns of the window, and kept until another one is
-//! asked for: an enlarged picture has fewer rows than the window, so this is done less often than there are pixels. Then two such rows
-//! are mixed, without a look at where texels are, which takes whole registers. Channels are numbers of 16 bits, 64 steps to a
-//! unit: both roundings together are a 64th of one.
+//! **How it works.** A row of texels is first mixed along the row, for all columns of the window, and kept until
+//! another one is asked for: an enlarged picture has fewer rows than the window, so this is done less often than there
+//! are pixels. Then two such rows are mixed, without a look at where texels are, which takes whole registers. Channels
+//! are numbers of 16 bits, 64 steps to a unit: both roundings together are a 64th of one.
 
 use super::PixelRect;
 use super::blend::{OPAQUE, over, times};

@@ -1,14 +1,14 @@
 //! egui's textures and the 3-D pictures: what they hold, which version of it, and how it is sampled.
 //!
-//! **How it works.** A texture is kept as words of the target's order. Whatever changes in it gives it a new version, and a shape that
-//! was painted with another version is damage. The font atlas is the exception: glyphs are added where it was
-//! transparent, which no shape shows yet, so only texels that were seen make a new version.
+//! **How it works.** A texture is kept as words of the target's order. Whatever changes in it gives it a new version,
+//! and a shape that was painted with another version is damage. The font atlas is the exception: glyphs are added where
+//! it was transparent, which no shape shows yet, so only texels that were seen make a new version.
 //!
-//! A texture that egui frees is still needed to paint what is shown now, so it goes with the next changes. Pictures are not
-//! kept at all, but handed over whenever something is painted.
+//! A texture that egui frees is still needed to paint what is shown now, so it goes with the next changes. Pictures are
+//! not kept at all, but handed over whenever something is painted.
 //!
-//! Sampling is that of `egui.wgsl`: texel centres at halves, linear between four of them, coordinates wrapped as the texture asks.
-//! As there, the filter for enlarging is that for reducing too.
+//! Sampling is that of `egui.wgsl`: texel centres at halves, linear between four of them, coordinates wrapped as the
+//! texture asks. As there, the filter for enlarging is that for reducing too.
 
 use super::blend::{OPAQUE, channels, packed};
 use egui::epaint::{ImageData, ImageDelta};

@@ -1,11 +1,12 @@
 //! Triangles: soft edges, rounded corners, curves, turned text.
 //!
-//! **How it works.** A corner is rounded to a 256th of a pixel. Each edge is then a linear function of pixels in whole numbers, not
-//! negative inside; one that is neither a left nor an upper edge is one less, so that a centre on it is outside (the top-left
-//! rule). Where a row enters and leaves all three is a division each, and the span between is painted without further tests.
+//! **How it works.** A corner is rounded to a 256th of a pixel. Each edge is then a linear function of pixels in whole
+//! numbers, not negative inside; one that is neither a left nor an upper edge is one less, so that a centre on it is
+//! outside (the top-left rule). Where a row enters and leaves all three is a division each, and the span between is
+//! painted without further tests.
 //!
-//! Colours and texture coordinates are planes through the corners as egui gave them, evaluated at each pixel from the first corner.
-//! Nothing is summed up along a row, so it makes no difference from where a row is painted.
+//! Colours and texture coordinates are planes through the corners as egui gave them, evaluated at each pixel from the
+//! first corner. Nothing is summed up along a row, so it makes no difference from where a row is painted.
 
 use super::PixelRect;
 use super::blend::{channels, lay, over, packed, rounded};

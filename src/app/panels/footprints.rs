@@ -1,10 +1,12 @@
-//! What the software renderer draws surfels from; greyed out where the GPU draws, or the splatting mode has no visibility pass.
+//! What the software renderer draws surfels from; greyed out where the GPU draws, or the splatting mode has no
+//! visibility pass.
 
 use super::settings::{choice, rows};
 use crate::scene::{Footprint, NormalBits, OffsetBits, Settings, Splatting};
 use egui::Ui;
 
-/// The choice of footprints, and of the precision of byte codes. `draws_on_processor` says who draws with these settings.
+/// The choice of footprints, and of the precision of byte codes. `draws_on_processor` says who draws with these
+/// settings.
 pub(super) fn footprints_ui(ui: &mut Ui, settings: &mut Settings, draws_on_processor: bool) {
     let has_visibility_pass =
         !matches!(settings.splatting, Splatting::Regular | Splatting::NoDepth);

@@ -118,7 +118,8 @@ fn follow_theme(ctx: &Context, theme: ThemePreference) {
     }
 }
 
-/// Has the panels run again when the window `name` has another size than in the last pass: what is in it takes its new places then.
+/// Has the panels run again when the window `name` has another size than in the last pass: what is in it takes its new
+/// places then.
 fn settle<R>(ui: &Ui, name: &'static str, shown: Option<InnerResponse<R>>) {
     let size = shown.map(|shown| shown.response.rect.size());
     let id = Id::unique(name).with("size");

@@ -14,7 +14,8 @@ const MAX_TEXT_HEIGHT: f32 = 120.0;
 /// How many others of a kind the tooltip lists.
 const LISTED_OTHERS: usize = 12;
 
-/// Every message with its full text, a button to copy it and one to dismiss it; long work with a bar and a button to cancel it.
+/// Every message with its full text, a button to copy it and one to dismiss it; long work with a bar and a button to
+/// cancel it.
 pub fn notices_ui(ui: &mut Ui, state: &mut State) {
     let works = shown_works(state);
     if state.notices.list().is_empty() && works.is_empty() {

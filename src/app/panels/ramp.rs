@@ -48,7 +48,8 @@ fn bar_size(ui: &Ui, height: f32) -> Vec2 {
     vec2(ui.available_width().clamp(120.0, 420.0), height)
 }
 
-/// A histogram of the ascending `sorted` and `offset` with the ends of `scale` as handles; where they were dragged to, if they were.
+/// A histogram of the ascending `sorted` and `offset` with the ends of `scale` as handles; where they were dragged to,
+/// if they were.
 pub(super) fn handles_ui(
     ui: &mut Ui,
     sorted: &[f32],
@@ -128,7 +129,8 @@ fn paint_histogram(
     painter.add(mesh);
 }
 
-/// Which of the handles is held, and where the pointer is. The nearer one is taken, and held until the button is let go.
+/// Which of the handles is held, and where the pointer is. The nearer one is taken, and held until the button is let
+/// go.
 fn dragged(ui: &Ui, response: &egui::Response, places: [f32; 2]) -> Option<(usize, Pos2)> {
     if response.hovered() || response.dragged() {
         ui.set_cursor_icon(CursorIcon::ResizeHorizontal);

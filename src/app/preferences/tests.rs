@@ -57,8 +57,8 @@ fn unusual() -> Preferences {
     }
 }
 
-/// The file of version 6 of a program that had no [`PresentChoice`], no [`VoxelLight`], no eye-dome lighting, no grid and no scale bar;
-/// nothing in it is by default.
+/// The file of version 6 of a program that had no [`PresentChoice`], no [`VoxelLight`], no eye-dome lighting, no grid
+/// and no scale bar; nothing in it is by default.
 const OF_VERSION_6: &str = r##"{
   "version": 6,
   "primitive": "voxel",

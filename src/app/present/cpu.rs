@@ -1,10 +1,11 @@
-//! The presenter of the processor: pictures of the software renderer and egui's panels, painted into memory that the window system shows.
+//! The presenter of the processor: pictures of the software renderer and egui's panels, painted into memory that the
+//! window system shows.
 //!
-//! **How it works.** The painter (`app/paint`) knows which rectangles of the window have changed (*damage*); only they are painted, and only they
-//! are presented. They are painted straight into the buffer that the window system shows. Where it lends two buffers by turns
-//! (Wayland), the one at hand lacks what was damaged in the picture between, so that is painted too: a buffer's *age* says which
-//! case it is. The pixels of a picture are copied once, from the renderer's image to that buffer. No driver is needed: it is opened
-//! only when a person chooses the GPU to draw.
+//! **How it works.** The painter (`app/paint`) knows which rectangles of the window have changed (*damage*); only they
+//! are painted, and only they are presented. They are painted straight into the buffer that the window system shows.
+//! Where it lends two buffers by turns (Wayland), the one at hand lacks what was damaged in the picture between, so
+//! that is painted too: a buffer's *age* says which case it is. The pixels of a picture are copied once, from the
+//! renderer's image to that buffer. No driver is needed: it is opened only when a person chooses the GPU to draw.
 
 use super::{Painted, Panels, Presenter, PresenterInfo};
 use crate::app::comparison::Side;

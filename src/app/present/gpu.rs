@@ -1,10 +1,11 @@
-//! The presenter of the graphics card: the window's surface (`surface.rs`), egui's painter and the renderer of the 3-D picture.
+//! The presenter of the graphics card: the window's surface (`surface.rs`), egui's painter and the renderer of the 3-D
+//! picture.
 //!
-//! **How it works.** The renderer of the GPU draws a packet into its own `Rgba8Unorm` texture, which egui's painter shows as an image
-//! without filtering or conversion: both hold display-referred values, and so does the surface, for which a format
-//! without sRGB conversion is chosen. The picture is drawn only when there is a new packet; panels are painted over it as
-//! often as they ask, and those of before, which are on the card already, where only the picture is new. What the processor draws is
-//! copied to such a texture. Pictures and panels are one submission.
+//! **How it works.** The renderer of the GPU draws a packet into its own `Rgba8Unorm` texture, which egui's painter
+//! shows as an image without filtering or conversion: both hold display-referred values, and so does the surface, for
+//! which a format without sRGB conversion is chosen. The picture is drawn only when there is a new packet; panels are
+//! painted over it as often as they ask, and those of before, which are on the card already, where only the picture is
+//! new. What the processor draws is copied to such a texture. Pictures and panels are one submission.
 
 use super::gpu_picture::{DrawnBy, Picture};
 use super::surface::{WindowSurface, acquire};

@@ -1,11 +1,13 @@
 //! What brings the window onto the screen: the 3-D pictures, and egui's panels around them.
 //!
-//! **How it works.** There are two presenters behind one trait. That of the graphics card (`gpu.rs`) paints through egui-wgpu on a surface
-//! of the driver. That of the processor (`cpu.rs`) paints into memory which the window system shows as it is. A software driver
-//! would do the latter's work too, but compiles shaders, bins triangles and copies textures for it: on two cores that is fifteen
-//! windows a second, whatever is in them. So the processor presents wherever no graphics card does.
+//! **How it works.** There are two presenters behind one trait. That of the graphics card (`gpu.rs`) paints through
+//! egui-wgpu on a surface of the driver. That of the processor (`cpu.rs`) paints into memory which the window system
+//! shows as it is. A software driver would do the latter's work too, but compiles shaders, bins triangles and copies
+//! textures for it: on two cores that is fifteen windows a second, whatever is in them. So the processor presents
+//! wherever no graphics card does.
 //!
-//! A picture is drawn when there is a new packet, panels are painted when egui has run, and either may come without the other.
+//! A picture is drawn when there is a new packet, panels are painted when egui has run, and either may come without the
+//! other.
 
 mod cpu;
 mod gpu;
@@ -98,8 +100,8 @@ pub(super) trait Presenter {
     /// Follows the window's size.
     fn resize(&mut self);
 
-    /// Paints what has changed and shows it: the pictures, and the panels if there are new ones. All of the window is shown anew if the
-    /// window system has lost it.
+    /// Paints what has changed and shows it: the pictures, and the panels if there are new ones. All of the window is
+    /// shown anew if the window system has lost it.
     fn paint(
         &mut self,
         panels: Option<Panels<'_>>,

@@ -1,10 +1,10 @@
 //! The window's surface: what is done with each answer it gives when an image is asked for.
 //!
-//! **How it works.** A surface lives beside the window system, which resizes, hides and takes it away at will, and says so
-//! only when the next image is asked for. [`acquire`] decides: an image is shown, a moment without one is waited out, an
-//! outdated surface is configured for the window's present size, a lost one is made anew. A repair is tried once for each
-//! picture; what still has no image then is asked again later. A window without any area has no images: it is not even
-//! asked. [`Target`] keeps the decisions apart from wgpu, so that tests can give every answer.
+//! **How it works.** A surface lives beside the window system, which resizes, hides and takes it away at will, and says
+//! so only when the next image is asked for. [`acquire`] decides: an image is shown, a moment without one is waited
+//! out, an outdated surface is configured for the window's present size, a lost one is made anew. A repair is tried
+//! once for each picture; what still has no image then is asked again later. A window without any area has no images:
+//! it is not even asked. [`Target`] keeps the decisions apart from wgpu, so that tests can give every answer.
 
 use crate::render::RenderError;
 use crate::render::gpu::Context;

@@ -308,7 +308,8 @@ impl State {
         self.benchmark.start(suite, job, &self.tasks, at);
     }
 
-    /// Reads what was measured of the open sequence before, once it is known what it would be kept by. True if there is something.
+    /// Reads what was measured of the open sequence before, once it is known what it would be kept by. True if there is
+    /// something.
     pub(super) fn look_for_quality(&mut self) -> bool {
         let adapter = &self.graphics.adapter;
         let Some(player) = self.player.as_ref().filter(|_| !adapter.is_empty()) else {
@@ -464,7 +465,8 @@ impl State {
         }
     }
 
-    /// From now on the processor draws in place of the graphics card whose device was lost, until a person chooses who draws.
+    /// From now on the processor draws in place of the graphics card whose device was lost, until a person chooses who
+    /// draws.
     pub(in crate::app) fn draw_without_gpu(&mut self) {
         self.without_gpu = Some(self.settings.renderer);
         self.forget_picture();
@@ -487,7 +489,8 @@ impl State {
 pub(super) fn name_of(sequence: &Sequence) -> Option<String> {
     let last = sequence.len().checked_sub(1)?;
     let entry = sequence.entry(0);
-    // Frames of one file stand together, so the ends tell. Asked for in every pass: nothing here may grow with the sequence.
+    // Frames of one file stand together, so the ends tell. Asked for in every pass: nothing here may grow with the
+    // sequence.
     let is_one_file = sequence.entry(last).path == entry.path;
     let of_all = if is_one_file {
         entry.path.file_name()

@@ -16,7 +16,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl State {
-    /// Shows `sequence` beside the open one, in place of what that was compared with before, laid out like that. The camera stays.
+    /// Shows `sequence` beside the open one, in place of what that was compared with before, laid out like that. The
+    /// camera stays.
     pub fn compare_with(&mut self, sequence: Arc<Sequence>) {
         let Some(player) = &self.player else {
             let text = "There is nothing to compare with yet: open a sequence first";
@@ -47,8 +48,8 @@ impl State {
         self.share_budget();
     }
 
-    /// Shows what is beside the open sequence, which is another one now, beside that. Nothing that was read of it is kept: where its
-    /// points are held may have changed with the origin.
+    /// Shows what is beside the open sequence, which is another one now, beside that. Nothing that was read of it is
+    /// kept: where its points are held may have changed with the origin.
     pub(super) fn compare_again(&mut self) {
         let Some(before) = &self.beside else { return };
         let before = &before.companion;
@@ -238,8 +239,8 @@ impl State {
         self.drawing.is_drawn() && self.beside.as_ref().is_none_or(is_drawn_beside)
     }
 
-    /// What is seen of both pictures, as one: side by side, or on both sides of the line. The first one alone if there is no other
-    /// sequence, or no frame of it.
+    /// What is seen of both pictures, as one: side by side, or on both sides of the line. The first one alone if there
+    /// is no other sequence, or no frame of it.
     pub fn joined(&self, a: RgbaImage, b: Option<RgbaImage>) -> RgbaImage {
         let Some((beside, b)) = self.beside.as_ref().zip(b) else {
             return a;

@@ -1,8 +1,9 @@
 //! What is made of the open sequence where nothing is chosen, and what a person has chosen for it instead.
 //!
-//! **How it works.** The first frame that is shown tells what is looked at and where to stand ([`FirstLook::of`]). Of a sequence of many
-//! frames a thread looks at some others meanwhile; when it is done, and nobody has moved the camera, the view is that of all of
-//! them. What a person chooses for a sequence, up axis and primitive, is kept with its markers.
+//! **How it works.** The first frame that is shown tells what is looked at and where to stand ([`FirstLook::of`]). Of a
+//! sequence of many frames a thread looks at some others meanwhile; when it is done, and nobody has moved the camera,
+//! the view is that of all of them. What a person chooses for a sequence, up axis and primitive, is kept with its
+//! markers.
 
 use super::State;
 use crate::app::tasks::Outcome;
@@ -207,8 +208,8 @@ impl State {
         }
     }
 
-    /// Moves back until all points are seen, outliers and what is far away as well, and what is within `beside`, relative to the
-    /// origin of the open sequence.
+    /// Moves back until all points are seen, outliers and what is far away as well, and what is within `beside`,
+    /// relative to the origin of the open sequence.
     pub(super) fn all_framed(&self, beside: &Aabb) -> Option<Camera> {
         let player = self.player.as_ref()?;
         let bounds = self.first_look()?.full;

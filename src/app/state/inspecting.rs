@@ -13,7 +13,8 @@ use std::sync::Arc;
 const FOCUS_CLOSER: f64 = 0.5;
 
 impl State {
-    /// The point under a place of the window, the frame that it is of, and the sequence of that, as they were drawn last.
+    /// The point under a place of the window, the frame that it is of, and the sequence of that, as they were drawn
+    /// last.
     fn point_at(&self, place: Pos2) -> Option<(Pick, Arc<PreparedFrame>, Side)> {
         let [rect, other_rect] = [self.viewport.rect, self.viewport.other_rect];
         let beside = self.beside.as_ref();

@@ -204,7 +204,8 @@ pub struct GraphicsInfo {
     pub has_timestamps: bool,
     /// Counters of the renderer.
     pub render: RenderStats,
-    /// Time of the last redraw: panels, picture, painting and presenting, and what is beyond the usual wait for the screen.
+    /// Time of the last redraw: panels, picture, painting and presenting, and what is beyond the usual wait for the
+    /// screen.
     pub frame_ms: f64,
     /// Its parts.
     pub redraw: Redraw,

@@ -1,4 +1,5 @@
-//! Frames that take long to read: their bars, and what becomes of a sequence whose first frame nobody waits for any more.
+//! Frames that take long to read: their bars, and what becomes of a sequence whose first frame nobody waits for any
+//! more.
 
 use super::first_look::Looked;
 use super::{Scrubbing, State};
@@ -63,8 +64,8 @@ impl State {
         })
     }
 
-    /// Takes notice of frames that are waited for and being read, and of those that nobody waits for any more. True if something is
-    /// closed.
+    /// Takes notice of frames that are waited for and being read, and of those that nobody waits for any more. True if
+    /// something is closed.
     pub(super) fn follow_readings(&mut self) -> bool {
         let is_given_up = |is_shown: bool, loader: &Loader| !is_shown && loader.was_cancelled();
         if let Some(player) = &self.player

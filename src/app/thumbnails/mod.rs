@@ -1,12 +1,13 @@
 //! Small pictures of frames, on a strip over the timeline and in its tooltips.
 //!
-//! **How it works.** One picture at a time is made on a thread of its own, from points that are in memory where they are, else from
-//! the file. [`schedule`] says which frame is next and when there is time for it: while frames are played only what is in memory
-//! is drawn, at most ten pictures a second, and nothing while playing falls behind or a benchmark runs; files are read when nothing
-//! is played and no frame is being prepared. Pictures are kept in 16 MiB ([`store`]).
+//! **How it works.** One picture at a time is made on a thread of its own, from points that are in memory where they
+//! are, else from the file. [`schedule`] says which frame is next and when there is time for it: while frames are
+//! played only what is in memory is drawn, at most ten pictures a second, and nothing while playing falls behind or a
+//! benchmark runs; files are read when nothing is played and no frame is being prepared. Pictures are kept in 16 MiB
+//! ([`store`]).
 //!
-//! All are seen from one view, so that motion is seen: the first view of the sequence ([`FirstLook`]). It stays until the up axis or the
-//! source of the colours changes, or somebody asks for new pictures.
+//! All are seen from one view, so that motion is seen: the first view of the sequence ([`FirstLook`]). It stays until
+//! the up axis or the source of the colours changes, or somebody asks for new pictures.
 
 mod draw;
 mod schedule;

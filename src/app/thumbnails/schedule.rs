@@ -24,8 +24,8 @@ impl Wanted {
         self.strip.iter().copied().chain(self.hovered).collect()
     }
 
-    /// The frame to make next: the one under the pointer, then those of the strip, the nearest to the playhead first and of two as
-    /// near the later one. Of those that are not made, the first that can be made now.
+    /// The frame to make next: the one under the pointer, then those of the strip, the nearest to the playhead first
+    /// and of two as near the later one. Of those that are not made, the first that can be made now.
     pub(super) fn next(
         &self,
         playhead: usize,

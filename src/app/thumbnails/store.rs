@@ -66,7 +66,8 @@ impl Store {
         self.entries.entry(frame).or_insert(Entry::Broken);
     }
 
-    /// Keeps the picture of `frame`. Where there is no room, the oldest that is not among `wanted` goes, else the oldest.
+    /// Keeps the picture of `frame`. Where there is no room, the oldest that is not among `wanted` goes, else the
+    /// oldest.
     pub(super) fn insert(&mut self, frame: usize, image: ColorImage, wanted: &BTreeSet<usize>) {
         self.order.retain(|&other| other != frame);
         while self.bytes() + PICTURE_BYTES > BUDGET_BYTES {

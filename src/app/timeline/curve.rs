@@ -1,7 +1,8 @@
 //! A number of every frame as a curve.
 //!
-//! **How it works.** A column of pixels shows the least and the greatest value of the frames that lie in it, so that no spike of a
-//! long sequence is lost; painting costs a line a column. Columns are made anew when values or width have changed.
+//! **How it works.** A column of pixels shows the least and the greatest value of the frames that lie in it, so that no
+//! spike of a long sequence is lost; painting costs a line a column. Columns are made anew when values or width have
+//! changed.
 
 use crate::sequence::{FrameFacts, Loader};
 
@@ -101,7 +102,8 @@ impl Curve {
     }
 }
 
-/// Least and greatest of the values whose cells, equally wide, lie in or over each of `width` columns. O(values + width).
+/// Least and greatest of the values whose cells, equally wide, lie in or over each of `width` columns. O(values +
+/// width).
 fn columns(values: &[Option<f32>], width: usize) -> Vec<Option<(f32, f32)>> {
     let count = values.len();
     let column = |x: usize| {

@@ -1,8 +1,8 @@
 //! Range and markers of a sequence, kept between runs in a small JSON file a sequence.
 //!
-//! **How it works.** Range and markers are each read by themselves, so that they outlive versions of this program. What a later one
-//! wrote beside what is known here goes when a mark is changed; a file of which something could not be read is copied first
-//! (`kept/lenient.rs`).
+//! **How it works.** Range and markers are each read by themselves, so that they outlive versions of this program. What
+//! a later one wrote beside what is known here goes when a mark is changed; a file of which something could not be read
+//! is copied first (`kept/lenient.rs`).
 
 use super::Markers;
 use super::markers::Marker;
@@ -31,8 +31,8 @@ struct Stored<'a> {
     primitive: Option<&'static str>,
 }
 
-/// The file in `folder` for `sequence`, which is known by path, name and size of its first frame: frames that are added later
-/// leave it the same. `None` without frames.
+/// The file in `folder` for `sequence`, which is known by path, name and size of its first frame: frames that are added
+/// later leave it the same. `None` without frames.
 pub(super) fn file_of(folder: &Path, sequence: &Sequence) -> Option<PathBuf> {
     if sequence.is_empty() {
         return None;

@@ -24,8 +24,8 @@ pub struct Markers {
 }
 
 impl Markers {
-    /// As they were kept. Names are cut after 200 characters; of several at a frame the first stays, and the others are noted in
-    /// `unread`. All stay, however many there are: nobody's markers are thrown away.
+    /// As they were kept. Names are cut after 200 characters; of several at a frame the first stays, and the others are
+    /// noted in `unread`. All stay, however many there are: nobody's markers are thrown away.
     pub(super) fn of(mut list: Vec<Marker>, unread: &mut Vec<String>) -> Self {
         list.sort_by_key(|marker| marker.frame);
         list.dedup_by(|later, marker| {

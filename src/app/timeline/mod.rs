@@ -1,5 +1,5 @@
-//! What a person puts on the timeline: in and out point, markers, a curve. The playhead and the range are the player's; here is
-//! what is kept of them.
+//! What a person puts on the timeline: in and out point, markers, a curve. The playhead and the range are the player's;
+//! here is what is kept of them.
 
 mod curve;
 mod file;

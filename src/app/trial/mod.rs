@@ -1,9 +1,10 @@
 //! A window that plays, turns and scrubs by itself, and notes what it presented (`pointreel bench window`).
 //!
-//! **How it works.** A trial is a list of steps, an action with a primitive on a sequence. The event loop asks it what is due
-//! ([`Trial::advance`]) and hands its mouse events to egui as if they had come from the window system; after each redraw it is told what was
-//! presented ([`Trial::note`]). An event belongs to the moment at which it was due, so one that waits while a picture is drawn is as late as a
-//! real one would be. Everything else is the window as people have it: same loop, same panels, same pacing.
+//! **How it works.** A trial is a list of steps, an action with a primitive on a sequence. The event loop asks it what
+//! is due ([`Trial::advance`]) and hands its mouse events to egui as if they had come from the window system; after
+//! each redraw it is told what was presented ([`Trial::note`]). An event belongs to the moment at which it was due, so
+//! one that waits while a picture is drawn is as late as a real one would be. Everything else is the window as people
+//! have it: same loop, same panels, same pacing.
 
 mod gesture;
 mod processor;

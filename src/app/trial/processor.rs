@@ -84,7 +84,8 @@ impl Processor {
         }
     }
 
-    /// What was used since `before`; `None` where the system does not tell. Threads that have ended meanwhile are in the whole alone.
+    /// What was used since `before`; `None` where the system does not tell. Threads that have ended meanwhile are in
+    /// the whole alone.
     pub(super) fn since(&self, before: &Self) -> Option<Used> {
         if self.threads.is_empty() {
             return None;

@@ -1,8 +1,9 @@
 //! One redraw: panels, picture, and both onto the screen.
 //!
-//! **How it works.** Each of the three is done only if it is due. Panels run when somebody has done something, when egui asks for it, and while
-//! frames play often enough for the eye to follow the playhead; frames between replace the picture alone. The picture is drawn if its
-//! packet differs from the last one. Presenting does what these two have left to do, which may be nothing.
+//! **How it works.** Each of the three is done only if it is due. Panels run when somebody has done something, when
+//! egui asks for it, and while frames play often enough for the eye to follow the playhead; frames between replace the
+//! picture alone. The picture is drawn if its packet differs from the last one. Presenting does what these two have
+//! left to do, which may be nothing.
 
 use super::{App, AppError, NEWS_INTERVAL, Screen};
 use crate::app::comparison::Side;
@@ -129,7 +130,8 @@ impl App {
             painted_px: painted.repainted_px,
             gpu: painted.gpu,
         };
-        // A wait for the next picture of the screen costs nothing; what is beyond it is a driver, or a window system, that is behind.
+        // A wait for the next picture of the screen costs nothing; what is beyond it is a driver, or a window system,
+        // that is behind.
         let idle = painted.waited.min(self.refresh_interval);
         let frame_ms = redraw.whole.saturating_sub(idle).as_secs_f64() * 1e3;
         self.state

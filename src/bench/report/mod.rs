@@ -1,5 +1,5 @@
-//! What a run found: rows of labels and numbers that the window, the terminal, JSON and CSV all show without knowing the
-//! suite.
+//! What a run found: rows of labels and numbers that the window, the terminal, JSON and CSV all show without knowing
+//! the suite.
 
 mod html;
 mod text;
@@ -269,7 +269,8 @@ impl Report {
         }
     }
 
-    /// One bar a row: its first cells, which tell it apart, and the number that the suite is about; see [`Report::bars_title`].
+    /// One bar a row: its first cells, which tell it apart, and the number that the suite is about; see
+    /// [`Report::bars_title`].
     pub fn bars(&self) -> Vec<(String, f64)> {
         let count = match self.options.suite {
             Suite::Surfels | Suite::Octree | Suite::Voxels | Suite::Play | Suite::Error => 2,

@@ -1,8 +1,8 @@
-//! Tables II and IV: what one picture takes by each instancing strategy, for surfels and for voxels; without an adapter, on the
-//! processor.
+//! Tables II and IV: what one picture takes by each instancing strategy, for surfels and for voxels; without an
+//! adapter, on the processor.
 //!
-//! All strategies see the same frames from the same viewpoints, in turn for each frame, so that a machine that slows down
-//! meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
+//! All strategies see the same frames from the same viewpoints, in turn for each frame, so that a machine that slows
+//! down meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
 //! and timed, warm-up rounds are drawn, then the rounds that count.
 
 use super::{Run, Subject, mean, paper_voxel_settings, surfel_settings};

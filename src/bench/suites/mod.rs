@@ -206,8 +206,8 @@ impl<'a> Run<'a> {
         Ok(loaded)
     }
 
-    /// Viewpoints around `frame`, each with the share of pixels that it covers when drawn by `settings`. A note names those
-    /// that could not be brought into the band.
+    /// Viewpoints around `frame`, each with the share of pixels that it covers when drawn by `settings`. A note names
+    /// those that could not be brought into the band.
     pub(super) fn viewpoints(
         &mut self,
         subject: &Subject<'_>,

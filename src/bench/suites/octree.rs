@@ -1,13 +1,13 @@
 //! Table III: what an octree of an acceptable loss δ looks like, and what building and traversing it takes.
 //!
-//! **How it works.** Frames hold their points in Morton order, in which there is nothing to sort. So builds are measured from both
-//! orders: that of the file, which is worked out again from the places that points had there, as a cloud that was just read
-//! has them; and Morton order. Each is measured on one thread, as the paper's are, and on all. The four ways take turns, so that
-//! what slows the machine down slows all of them. A time is that of the thread that asks: the way into the pool and back is
-//! part of it, freeing the octree is not.
+//! **How it works.** Frames hold their points in Morton order, in which there is nothing to sort. So builds are
+//! measured from both orders: that of the file, which is worked out again from the places that points had there, as a
+//! cloud that was just read has them; and Morton order. Each is measured on one thread, as the paper's are, and on all.
+//! The four ways take turns, so that what slows the machine down slows all of them. A time is that of the thread that
+//! asks: the way into the pool and back is part of it, freeing the octree is not.
 //!
-//! Traversals run on all threads. Each fills memory that the one before it left, as playing does; the viewpoints are those from
-//! which surfels cover 25 to 85 % of the picture.
+//! Traversals run on all threads. Each fills memory that the one before it left, as playing does; the viewpoints are
+//! those from which surfels cover 25 to 85 % of the picture.
 
 use super::traversals::Traversals;
 use super::{Run, Subject, mean, surfel_settings};

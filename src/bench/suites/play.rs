@@ -1,8 +1,9 @@
 //! Playing a sequence as the window does, by the clock, and counting what a person would see.
 //!
-//! How it works: a player with a loader of its own is asked at each deadline, and whenever the loader has something new, which frame to
-//! show; each picture is drawn at once, by the processor where the window would let it draw. Nothing is shown, so a picture costs what
-//! drawing it costs. The loop ends when as many frames were shown as were asked for.
+//! How it works: a player with a loader of its own is asked at each deadline, and whenever the loader has something
+//! new, which frame to show; each picture is drawn at once, by the processor where the window would let it draw.
+//! Nothing is shown, so a picture costs what drawing it costs. The loop ends when as many frames were shown as were
+//! asked for.
 //!
 //! What it shows: whether the rate is held, what it costs in points where it is, and whether memory stays where it was.
 

@@ -1,8 +1,8 @@
 //! The software renderer beside the adapter: the same pictures in the same minute, from three distances.
 //!
-//! How it works: the object as a whole in view, from four times as far, and from so near that most of it is outside. Both
-//! draw each view in turn, so that a machine that slows down meanwhile slows both. What is drawn is chosen before the
-//! clocks start and is resident.
+//! How it works: the object as a whole in view, from four times as far, and from so near that most of it is outside.
+//! Both draw each view in turn, so that a machine that slows down meanwhile slows both. What is drawn is chosen before
+//! the clocks start and is resident.
 //!
 //! What it shows: costs that follow the cells and pixels that are seen, not those that there are.
 

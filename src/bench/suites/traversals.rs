@@ -17,7 +17,8 @@ pub(super) struct Traversals {
 }
 
 impl Traversals {
-    /// Adds those of one tree from every camera, in rounds. Each fills memory that the one before it left, as playing does.
+    /// Adds those of one tree from every camera, in rounds. Each fills memory that the one before it left, as playing
+    /// does.
     pub(super) fn measure(
         &mut self,
         run: &Run<'_>,

@@ -1,8 +1,8 @@
 //! What a person sees and feels of the window: a real one is opened, plays, is turned and scrubbed by the clock.
 //!
-//! How it works: the window drives itself (`app/trial`), since only it knows when something was presented; here is what it found, as rows.
-//! A *picture* is counted when it has been handed to the window system. What an X server or a compositor does afterwards is work of
-//! other processes: it takes the same cores, but is in no time and no share here.
+//! How it works: the window drives itself (`app/trial`), since only it knows when something was presented; here is what
+//! it found, as rows. A *picture* is counted when it has been handed to the window system. What an X server or a
+//! compositor does afterwards is work of other processes: it takes the same cores, but is in no time and no share here.
 
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::{BenchOptions, Environment, Input, Quantiles, Report, SequenceSummary, Suite};

@@ -1,7 +1,8 @@
 //! What is drawn over exported pictures: the legend of their colours.
 //!
-//! How it works: an overlay knows the whole picture and draws into one strip of it after the other, so that pictures of any size have it.
-//! It is as large beside the picture as in a window of 720 pixels. Where nothing is behind the cloud it has an alpha of its own.
+//! How it works: an overlay knows the whole picture and draws into one strip of it after the other, so that pictures of
+//! any size have it. It is as large beside the picture as in a window of 720 pixels. Where nothing is behind the cloud
+//! it has an alpha of its own.
 
 mod legend;
 mod text;
@@ -22,7 +23,8 @@ pub(super) struct Canvas<'a> {
 }
 
 impl Canvas<'_> {
-    /// Lays `color` over a pixel of the whole picture, with an alpha of 0 to 1. What is outside of the rows is left out.
+    /// Lays `color` over a pixel of the whole picture, with an alpha of 0 to 1. What is outside of the rows is left
+    /// out.
     fn blend(&mut self, [x, y]: [i64; 2], color: [u8; 3], alpha: f32) {
         let place = u32::try_from(x)
             .ok()

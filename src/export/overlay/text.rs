@@ -25,7 +25,8 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// `text` in letters of `size_px`, by their height with what hangs below the line. What the font does not have is a box.
+    /// `text` in letters of `size_px`, by their height with what hangs below the line. What the font does not have is a
+    /// box.
     pub(super) fn new(text: &str, size_px: f32) -> Self {
         let scale = PxScale::from(size_px);
         let mut line = Self {

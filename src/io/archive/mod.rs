@@ -1,8 +1,8 @@
 //! ZIP and TAR archives of frames, and single files packed with gzip.
 //!
-//! The directory is read once, by `zip` and `tar`; each [`Member`] then knows where its bytes are, so that one is read without
-//! the others. Nothing is ever unpacked to disk: names in an archive are names for people, not paths. A compressed TAR cannot
-//! be entered in the middle, so it is unpacked once into memory that its members share.
+//! The directory is read once, by `zip` and `tar`; each [`Member`] then knows where its bytes are, so that one is read
+//! without the others. Nothing is ever unpacked to disk: names in an archive are names for people, not paths. A
+//! compressed TAR cannot be entered in the middle, so it is unpacked once into memory that its members share.
 
 mod tar;
 mod zip;
@@ -225,8 +225,8 @@ fn clean(name: &str) -> String {
     parts.join("/")
 }
 
-/// True for files that hold a frame: in a format that is one cloud by its extension, or else by its first bytes; not hidden, not
-/// what macOS adds.
+/// True for files that hold a frame: in a format that is one cloud by its extension, or else by its first bytes; not
+/// hidden, not what macOS adds.
 fn is_frame(path: &Path, member: &Member) -> bool {
     let is_left_out = |part: &str| part.starts_with('.') || part == "__MACOSX";
     if member.name.split('/').any(is_left_out) {

@@ -1,6 +1,7 @@
 //! E57 of laser scanners: one or more scans, each with its own fields and pose.
 //!
-//! The crate `e57` reads the header and the description (XML) and checks the sums of the pages. The points are read here, see
+//! The crate `e57` reads the header and the description (XML) and checks the sums of the pages. The points are read
+//! here, see
 //! [`streams`]: the crate would make an object of every number, and fills memory where a record has no bits.
 
 mod scan;
@@ -151,8 +152,8 @@ fn reasons(error: &::e57::Error) -> String {
     text
 }
 
-/// The scans as one cloud. Where only some of them have colours they are white in the others, and an intensity is 0; other
-/// fields are left out if one scan has none.
+/// The scans as one cloud. Where only some of them have colours they are white in the others, and an intensity is 0;
+/// other fields are left out if one scan has none.
 fn merge(scans: Vec<Scan>) -> RawCloud {
     const WHITE: [u8; 4] = [255; 4];
     let count = scans.iter().map(|scan| scan.positions.len()).sum();

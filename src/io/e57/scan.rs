@@ -266,7 +266,8 @@ impl Fields<'_> {
         Some(colors)
     }
 
-    /// What is dark and bright in a channel: by the limits of the scan, by those of the field, or by the brightest number.
+    /// What is dark and bright in a channel: by the limits of the scan, by those of the field, or by the brightest
+    /// number.
     fn range(&self, channel: usize, name: &RecordName, largest: f64) -> (f64, f64) {
         let kind = self
             .scan

@@ -55,8 +55,8 @@ pub(super) struct Stream<'a> {
 }
 
 impl Stream<'_> {
-    /// Hands over the first `count` numbers with their indices, none of them once nobody wants them. Precondition: [`read`] was asked
-    /// for as many.
+    /// Hands over the first `count` numbers with their indices, none of them once nobody wants them. Precondition:
+    /// [`read`] was asked for as many.
     pub(super) fn for_each(&self, count: usize, mut each: impl FnMut(usize, f64)) {
         if self.progress.is_cancelled() {
             return;

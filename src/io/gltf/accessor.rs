@@ -12,8 +12,8 @@ pub(super) struct Source<'a> {
     pub(super) document: &'a Document,
     pub(super) buffers: &'a Buffers<'a>,
     pub(super) options: &'a ReadOptions,
-    /// Bytes read so far. A file may refer to the same numbers again and again: what is read for one frame, and the time for it, has
-    /// the limit of what it may take in memory.
+    /// Bytes read so far. A file may refer to the same numbers again and again: what is read for one frame, and the
+    /// time for it, has the limit of what it may take in memory.
     pub(super) spent_bytes: Cell<u64>,
 }
 

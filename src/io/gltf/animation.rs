@@ -1,7 +1,7 @@
 //! Where animations have moved the nodes at a moment.
 //!
-//! A file may hold several: the longest one is played, and with it those that move other things, as programs that give each object
-//! its own animation write them.
+//! A file may hold several: the longest one is played, and with it those that move other things, as programs that give
+//! each object its own animation write them.
 
 use super::super::error::Fault;
 use super::accessor::Source;

@@ -1,7 +1,7 @@
 //! The bytes that a glTF file refers to: within it, in `data:` URIs, or in files beside it.
 //!
-//! A file names other files at will. Only those within its own folder are read: no absolute paths, no `..`, no links that lead out of
-//! it, nothing from a network.
+//! A file names other files at will. Only those within its own folder are read: no absolute paths, no `..`, no links
+//! that lead out of it, nothing from a network.
 
 use super::super::error::{Fault, mebibytes};
 use super::super::options::ReadOptions;

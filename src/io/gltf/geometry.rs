@@ -324,8 +324,8 @@ fn add(values: &mut [[f32; 3]], deltas: &[[f32; 3]], weight: f32) {
     }
 }
 
-/// A normal behind a transform: across the surface still where that is stretched, hence the matrix of cofactors, whose sign a mirror
-/// changes.
+/// A normal behind a transform: across the surface still where that is stretched, hence the matrix of cofactors, whose
+/// sign a mirror changes.
 fn turned(matrix: DMat3, normal: [f32; 3]) -> [f32; 3] {
     let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));

@@ -1,7 +1,8 @@
-//! Colours of surfaces: the base colour of the material, its texture, and the colours of vertices, multiplied as light is.
+//! Colours of surfaces: the base colour of the material, its texture, and the colours of vertices, multiplied as light
+//! is.
 //!
-//! Factors and vertex colours are linear light, textures and the colours of points are sRGB. A texture alone is handed on without
-//! change. A texture that cannot be read leaves the other two: what the shape is does not depend on it.
+//! Factors and vertex colours are linear light, textures and the colours of points are sRGB. A texture alone is handed
+//! on without change. A texture that cannot be read leaves the other two: what the shape is does not depend on it.
 
 use super::super::error::Fault;
 use super::accessor::Source;

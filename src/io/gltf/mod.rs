@@ -1,12 +1,12 @@
 //! glTF and GLB: scenes of meshes, which may move.
 //!
-//! A scene that is animated is one frame for each 24th of a second of its longest animation. A frame is the vertices of all shapes
-//! as the nodes, bones and morph targets put them at its moment, or points sampled on their faces: at the same places of the surface
-//! in every frame, spread evenly over the scene as it is before anything moves, so that point `i` can be followed through time.
-//! Coordinates are those of the file, with y up.
+//! A scene that is animated is one frame for each 24th of a second of its longest animation. A frame is the vertices of
+//! all shapes as the nodes, bones and morph targets put them at its moment, or points sampled on their faces: at the
+//! same places of the surface in every frame, spread evenly over the scene as it is before anything moves, so that
+//! point `i` can be followed through time. Coordinates are those of the file, with y up.
 //!
-//! The JSON is read with `serde` into the few objects that count ([`document`]). The crate `gltf` was not used: its accessors
-//! overflow and panic on counts of zero, and it refuses files for extensions that do not concern the shapes.
+//! The JSON is read with `serde` into the few objects that count ([`document`]). The crate `gltf` was not used: its
+//! accessors overflow and panic on counts of zero, and it refuses files for extensions that do not concern the shapes.
 
 mod accessor;
 mod animation;

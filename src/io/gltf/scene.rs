@@ -14,8 +14,8 @@ use crate::cloud::{Positions, RawCloud};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-/// Coordinates are kept in double precision where a node moves things further than this: single precision would be coarser than 1 in
-/// 128.
+/// Coordinates are kept in double precision where a node moves things further than this: single precision would be
+/// coarser than 1 in 128.
 const FAR: f64 = 65_536.0;
 
 /// A file that was read, of which any frame can be had.

@@ -1,9 +1,9 @@
-//! Cloud-optimised files (COPC): LAZ whose chunks are the voxels of an octree, coarse ones for the whole and fine ones for
-//! parts of it.
+//! Cloud-optimised files (COPC): LAZ whose chunks are the voxels of an octree, coarse ones for the whole and fine ones
+//! for parts of it.
 //!
-//! The voxels are found by pages that refer to further pages. All of it is a claim: a page is read once, a file has no more
-//! entries than bytes for them, and the points of all voxels must be those that the header counts. Where that is not so, the file
-//! is read like any other LAZ file.
+//! The voxels are found by pages that refer to further pages. All of it is a claim: a page is read once, a file has no
+//! more entries than bytes for them, and the points of all voxels must be those that the header counts. Where that is
+//! not so, the file is read like any other LAZ file.
 
 use super::header::{Header, Record, take};
 use super::laz::Chunk;

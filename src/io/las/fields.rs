@@ -1,5 +1,5 @@
-//! The fields that compressed points consist of, and who unpacks each: the crate `laz`, apart from GPS times and from the first field of
-//! layered points, which contains some (see [`super::gps_times`]).
+//! The fields that compressed points consist of, and who unpacks each: the crate `laz`, apart from GPS times and from
+//! the first field of layered points, which contains some (see [`super::gps_times`]).
 
 use super::gps_times::GpsTimes;
 use super::layered_point::LayeredPoint;
@@ -12,8 +12,8 @@ use std::io::Cursor;
 /// Fields from this version on are in layers.
 pub(super) const LAYERED_VERSION: u16 = 3;
 
-/// Unpacks a chunk of points with the fields `items`, from the place of `packed` on, into `rows`. The sizes of its layers have
-/// been checked.
+/// Unpacks a chunk of points with the fields `items`, from the place of `packed` on, into `rows`. The sizes of its
+/// layers have been checked.
 pub(super) fn unpack(
     items: &[LazItem],
     packed: &mut Cursor<&[u8]>,

@@ -1,14 +1,16 @@
 //! GPS times as LAZ packs them, for points in one stream (formats 1 and 3 to 5) and for those in layers (6 to 10).
 //!
-//! Times are 64 bits of a float, predicted as integers. Lines of flight overlap in a sorted file, so there are four *sequences*, each
-//! with its last time and the step between two pulses. A symbol says how a time follows from the sequence in use: as many steps
-//! further and a difference from that (in a coder that depends on how many), not at all, as the first time of a new sequence, or
-//! that it belongs to another sequence, and what is said about that one follows. Sequences without a step have symbols of their own.
-//! The fourth factor that is beyond what symbols can say, or 0, since a step last fitted makes its difference the new step.
+//! Times are 64 bits of a float, predicted as integers. Lines of flight overlap in a sorted file, so there are
+//! four *sequences*, each with its last time and the step between two pulses. A symbol says how a time follows
+//! from the sequence in use: as many steps further and a difference from that (in a coder that depends on how
+//! many), not at all, as the first time of a new sequence, or that it belongs to another sequence, and what is
+//! said about that one follows. Sequences without a step have symbols of their own. The fourth factor that is
+//! beyond what symbols can say, or 0, since a step last fitted makes its difference the new step.
 //!
-//! The crate `laz` calls itself for each change of the sequence. A writer looks for the sequence that it changes to and changes once;
-//! changed bytes can ask for it without end, within a byte, until the stack overflows, and nobody catches that. This is why the
-//! times are unpacked here, with a bound. The oldest of the three ways to pack them has a single sequence and stays with the crate.
+//! The crate `laz` calls itself for each change of the sequence. A writer looks for the sequence that it changes to and
+//! changes once; changed bytes can ask for it without end, within a byte, until the stack overflows, and nobody catches
+//! that. This is why the times are unpacked here, with a bound. The oldest of the three ways to pack them has a single
+//! sequence and stays with the crate.
 //!
 //! Source: LAZ Specification 1.4 R1 (rapidlasso), items `GPSTIME11` and `POINT14`.
 

@@ -1,7 +1,7 @@
 //! The header of a LAS file, and the records behind it that say more about the points.
 //!
-//! Only what is needed to find and read the points is looked at. Counts of records are claims: they are walked as far as the
-//! bytes go. The bounding box is not used, as writers get it wrong.
+//! Only what is needed to find and read the points is looked at. Counts of records are claims: they are walked as far
+//! as the bytes go. The bounding box is not used, as writers get it wrong.
 
 use crate::io::error::Fault;
 

@@ -1,8 +1,9 @@
 //! Compressed points (LAZ). They are in chunks, each of which is unpacked alone: in parallel, and in any order.
 //!
-//! The crate `laz` unpacks most of it (see [`super::fields`]). It trusts its input: it allocates the sizes of layers that a chunk
-//! claims and may overflow, so sizes are checked here before it sees them, and a panic within it becomes an error. The table of the
-//! chunks may be missing or wrong; the chunks are then found one behind the other, as far as that goes.
+//! The crate `laz` unpacks most of it (see [`super::fields`]). It trusts its input: it allocates the sizes of layers
+//! that a chunk claims and may overflow, so sizes are checked here before it sees them, and a panic within it becomes
+//! an error. The table of the chunks may be missing or wrong; the chunks are then found one behind the other, as far as
+//! that goes.
 
 use super::fields::{self, LAYERED_VERSION};
 use super::header::{Header, take};
@@ -15,8 +16,8 @@ use std::io::Cursor;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Points that a byte can hold at most: those that are all alike take about a thousandth of a byte, as the probabilities of the
-/// coder have 15 bits.
+/// Points that a byte can hold at most: those that are all alike take about a thousandth of a byte, as the
+/// probabilities of the coder have 15 bits.
 const MAX_POINTS_PER_BYTE: u64 = 4096;
 
 /// Bytes before the first chunk that say where the table is.
@@ -208,8 +209,8 @@ impl Compression {
             })
     }
 
-    /// The points of `chunks`, in their order; they are the steps that `progress` is told of. The caller has checked that there is
-    /// memory for them.
+    /// The points of `chunks`, in their order; they are the steps that `progress` is told of. The caller has checked
+    /// that there is memory for them.
     pub(super) fn unpack(
         &self,
         bytes: &[u8],

@@ -1,7 +1,8 @@
 //! ASPRS LAS 1.0 to 1.4 with point formats 0 to 10, compressed (LAZ) and cloud-optimised (COPC).
 //!
-//! Header and points have a fixed layout and are read here: it takes one pass over the bytes, and what is wrong in them but not
-//! needed (bounding boxes, counts of records) does no harm. The compression is the crate's but for some fields, see [`laz`].
+//! Header and points have a fixed layout and are read here: it takes one pass over the bytes, and what is wrong in them
+//! but not needed (bounding boxes, counts of records) does no harm. The compression is the crate's but for some fields,
+//! see [`laz`].
 
 mod copc;
 mod extra;
@@ -31,8 +32,8 @@ use laz::{Chunk, Compression};
 const COMPRESSION_USER: &[u8] = b"laszip encoded";
 const COMPRESSION_ID: u16 = 22204;
 
-/// What the crate `laz` keeps for each extra byte of a point, on each thread, while it unpacks: four models of 256 symbols in layers,
-/// one in the older stream.
+/// What the crate `laz` keeps for each extra byte of a point, on each thread, while it unpacks: four models of 256
+/// symbols in layers, one in the older stream.
 const EXTRA_MODEL_BYTES: u64 = 4 * 2400;
 
 pub(super) fn decode(

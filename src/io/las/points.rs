@@ -102,7 +102,8 @@ pub(super) fn cloud(header: &Header, extra: &[ExtraField], rows: &[u8]) -> RawCl
             .near_infrared
             .map(|start| plain("near_ir", Scalar::U16, start)),
     );
-    // Points have a place for these whether anybody filled it or not. Intensity stays: other readers give it in any case.
+    // Points have a place for these whether anybody filled it or not. Intensity stays: other readers give it in any
+    // case.
     scalars.retain(|field| {
         field.name == "intensity"
             || field.offset != 0.0

@@ -1,9 +1,10 @@
-//! What predicts layered points of one scanner channel (see [`super::layered_point`]): its last point, and all that adapts to its points.
+//! What predicts layered points of one scanner channel (see [`super::layered_point`]): its last point, and all that
+//! adapts to its points.
 //!
-//! A symbol says what changes, in the context of what kind of return the last one was. Steps in the plane are predicted by the
-//! median of those between returns alike, heights by the last return as far from the end of its pulse, classes by the last one, and
-//! intensities by that of the last return alike. For steps and intensities, returns are alike only if both or none of them have a new
-//! time, thus begin a pulse.
+//! A symbol says what changes, in the context of what kind of return the last one was. Steps in the plane are predicted
+//! by the median of those between returns alike, heights by the last return as far from the end of its pulse, classes
+//! by the last one, and intensities by that of the last return alike. For steps and intensities, returns are alike only
+//! if both or none of them have a new time, thus begin a pulse.
 //!
 //! Source: LAZ Specification 1.4 R1 (rapidlasso), item `POINT14`.
 
@@ -80,7 +81,8 @@ pub(super) struct Channel {
     times: GpsTimes,
 }
 
-/// The largest contexts of coders of y and z, apart from whether there is a single return: bits of the steps before them.
+/// The largest contexts of coders of y and z, apart from whether there is a single return: bits of the steps before
+/// them.
 const Y_BITS: u32 = 20;
 const Z_BITS: u32 = 18;
 

@@ -1,5 +1,5 @@
-//! The unit of coordinates, as far as the coordinate reference system says it in plain words: a key of `GeoTIFF`, or the unit of a
-//! projection in well-known text. Codes of the EPSG registry are not looked up.
+//! The unit of coordinates, as far as the coordinate reference system says it in plain words: a key of `GeoTIFF`, or
+//! the unit of a projection in well-known text. Codes of the EPSG registry are not looked up.
 
 use super::header::{Record, take};
 use crate::cloud::LengthUnit;
@@ -36,8 +36,8 @@ fn of_geo_keys(data: &[u8]) -> Option<LengthUnit> {
     LengthUnit::of_epsg(u16::from_le_bytes(take(key, 6)))
 }
 
-/// Of `PROJCS["…", GEOGCS[…], …, UNIT["metre",1], …]`, or `PROJCRS[…, LENGTHUNIT["metre",1]]`: the unit that belongs to the projection
-/// itself, or to its first axis.
+/// Of `PROJCS["…", GEOGCS[…], …, UNIT["metre",1], …]`, or `PROJCRS[…, LENGTHUNIT["metre",1]]`: the unit that belongs to
+/// the projection itself, or to its first axis.
 fn of_text(text: &str) -> Option<LengthUnit> {
     let start = ["PROJCS[", "PROJCRS["]
         .iter()

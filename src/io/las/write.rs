@@ -1,8 +1,9 @@
 //! Writing LAS 1.4 with point format 6, or 7 with colours, compressed (LAZ) or not.
 //!
-//! Coordinates are integers in the file. Each axis gets the coarsest decimal scale, a thousandth or finer, at which no coordinate
-//! loses a digit that it has: files that came from integers go back to the same ones and compress well, and single precision is
-//! kept to its last bit. Where no scale does that, it is the finest at which the extent fits 32 bits.
+//! Coordinates are integers in the file. Each axis gets the coarsest decimal scale, a thousandth or finer, at which no
+//! coordinate loses a digit that it has: files that came from integers go back to the same ones and compress well, and
+//! single precision is kept to its last bit. Where no scale does that, it is the finest at which the extent fits 32
+//! bits.
 
 use crate::cloud::{Positions, RawCloud, ScalarField};
 use laz::{LazVlrBuilder, ParLasZipCompressor};
@@ -55,7 +56,8 @@ impl Axis {
         axis
     }
 
-    /// The axis with so many digits if the extent fits it: without an offset if that does, else with one between the two.
+    /// The axis with so many digits if the extent fits it: without an offset if that does, else with one between the
+    /// two.
     fn fitting(digits: i32, min: f64, max: f64) -> Option<Self> {
         let middle = (min / 2.0 + max / 2.0).round();
         [0.0, middle]

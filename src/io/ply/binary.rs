@@ -81,7 +81,8 @@ fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<FixedRows> {
     })
 }
 
-/// Where the points are in a file with this header, if their rows are of one length, all before them is, and no faces follow.
+/// Where the points are in a file with this header, if their rows are of one length, all before them is, and no faces
+/// follow.
 pub(super) fn fixed_rows(header: &Header, big_endian: bool) -> Option<FixedRows> {
     let has_faces = |element: &Element| element.count > 0 && FaceList::of(element).is_some();
     if header.elements.iter().any(has_faces) {

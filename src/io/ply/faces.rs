@@ -1,10 +1,11 @@
 //! Triangles from the lists of a PLY file: polygons of the `face` element, strips of the `tristrips` element.
 //!
-//! Items of a list arrive one by one and are made into triangles at its end, so that no list is stored twice. The triangles take
-//! at most twelve bytes for each byte of the file: three indices for a further item.
+//! Items of a list arrive one by one and are made into triangles at its end, so that no list is stored twice. The
+//! triangles take at most twelve bytes for each byte of the file: three indices for a further item.
 //!
-//! Where one face is broken all are left out, and the file is the cloud of its vertices. A mesh of some faces would be worse than none:
-//! pictures show points sampled from the faces, so what the lost ones covered would be gone without a trace.
+//! Where one face is broken all are left out, and the file is the cloud of its vertices. A mesh of some faces would be
+//! worse than none: pictures show points sampled from the faces, so what the lost ones covered would be gone without a
+//! trace.
 
 use super::super::error::Fault;
 use super::super::mesh;

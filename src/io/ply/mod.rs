@@ -1,8 +1,9 @@
 //! PLY: a header of elements with typed properties, then their rows as text or binary.
 //!
-//! The header's lines are read by `ply-rs-bw`; of the payload the columns of the `vertex` element are kept and the triangles of the
-//! `face` and `tristrips` elements, all else is stepped over without being stored, and what comes behind these is not looked at. What
-//! is broken behind the points costs the faces, not the points: they are shown, with a warning.
+//! The header's lines are read by `ply-rs-bw`; of the payload the columns of the `vertex` element are kept and the
+//! triangles of the `face` and `tristrips` elements, all else is stepped over without being stored, and what comes
+//! behind these is not looked at. What is broken behind the points costs the faces, not the points: they are shown,
+//! with a warning.
 
 mod ascii;
 mod binary;
@@ -96,7 +97,8 @@ pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
         Encoding::BinaryLittleEndian => binary::fixed_rows(&header, false),
         Encoding::BinaryBigEndian => binary::fixed_rows(&header, true),
     };
-    // The last line of a header that is as long as `head` may be cut off in its ending. Splats are made of all their columns.
+    // The last line of a header that is as long as `head` may be cut off in its ending. Splats are made of all their
+    // columns.
     rows.filter(|rows| {
         header.byte_size < head.len()
             && !rows.fields.iter().any(|field| splats::is_used(&field.name))

@@ -1,9 +1,11 @@
-//! Gaussian splats as the authors of "3D Gaussian Splatting" store them in PLY, and flat ones of "2D Gaussian Splatting": each point
-//! is an ellipsoid with three sizes, a rotation, an opacity, and a colour as spherical harmonics.
+//! Gaussian splats as the authors of "3D Gaussian Splatting" store them in PLY, and flat ones of "2D Gaussian
+//! Splatting": each point is an ellipsoid with three sizes, a rotation, an opacity, and a colour as spherical
+//! harmonics.
 //!
-//! They are shown as disks: what is seen of an ellipsoid from most sides is its two large axes, so the disk lies across the smallest
-//! one and has the geometric mean of the others for its radius, which keeps the area. The harmonics' constant term is the colour
-//! seen on average from all sides; those that change with direction (`f_rest_*`) are left out.
+//! They are shown as disks: what is seen of an ellipsoid from most sides is its two large axes, so the disk lies across
+//! the smallest one and has the geometric mean of the others for its radius, which keeps the area. The harmonics'
+//! constant term is the colour seen on average from all sides; those that change with direction (`f_rest_*`) are left
+//! out.
 
 use super::super::column::Column;
 use crate::cloud::RawCloud;
@@ -24,8 +26,8 @@ pub(super) fn is_used(name: &str) -> bool {
     COLORS.contains(&name) || name == OPACITY || SCALES.contains(&name) || ROTATION.contains(&name)
 }
 
-/// Gives `cloud` the colours, radii and normals of the splats in `columns`, if there are any: the normals that such files have are
-/// zeros.
+/// Gives `cloud` the colours, radii and normals of the splats in `columns`, if there are any: the normals that such
+/// files have are zeros.
 pub(super) fn apply(columns: &[Column<'_>], cloud: &mut RawCloud) {
     let count = cloud.positions.len();
     let find = |name: &str| {

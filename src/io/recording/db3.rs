@@ -1,8 +1,8 @@
 //! ROS 2 bags in `SQLite`: a table of topics and one of messages.
 //!
-//! The file is opened for reading only. A database can hold what computes without end in the place of a table (views, virtual
-//! tables, generated columns), so plain tables are asked for; and a damaged one that leads in circles is left when it yields
-//! more rows than the file has bytes for.
+//! The file is opened for reading only. A database can hold what computes without end in the place of a table (views,
+//! virtual tables, generated columns), so plain tables are asked for; and a damaged one that leads in circles is left
+//! when it yields more rows than the file has bytes for.
 
 use super::super::ReadOptions;
 use super::super::error::Fault;

@@ -38,7 +38,8 @@ impl Found {
                 .any(|topic| self.topics.get(topic).is_none_or(Option::is_some))
     }
 
-    /// All topics with point clouds, and the messages of `wanted` in the order of time; of the topic that has the most if `None`.
+    /// All topics with point clouds, and the messages of `wanted` in the order of time; of the topic that has the most
+    /// if `None`.
     pub(super) fn contents(self, wanted: Option<&str>) -> Contents {
         // The same topic may have several numbers, one for each of its publishers.
         let mut by_name: BTreeMap<&str, Vec<(Duration, Message)>> = BTreeMap::new();

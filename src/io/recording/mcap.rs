@@ -1,8 +1,8 @@
 //! MCAP: records of a kind (one byte), a length and a body; <https://mcap.dev/spec>.
 //!
-//! Nothing but lengths, numbers and strings is read here; the crate for it would read whole files from memory, or unpack every
-//! chunk to find a channel. Schemas and channels stand in the summary at the end, too, so one walk over the heads of the records
-//! meets them all, whether there is a summary or not.
+//! Nothing but lengths, numbers and strings is read here; the crate for it would read whole files from memory, or
+//! unpack every chunk to find a channel. Schemas and channels stand in the summary at the end, too, so one walk over
+//! the heads of the records meets them all, whether there is a summary or not.
 
 use super::super::ReadOptions;
 use super::super::error::{Fault, Place};
@@ -18,7 +18,8 @@ const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 const HEAD_BYTES: u64 = 9;
 /// Schemas and channels are text; more is none that is needed here.
 const MOST_TEXT_BYTES: u64 = 16 << 20;
-/// Of a chunk, what stands before its bytes; of a message, what stands before its own, and its time stamp, even in words.
+/// Of a chunk, what stands before its bytes; of a message, what stands before its own, and its time stamp, even in
+/// words.
 const START_BYTES: u64 = 256;
 /// Channel, sequence, two times.
 const MESSAGE_HEAD_BYTES: u64 = 22;
@@ -167,7 +168,8 @@ impl Finder {
         Some(())
     }
 
-    /// Notes a message that begins with `start`; `place` makes its place of the size of what stands before its own bytes.
+    /// Notes a message that begins with `start`; `place` makes its place of the size of what stands before its own
+    /// bytes.
     fn message(&mut self, start: &[u8], place: impl FnOnce(u64) -> MessagePlace) -> Option<()> {
         let mut head = Bytes::new(start);
         let channel = head.u16()?;

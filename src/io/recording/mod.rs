@@ -1,9 +1,10 @@
 //! Recordings of robots: messages with point clouds and their times.
 //!
-//! A recording is a list of messages on topics, most of them packed together into chunks. [`list`] walks over the heads of its
-//! records once, unpacks only chunks with point clouds (their index says so; chunks without one are looked into), and notes
-//! where each cloud is. [`read`] then touches one message, or the one chunk it is packed in. MCAP and bags differ only in how
-//! their records are written ([`mcap`], [`bag`]); a ROS 2 bag in `SQLite` is asked by `rusqlite` ([`db3`]).
+//! A recording is a list of messages on topics, most of them packed together into chunks. [`list`] walks over the heads
+//! of its records once, unpacks only chunks with point clouds (their index says so; chunks without one are looked
+//! into), and notes where each cloud is. [`read`] then touches one message, or the one chunk it is packed in. MCAP and
+//! bags differ only in how their records are written ([`mcap`], [`bag`]); a ROS 2 bag in `SQLite` is asked by
+//! `rusqlite` ([`db3`]).
 
 mod bag;
 mod bytes;
@@ -89,7 +90,8 @@ impl Encoding {
     }
 }
 
-/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1, of ROS 2 and of Foxglove.
+/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1, of ROS 2 and of
+/// Foxglove.
 fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
     let is_ros = ["sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2"].contains(&kind);
     let is_foxglove = kind == "foxglove.PointCloud";
@@ -102,8 +104,8 @@ fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
     }
 }
 
-/// The topics of the recording at `path`, and the point clouds of `topic` (of the one that has the most, if `None`) in the order of
-/// their time.
+/// The topics of the recording at `path`, and the point clouds of `topic` (of the one that has the most, if `None`) in
+/// the order of their time.
 pub(super) fn list(
     path: &Path,
     format: Format,

@@ -29,7 +29,8 @@ fn body(message: &[u8], serialisation: Serialisation) -> Option<Bytes<'_>> {
         Serialisation::Ros1 => Some(Bytes::new(message)),
         Serialisation::Cdr => {
             let (head, rest) = message.split_at_checked(CDR_HEAD_BYTES)?;
-            // Plain CDR of the first and of the second version; numbers of 8 bytes, in which they differ, there are none.
+            // Plain CDR of the first and of the second version; numbers of 8 bytes, in which they differ, there are
+            // none.
             match head[..2] {
                 [0, 0 | 6] => Some(Bytes::aligned(rest, true)),
                 [0, 1 | 7] => Some(Bytes::aligned(rest, false)),

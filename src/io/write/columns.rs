@@ -35,8 +35,8 @@ pub(super) enum Type {
 pub(super) enum Colors {
     /// As bytes of a column whose type says so.
     Typed,
-    /// As numbers that nothing says the scale of. Readers tell it by the largest one, so those that are all below 2 are written as
-    /// fractions, which are told as such.
+    /// As numbers that nothing says the scale of. Readers tell it by the largest one, so those that are all below 2 are
+    /// written as fractions, which are told as such.
     Untyped,
     /// Not at all.
     None,
@@ -135,8 +135,8 @@ fn unique(name: String, columns: &[Column<'_>]) -> String {
 }
 
 impl Column<'_> {
-    /// Writes numbers of single precision with the digits that they have in double precision: where nothing says the type of a column,
-    /// readers take fewer for a rounded double.
+    /// Writes numbers of single precision with the digits that they have in double precision: where nothing says the
+    /// type of a column, readers take fewer for a rounded double.
     pub(super) fn widen(&mut self) {
         if let Data::Numbers(values) = self.data {
             self.data = Data::Offset(values, 0.0);

@@ -1,8 +1,8 @@
 //! A table of numpy: all columns are of one type, and nothing names them.
 //!
-//! So only those are written that their number tells (see the reader of text): a colour, a normal, both, or a scalar alone or before
-//! a colour. Alpha, radii and further scalars are left out. Where the values would tell something else (normals that are all
-//! upright look like a dark colour), rows are records with the names of their fields.
+//! So only those are written that their number tells (see the reader of text): a colour, a normal, both, or a scalar
+//! alone or before a colour. Alpha, radii and further scalars are left out. Where the values would tell something else
+//! (normals that are all upright look like a dark colour), rows are records with the names of their fields.
 
 use super::super::xyz;
 use super::columns::{CHUNK_BYTES, Colors, Column, Type, columns};

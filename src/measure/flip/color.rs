@@ -1,5 +1,5 @@
-//! The colour spaces of FLIP (Andersson et al. 2020, §4.1): linear sRGB, `YCxCz` for filtering, Hunt-adjusted L*a*b* for
-//! distances.
+//! The colour spaces of FLIP (Andersson et al. 2020, §4.1): linear sRGB, `YCxCz` for filtering, Hunt-adjusted L*a*b*
+//! for distances.
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use std::sync::LazyLock;
@@ -51,7 +51,8 @@ pub(super) fn linear_from_stored(stored: [u8; 3]) -> Vec3 {
     Vec3::from_array(stored.map(|channel| LINEAR[channel as usize]))
 }
 
-/// Luminance (Y), red against green (Cx) and blue against yellow (Cz): linear, so that averaging light is averaging them.
+/// Luminance (Y), red against green (Cx) and blue against yellow (Cz): linear, so that averaging light is averaging
+/// them.
 pub(super) fn ycxcz_from_linear(linear: Vec3) -> Vec3 {
     let relative = MATRICES.white_relative_from_linear * linear;
     Vec3::new(
@@ -81,7 +82,8 @@ pub(super) fn hunt_lab_from_linear(linear: Vec3) -> Vec3 {
     Vec3::new(lightness, hunt * 500.0 * (x - y), hunt * 200.0 * (y - z))
 }
 
-/// `HyAB` distance: city-block between lightness and chroma, Euclidean within chroma. Better than ΔE where colours differ much.
+/// `HyAB` distance: city-block between lightness and chroma, Euclidean within chroma. Better than ΔE where colours
+/// differ much.
 pub(super) fn hyab(a: Vec3, b: Vec3) -> f32 {
     let d = a - b;
     d.x.abs() + (d.y * d.y + d.z * d.z).sqrt()

@@ -1,7 +1,7 @@
 //! An error map as a picture: black where nothing differs, through purple and orange to pale yellow.
 //!
-//! How it works: as in the figures of the FLIP paper, colours are those of the map *magma* (Smith and van der Walt 2015, CC0),
-//! whose lightness rises evenly, so that a printed or colour-blind view orders errors the same.
+//! How it works: as in the figures of the FLIP paper, colours are those of the map *magma* (Smith and van der Walt
+//! 2015, CC0), whose lightness rises evenly, so that a printed or colour-blind view orders errors the same.
 
 use super::ErrorMap;
 use crate::analysis::ColorMap;

@@ -16,8 +16,8 @@ pub(super) struct Kernel {
 }
 
 impl Kernel {
-    /// Weights of `weight` at pixels up to `radius_px`, of which the positive ones add up to 1 and the negative ones, if any,
-    /// to −1.
+    /// Weights of `weight` at pixels up to `radius_px`, of which the positive ones add up to 1 and the negative ones,
+    /// if any, to −1.
     pub(super) fn normalized(radius_px: usize, weight: impl Fn(f64) -> f64) -> Self {
         let raw = |radius: usize| -> Vec<f64> {
             let radius = radius as i32;

@@ -2,14 +2,16 @@
 //!
 //! How it works (Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild: *FLIP: A Difference Evaluator for
 //! Alternating Images*, HPG 2020):
-//! 1. *Colour* (§4.1). Both pictures are blurred as the eye blurs them at their viewing distance, luminance, red-green and
-//!    blue-yellow each by its contrast sensitivity; what is left is compared by `HyAB` in Hunt-adjusted L*a*b*, and the
-//!    distances are compressed into 0 to 1.
-//! 2. *Features* (§4.2). Edges and points of the luminance, by first and second derivatives of a Gaussian, are compared by
-//!    their strength: an eye is drawn to them.
-//! 3. The error of a pixel is that of its colour to the power of one minus that of its features (§4.3): features amplify.
+//! 1. *Colour* (§4.1). Both pictures are blurred as the eye blurs them at their viewing distance, luminance, red-green
+//!    and blue-yellow each by its contrast sensitivity; what is left is compared by `HyAB` in Hunt-adjusted L*a*b*, and
+//!    the distances are compressed into 0 to 1.
+//! 2. *Features* (§4.2). Edges and points of the luminance, by first and second derivatives of a Gaussian, are compared
+//!    by their strength: an eye is drawn to them.
+//! 3. The error of a pixel is that of its colour to the power of one minus that of its features (§4.3): features
+//!    amplify.
 //!
-//! When it wins: over mean squares, which see neither that noise of a pixel blurs away nor that a missing edge does not.
+//! When it wins: over mean squares, which see neither that noise of a pixel blurs away nor that a missing edge does
+//! not.
 //!
 //! Written from the paper; the one crate for it, `nv-flip`, wraps C++ and has had no release since 2023. Held in tests
 //! against values of the authors' own evaluator, version 1.7.

@@ -83,8 +83,8 @@ fn errors_are_those_of_the_authors_evaluator() {
                 at(63, 47),
             ];
             for (found, expected) in found.into_iter().zip(expected) {
-                // Both compute in f32; theirs has 0.967 365 for the mean of black against white, which is 0.967 387 at every
-                // pixel.
+                // Both compute in f32; theirs has 0.967 365 for the mean of black against white, which is 0.967 387 at
+                // every pixel.
                 assert!(
                     (found - expected).abs() < 3e-5,
                     "{name} at {pixels_per_degree} pixels a degree: {found} for {expected}"

@@ -1,15 +1,15 @@
 //! How far two clouds are from each other: point to point (D1) and point to plane (D2).
 //!
-//! How it works (Tian, Ochimizu, Feng, Cohen, Vetro: *Geometric distortion metrics for point cloud compression*, ICIP 2017;
-//! the tool `pc_error` of ISO/IEC MPEG): each point of one cloud is taken to the nearest one of the other. D1 is the length of
-//! the way, D2 what of it runs along the normal over there: a point that only slid along the surface has a D1 and hardly a D2.
-//! Means of squares and maxima (Hausdorff distances) are told for both directions, since a cloud with a hole is near to the
-//! whole one and not the other way round; the symmetric figure is the larger one.
+//! How it works (Tian, Ochimizu, Feng, Cohen, Vetro: *Geometric distortion metrics for point cloud compression*, ICIP
+//! 2017; the tool `pc_error` of ISO/IEC MPEG): each point of one cloud is taken to the nearest one of the other. D1 is
+//! the length of the way, D2 what of it runs along the normal over there: a point that only slid along the surface has
+//! a D1 and hardly a D2. Means of squares and maxima (Hausdorff distances) are told for both directions, since a cloud
+//! with a hole is near to the whole one and not the other way round; the symmetric figure is the larger one.
 //!
-//! As in `pc_error`, only the reference needs normals. A point of the test has the mean of those of the reference's points
-//! whose nearest it is (not brought back to unit length), or else that of its own nearest; and where there is no normal, D2 is
-//! D1. Of equally near points the first counts, so clouds on a grid may differ a little from `pc_error`, where chance decides.
-//! Coincident points all count. Maxima are distances here, squares there.
+//! As in `pc_error`, only the reference needs normals. A point of the test has the mean of those of the reference's
+//! points whose nearest it is (not brought back to unit length), or else that of its own nearest; and where there is no
+//! normal, D2 is D1. Of equally near points the first counts, so clouds on a grid may differ a little from `pc_error`,
+//! where chance decides. Coincident points all count. Maxima are distances here, squares there.
 //!
 //! Ways are computed and added up in f64, in pieces of fixed size: any number of threads gives the same bits.
 
@@ -97,8 +97,9 @@ impl Distances {
 
     /// 10 log10(3 p² / [`Distances::mean_squared`]) decibels, as in `pc_error`; infinite without an error.
     ///
-    /// `peak` p is in scene units: 2ᵇ − 1 for clouds on a grid of b bits, and by custom the longest edge of the reference's
-    /// box for others; 3 p² is then the squared diagonal of the cube around it. `None` unless it is positive and finite.
+    /// `peak` p is in scene units: 2ᵇ − 1 for clouds on a grid of b bits, and by custom the longest edge of the
+    /// reference's box for others; 3 p² is then the squared diagonal of the cube around it. `None` unless it is
+    /// positive and finite.
     pub fn psnr_db(&self, peak: f64) -> Option<f64> {
         // Logarithms one by one, which no square overflows.
         let ratio = || 10.0 * (3f64.log10() - self.mean_squared().log10()) + 20.0 * peak.log10();
@@ -118,8 +119,8 @@ pub struct GeometryError {
 impl GeometryError {
     /// Compares `test` with `reference`, in the same coordinates.
     ///
-    /// `normals` are those of the reference's points, of any length and pointing to the same side where they are near to each
-    /// other; one that is zero or not finite counts as none.
+    /// `normals` are those of the reference's points, of any length and pointing to the same side where they are near
+    /// to each other; one that is zero or not finite counts as none.
     pub fn of(
         reference: &[Vec3],
         normals: Option<&[Vec3]>,

@@ -38,8 +38,9 @@ pub struct NodeAttributes {
 }
 
 impl NodeAttributes {
-    /// Packs attributes: the finest index of the normal, the offset in cell edges (the nearest of eight), a radius in cell edges
-    /// (rounded up, as far as there are codes) and half the opening of the normal cone in radians (rounded up).
+    /// Packs attributes: the finest index of the normal, the offset in cell edges (the nearest of eight), a radius in
+    /// cell edges (rounded up, as far as there are codes) and half the opening of the normal cone in radians (rounded
+    /// up).
     pub(super) fn new(
         normal: u32,
         offset_edges: f32,

@@ -1,24 +1,27 @@
 //! A cloud as the byte code of its octree, with attributes for every node: what is drawn as it is stored (paper 001).
 //!
 //! # Layout
-//! Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest level has a byte, its
-//! occupied octants; the children of all nodes stand in the order of the bits, so the first child of `i` is one more than the
-//! bits before byte `i`. To find it without counting from the beginning, the number of bits before every 64th byte is kept (half
-//! a bit for a byte); the rest is eight population counts. Whoever goes through a level in order needs not even that.
+//! Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest level has a
+//! byte, its occupied octants; the children of all nodes stand in the order of the bits, so the first child of `i` is
+//! one more than the bits before byte `i`. To find it without counting from the beginning, the number of bits before
+//! every 64th byte is kept (half a bit for a byte); the rest is eight population counts. Whoever goes through a level
+//! in order needs not even that.
 //!
-//! All nodes have attributes, leaves or not (the easiest solution of 001 §4.4, a third more of them). So the bytes of the upper
-//! levels, and the attributes that belong to them, are a coarser cloud, and any prefix of levels can be drawn.
+//! All nodes have attributes, leaves or not (the easiest solution of 001 §4.4, a third more of them). So the bytes of
+//! the upper levels, and the attributes that belong to them, are a coarser cloud, and any prefix of levels can be
+//! drawn.
 //!
 //! # Attributes
-//! Eight bytes a node: the normal as 17 bits of the refined octahedron (of which less may be used), the *offset*, 3 bits, along the
-//! normal from the middle of the cell to the surface (001 §5.1), a radius and the cone of the normals below, 8 bits each, and a
-//! colour.
+//! Eight bytes a node: the normal as 17 bits of the refined octahedron (of which less may be used), the *offset*, 3
+//! bits, along the normal from the middle of the cell to the surface (001 §5.1), a radius and the cone of the normals
+//! below, 8 bits each, and a colour.
 //!
-//! The paper needs no radius: its cells are as large as samples are far apart, and so are splats. Here the tree goes as deep as its
-//! stop criterion says, which is mostly deeper, and points may be irregular: a radius says what a node's splat has to cover.
+//! The paper needs no radius: its cells are as large as samples are far apart, and so are splats. Here the tree goes as
+//! deep as its stop criterion says, which is mostly deeper, and points may be irregular: a radius says what a node's
+//! splat has to cover.
 //!
-//! When it wins: a position costs some bits, and is had by adding one vector to that of the cell above; a node takes 8 bytes,
-//! where the records of a surfel take 32. What it costs: positions are those of cells, moved along normals only.
+//! When it wins: a position costs some bits, and is had by adding one vector to that of the cell above; a node takes 8
+//! bytes, where the records of a surfel take 32. What it costs: positions are those of cells, moved along normals only.
 
 mod attributes;
 mod build;
@@ -81,11 +84,12 @@ pub struct CodedBits {
 impl CodedCloud {
     /// The code of `octree`, with attributes from the records of its points.
     ///
-    /// All leaves have to be on one level. For a tree that divides by numbers of points, it is that of the default criterion.
+    /// All leaves have to be on one level. For a tree that divides by numbers of points, it is that of the default
+    /// criterion.
     ///
     /// # Panics
-    /// Preconditions: a record of each kind for each point, in the order of the points the tree was built from, which was Morton
-    /// order; fewer than 2³² nodes.
+    /// Preconditions: a record of each kind for each point, in the order of the points the tree was built from, which
+    /// was Morton order; fewer than 2³² nodes.
     pub fn new(
         octree: &Arc<Octree>,
         points: &Arc<Vec<PointRecord>>,

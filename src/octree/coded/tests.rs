@@ -205,7 +205,8 @@ proptest! {
     }
 }
 
-/// On a sphere that is sampled as densely as its cells are large, the offsets bring the middles of cells to the surface.
+/// On a sphere that is sampled as densely as its cells are large, the offsets bring the middles of cells to the
+/// surface.
 #[test]
 fn offsets_lead_to_the_surface() {
     let records = records(&sphere(300_000, 0.01));

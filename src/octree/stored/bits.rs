@@ -22,8 +22,8 @@ impl BitWriter {
         }
     }
 
-    /// Appends a number in so many bits more than twice its logarithm: as many zeros as it has bits beyond its highest, a one,
-    /// and those bits (Elias 1975, the code γ; there the bits stand highest first). Precondition: it is not 0.
+    /// Appends a number in so many bits more than twice its logarithm: as many zeros as it has bits beyond its highest,
+    /// a one, and those bits (Elias 1975, the code γ; there the bits stand highest first). Precondition: it is not 0.
     pub(super) fn put_gamma(&mut self, value: u32) {
         let beyond = value.ilog2();
         self.put(1 << beyond, beyond + 1);

@@ -1,10 +1,11 @@
 //! An octree as bytes, and back: the breadth-first byte code (paper 000 §VI-A) with what it leaves out, the points.
 //!
-//! The byte code is the shape of the tree down to its leaves in one byte an internal node. A leaf is then the number of its
-//! points, and a point no more than the bits of its Morton code below its leaf: what is above, the byte code says. So the
-//! tree that is read equals the one written, and can be divided anew ([`Octree::with_stop`]) like it.
+//! The byte code is the shape of the tree down to its leaves in one byte an internal node. A leaf is then the number of
+//! its points, and a point no more than the bits of its Morton code below its leaf: what is above, the byte code says.
+//! So the tree that is read equals the one written, and can be divided anew ([`Octree::with_stop`]) like it.
 //!
-//! Use: what takes long to prepare (normals, radii, the sorted points) is kept beside a scan, or handed to another program.
+//! Use: what takes long to prepare (normals, radii, the sorted points) is kept beside a scan, or handed to another
+//! program.
 //!
 //! # Layout
 //! Integers and floats are little-endian; bits are taken from the lowest of each byte up.
@@ -39,10 +40,10 @@
 //! ```
 //!
 //! # Errors
-//! Coordinates are kept to a 2²¹st of the cube's edge, all else bit by bit; alpha, which trees do not have, is lost. Any flipped
-//! bit is noticed by the checksum. Bytes made to pass it are read as a valid tree or refused: every number that claims
-//! something is checked before memory is reserved for it, so that no more than some thirty times the bytes are (27 measured
-//! for the densest tree, `benches/stored.rs`).
+//! Coordinates are kept to a 2²¹st of the cube's edge, all else bit by bit; alpha, which trees do not have, is lost.
+//! Any flipped bit is noticed by the checksum. Bytes made to pass it are read as a valid tree or refused: every number
+//! that claims something is checked before memory is reserved for it, so that no more than some thirty times the bytes
+//! are (27 measured for the densest tree, `benches/stored.rs`).
 
 mod bits;
 mod columns;

@@ -19,8 +19,8 @@ const CHECKSUM_BYTES: usize = 4;
 impl StoredOctree {
     /// Reads what [`Octree::write_to`] wrote: all of `bytes`, no more and no less.
     ///
-    /// The tree is [equal](PartialEq) to the written one. Bytes that are damaged are an error, and so are those of another kind
-    /// or a later version. Memory reserved is at most some thirty times the bytes, whatever they claim.
+    /// The tree is [equal](PartialEq) to the written one. Bytes that are damaged are an error, and so are those of
+    /// another kind or a later version. Memory reserved is at most some thirty times the bytes, whatever they claim.
     pub fn read_from(bytes: &[u8]) -> Result<Self, StoredOctreeError> {
         let content = checked_content(bytes)?;
         let (header, rest) = Header::read(content)?;
@@ -132,7 +132,8 @@ impl Header {
         Ok(leaves)
     }
 
-    /// The tree, whatever was asked for when it was built: leaves with points in each of them can only be where they were.
+    /// The tree, whatever was asked for when it was built: leaves with points in each of them can only be where they
+    /// were.
     fn octree(&self, points: ReadPoints, colors: &[[u8; 3]]) -> Octree {
         let sorted = SortedPoints::from_codes(&points.codes, colors).expect("codes ascend");
         let leaves = if self.has_several_levels {

@@ -8,11 +8,11 @@ use crate::octree::{NodeRange, stop::Leaves};
 use std::io;
 
 impl Octree {
-    /// Writes the tree, and if given the shape of every point in Morton order (that of [`crate::cloud::Frame`]): bytes that
-    /// [`super::StoredOctree::read_from`] reads, in the layout that is described there.
+    /// Writes the tree, and if given the shape of every point in Morton order (that of [`crate::cloud::Frame`]): bytes
+    /// that [`super::StoredOctree::read_from`] reads, in the layout that is described there.
     ///
-    /// Size: 42 bytes, a byte an internal node, and for each point 4 to 6 bytes of coordinates, 3 of colour and 16 of shape,
-    /// less 4 for each of normal, radius, ellipse and scalar that is the same for all.
+    /// Size: 42 bytes, a byte an internal node, and for each point 4 to 6 bytes of coordinates, 3 of colour and 16 of
+    /// shape, less 4 for each of normal, radius, ellipse and scalar that is the same for all.
     ///
     /// # Panics
     /// Preconditions: one shape a point, with finite scalar and radius, the radius not below zero.

@@ -1,9 +1,9 @@
 //! Which records may touch which tile of the picture.
 //!
-//! How it works: records stand in an order in which neighbours in the list are neighbours in space (Morton), so the box around
-//! sixty-four of them is small. A box is projected in place of its records, and its block is noted for every tile that it
-//! may cover. The blocks of a tile come in their order, and so do the records of a block: what is blended in the order of the cloud
-//! is, and whatever is drawn does not depend on threads.
+//! How it works: records stand in an order in which neighbours in the list are neighbours in space (Morton), so the box
+//! around sixty-four of them is small. A box is projected in place of its records, and its block is noted for every
+//! tile that it may cover. The blocks of a tile come in their order, and so do the records of a block: what is blended
+//! in the order of the cloud is, and whatever is drawn does not depend on threads.
 
 use super::tile::Tiles;
 use super::view::PixelView;

@@ -141,7 +141,8 @@ impl PixelView {
     }
 }
 
-/// What can be seen through a rectangle of pixels: the space in front of the near plane and between four planes through the eye.
+/// What can be seen through a rectangle of pixels: the space in front of the near plane and between four planes through
+/// the eye.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pyramid {
     /// Unit vectors inwards.
@@ -168,8 +169,8 @@ impl Pyramid {
         }
     }
 
-    /// Whether something within these distances of points in view space may be seen. Of the records of a block, which is drawn by
-    /// every tile that the block may touch, most touch one.
+    /// Whether something within these distances of points in view space may be seen. Of the records of a block, which
+    /// is drawn by every tile that the block may touch, most touch one.
     #[inline(always)]
     pub(super) fn may_touch<S: Simd>(
         &self,

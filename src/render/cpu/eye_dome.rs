@@ -1,8 +1,8 @@
 //! Eye-dome lighting on the processor (`shaders/passes/eye_dome.wgsl`): the shades of eight pixels of a row at a time.
 //!
-//! How it works: of the row, and of the rows above and below in which neighbours are, the depths of eight pixels are read from where the
-//! neighbours begin; one division, and a product and two comparisons for each of them, give the sum of steps. Beside the borders of the
-//! picture neighbours are gathered one by one.
+//! How it works: of the row, and of the rows above and below in which neighbours are, the depths of eight pixels are
+//! read from where the neighbours begin; one division, and a product and two comparisons for each of them, give the sum
+//! of steps. Beside the borders of the picture neighbours are gathered one by one.
 
 use super::tile::LANES;
 use crate::scene::EyeDomeLight;

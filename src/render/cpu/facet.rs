@@ -8,9 +8,9 @@
 //! P = ±(v × c)·d    Q = ±(c × u)·d    W = ±(u × v)·d    the sign of det M makes W positive in front of the eye
 //! ```
 //!
-//! which are affine in the pixel's coordinates. So a pixel is inside a disk where `P² + Q² ≤ W²`, inside a parallelogram where
-//! `|P| ≤ W` and `|Q| ≤ W`, and its reversed depth is `near/t`, a multiple of W: no division until something is shaded.
-//! (Weyrich et al. 2007 rasterise elliptical splats by the same homogeneous functions.)
+//! which are affine in the pixel's coordinates. So a pixel is inside a disk where `P² + Q² ≤ W²`, inside a
+//! parallelogram where `|P| ≤ W` and `|Q| ≤ W`, and its reversed depth is `near/t`, a multiple of W: no division until
+//! something is shaded. (Weyrich et al. 2007 rasterise elliptical splats by the same homogeneous functions.)
 
 use super::eight::Vectors;
 use super::shading::Light;
@@ -27,8 +27,8 @@ pub(super) struct Facet {
     pub(super) w: Affine,
     /// Reversed depth, `near/distance`, for each unit of `w`.
     pub(super) depth_per_w: f32,
-    /// Length of the vector that `w` is the product of rays with: `w` over it and over the length of the ray is the cosine between
-    /// the normal and the ray.
+    /// Length of the vector that `w` is the product of rays with: `w` over it and over the length of the ray is the
+    /// cosine between the normal and the ray.
     pub(super) normal_length: f32,
     /// Pixels that it may cover.
     pub(super) bounds: PixelRect,
@@ -74,8 +74,8 @@ pub(super) struct Facets {
 impl Facet {
     /// The light at each pixel on a surface with another normal than this patch, whose middle and half edges are given.
     ///
-    /// The ray of a pixel meets the patch at `c + p·u + q·v`, which is the ray times the distance: what the normal and that have in
-    /// common is `(n·u)·P + (n·v)·Q + (n·c)·W` over W, and the reversed depth is `near` over the distance.
+    /// The ray of a pixel meets the patch at `c + p·u + q·v`, which is the ray times the distance: what the normal and
+    /// that have in common is `(n·u)·P + (n·v)·Q + (n·c)·W` over W, and the reversed depth is `near` over the distance.
     #[inline(always)]
     pub(super) fn light_on(&self, view: &PixelView, normal: Vec3, [c, u, v]: [Vec3; 3]) -> Light {
         let per_distance = self.depth_per_w / view.near;
@@ -84,8 +84,8 @@ impl Facet {
 }
 
 impl Facets {
-    /// Patches on the screen. Of some nothing can be seen: where `are_asked` says so, behind the eye, outside of `clip`, edge on,
-    /// turned away if those are culled, or of no size or one that is no number.
+    /// Patches on the screen. Of some nothing can be seen: where `are_asked` says so, behind the eye, outside of
+    /// `clip`, edge on, turned away if those are culled, or of no size or one that is no number.
     ///
     /// A function of its own for the sake of the compiler; its registers go through memory once for eight patches.
     #[inline(never)]
@@ -176,8 +176,8 @@ impl Facets {
     }
 }
 
-/// `vector · ray` as functions of pixels, where the ray through a pixel has z = −1: what x and y are multiplied with, and the
-/// value where both are 0.
+/// `vector · ray` as functions of pixels, where the ray through a pixel has z = −1: what x and y are multiplied with,
+/// and the value where both are 0.
 #[inline(always)]
 fn along_rays<S: Simd>(view: &PixelView, vectors: Vectors<S>) -> [f32x8<S>; 3] {
     let per_x = vectors.x * (1.0 / view.px_per_slope[0]);
@@ -209,8 +209,8 @@ fn bounds<S: Simd>(
     // The border is not what is computed here where a patch reaches behind the eye.
     let is_around_eye = (-c.z - half_depth).simd_le(near * 0.25);
     let [low_x, high_x, low_y, high_y] = match outline {
-        // A line of pixels touches the disk where the quadratic form P² + Q² − W² has a double root along it. Its dual is
-        // made of the same cross products, which do not cancel where a small disk is far away.
+        // A line of pixels touches the disk where the quadratic form P² + Q² − W² has a double root along it. Its dual
+        // is made of the same cross products, which do not cancel where a small disk is far away.
         Outline::Disk => {
             let per_depth2 = 1.0 / (c.z * c.z - u.z * u.z - v.z * v.z);
             let middle = |c_axis: f32x8<S>, u_axis: f32x8<S>, v_axis: f32x8<S>| {
@@ -249,8 +249,8 @@ fn bounds<S: Simd>(
     [left, top, simd.select_f32x8(is_behind, left, right), bottom]
 }
 
-/// Where the pixels of `clip` along an axis begin and end whose middles are between two ends, or a hundredth of a pixel beyond for
-/// rounding; all of them where ends are not known.
+/// Where the pixels of `clip` along an axis begin and end whose middles are between two ends, or a hundredth of a pixel
+/// beyond for rounding; all of them where ends are not known.
 #[inline(always)]
 fn pixels_between<S: Simd>(
     simd: S,

@@ -108,8 +108,8 @@ struct Coordinate {
 }
 
 impl Coordinate {
-    /// What it is where eight rays meet the plane, and how many pixels there are across the lines to a unit of it: from the derivative
-    /// of a quotient of two functions that are affine in pixels.
+    /// What it is where eight rays meet the plane, and how many pixels there are across the lines to a unit of it: from
+    /// the derivative of a quotient of two functions that are affine in pixels.
     #[inline(always)]
     fn seen<S: Simd>(
         self,
@@ -129,7 +129,8 @@ impl Coordinate {
     }
 }
 
-/// How much of eight pixels lines cover that cross a coordinate at multiples of a spacing times a factor, times an opacity.
+/// How much of eight pixels lines cover that cross a coordinate at multiples of a spacing times a factor, times an
+/// opacity.
 #[inline(always)]
 fn lines<S: Simd>(
     [place, px_per_unit]: [f32x8<S>; 2],

@@ -1,10 +1,10 @@
 //! The software renderer: the passes of `render/gpu` on the processor, for machines without a GPU.
 //!
-//! How it works: the picture is divided into tiles whose pixels stay in the second cache while everything that may touch them is
-//! drawn (`blocks.rs`), pass after pass, and are then written to the picture once. Bands of tiles are tasks that share
-//! nothing, so there are no locks and no atomic operations, and pictures do not depend on the number of threads. Patches
-//! are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`). What looks beyond a tile, as eye-dome lighting
-//! does, follows when all of them are drawn (`screen.rs`).
+//! How it works: the picture is divided into tiles whose pixels stay in the second cache while everything that may
+//! touch them is drawn (`blocks.rs`), pass after pass, and are then written to the picture once. Bands of tiles are
+//! tasks that share nothing, so there are no locks and no atomic operations, and pictures do not depend on the number
+//! of threads. Patches are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`). What looks
+//! beyond a tile, as eye-dome lighting does, follows when all of them are drawn (`screen.rs`).
 //!
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
@@ -69,8 +69,9 @@ impl CpuRenderer {
         self.drawn = None;
     }
 
-    /// The depth of what the prepared packet's picture shows, drawn apart: of surfels blended in two passes that of the nearest disk,
-    /// without the slack that lets them blend. [`Splatting::NoDepth`] shows no surface in particular: infinite everywhere.
+    /// The depth of what the prepared packet's picture shows, drawn apart: of surfels blended in two passes that of the
+    /// nearest disk, without the slack that lets them blend. [`Splatting::NoDepth`] shows no surface in particular:
+    /// infinite everywhere.
     pub fn draw_depths(&mut self) -> Result<DepthImage, RenderError> {
         let (Some(packet), Some((_, blocks))) = (&self.prepared, &self.blocks) else {
             return Err(RenderError::NothingPrepared);

@@ -18,8 +18,8 @@ pub(super) struct Fragments<S: Simd> {
 
 /// Calls `visit` with the place in the tile of every eight pixels that a patch may cover.
 ///
-/// Closures that take registers say that they are to be inlined: the functions of this file are used by disks and by byte codes, and
-/// what is used twice is compiled by itself otherwise, for the least of processors.
+/// Closures that take registers say that they are to be inlined: the functions of this file are used by disks and by
+/// byte codes, and what is used twice is compiled by itself otherwise, for the least of processors.
 #[inline(always)]
 fn for_each<S: Simd>(
     simd: S,
@@ -215,8 +215,8 @@ pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &
     );
 }
 
-/// The circular Gaussian mask of paper 000 §V, `exp(−3·r²)` (`shaders/common/varyings.wgsl`), inside the disk. Relative error
-/// below 4·10⁻⁵.
+/// The circular Gaussian mask of paper 000 §V, `exp(−3·r²)` (`shaders/common/varyings.wgsl`), inside the disk. Relative
+/// error below 4·10⁻⁵.
 #[inline(always)]
 fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>) -> f32x8<S> {
     let splat = |value| f32x8::splat(simd, value);
@@ -233,8 +233,8 @@ fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>) -> f32x8<S> {
     fourth_power * fourth_power
 }
 
-/// For every pixel of a tile, 1 over the length of the ray through it that has z = −1: light needs it for every fragment, and
-/// a root and a division take as long as all else.
+/// For every pixel of a tile, 1 over the length of the ray through it that has z = −1: light needs it for every
+/// fragment, and a root and a division take as long as all else.
 #[inline(always)]
 pub(super) fn measure_rays<S: Simd>(simd: S, view: &PixelView, tile: &mut Tile) {
     tile.per_ray_length.resize(PIXELS, 0.0);
@@ -262,7 +262,8 @@ impl Shading {
         fragments: &Fragments<S>,
     ) -> [f32x8<S>; 3] {
         let splat = |value| f32x8::splat(simd, value);
-        // No `map` over arrays of registers: the standard library is not compiled for them, and passes them through memory.
+        // No `map` over arrays of registers: the standard library is not compiled for them, and passes them through
+        // memory.
         let [factor, white] = match &self.light {
             Light::Same([factor, white]) => [splat(*factor), splat(*white)],
             Light::OfCorners([factors, whites]) => [
@@ -301,7 +302,8 @@ fn head_light_of<S: Simd>(simd: S, facing: f32x8<S>) -> [f32x8<S>; 2] {
     ]
 }
 
-/// What is between the values at the corners of a quad that is drawn as two triangles, parted from its second corner to its third.
+/// What is between the values at the corners of a quad that is drawn as two triangles, parted from its second corner to
+/// its third.
 #[inline(always)]
 fn between_corners<S: Simd>(simd: S, [a, b, c, d]: [f32; 4], fragments: &Fragments<S>) -> f32x8<S> {
     let splat = |value| f32x8::splat(simd, value);

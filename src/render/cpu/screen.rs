@@ -1,12 +1,12 @@
 //! What is done when all tiles are drawn: eye-dome lighting, which looks beyond them, and the grid on the ground.
 //!
-//! How it works: tiles leave reversed depths beside the picture, and opacities in place of its alpha. Then rows are gone through once
-//! more, eight pixels at a time, in place; most of them are in a cache still. Without such steps no depths are kept and nothing is gone
-//! through.
+//! How it works: tiles leave reversed depths beside the picture, and opacities in place of its alpha. Then rows are
+//! gone through once more, eight pixels at a time, in place; most of them are in a cache still. Without such steps no
+//! depths are kept and nothing is gone through.
 //!
-//! Opacities are needed since the background is in the picture already, and is not shaded. Of a colour `c` that covers a pixel by `a`
-//! there is `a · c + (1 - a) · background`; with the shade `s` it is to be `s · a · c + (1 - a) · background`, which is
-//! `s · picture + (1 - s) · (1 - a) · background`.
+//! Opacities are needed since the background is in the picture already, and is not shaded. Of a colour `c` that covers
+//! a pixel by `a` there is `a · c + (1 - a) · background`; with the shade `s` it is to be `s · a · c + (1 - a) ·
+//! background`, which is `s · picture + (1 - s) · (1 - a) · background`.
 
 use super::eye_dome::EyeDome;
 use super::finish::{Gradient, OPAQUE_ALPHA, opaque};

@@ -24,8 +24,8 @@ pub(super) enum Light {
     OfCorners([[f32; 4]; 2]),
     /// Worked out at each pixel.
     OfPixels,
-    /// The same on a surface in another direction than the patch: the sum of the functions `p`, `q` and `w` of pixels times these is
-    /// the product of its normal and the ray that has z = −1.
+    /// The same on a surface in another direction than the patch: the sum of the functions `p`, `q` and `w` of pixels
+    /// times these is the product of its normal and the ray that has z = −1.
     OfPixelsOn([f32; 3]),
 }
 

@@ -191,8 +191,8 @@ impl Surfels<'_> {
     }
 }
 
-/// The normals n and the edges u of surfels. Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n × u
-/// (`shaders/common/splat.wgsl`).
+/// The normals n and the edges u of surfels. Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n ×
+/// u (`shaders/common/splat.wgsl`).
 #[inline(always)]
 fn axes<S: Simd>(simd: S, packed_normals: f32x8<S>) -> (Vectors<S>, Vectors<S>) {
     let splat = |value: f32| f32x8::splat(simd, value);

@@ -73,7 +73,8 @@ impl PixelView {
         }
     }
 
-    /// The pixels that may be touched by what reaches some pixels beyond a box in view space; empty where none can be seen.
+    /// The pixels that may be touched by what reaches some pixels beyond a box in view space; empty where none can be
+    /// seen.
     pub(super) fn covered_px(&self, center: Vec3, half: Vec3, margin_px: f32) -> PixelRect {
         let [nearest, farthest] = [-center.z - half.z, -center.z + half.z];
         let whole = PixelRect::of_picture(self.size_px);

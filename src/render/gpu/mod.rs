@@ -1,8 +1,8 @@
 //! The wgpu renderer: five instancing strategies times the passes of each primitive.
 //!
-//! Long-lived knowledge (pipelines, layouts) is in `passes::Pipelines`, what is on the GPU in `residency`, one picture's
-//! order of passes in `picture`. A strategy owns upload and draw call, a pass owns targets and blending; neither knows
-//! the other.
+//! Long-lived knowledge (pipelines, layouts) is in `passes::Pipelines`, what is on the GPU in `residency`, one
+//! picture's order of passes in `picture`. A strategy owns upload and draw call, a pass owns targets and blending;
+//! neither knows the other.
 
 mod context;
 pub mod gpu_data;

@@ -1,14 +1,14 @@
 //! Whether there may be a graphics card, without opening a driver.
 //!
-//! To open Vulkan only to learn that its one adapter is a program takes 0.3 s, and more where many drivers are installed. Linux
-//! shows a card as a device file, so there a look at the names in `/dev` is enough to know that there is none. Other systems
-//! always have a driver of their own, and are asked.
+//! To open Vulkan only to learn that its one adapter is a program takes 0.3 s, and more where many drivers are
+//! installed. Linux shows a card as a device file, so there a look at the names in `/dev` is enough to know that there
+//! is none. Other systems always have a driver of their own, and are asked.
 
 use std::io;
 use std::path::Path;
 
-/// Devices of cards whose drivers need no render node: NVIDIA's, of which containers may have any number, Windows' below Linux,
-/// AMD's for computing, and those of ARM, Qualcomm and NVIDIA's small boards.
+/// Devices of cards whose drivers need no render node: NVIDIA's, of which containers may have any number, Windows'
+/// below Linux, AMD's for computing, and those of ARM, Qualcomm and NVIDIA's small boards.
 const DEVICES: &[&str] = &["nvidiactl", "dxg", "kfd", "mali0", "kgsl-3d0", "nvhost-gpu"];
 
 /// False where there is surely no graphics card, so that no driver needs to be opened to look for one.

@@ -112,14 +112,14 @@ impl GpuRenderer {
         gpu_ms
     }
 
-    /// Sets how many bytes of points and voxels stay on the GPU for pictures to come. Those of the picture that is drawn stay
-    /// whatever the budget.
+    /// Sets how many bytes of points and voxels stay on the GPU for pictures to come. Those of the picture that is
+    /// drawn stay whatever the budget.
     pub fn set_resident_budget_bytes(&mut self, budget_bytes: u64) {
         self.residency.set_budget_bytes(budget_bytes);
     }
 
-    /// The commands that draw what was prepared, for whoever submits them together with others; `None` if it is drawn already. They are
-    /// to be submitted before another packet is prepared, which overwrites what they read.
+    /// The commands that draw what was prepared, for whoever submits them together with others; `None` if it is drawn
+    /// already. They are to be submitted before another packet is prepared, which overwrites what they read.
     pub fn encode(&mut self) -> Result<Option<wgpu::CommandBuffer>, RenderError> {
         self.context.check_alive()?;
         let packet = self.prepared.clone().ok_or(RenderError::NothingPrepared)?;
@@ -163,8 +163,8 @@ impl GpuRenderer {
         Ok(())
     }
 
-    /// Uploads what `plan` draws and is not resident; keeps the residency within its budget. Where that does not fit into the memory
-    /// of the GPU, all else makes room for it.
+    /// Uploads what `plan` draws and is not resident; keeps the residency within its budget. Where that does not fit
+    /// into the memory of the GPU, all else makes room for it.
     fn ensure_streams(&mut self, packet: &ScenePacket, plan: &Plan) -> Result<(), RenderError> {
         let has_others = self.residency.resident_bytes() > 0;
         let mut result = self.upload_streams(packet, plan);

@@ -1,11 +1,12 @@
 //! The surface that the disks of a cloud make, met by rays one by one.
 //!
-//! How it works: of the disks that a ray meets, the nearest says where the surface is. Its colour is the mean of those that
-//! are met no farther behind it than its radius, weighted by the Gaussian of paper 000 §V around their middles and
-//! normalised: what splatting in two passes (papers 000 §V-C, 002 §3) aims at, without its shortcuts. Everything is f64.
+//! How it works: of the disks that a ray meets, the nearest says where the surface is. Its colour is the mean of those
+//! that are met no farther behind it than its radius, weighted by the Gaussian of paper 000 §V around their middles and
+//! normalised: what splatting in two passes (papers 000 §V-C, 002 §3) aims at, without its shortcuts. Everything is
+//! f64.
 //!
-//! Disks are as large as they are: beside a ray-traced sphere and torus, enlarged ones (as the second pass of splatting has them)
-//! were farther from the truth, by 30 to 60 % at 1.5 and by 60 to 110 % at 2 times the radius.
+//! Disks are as large as they are: beside a ray-traced sphere and torus, enlarged ones (as the second pass of splatting
+//! has them) were farther from the truth, by 30 to 60 % at 1.5 and by 60 to 110 % at 2 times the radius.
 
 use super::{Hit, Samples, TILE_PX, TruthView, Visible, unit_color};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
@@ -115,7 +116,8 @@ fn covered_px(view: &TruthView, center: DVec3, radius: f64) -> Option<[[f64; 2];
 }
 
 impl Disk {
-    /// How deep a ray meets the plane of the disk, and how far from its middle, squared and in radii; none where it does not.
+    /// How deep a ray meets the plane of the disk, and how far from its middle, squared and in radii; none where it
+    /// does not.
     fn meet(&self, ray: DVec3) -> Option<[f64; 2]> {
         let depth = self.normal.dot(self.center) / self.normal.dot(ray);
         let off_middle = (ray * depth - self.center).length_squared() / (self.radius * self.radius);
@@ -176,8 +178,8 @@ impl Visible for SeenDisks {
 }
 
 impl SeenDisks {
-    /// Calls `then` with each meeting of a ray and a disk's plane near its middle: the sample, the disk, the ray, how deep,
-    /// and how far from the middle (squared, in radii).
+    /// Calls `then` with each meeting of a ray and a disk's plane near its middle: the sample, the disk, the ray, how
+    /// deep, and how far from the middle (squared, in radii).
     fn for_each_meeting(
         &self,
         view: &TruthView,

@@ -1,11 +1,11 @@
 //! What a view should look like: slow pictures in f64 that those of renderers are measured against.
 //!
-//! How it works: each pixel is the mean of 8×8 samples, and each sample asks its ray what it meets. Of a cloud that is all of
-//! its disks, without levels of detail (`disks.rs`); of a shape with a formula it is the shape itself (`shapes.rs`). Light is
-//! worked out at each sample. Depths are those in the middles of the pixels.
+//! How it works: each pixel is the mean of 8×8 samples, and each sample asks its ray what it meets. Of a cloud that is
+//! all of its disks, without levels of detail (`disks.rs`); of a shape with a formula it is the shape itself
+//! (`shapes.rs`). Light is worked out at each sample. Depths are those in the middles of the pixels.
 //!
-//! When it wins: only here is nothing rounded to a pixel, a byte or an f32 before the end, and nothing left out; it takes
-//! seconds where renderers take milliseconds.
+//! When it wins: only here is nothing rounded to a pixel, a byte or an f32 before the end, and nothing left out; it
+//! takes seconds where renderers take milliseconds.
 
 mod disks;
 mod shapes;
@@ -47,8 +47,8 @@ pub struct Truth {
     pub image: RgbaImage,
     /// What is seen in the middle of each pixel.
     pub depth: DepthImage,
-    /// By how much a depth may differ and still be of that surface: a splat's diameter; infinite where nothing is seen. One
-    /// for each pixel, scene units.
+    /// By how much a depth may differ and still be of that surface: a splat's diameter; infinite where nothing is seen.
+    /// One for each pixel, scene units.
     pub tolerance: Vec<f32>,
 }
 
@@ -148,7 +148,8 @@ struct Samples {
 }
 
 impl TruthView {
-    /// What `camera` sees of frames relative to `origin`. Surfaces are lit at each sample unless they are not lit at all.
+    /// What `camera` sees of frames relative to `origin`. Surfaces are lit at each sample unless they are not lit at
+    /// all.
     pub fn new(
         camera: &Camera,
         origin: DVec3,

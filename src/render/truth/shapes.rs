@@ -1,7 +1,7 @@
 //! Shapes with a formula, met by rays exactly.
 //!
-//! How it works: sphere, cube and saddle are solved in closed form. Along the torus a ray proceeds by its distance to it, which
-//! never passes the surface (sphere tracing, Hart 1996), until the step is lost in rounding.
+//! How it works: sphere, cube and saddle are solved in closed form. Along the torus a ray proceeds by its distance to
+//! it, which never passes the surface (sphere tracing, Hart 1996), until the step is lost in rounding.
 
 use super::{Hit, Samples, TruthView, Visible, unit_color};
 use crate::sequence::Shape;
@@ -93,7 +93,8 @@ fn roots([a, b, c]: [f64; 3]) -> impl Iterator<Item = f64> {
         .filter(move |root| is_real && root.is_finite())
 }
 
-/// How many times `direction` lies between `eye` (outside) and where `distance` from a surface within 2 of the origin is 0.
+/// How many times `direction` lies between `eye` (outside) and where `distance` from a surface within 2 of the origin
+/// is 0.
 fn trace(eye: DVec3, direction: DVec3, distance: impl Fn(DVec3) -> f64) -> Option<f64> {
     const MOST_STEPS: usize = 4096;
     let length = direction.length();

@@ -1,8 +1,8 @@
 //! What was scanned, and by what: told by where the points lie around the place of the sensor.
 //!
-//! **How it works.** A camera sees points before it, within a pyramid along one axis of its coordinates. A laser scanner stands among
-//! its points, all around, and they are the farther apart the farther away they are. Where no file says where the sensor stood, the
-//! zero of its coordinates is tried: sensors write their own.
+//! **How it works.** A camera sees points before it, within a pyramid along one axis of its coordinates. A laser
+//! scanner stands among its points, all around, and they are the farther apart the farther away they are. Where no file
+//! says where the sensor stood, the zero of its coordinates is tried: sensors write their own.
 
 use super::sample::{Sample, quantile};
 use super::trim;

@@ -1,9 +1,11 @@
-//! What to make of a sequence that nobody has chosen anything for: what it is, which way is up, where to stand, how to draw it.
+//! What to make of a sequence that nobody has chosen anything for: what it is, which way is up, where to stand, how to
+//! draw it.
 //!
-//! **How it works.** A few thousand points of some frames stand for the sequence ([`Sample`]). Outliers are left out (`trim.rs`), the
-//! way the points lie around the sensor tells what was scanned (`kind.rs`), the format or the way things stand tells what is up
-//! (`up.rs`), and where most is seen is where to stand (`standpoint.rs`). Every guess comes with its reason, for the person who is to
-//! believe or change it. It takes a few milliseconds, of clouds of any size, and the same frames give the same answer.
+//! **How it works.** A few thousand points of some frames stand for the sequence ([`Sample`]). Outliers are left out
+//! (`trim.rs`), the way the points lie around the sensor tells what was scanned (`kind.rs`), the format or the way
+//! things stand tells what is up (`up.rs`), and where most is seen is where to stand (`standpoint.rs`). Every guess
+//! comes with its reason, for the person who is to believe or change it. It takes a few milliseconds, of clouds of any
+//! size, and the same frames give the same answer.
 
 mod kind;
 mod sample;
@@ -25,8 +27,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use sample::{MOST_POINTS, Sample, median_luma, quantile};
 
-/// Points are drawn as surfels if so large a share of them lies in planes with their neighbours: of objects, and of ground, of which plants
-/// and gaps are a part.
+/// Points are drawn as surfels if so large a share of them lies in planes with their neighbours: of objects, and of
+/// ground, of which plants and gaps are a part.
 const SURFACE_SHARE: f32 = 0.4;
 const GROUND_SHARE: f32 = 0.75;
 /// Where some points are so many times as far apart as most, they would be drawn as large disks that show no surface.
@@ -76,7 +78,8 @@ pub struct FirstLook {
 }
 
 impl FirstLook {
-    /// Guesses from `frames`, whose positions are relative to `origin`. The first tells what it is, all of them where it is.
+    /// Guesses from `frames`, whose positions are relative to `origin`. The first tells what it is, all of them where
+    /// it is.
     pub fn of(frames: &[&Frame], origin: DVec3) -> Self {
         let samples = frames
             .iter()
@@ -151,8 +154,9 @@ impl FirstLook {
         }
     }
 
-    /// Guesses from the first frame of `sequence` and, of as many others as can be read beside it in no time, from these: poses that
-    /// walk through a room are all to be in the first picture. A frame that cannot be read is passed over.
+    /// Guesses from the first frame of `sequence` and, of as many others as can be read beside it in no time, from
+    /// these: poses that walk through a room are all to be in the first picture. A frame that cannot be read is passed
+    /// over.
     pub fn of_sequence(first: &Frame, sequence: &Sequence) -> Self {
         let others: Vec<Frame> = others(sequence.len(), first.points_in_file())
             .into_par_iter()
@@ -202,8 +206,8 @@ impl FirstLook {
         self.clone().with_up(up).camera(origin, aspect)
     }
 
-    /// Moves `camera` so that what is not an outlier fills the picture, together with the box `beside` (relative to `origin`), keeping
-    /// its direction.
+    /// Moves `camera` so that what is not an outlier fills the picture, together with the box `beside` (relative to
+    /// `origin`), keeping its direction.
     pub fn frame(&self, camera: &mut Camera, origin: DVec3, aspect: f64, beside: &Aabb) {
         if beside.is_empty() {
             return camera.frame_points(&self.shown, origin, aspect);
@@ -274,8 +278,8 @@ impl Told {
     }
 }
 
-/// Frames that are looked at beside the first one of `count`, which has `point_count` points: as many as have a million together, four
-/// at most.
+/// Frames that are looked at beside the first one of `count`, which has `point_count` points: as many as have a million
+/// together, four at most.
 fn others(count: usize, point_count: usize) -> Vec<usize> {
     const MOST_FRAMES: usize = 4;
     const MOST_POINTS_READ: usize = 1_000_000;
@@ -287,7 +291,8 @@ fn others(count: usize, point_count: usize) -> Vec<usize> {
     others
 }
 
-/// Whether points are so near to a line that its surface would be less than a pixel wide, as where degrees and metres are mixed.
+/// Whether points are so near to a line that its surface would be less than a pixel wide, as where degrees and metres
+/// are mixed.
 fn is_needle(bounds: &Aabb) -> bool {
     const THIN: f32 = 0.01;
     let mut edges = bounds.extent().to_array();
@@ -318,8 +323,9 @@ fn by_convention(convention: AxisConvention) -> (UpAxis, &'static str) {
     }
 }
 
-/// Whether a scanner saw its surroundings as a surface: neighbours are apart by a small angle only. Scanners that turn once for a
-/// survey have a tenth of a degree or less from line to line, those that turn ten times a second have lines with nothing between.
+/// Whether a scanner saw its surroundings as a surface: neighbours are apart by a small angle only. Scanners that turn
+/// once for a survey have a tenth of a degree or less from line to line, those that turn ten times a second have lines
+/// with nothing between.
 fn is_dense(sample: &Sample, eye: Vec3) -> bool {
     const DENSE: f32 = 0.003;
     let places = sample.positions.iter().zip(&sample.spacing);
@@ -347,7 +353,8 @@ fn up_of_sweep(
     )
 }
 
-/// Points of a sweep that are worth looking at first: nine in ten are nearer to the scanner than the tail that makes it so wide.
+/// Points of a sweep that are worth looking at first: nine in ten are nearer to the scanner than the tail that makes it
+/// so wide.
 fn near(positions: &[Vec3], eye: Vec3, up: UpAxis) -> Vec<Vec3> {
     const SHOWN: f64 = 0.93;
     let up = up.direction().as_vec3();

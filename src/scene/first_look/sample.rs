@@ -1,8 +1,9 @@
 //! A few thousand points that stand for a frame, and what their surroundings look like.
 //!
-//! **How it works.** Points of a frame stand in Morton order, so what is close in memory is close in space: the distance to the
-//! neighbours of a point, and whether they lie in a plane, are told from the points around its slot, without any search. Some
-//! neighbours are missed that way at borders of Morton cells; medians over hundreds of places do not mind.
+//! **How it works.** Points of a frame stand in Morton order, so what is close in memory is close in space: the
+//! distance to the neighbours of a point, and whether they lie in a plane, are told from the points around its slot,
+//! without any search. Some neighbours are missed that way at borders of Morton cells; medians over hundreds of places
+//! do not mind.
 
 use crate::cloud::Frame;
 use crate::math::SymmetricMat3;
@@ -145,7 +146,8 @@ fn planar_share(positions: &[Vec3]) -> f32 {
     planar.count() as f32 / starts.len() as f32
 }
 
-/// Whether the neighbours of the point in the middle of a run lie in a plane, and not in a line of it as those of a scan line do.
+/// Whether the neighbours of the point in the middle of a run lie in a plane, and not in a line of it as those of a
+/// scan line do.
 fn is_planar(run: &[Vec3]) -> bool {
     /// Thickness and width as shares of the whole variance.
     const MOST_THICKNESS: f64 = 0.06;

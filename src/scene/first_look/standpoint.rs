@@ -1,8 +1,8 @@
 //! From where a cloud is seen first.
 //!
-//! **How it works.** What a sensor saw is seen from the sensor's side. Of anything else a few views are tried on a coarse picture of
-//! the sample: how much of it is covered, and how much of that is surface that faces the view. The usual view, from the front a
-//! little to the right and above, is left only for one that shows clearly more.
+//! **How it works.** What a sensor saw is seen from the sensor's side. Of anything else a few views are tried on a
+//! coarse picture of the sample: how much of it is covered, and how much of that is surface that faces the view. The
+//! usual view, from the front a little to the right and above, is left only for one that shows clearly more.
 
 use super::kind::Kind;
 use super::sample::Sample;
@@ -145,8 +145,8 @@ impl CoarsePicture {
     }
 }
 
-/// Whether nothing would be missing from any side if surfaces that face away were not drawn: each view shows fronts alone. False
-/// without normals.
+/// Whether nothing would be missing from any side if surfaces that face away were not drawn: each view shows fronts
+/// alone. False without normals.
 pub(super) fn is_closed(sample: &Sample, bounds: &Aabb) -> bool {
     /// Points near an outline face away a little although what they stand for does not.
     const CLEARLY_AWAY: f32 = -0.3;

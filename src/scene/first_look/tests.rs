@@ -6,7 +6,8 @@ use crate::scene::{Background, Projection, Settings};
 use glam::UVec2;
 use proptest::prelude::*;
 
-/// The largest distance of a point from the middle of a picture, as a share of half its edge; `None` if one is behind the eye.
+/// The largest distance of a point from the middle of a picture, as a share of half its edge; `None` if one is behind
+/// the eye.
 fn farthest_out(camera: &Camera, points: &[Vec3], origin: DVec3, size_px: [u32; 2]) -> Option<f64> {
     let half = UVec2::from_array(size_px).as_dvec2() / 2.0;
     points.iter().try_fold(0f64, |largest, point| {

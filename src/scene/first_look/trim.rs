@@ -1,8 +1,8 @@
 //! Bounds that a few outliers do not decide.
 //!
-//! **How it works.** An outlier is far from everything: its spacing is many times that of the cloud. The most isolated points, one in
-//! twenty at most, are left out; what is dense stays, however thin or far away it is, so that an antenna, a second object or the
-//! end of a line is never cut off.
+//! **How it works.** An outlier is far from everything: its spacing is many times that of the cloud. The most isolated
+//! points, one in twenty at most, are left out; what is dense stays, however thin or far away it is, so that an
+//! antenna, a second object or the end of a line is never cut off.
 
 use super::sample::Sample;
 use crate::math::Aabb;

@@ -1,9 +1,10 @@
 //! Smooth curves through values at ascending times.
 //!
-//! **How it works.** Between neighbouring values runs a cubic (Hermite), whose slopes at the values are those of Fritsch and Carlson
-//! (*Monotone piecewise cubic interpolation*, 1980, with the harmonic mean of Brodlie): 0 where the values turn round or stand still,
-//! else a mean of the two slopes that is at most three times the smaller one. So the curve has no corner, and between two values it is
-//! never beyond either of them: what stands still does, and an elevation does not swing over the pole.
+//! **How it works.** Between neighbouring values runs a cubic (Hermite), whose slopes at the values are those of
+//! Fritsch and Carlson (*Monotone piecewise cubic interpolation*, 1980, with the harmonic mean of Brodlie): 0 where the
+//! values turn round or stand still, else a mean of the two slopes that is at most three times the smaller one. So the
+//! curve has no corner, and between two values it is never beyond either of them: what stands still does, and an
+//! elevation does not swing over the pole.
 
 /// One number over time. Precondition of everything here: as many values as times, at least one; times ascend.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,9 +1,10 @@
 //! Camera path × time path: where the camera is, and which frame is shown, at any time of a video.
 //!
-//! **How it works.** A path is a list of keyframes. Between them the camera moves along curves without corners (`curve.rs`) through its
-//! target (f64), the logarithm of its distance, its azimuth the short way round, its elevation, and the logarithm of its field of
-//! view, so that zooming looks even. The place in the sequence moves linearly: a frame that two neighbouring keyframes have is
-//! held, few frames over a long time are slow motion, and frames that fall play backwards, exactly as they were written.
+//! **How it works.** A path is a list of keyframes. Between them the camera moves along curves without corners
+//! (`curve.rs`) through its target (f64), the logarithm of its distance, its azimuth the short way round, its
+//! elevation, and the logarithm of its field of view, so that zooming looks even. The place in the sequence moves
+//! linearly: a frame that two neighbouring keyframes have is held, few frames over a long time are slow motion, and
+//! frames that fall play backwards, exactly as they were written.
 
 mod curve;
 mod file;
@@ -129,8 +130,9 @@ impl CameraPath {
         })
     }
 
-    /// A turntable: `turns` times about the up axis in so many pictures, at one speed, as a loop: the picture after the last one would
-    /// be the first. The sequence is at frame `first_frame` in the first picture and goes on by `frames_per_picture`.
+    /// A turntable: `turns` times about the up axis in so many pictures, at one speed, as a loop: the picture after the
+    /// last one would be the first. The sequence is at frame `first_frame` in the first picture and goes on by
+    /// `frames_per_picture`.
     ///
     /// # Errors
     /// As [`CameraPath::new`]; of more than 25,000 turns.
@@ -191,7 +193,8 @@ impl CameraPath {
         (self.duration_s() * pictures_per_second).round() as usize + 1
     }
 
-    /// The camera and the frame some seconds after the first keyframe; before it and after the last one those of the ends.
+    /// The camera and the frame some seconds after the first keyframe; before it and after the last one those of the
+    /// ends.
     pub fn at(&self, seconds: f64) -> (Camera, usize) {
         let keys = &self.keyframes;
         let time_s = keys[0].time_s + seconds;

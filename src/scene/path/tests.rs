@@ -222,7 +222,8 @@ proptest! {
         prop_assert!(camera.azimuth_deg.abs() <= 180.0);
     }
 
-    /// No corners: the speeds a moment before and after a keyframe differ by no more than the curves beside it can accelerate.
+    /// No corners: the speeds a moment before and after a keyframe differ by no more than the curves beside it can
+    /// accelerate.
     #[test]
     fn the_camera_has_one_speed_at_a_keyframe(path in any_path()) {
         const MOMENT_S: f64 = 1e-6;

@@ -1,13 +1,14 @@
 //! Which point of the cloud is under a pixel, exactly as it is drawn.
 //!
-//! **How it works.** The ray through the middle of the pixel is held against the records of the packet that the picture was drawn
-//! from, in f64, by the rules of the renderers: a point where its square covers the pixel, a surfel where the ray meets its disk,
-//! a voxel where it meets its cube. Records stand in Morton order, so the boxes around 64 of them are small, and all but a few are
-//! passed by (`ray.rs`). Of blended surfels the one that adds most to the pixel is picked. Where nothing covers the pixel, what is
-//! nearest to it within a radius is: thin things can be clicked on.
+//! **How it works.** The ray through the middle of the pixel is held against the records of the packet that the picture
+//! was drawn from, in f64, by the rules of the renderers: a point where its square covers the pixel, a surfel where the
+//! ray meets its disk, a voxel where it meets its cube. Records stand in Morton order, so the boxes around 64 of them
+//! are small, and all but a few are passed by (`ray.rs`). Of blended surfels the one that adds most to the pixel is
+//! picked. Where nothing covers the pixel, what is nearest to it within a radius is: thin things can be clicked on.
 //!
-//! **Why on the processor.** It costs one read of the positions (`benches/pick.rs`), does not depend on who draws, and answers at
-//! once: a buffer of indices would be one more target for every pass, cannot hold what is blended, and has to be read back.
+//! **Why on the processor.** It costs one read of the positions (`benches/pick.rs`), does not depend on who draws, and
+//! answers at once: a buffer of indices would be one more target for every pass, cannot hold what is blended, and has
+//! to be read back.
 
 mod ray;
 mod records;
@@ -37,8 +38,8 @@ pub struct Pick {
     pub index_in_file: u32,
     /// In the coordinates of the file.
     pub position: DVec3,
-    /// How far a coordinate of the file may be from `position`, which is f32 from the origin of the sequence: half a step of the
-    /// largest of its three, scene units.
+    /// How far a coordinate of the file may be from `position`, which is f32 from the origin of the sequence: half a
+    /// step of the largest of its three, scene units.
     pub precision: f64,
     /// Unit normal, if there is one.
     pub normal: Option<PickedNormal>,
@@ -60,7 +61,8 @@ pub enum PickedNormal {
 }
 
 impl Pick {
-    /// What is known of the point at `slot` of `frame`, whose positions are relative to `origin`; `None` if it has fewer points.
+    /// What is known of the point at `slot` of `frame`, whose positions are relative to `origin`; `None` if it has
+    /// fewer points.
     pub fn of(frame: &PreparedFrame, origin: DVec3, slot: usize) -> Option<Self> {
         let cloud = &frame.frame;
         let position = *cloud.positions().get(slot)?;
@@ -98,12 +100,12 @@ fn half_step(position: Vec3) -> f64 {
     0.5 * (f64::from(largest.next_up()) - f64::from(largest))
 }
 
-/// The slot in `frame` of the point under the pixel that holds `place_px`, of the picture that was drawn of `frame` from `packet`;
-/// else of the one nearest to it on the picture, less than `radius_px` away; `None` where there is none. Of points at one place it is
-/// the last, whose colour is seen.
+/// The slot in `frame` of the point under the pixel that holds `place_px`, of the picture that was drawn of `frame`
+/// from `packet`; else of the one nearest to it on the picture, less than `radius_px` away; `None` where there is none.
+/// Of points at one place it is the last, whose colour is seen.
 ///
-/// Where cells of the octree are drawn, it is the point nearest to where the ray meets them: of a voxel one that is inside, unless it
-/// closes a gap between others.
+/// Where cells of the octree are drawn, it is the point nearest to where the ray meets them: of a voxel one that is
+/// inside, unless it closes a gap between others.
 pub fn pick(
     packet: &ScenePacket,
     frame: &PreparedFrame,

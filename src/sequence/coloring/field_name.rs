@@ -5,8 +5,8 @@ use std::fmt;
 /// Bytes that a name may have: those of LAS have 32 at most, the longest that are common about as many.
 const MAX_BYTES: usize = 63;
 
-/// The beginning of a field's name: 63 bytes at most, which tell the fields of a file apart. It holds its text, so files with many or
-/// long names leave nothing behind.
+/// The beginning of a field's name: 63 bytes at most, which tell the fields of a file apart. It holds its text, so
+/// files with many or long names leave nothing behind.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct FieldName {
     bytes: [u8; MAX_BYTES],

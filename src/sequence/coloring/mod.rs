@@ -1,7 +1,7 @@
 //! Where the colours of points come from, as a person chooses it.
 //!
-//! [`Coloring`] is the choice. Together with [`ColorHints`] and a frame it becomes a [`Paint`](super::Paint), in which nothing is open any
-//! more (`resolve.rs`), and that becomes the colours of records (`sequence/records.rs`).
+//! [`Coloring`] is the choice. Together with [`ColorHints`] and a frame it becomes a [`Paint`](super::Paint), in which
+//! nothing is open any more (`resolve.rs`), and that becomes the colours of records (`sequence/records.rs`).
 
 mod field_name;
 mod resolve;
@@ -60,8 +60,8 @@ impl From<ColorSource> for Coloring {
 /// The numbers in the first and the last colour; what is beyond has the colour of the nearer end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ColorRange {
-    /// So many percent of the values are below the first, and below the last. They are counted in the first frame of a sequence, so that a
-    /// number has the same colour in all frames.
+    /// So many percent of the values are below the first, and below the last. They are counted in the first frame of a
+    /// sequence, so that a number has the same colour in all frames.
     Percentiles {
         /// From 0 to 100.
         low: f64,

@@ -1,8 +1,8 @@
 //! From what a person chose to what a frame is painted with.
 //!
-//! How it works: what is left open (the source, the range, which way is up) is decided by the sample of the sequence's first frame
-//! ([`ValueSample`]), so that it comes out the same for all frames, in any order of asking. Only what a frame does not have itself is
-//! replaced for that frame.
+//! How it works: what is left open (the source, the range, which way is up) is decided by the sample of the sequence's
+//! first frame ([`ValueSample`]), so that it comes out the same for all frames, in any order of asking. Only what a
+//! frame does not have itself is replaced for that frame.
 
 use super::{
     ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, plain_field_name,
@@ -238,7 +238,8 @@ impl Coloring {
     }
 }
 
-/// How these numbers are asked of a sample, and what is to be added to the answers; `None` if it does not have the field.
+/// How these numbers are asked of a sample, and what is to be added to the answers; `None` if it does not have the
+/// field.
 pub fn value_kind(values: &PaintValues, sample: &ValueSample) -> Option<(ValueKind, f64)> {
     match values {
         PaintValues::Field(name) => {
@@ -293,8 +294,8 @@ fn varies(sample: &ValueSample, name: &str) -> bool {
     sorted_field(sample, name).is_some_and(|sorted| sorted.first() != sorted.last())
 }
 
-/// Whether the field of this name shows what was scanned: its values are spread. Where nearly all are one number, as the confidence of a
-/// range scan is, the others are specks.
+/// Whether the field of this name shows what was scanned: its values are spread. Where nearly all are one number, as
+/// the confidence of a range scan is, the others are specks.
 fn is_spread(sample: &ValueSample, name: &str) -> bool {
     const LEAST_SPREAD: f32 = 0.02;
     let Some(sorted) = sorted_field(sample, name).filter(|sorted| !sorted.is_empty()) else {
@@ -304,8 +305,8 @@ fn is_spread(sample: &ValueSample, name: &str) -> bool {
     at(0.75) - at(0.25) > LEAST_SPREAD * (at(0.99) - at(0.01))
 }
 
-/// Whether most of the values are so near to the low end of their range that steps of the logarithm tell them apart better: light that
-/// comes back from retroreflectors is a thousand times that from asphalt.
+/// Whether most of the values are so near to the low end of their range that steps of the logarithm tell them apart
+/// better: light that comes back from retroreflectors is a thousand times that from asphalt.
 fn is_skewed(sample: &ValueSample, name: &str) -> bool {
     const SKEWED: f32 = 0.2;
     let Some(sorted) = sorted_field(sample, name) else {
@@ -319,8 +320,8 @@ fn is_skewed(sample: &ValueSample, name: &str) -> bool {
     at(0.5) - at(0.01) < SKEWED * (at(0.99) - at(0.01))
 }
 
-/// The likely up axis of the points: depth cameras look along +Z with Y down, laser scanners stand among what they see with Z up, surveys
-/// are wide and flat along Z, and everything else is taken for a model with Y up.
+/// The likely up axis of the points: depth cameras look along +Z with Y down, laser scanners stand among what they see
+/// with Z up, surveys are wide and flat along Z, and everything else is taken for a model with Y up.
 fn likely_up(sample: &ValueSample) -> Vec3 {
     match sample.sensor {
         Some(_) if is_seen_in_front(sample) => Vec3::NEG_Y,

@@ -8,21 +8,23 @@ use std::str::FromStr;
 /// What colours show.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ColorSource {
-    /// The file's colours if they differ, else its intensity if that does, else its classes if they do, else the height where a scene was
-    /// scanned, else the direction of the normal (the paper's fake colour).
+    /// The file's colours if they differ, else its intensity if that does, else its classes if they do, else the height
+    /// where a scene was scanned, else the direction of the normal (the paper's fake colour).
     #[default]
     Auto,
     /// The colours of the file.
     File,
     /// The paper's fake colour: the direction of the normal.
     Normal,
-    /// A scalar field of the file through a colour map: the one of this name, else the best to colour by (intensity and the like).
+    /// A scalar field of the file through a colour map: the one of this name, else the best to colour by (intensity and
+    /// the like).
     Scalar(Option<FieldName>),
     /// How high the point is in file coordinates, through a colour map.
     Height(HeightAxis),
     /// How far the point is from somewhere, through a colour map.
     Distance(DistanceFrom),
-    /// The scalar field that says when a point was measured, through a colour map; without one as [`ColorSource::Scalar`].
+    /// The scalar field that says when a point was measured, through a colour map; without one as
+    /// [`ColorSource::Scalar`].
     Time,
     /// The class of the point in its usual colour.
     Class,

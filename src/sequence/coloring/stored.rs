@@ -1,5 +1,5 @@
-//! How a way to colour stands in files that people keep: as its parts, or as one word, which says it in files of before and where
-//! nothing else was chosen, so that earlier versions read that too.
+//! How a way to colour stands in files that people keep: as its parts, or as one word, which says it in files of before
+//! and where nothing else was chosen, so that earlier versions read that too.
 
 use super::{ColorRange, ColorSource, Coloring};
 use crate::analysis::ColorMap;

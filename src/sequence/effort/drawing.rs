@@ -1,10 +1,10 @@
 //! How many points can be drawn in the time of a frame.
 //!
-//! Part of the time of a picture is spent whatever there is to draw, the rest goes with the points. How it goes with them is learned where
-//! their number changes; until then what fits in proportion to them surely fits. So playing begins with few points, or with what
-//! pictures drawn before tell, and goes to as many as fit at once. Where that says that no more fit, more are tried all the same, since
-//! the workers, which are busiest at the beginning, slow drawing as well: after each attempt without success, the next waits four
-//! times as long: a few pictures are late each time.
+//! Part of the time of a picture is spent whatever there is to draw, the rest goes with the points. How it goes with
+//! them is learned where their number changes; until then what fits in proportion to them surely fits. So playing
+//! begins with few points, or with what pictures drawn before tell, and goes to as many as fit at once. Where that says
+//! that no more fit, more are tried all the same, since the workers, which are busiest at the beginning, slow drawing
+//! as well: after each attempt without success, the next waits four times as long: a few pictures are late each time.
 
 use super::{Average, FEWEST_POINTS, power_of_two};
 
@@ -68,7 +68,8 @@ impl Drawing {
     const PLANNED: f64 = 0.8;
     /// Part of the time of a frame beyond which pictures do not hold it: some take longer than the mean.
     const LATE: f64 = 0.9;
-    /// Part of the time of a picture that goes with its points, at least: measured slopes may be anything where little changed.
+    /// Part of the time of a picture that goes with its points, at least: measured slopes may be anything where little
+    /// changed.
     const LEAST_SLOPE: f64 = 0.25;
 
     /// The same numbers, without what they follow from.
@@ -92,8 +93,9 @@ impl Drawing {
         self.change(self.most_points, Attempt::None);
     }
 
-    /// Takes notice of a picture, and of how long a frame lasts while playing. While frames of before are shown, since others are not
-    /// made yet, or files have fewer points, pictures say nothing of what is tried, unless they are late with few points.
+    /// Takes notice of a picture, and of how long a frame lasts while playing. While frames of before are shown, since
+    /// others are not made yet, or files have fewer points, pictures say nothing of what is tried, unless they are late
+    /// with few points.
     pub(super) fn note(
         &mut self,
         points: usize,
@@ -179,8 +181,8 @@ impl Drawing {
         most_points.map_or(points, |most| most.min(points_in_file.max(points)))
     }
 
-    /// What a point more takes, from the first of these pictures and the last ones before the number was changed: later, other things
-    /// may have changed as well.
+    /// What a point more takes, from the first of these pictures and the last ones before the number was changed:
+    /// later, other things may have changed as well.
     fn learn_slope(&mut self, mean_ms: f64) {
         if let Some((points, before_ms)) = self.before
             && points != self.of_points
@@ -190,8 +192,8 @@ impl Drawing {
         }
     }
 
-    /// How many points fit into the time of a frame, from what pictures take now. Fewer are chosen in proportion: what has just become
-    /// slower need not go with the points as it did.
+    /// How many points fit into the time of a frame, from what pictures take now. Fewer are chosen in proportion: what
+    /// has just become slower need not go with the points as it did.
     fn fitting_points(&self, mean_ms: f64, interval_ms: f64) -> u32 {
         let of_points = self.of_points as f64;
         let left_ms = Self::PLANNED * interval_ms - mean_ms;

@@ -1,16 +1,17 @@
 //! What is known of every frame, and the memory of it: prepared frames, errors, work in flight, against a byte budget.
 //!
-//! A frame may be here twice: with all its points, and as a *coarse* copy of fewer (see [`Detail`]), which stands in for it while
-//! there is no time for all. Coarse copies may take a quarter of the budget for good: they are dropped last, so that any frame of a
-//! long sequence can be shown at once.
+//! A frame may be here twice: with all its points, and as a *coarse* copy of fewer (see [`Detail`]), which stands in
+//! for it while there is no time for all. Coarse copies may take a quarter of the budget for good: they are dropped
+//! last, so that any frame of a long sequence can be shown at once.
 //!
-//! **How it works.** Bytes are counted in two sums: *resident* for prepared frames, *reserved* for frames that a worker is
-//! making (as large as the frame was before, or as the largest seen). Before work starts, frames that are needed later
-//! than its frame are evicted, the one needed last first, until both sums and the new reservation fit.
+//! **How it works.** Bytes are counted in two sums: *resident* for prepared frames, *reserved* for frames that a worker
+//! is making (as large as the frame was before, or as the largest seen). Before work starts, frames that are needed
+//! later than its frame are evicted, the one needed last first, until both sums and the new reservation fit.
 //!
-//! **What is needed last** is, without looping, what lies farthest behind; in a loop, what was shown just now, because the
-//! whole sequence comes before it again. A loop that does not fit then keeps up to half of the budget resident and streams
-//! the rest through the other half, where evicting the least recently used would read every frame again on every turn.
+//! **What is needed last** is, without looping, what lies farthest behind; in a loop, what was shown just now, because
+//! the whole sequence comes before it again. A loop that does not fit then keeps up to half of the budget resident and
+//! streams the rest through the other half, where evicting the least recently used would read every frame again on
+//! every turn.
 
 use super::facts::Facts;
 use super::stats::FrameState;
@@ -19,7 +20,8 @@ use crate::sequence::{Detail, FrameError, Needs, PreparedFrame};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// These many frames ahead of the playhead are prepared even if others of the loop, or coarse copies, have to go for them.
+/// These many frames ahead of the playhead are prepared even if others of the loop, or coarse copies, have to go for
+/// them.
 pub(super) const ALWAYS_AHEAD_FRAMES: usize = 4;
 
 /// Where the playhead is and where it goes: the order in which frames are needed.
@@ -190,8 +192,8 @@ impl Cache {
         byte_size(entry.full.as_ref()) + entry.reserved_bytes.unwrap_or(0)
     }
 
-    /// How many bytes frame `index` is expected to take in `detail` beyond what it holds; `None` while no frame was prepared for
-    /// the present needs.
+    /// How many bytes frame `index` is expected to take in `detail` beyond what it holds; `None` while no frame was
+    /// prepared for the present needs.
     pub(super) fn bytes_to_add(&self, index: usize, detail: Detail) -> Option<usize> {
         let entry = &self.entries[index];
         let reserved = entry.reserved_bytes.unwrap_or(0);
@@ -232,8 +234,8 @@ impl Cache {
     }
 
     /// Evicts frames that are needed later than `rank`, the one needed last first, until `bytes` more fit into the
-    /// budget. False if they still do not. The playhead's frame is never evicted. Coarse copies go if they take more than their
-    /// share, or for a frame that is needed soon.
+    /// budget. False if they still do not. The playhead's frame is never evicted. Coarse copies go if they take more
+    /// than their share, or for a frame that is needed soon.
     pub(super) fn make_room(&mut self, bytes: usize, focus: &Focus, rank: usize) -> bool {
         while self.used_bytes().saturating_add(bytes) > self.budget_bytes {
             let last = |frames: &BTreeSet<usize>| {
@@ -297,7 +299,8 @@ impl Cache {
         self.largest_bytes = Some(self.largest_bytes.map_or(bytes, |most| most.max(bytes)));
     }
 
-    /// Frame `index` stays as it is until other needs are asked for: somebody has cancelled what it lacks. False if nothing is there.
+    /// Frame `index` stays as it is until other needs are asked for: somebody has cancelled what it lacks. False if
+    /// nothing is there.
     pub(super) fn settle(&mut self, index: usize) -> bool {
         let entry = &mut self.entries[index];
         let is_there = entry.full.is_some() || entry.coarse.is_some();
@@ -311,7 +314,8 @@ impl Cache {
         entry.is_some_and(|entry| entry.settled == Some(self.needs_epoch))
     }
 
-    /// Keeps a prepared frame in place of the one before of its kind. One that lacks what is asked for says nothing about sizes.
+    /// Keeps a prepared frame in place of the one before of its kind. One that lacks what is asked for says nothing
+    /// about sizes.
     pub(super) fn insert(&mut self, prepared: Arc<PreparedFrame>, is_complete: bool) {
         let index = prepared.index;
         let bytes = prepared.byte_size();

@@ -74,7 +74,8 @@ impl Facts {
         }
     }
 
-    /// The facts of the first `frame_count` frames; losses and errors only of octrees that end as `stop` says, if it says anything.
+    /// The facts of the first `frame_count` frames; losses and errors only of octrees that end as `stop` says, if it
+    /// says anything.
     pub(super) fn of(
         &self,
         frame_count: usize,

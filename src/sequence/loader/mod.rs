@@ -1,9 +1,9 @@
 //! Frames ahead of the playhead, made by worker threads, kept within a byte budget.
 //!
-//! [`Loader::request`] says where the playhead is and what its pictures need; it never blocks. Workers make that frame first,
-//! then those the playhead will reach ([`queue`] says in which order, [`cache`] what is evicted for them). When a frame is
-//! finished the loader calls `wake`; [`Loader::get`] then has it. A frame that cannot be read is remembered with its
-//! error and played over.
+//! [`Loader::request`] says where the playhead is and what its pictures need; it never blocks. Workers make that frame
+//! first, then those the playhead will reach ([`queue`] says in which order, [`cache`] what is evicted for them). When
+//! a frame is finished the loader calls `wake`; [`Loader::get`] then has it. A frame that cannot be read is remembered
+//! with its error and played over.
 
 mod cache;
 mod facts;
@@ -47,10 +47,11 @@ pub struct LoaderOptions {
     pub workers: usize,
     /// Bytes for prepared frames, those in flight included. The playhead's frame may exceed it.
     pub budget_bytes: usize,
-    /// Keep coarse copies of all frames of a sequence that is too long for the budget, in a quarter of it, so that each can be shown
-    /// at once. They are made when nothing else is to be done.
+    /// Keep coarse copies of all frames of a sequence that is too long for the budget, in a quarter of it, so that each
+    /// can be shown at once. They are made when nothing else is to be done.
     pub keeps_coarse_frames: bool,
-    /// Large frames that are looked at come in stages, for who shows them as they come: some points, all points, the rest.
+    /// Large frames that are looked at come in stages, for who shows them as they come: some points, all points, the
+    /// rest.
     pub shows_stages: bool,
     /// Bytes that the machine has: what takes more is left out, and said.
     pub machine_bytes: u64,
@@ -94,7 +95,8 @@ pub enum Slot {
     Ready(Arc<PreparedFrame>),
     /// Here with everything needed, but of fewer points than its file has: a picture that may be shown in its place.
     Coarse(Arc<PreparedFrame>),
-    /// A large frame on its way: some of its points, or all of them without what is estimated. To be shown as points meanwhile.
+    /// A large frame on its way: some of its points, or all of them without what is estimated. To be shown as points
+    /// meanwhile.
     Partial(Arc<PreparedFrame>),
     /// Here for older needs: a picture to show meanwhile.
     Stale(Arc<PreparedFrame>),
@@ -212,16 +214,16 @@ impl Loader {
         self.shared.work.notify_all();
     }
 
-    /// Says how long a frame lasts while playing, or that nothing is played: then frames are made with all their points, else with
-    /// as many as there is time for.
+    /// Says how long a frame lasts while playing, or that nothing is played: then frames are made with all their
+    /// points, else with as many as there is time for.
     pub fn set_interval(&self, interval: Option<Duration>) {
         if self.shared.queue().effort.set_interval(interval) {
             self.shared.work.notify_all();
         }
     }
 
-    /// Takes notice of how long a picture of a frame of so many points took while playing: where it was too long, frames of fewer
-    /// points are made.
+    /// Takes notice of how long a picture of a frame of so many points took while playing: where it was too long,
+    /// frames of fewer points are made.
     pub fn note_drawn(&self, points: usize, picture_ms: f64) {
         let mut queue = self.shared.queue();
         let before = queue.effort.at_best();
@@ -265,8 +267,8 @@ impl Loader {
         }
     }
 
-    /// Makes frame `index` before all others and blocks until it is there. What was requested goes on beside it; without
-    /// a request nothing but this frame is made.
+    /// Makes frame `index` before all others and blocks until it is there. What was requested goes on beside it;
+    /// without a request nothing but this frame is made.
     pub fn wait(&self, index: usize, needs: &Needs) -> Result<Arc<PreparedFrame>, FrameError> {
         self.check_index(index)?;
         let mut queue = self.shared.queue();
@@ -310,8 +312,8 @@ impl Loader {
         queue.cache.states(queue.needs.as_ref(), first)
     }
 
-    /// What is known of every frame; `None` of those that were never prepared. O(n): ask again when [`Loader::facts_revision`] has
-    /// changed.
+    /// What is known of every frame; `None` of those that were never prepared. O(n): ask again when
+    /// [`Loader::facts_revision`] has changed.
     pub fn facts(&self) -> Vec<Option<FrameFacts>> {
         let queue = self.shared.queue();
         let stop = queue.needs.and_then(|needs| needs.octree);

@@ -1,13 +1,14 @@
 //! Which frame a worker takes next.
 //!
-//! **How it works.** There is no list of queued work that could become outdated. A worker that is free looks at the plan as it is
-//! now: frames somebody waits for, then the playhead's, then those the playhead will reach, in that order, and takes the
-//! first that is neither there nor failed nor in flight. What the playhead has passed, or what was wanted for older
-//! needs, is thereby forgotten at once. Work in flight asks between its stages whether it is still wanted.
+//! **How it works.** There is no list of queued work that could become outdated. A worker that is free looks at the
+//! plan as it is now: frames somebody waits for, then the playhead's, then those the playhead will reach, in that
+//! order, and takes the first that is neither there nor failed nor in flight. What the playhead has passed, or what was
+//! wanted for older needs, is thereby forgotten at once. Work in flight asks between its stages whether it is still
+//! wanted.
 //!
-//! **In what detail.** [`Effort`] says how many points there is time for while playing. Frames due soon are made of so many; once
-//! they are all there, later ones are made in full, so that a loop gains detail from turn to turn; and then, if the sequence is
-//! too long for the memory, coarse copies of all its frames, for scrubbing.
+//! **In what detail.** [`Effort`] says how many points there is time for while playing. Frames due soon are made of so
+//! many; once they are all there, later ones are made in full, so that a loop gains detail from turn to turn; and then,
+//! if the sequence is too long for the memory, coarse copies of all its frames, for scrubbing.
 //!
 //! A look costs a small multiple of [`LOOK_AHEAD_FRAMES`] steps, whatever the length of the sequence.
 
@@ -117,7 +118,8 @@ impl Queue {
             .or_else(|| self.coarse_job(&needs))
     }
 
-    /// Whether the frame at the playhead is a large one at rest of which a stage is there, but not all: others wait for it.
+    /// Whether the frame at the playhead is a large one at rest of which a stage is there, but not all: others wait for
+    /// it.
     fn is_between_stages(&self, needs: &Needs) -> bool {
         let index = self.focus.playhead;
         self.partial(index).is_some()
@@ -279,8 +281,8 @@ impl Queue {
         None
     }
 
-    /// How detailed coarse copies of all frames can be; `None` where they are not wanted, all frames fit as they are, or copies would
-    /// have too few points to be of use.
+    /// How detailed coarse copies of all frames can be; `None` where they are not wanted, all frames fit as they are,
+    /// or copies would have too few points to be of use.
     fn detail_for_scrubbing(&self) -> Option<Detail> {
         let (bytes_per_point, points) = self.cache.measure().filter(|_| self.keeps_coarse)?;
         let count = self.cache.frame_count();
@@ -306,8 +308,8 @@ impl Queue {
             || through_here <= self.cache.budget_bytes() / 2
     }
 
-    /// Makes room for a frame that is made even where it alone is more than the budget; then it has to be the only one in
-    /// flight, so that the budget is exceeded by one frame at most.
+    /// Makes room for a frame that is made even where it alone is more than the budget; then it has to be the only one
+    /// in flight, so that the budget is exceeded by one frame at most.
     fn must_start(&mut self, bytes: usize) -> bool {
         self.make_room(bytes, 0) || self.cache.in_flight() == 0
     }
@@ -346,8 +348,8 @@ impl Queue {
         fits
     }
 
-    /// Between decoding and preparing: what the frame of `job` is to be prepared for now that it takes about `bytes`, or
-    /// `None` if it is not wanted any more. A worker that hears `None` drops the frame and calls [`Queue::cancel`].
+    /// Between decoding and preparing: what the frame of `job` is to be prepared for now that it takes about `bytes`,
+    /// or `None` if it is not wanted any more. A worker that hears `None` drops the frame and calls [`Queue::cancel`].
     pub(super) fn still_wanted(&mut self, job: &Job, bytes: usize) -> Option<Needs> {
         if self.shutdown {
             return None;

@@ -57,7 +57,8 @@ pub(super) struct UnderWay<'a> {
 }
 
 impl Readings {
-    /// Frame `index` is about to be read. Where nothing is wanted any more, or the first one was cancelled, that is cancelled at once.
+    /// Frame `index` is about to be read. Where nothing is wanted any more, or the first one was cancelled, that is
+    /// cancelled at once.
     pub(super) fn begin(&self, index: usize, stage: ReadingStage) -> UnderWay<'_> {
         let progress = Progress::default();
         let mut list = lock(&self.0);

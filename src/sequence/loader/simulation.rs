@@ -1,4 +1,5 @@
-//! A loader whose threads are an abacus: jobs are taken as by workers, and take as long as a test says, by the test's own clock.
+//! A loader whose threads are an abacus: jobs are taken as by workers, and take as long as a test says, by the test's
+//! own clock.
 
 use super::worker::{Finished, finish, make};
 use super::{Loader, LoaderOptions};

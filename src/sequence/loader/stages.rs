@@ -1,8 +1,10 @@
-//! The stages in which a large frame comes that is looked at and does not play: some of its points, all of them, what is estimated.
+//! The stages in which a large frame comes that is looked at and does not play: some of its points, all of them, what
+//! is estimated.
 //!
-//! **How it works.** Each stage is a job of its own, whose result is kept as any frame is: the sample as a coarse copy, all points as
-//! the frame itself. Neither has all that was asked for, so the next free worker goes on where they end. Who draws shows them as
-//! points meanwhile ([`super::Slot::Partial`]). Other frames wait until the one that is looked at is whole.
+//! **How it works.** Each stage is a job of its own, whose result is kept as any frame is: the sample as a coarse copy,
+//! all points as the frame itself. Neither has all that was asked for, so the next free worker goes on where they end.
+//! Who draws shows them as points meanwhile ([`super::Slot::Partial`]). Other frames wait until the one that is looked
+//! at is whole.
 //!
 //! A small frame comes at once: it would only flash as points.
 
@@ -58,7 +60,8 @@ pub(super) fn completion_bytes(frame: &Frame, needs: &Needs) -> u64 {
     (frame.byte_size() + per_point * frame.len()) as u64
 }
 
-/// Bytes a point of estimating a surface, of few points and of many: see [`estimate_surface`](crate::analysis::estimate_surface).
+/// Bytes a point of estimating a surface, of few points and of many: see
+/// [`estimate_surface`](crate::analysis::estimate_surface).
 const ESTIMATED_BYTES: [usize; 2] = [130, 70];
 
 /// Bytes a point of building an octree.

@@ -17,8 +17,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 /// What the loader shares with its workers.
 pub(super) struct Shared {
-    /// Where a frame that is made alone has its stages shared out. Not the pool that draws: a picture must not wait for a
-    /// frame that is not even in it.
+    /// Where a frame that is made alone has its stages shared out. Not the pool that draws: a picture must not wait for
+    /// a frame that is not even in it.
     pub(super) pool: rayon::ThreadPool,
     /// Where the points of a frame at rest are made: there is nothing else to draw, so these threads are behind nobody.
     pub(super) first_pool: rayon::ThreadPool,
@@ -39,8 +39,8 @@ impl Shared {
         lock(&self.queue)
     }
 
-    /// Runs the stages of one frame. On the worker's own thread while others are busy too: frames side by side waste less
-    /// than stages side by side (measured: 10 %).
+    /// Runs the stages of one frame. On the worker's own thread while others are busy too: frames side by side waste
+    /// less than stages side by side (measured: 10 %).
     fn run_stages<T: Send>(&self, job: &Job, stages: impl FnOnce() -> T + Send) -> T {
         let is_alone = self.queue().cache.in_flight() <= 1;
         match job.next_stage {

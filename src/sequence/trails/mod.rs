@@ -1,11 +1,11 @@
 //! Where points go through time: those with one index in the file, in every frame of which that can be said.
 //!
-//! **How it works.** Frames are looked at one after the other, in memory where all their points are, else in their files; of each only
-//! the places of the followed points are kept. An index means one point in two frames if these have as many points and seem to
-//! have them in one order. Whether they do is guessed: 256 points of evenly spread indices, seen from their common middle, have to lie
-//! nearer to themselves in the frame before than half as far as to others of them ([`keeps_order`]). A trail ends where that fails,
-//! seen from the frame in which its point was chosen. Scanners that look the same way in every turn pass, although what they see is
-//! not the same point of the scene.
+//! **How it works.** Frames are looked at one after the other, in memory where all their points are, else in their
+//! files; of each only the places of the followed points are kept. An index means one point in two frames if these have
+//! as many points and seem to have them in one order. Whether they do is guessed: 256 points of evenly spread indices,
+//! seen from their common middle, have to lie nearer to themselves in the frame before than half as far as to others of
+//! them ([`keeps_order`]). A trail ends where that fails, seen from the frame in which its point was chosen. Scanners
+//! that look the same way in every turn pass, although what they see is not the same point of the scene.
 
 mod breaks;
 mod order;
@@ -132,7 +132,8 @@ impl Trails {
         &self.breaks
     }
 
-    /// Length and speeds of a trail, frames having been taken at `time_s`; `None` where no two neighbouring frames have the point.
+    /// Length and speeds of a trail, frames having been taken at `time_s`; `None` where no two neighbouring frames have
+    /// the point.
     pub fn measure(&self, trail: usize, time_s: impl Fn(usize) -> f64) -> Option<TrailMeasure> {
         let (mut length, mut seconds, mut max_speed) = (0.0, 0.0, 0.0f64);
         let mut last: Option<(usize, DVec3)> = None;
@@ -236,8 +237,8 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// What `take` makes of the places of points by their index in the file; NaN where the file has none. `Err` has the number of points
-/// where it is another one, nothing where the frame cannot be read.
+/// What `take` makes of the places of points by their index in the file; NaN where the file has none. `Err` has the
+/// number of points where it is another one, nothing where the frame cannot be read.
 fn look<T>(
     sequence: &Sequence,
     index: usize,

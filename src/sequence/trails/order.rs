@@ -6,11 +6,12 @@ use glam::Vec3;
 pub(super) const WITNESSES: usize = 256;
 const FEWEST_WITNESSES: usize = 16;
 
-/// As a share of the median distance between different points, how far points may have moved where the order has stayed.
+/// As a share of the median distance between different points, how far points may have moved where the order has
+/// stayed.
 const FARTHEST_MOVE: f32 = 0.5;
 
-/// Whether points of the same indices in two frames seem to be the same points: seen from the middle of all, they are nearer to
-/// themselves than half as far as to others, in the median. Too few of them say nothing against it.
+/// Whether points of the same indices in two frames seem to be the same points: seen from the middle of all, they are
+/// nearer to themselves than half as far as to others, in the median. Too few of them say nothing against it.
 pub(super) fn keeps_order(before: &[Vec3], now: &[Vec3]) -> bool {
     let pairs = before.iter().zip(now);
     let pairs: Vec<(Vec3, Vec3)> = pairs

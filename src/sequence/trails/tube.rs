@@ -1,4 +1,5 @@
-//! A trail as points around its line: a tube that every renderer and every primitive draws, hidden by what is before it.
+//! A trail as points around its line: a tube that every renderer and every primitive draws, hidden by what is before
+//! it.
 
 use super::Trails;
 use crate::cloud::{CloudError, Frame, Positions, RawCloud};
@@ -15,8 +16,8 @@ const SIDES: usize = 8;
 const MAX_RINGS: usize = 100_000;
 
 impl Trails {
-    /// The tube around a trail, `radius` scene units thick, white up to `frame` and black from there; without points where the trail
-    /// has no way. Every point has a normal and a radius, so that surfels close it.
+    /// The tube around a trail, `radius` scene units thick, white up to `frame` and black from there; without points
+    /// where the trail has no way. Every point has a normal and a radius, so that surfels close it.
     pub fn tube(
         &self,
         trail: usize,

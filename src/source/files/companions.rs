@@ -1,9 +1,10 @@
 //! Files beside the frames that are no frames: their normals, masks, labels.
 //!
-//! **How it works.** Names say which files to look at, headers say what these are. `7_normal.pcd` is looked at, as its name ends like
-//! that of normals; so is `7_mask.ply` beside `7.ply`, since two files share the number 7. Of files whose names are alike but for
-//! their numbers one is enough, if it has points. Normals go to the frame of their name, what holds no points is left out and said
-//! in a sentence. A folder in which every file has a number of its own is not looked at: there may be a hundred thousand.
+//! **How it works.** Names say which files to look at, headers say what these are. `7_normal.pcd` is looked at, as its
+//! name ends like that of normals; so is `7_mask.ply` beside `7.ply`, since two files share the number 7. Of files
+//! whose names are alike but for their numbers one is enough, if it has points. Normals go to the frame of their name,
+//! what holds no points is left out and said in a sentence. A folder in which every file has a number of its own is not
+//! looked at: there may be a hundred thousand.
 //!
 //! What was found out about a file is kept ([`Known`]): a folder that grows is listed every second.
 

@@ -1,14 +1,15 @@
 //! Folders, patterns and files → ordered entries, by names alone.
 //!
-//! **How it works.** Inputs keep the order in which they were given, with one exception: files named one after the other are
-//! sorted naturally, because that is what a shell makes of `scan_*.ply` (it sorts `scan_10` before `scan_2`). A folder or
-//! a pattern is sorted naturally in itself. A file that was already taken is not taken again. Cost: the names are
-//! sorted, O(n log n); no file is opened but those that may hold many frames, whose list of contents is read.
+//! **How it works.** Inputs keep the order in which they were given, with one exception: files named one after the
+//! other are sorted naturally, because that is what a shell makes of `scan_*.ply` (it sorts `scan_10` before `scan_2`).
+//! A folder or a pattern is sorted naturally in itself. A file that was already taken is not taken again. Cost: the
+//! names are sorted, O(n log n); no file is opened but those that may hold many frames, whose list of contents is read.
 //!
-//! **What counts.** From a folder come files with an extension that a decoder knows, in any case, hidden ones left out, no
-//! sub-folders. A pattern is read the same way, unless nothing it matches has a known extension: then the
-//! person meant those files. A file named outright is always taken; its first bytes decide. Normals in a file beside their points
-//! belong to these, and what else in a folder shares its number with a frame and holds no points is left out (`companions.rs`).
+//! **What counts.** From a folder come files with an extension that a decoder knows, in any case, hidden ones left out,
+//! no sub-folders. A pattern is read the same way, unless nothing it matches has a known extension: then the person
+//! meant those files. A file named outright is always taken; its first bytes decide. Normals in a file beside their
+//! points belong to these, and what else in a folder shares its number with a frame and holds no points is left out
+//! (`companions.rs`).
 
 use super::companions::{Companions, Known};
 use super::recording::topics_of;
@@ -35,8 +36,8 @@ pub(super) struct Discovered {
     pub(super) notes: Vec<String>,
 }
 
-/// The ordered frames of `inputs`; see the module's text for the rules. `progress` counts the files that were looked at, and may
-/// be cancelled.
+/// The ordered frames of `inputs`; see the module's text for the rules. `progress` counts the files that were looked
+/// at, and may be cancelled.
 pub(super) fn discover(
     inputs: &[PathBuf],
     options: &OpenOptions,
@@ -96,8 +97,8 @@ pub(super) fn discover(
 }
 
 impl Discovered {
-    /// Appends what is in the file at `path`: one frame, or those that [`io::contents`] finds. What cannot be listed is one frame,
-    /// which says why when it is decoded.
+    /// Appends what is in the file at `path`: one frame, or those that [`io::contents`] finds. What cannot be listed is
+    /// one frame, which says why when it is decoded.
     fn append_frames(&mut self, path: PathBuf, options: &OpenOptions) {
         let format = Format::of_extension(&path);
         // A file of one frame by its name is not opened here: there may be a hundred thousand.
@@ -146,8 +147,8 @@ impl Discovered {
     }
 }
 
-/// Whether nobody writes to the files of `entry` any more, as far as their times say. Its normals are waited for where the frame
-/// before it has some, but not for long.
+/// Whether nobody writes to the files of `entry` any more, as far as their times say. Its normals are waited for where
+/// the frame before it has some, but not for long.
 pub(super) fn is_written(entry: &FrameEntry, expects_normals: bool) -> bool {
     /// Who writes a frame has it done in pieces that follow each other faster.
     const QUIET: Duration = Duration::from_millis(500);

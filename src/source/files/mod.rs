@@ -49,11 +49,11 @@ pub struct Files {
 }
 
 impl Files {
-    /// Finds the frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. `progress` counts the
-    /// files that were looked at, and may be cancelled.
+    /// Finds the frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. `progress`
+    /// counts the files that were looked at, and may be cancelled.
     ///
-    /// Nothing is read but folders and the lists of contents of files that hold many frames. See [`SequenceError`] for what can
-    /// be wrong.
+    /// Nothing is read but folders and the lists of contents of files that hold many frames. See [`SequenceError`] for
+    /// what can be wrong.
     pub fn open(
         inputs: &[PathBuf],
         options: &OpenOptions,
@@ -103,7 +103,8 @@ impl Source for Files {
         most_points: usize,
         fewest_points: usize,
     ) -> Result<Option<FrameSample>, DecodeFailure> {
-        /// A disk that has to look for every point of a sample would take longer for them than for all: then there is none.
+        /// A disk that has to look for every point of a sample would take longer for them than for all: then there is
+        /// none.
         const MOST_TIME: Duration = Duration::from_secs(1);
         let entry = self.entry(index);
         match (&entry.content, &entry.normals) {
@@ -122,8 +123,8 @@ impl Source for Files {
         self.inputs.iter().any(|input| !input.is_file())
     }
 
-    /// Looks at the inputs again. What came between others is left out: frames keep their places. Files that are still being written are
-    /// left for the next time. Normals that came beside a frame are read with it from then on.
+    /// Looks at the inputs again. What came between others is left out: frames keep their places. Files that are still
+    /// being written are left for the next time. Normals that came beside a frame are read with it from then on.
     fn look_again(&self) -> Result<usize, SequenceError> {
         let never = Progress::default();
         let mut known = lock(&self.known);

@@ -1,4 +1,5 @@
-//! When frames were taken, where their files do not say: by their names, or by the list that KITTI keeps beside its scans.
+//! When frames were taken, where their files do not say: by their names, or by the list that KITTI keeps beside its
+//! scans.
 
 use super::FrameEntry;
 use crate::io::Format;

@@ -1,4 +1,5 @@
-//! The timeline: thumbnails, markers, a bar to scrub on, with what is in memory and what failed, a curve, and the transport under them.
+//! The timeline: thumbnails, markers, a bar to scrub on, with what is in memory and what failed, a curve, and the
+//! transport under them.
 
 mod bar;
 mod curve;

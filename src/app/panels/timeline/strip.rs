@@ -14,7 +14,8 @@ const HEIGHT: f32 = 45.0;
 /// A picture as wide as the strip's height makes it, and what is between two, points.
 const CELL_WIDTH: f32 = HEIGHT * PICTURE_PX[0] as f32 / PICTURE_PX[1] as f32 + 2.0;
 
-/// As many small pictures as fit, each of the frame at its place; a click goes there. Returns the frame whose tooltip is shown.
+/// As many small pictures as fit, each of the frame at its place; a click goes there. Returns the frame whose tooltip
+/// is shown.
 pub(super) fn strip_ui(ui: &mut Ui, state: &mut State) -> Option<usize> {
     let player = state.player.as_ref().filter(|_| state.thumbnails.is_on)?;
     let count = player.sequence().len();

@@ -1,8 +1,8 @@
 //! Voxels beside surfels: whether they close what surfels close, what they add to it, and how alike the pictures are.
 //!
-//! How it works: each frame is drawn from around it as surfels, from both sides, and as voxels: with the paper's δ, whose cells are
-//! smaller than the spacing of the points, and with leaves as large as the spacing, lit by their faces and by normals. Surfels are the
-//! measure, since they are made to close the surface.
+//! How it works: each frame is drawn from around it as surfels, from both sides, and as voxels: with the paper's δ,
+//! whose cells are smaller than the spacing of the points, and with leaves as large as the spacing, lit by their faces
+//! and by normals. Surfels are the measure, since they are made to close the surface.
 
 use super::pictures::{Drawing, draw, parts};
 use super::{CLOSED, row};

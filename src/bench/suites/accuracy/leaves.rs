@@ -1,9 +1,9 @@
 //! Octrees: how far a point is from the middle of the leaf that is drawn for it, by acceptable loss δ.
 //!
-//! A leaf is a cube of edge h, so no point is farther from its middle than half the diagonal, √3/2 · h. For points that lie
-//! anywhere in their leaves with equal chance the mean would be 0.480 · h (half the mean distance from the middle of a cube to
-//! its points, 0.960 for an edge of 2). Each point is looked up by its place in f64, with none of the code that built the
-//! tree; a point whose cell is no leaf is counted.
+//! A leaf is a cube of edge h, so no point is farther from its middle than half the diagonal, √3/2 · h. For points that
+//! lie anywhere in their leaves with equal chance the mean would be 0.480 · h (half the mean distance from the middle
+//! of a cube to its points, 0.960 for an edge of 2). Each point is looked up by its place in f64, with none of the code
+//! that built the tree; a point whose cell is no leaf is counted.
 
 use super::{LEAVES, row};
 use crate::bench::BenchError;

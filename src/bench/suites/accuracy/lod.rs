@@ -1,13 +1,13 @@
 //! Levels of detail by projected size: what a LOD threshold τ saves, and what it does to the picture.
 //!
-//! How it works: each frame is drawn as voxels from around it, as a whole and from farther away, once with all its leaves
-//! (τ = 0, the truth) and once for each τ. PSNR is that of the mean squared error over all pictures. Most of a picture is
-//! background, which is always right, so FLIP is given over the picture and over the pixels of the object: those that show it
-//! in either picture.
+//! How it works: each frame is drawn as voxels from around it, as a whole and from farther away, once with all its
+//! leaves (τ = 0, the truth) and once for each τ. PSNR is that of the mean squared error over all pictures. Most of a
+//! picture is background, which is always right, so FLIP is given over the picture and over the pixels of the object:
+//! those that show it in either picture.
 //!
-//! All leaves are the truth about what the threshold leaves out, not about the surface: at a small δ nearly every point has a
-//! leaf of its own, smaller than its share of the surface, and coarser cells close the gaps. So each picture is also compared
-//! with that of surfels, which close the surface; part of that error is that cubes are shaded as cubes.
+//! All leaves are the truth about what the threshold leaves out, not about the surface: at a small δ nearly every point
+//! has a leaf of its own, smaller than its share of the surface, and coarser cells close the gaps. So each picture is
+//! also compared with that of surfels, which close the surface; part of that error is that cubes are shaded as cubes.
 
 use super::pictures::{Drawing, Picture, draw, parts};
 use super::{LOD, row, voxel_settings};

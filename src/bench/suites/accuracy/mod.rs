@@ -85,7 +85,8 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
 /// The column that a bar chart shows.
 pub(in crate::bench) const HEADLINE: &str = "flip_object_mean";
 
-/// One step to prepare a frame, one for its leaves, one for its levels of detail at each distance, one for voxels beside surfels.
+/// One step to prepare a frame, one for its leaves, one for its levels of detail at each distance, one for voxels
+/// beside surfels.
 const STEPS_PER_FRAME: usize = 3 + lod::DISTANCES.len();
 
 pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {

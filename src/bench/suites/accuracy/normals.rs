@@ -1,5 +1,5 @@
-//! Normals on known shapes: angle to the truth and time by noise, outliers and number of neighbours, of least squares and of
-//! robust fits.
+//! Normals on known shapes: angle to the truth and time by noise, outliers and number of neighbours, of least squares
+//! and of robust fits.
 //!
 //! Signs are not compared: they come later, from the neighbourhood graph or the sensor. The time is that of the whole
 //! estimate (tree, neighbours, planes) on all threads that the program has.

@@ -1,11 +1,11 @@
 //! Pictures of one view, cut down to the part that shows the object.
 //!
-//! How it works: everything is drawn on two backgrounds, and a pixel shows the object unless it shows both of them. What is
-//! compared is the smallest rectangle around the object in all pictures of a view, with a margin that no filter reaches
-//! across: beyond it all are equal.
+//! How it works: everything is drawn on two backgrounds, and a pixel shows the object unless it shows both of them.
+//! What is compared is the smallest rectangle around the object in all pictures of a view, with a margin that no filter
+//! reaches across: beyond it all are equal.
 //!
-//! When it wins: an object that stands upright fills a tenth of a picture that holds it, and comparing takes longer than
-//! drawing.
+//! When it wins: an object that stands upright fills a tenth of a picture that holds it, and comparing takes longer
+//! than drawing.
 
 use crate::bench::BenchError;
 use crate::bench::suites::{Run, Subject};
@@ -89,8 +89,8 @@ pub(super) fn parts(drawings: &[Drawing]) -> impl Iterator<Item = Picture> {
     drawings.iter().map(move |drawing| drawing.part(&part))
 }
 
-/// The smallest rectangle (first and end in x, then in y) around the object in all of `drawings`, which are of one size,
-/// and [`MARGIN_PX`] more as far as they go; one pixel where nothing shows.
+/// The smallest rectangle (first and end in x, then in y) around the object in all of `drawings`, which are of one
+/// size, and [`MARGIN_PX`] more as far as they go; one pixel where nothing shows.
 fn object_rectangle(drawings: &[Drawing]) -> [Range<u32>; 2] {
     let mut ends = [[u32::MAX, 0]; 2];
     let mut size_px = [1, 1];
@@ -151,8 +151,8 @@ impl Picture {
         covered as f64 / self.whole_count.max(1) as f64
     }
 
-    /// Of the pixels that show the object in `other`, of the same view, the share that show it here as well; and those that show it here
-    /// alone, as a share of the same number.
+    /// Of the pixels that show the object in `other`, of the same view, the share that show it here as well; and those
+    /// that show it here alone, as a share of the same number.
     pub(super) fn shares_of(&self, other: &Self) -> [f64; 2] {
         let count = |is_counted: fn(bool, bool) -> bool| {
             let pixels = self.shows_object.iter().zip(&other.shows_object);

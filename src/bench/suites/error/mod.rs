@@ -1,12 +1,13 @@
 //! The error lab: how fast *and how wrong* each way to draw is.
 //!
-//! How it works: each frame is seen from viewpoints around it. The truth of a view is ray-traced where the input is a shape with
-//! a formula, else drawn from all points, 8×8 samples a pixel (`render/truth`). Each way draws the same views; its time is from the
-//! camera to the finished picture, traversal and uploads of what it chose included, as a person who turns the object waits for
-//! them. Its errors are means over all pictures. Of each sequence the ways that no other beats in both are its front.
+//! How it works: each frame is seen from viewpoints around it. The truth of a view is ray-traced where the input is a
+//! shape with a formula, else drawn from all points, 8×8 samples a pixel (`render/truth`). Each way draws the same
+//! views; its time is from the camera to the finished picture, traversal and uploads of what it chose included, as a
+//! person who turns the object waits for them. Its errors are means over all pictures. Of each sequence the ways that
+//! no other beats in both are its front.
 //!
-//! Depths, by which surfaces are told apart, are drawn by the software renderer for the adapter's ways too: both draw the
-//! same surfaces, which `tests/cpu_renderer.rs` holds.
+//! Depths, by which surfaces are told apart, are drawn by the software renderer for the adapter's ways too: both draw
+//! the same surfaces, which `tests/cpu_renderer.rs` holds.
 
 mod view;
 mod ways;

@@ -119,7 +119,8 @@ fn points() -> impl Strategy<Value = Vec<Next>> {
     )
 }
 
-/// Bits of times of which no two are further apart than 64 bits can say: the crate packs others only where overflow is no error.
+/// Bits of times of which no two are further apart than 64 bits can say: the crate packs others only where overflow is
+/// no error.
 fn ranges() -> impl Strategy<Value = (i64, i64)> {
     prop::sample::select(vec![
         (0, i64::MAX),
@@ -248,7 +249,8 @@ const FIRST_TIME: i64 = 77;
 /// Where the size of the layer of times is, the last of nine: behind the first point, the count and the other sizes.
 const LAST_SIZE: usize = 34 + 4 * 8;
 
-/// Chunks of two points, the second of which has a time that changes so often, with their fields, format and place of the time.
+/// Chunks of two points, the second of which has a time that changes so often, with their fields, format and place of
+/// the time.
 fn changing(changes: usize) -> [(Vec<LazItem>, u8, usize, Vec<u8>); 2] {
     let mut rows = vec![0; 56];
     rows[20..28].copy_from_slice(&FIRST_TIME.to_le_bytes());

@@ -1,13 +1,14 @@
 //! Which parts of a coded cloud may touch which tile, and how finely they are drawn.
 //!
-//! How it works: the tree is gone through from the root, nearer octants first. A node beyond the sides of the picture, or all of whose
-//! normals face away (their cone, 001 §4.2), is dropped with all below it; the eye's nearest corner of its box tells on which level its
-//! cells get smaller than asked for. Where that level is a few below, the node is a *block*: all of it will be drawn on that
-//! level. Blocks are noted for the tiles that their boxes and splats may touch. The descendants of a block on any level are
-//! consecutive nodes, so that whoever decodes a block reads masks and attributes in order.
+//! How it works: the tree is gone through from the root, nearer octants first. A node beyond the sides of the
+//! picture, or all of whose normals face away (their cone, 001 §4.2), is dropped with all below it; the eye's nearest
+//! corner of its box tells on which level its cells get smaller than asked for. Where that level is a few below, the
+//! node is a *block*: all of it will be drawn on that level. Blocks are noted for the tiles that their boxes and
+//! splats may touch. The descendants of a block on any level are consecutive nodes, so that whoever decodes a block
+//! reads masks and attributes in order.
 //!
-//! When it wins: what is not seen is not visited, and from afar blocks are few and their levels high, so the time of a picture goes
-//! with what can be seen of it.
+//! When it wins: what is not seen is not visited, and from afar blocks are few and their levels high, so the time of a
+//! picture goes with what can be seen of it.
 
 use super::super::tile::Tiles;
 use super::super::view::PixelView;
@@ -165,8 +166,8 @@ impl<'a> Traversal<'a> {
             .unwrap_or(deepest.max(level))
     }
 
-    /// How far splats below a node may reach from its cell: no farther than the largest of all levels that may be drawn, nor
-    /// than its own splat, which covers them.
+    /// How far splats below a node may reach from its cell: no farther than the largest of all levels that may be
+    /// drawn, nor than its own splat, which covers them.
     fn reach(&self, node: usize, level: u32) -> f32 {
         let edge = self.coded.cloud.cube().cell_edge(level);
         let own = self.coded.cloud.attributes()[node].radius_edges() * edge;

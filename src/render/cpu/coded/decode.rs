@@ -1,8 +1,8 @@
 //! From the bytes of a block to the images of its nodes.
 //!
-//! How it works: breadth-first, as the bytes stand (paper 001 §4.4), but a block at a time, so that the queue of nodes is two short
-//! lists. What is drawn of a block is on one level, so its nodes are consecutive, and nobody has to know which attributes to leave
-//! out.
+//! How it works: breadth-first, as the bytes stand (paper 001 §4.4), but a block at a time, so that the queue of nodes
+//! is two short lists. What is drawn of a block is on one level, so its nodes are consecutive, and nobody has to know
+//! which attributes to leave out.
 
 use super::blocks::Block;
 use super::transform::Transform;

@@ -1,9 +1,9 @@
 //! Which mask a normal has where in the picture (paper 001 §5.2).
 //!
-//! How it works: in perspective the ellipse of a disk depends on its normal and on where it is seen. So normals are divided into
-//! classes, once a frame for each entry of the table of normals, and the picture into 4×4 sectors; for the ray through the middle of a
-//! sector and the direction of a class the ellipse is worked out once a camera: its longer half axis, as a factor on the radius, and
-//! the mask of its shape. A splat looks both up.
+//! How it works: in perspective the ellipse of a disk depends on its normal and on where it is seen. So normals are
+//! divided into classes, once a frame for each entry of the table of normals, and the picture into 4×4 sectors; for the
+//! ray through the middle of a sector and the direction of a class the ellipse is worked out once a camera: its longer
+//! half axis, as a factor on the radius, and the mask of its shape. A splat looks both up.
 
 use super::super::view::PixelView;
 use super::masks;
@@ -74,8 +74,8 @@ impl Footprints {
     }
 }
 
-/// The footprint of a disk with a normal in view space, where a ray leads so far to the right and downwards for each unit of
-/// distance.
+/// The footprint of a disk with a normal in view space, where a ray leads so far to the right and downwards for each
+/// unit of distance.
 fn footprint(normal: Vec3, [right, down]: [f32; 2]) -> Footprint {
     // A step on the disk moves what is seen by these products, in radii on the screen.
     let to_right = Vec3::new(1.0, 0.0, right);
@@ -118,8 +118,8 @@ mod tests {
         }
     }
 
-    /// Facing the eye in the corner of the picture: a circle across the ray, which the plane of the picture cuts as an ellipse that
-    /// is longer outwards, by the ray's length.
+    /// Facing the eye in the corner of the picture: a circle across the ray, which the plane of the picture cuts as an
+    /// ellipse that is longer outwards, by the ray's length.
     #[test]
     fn disks_beside_the_middle_are_stretched_outwards() {
         let ray = Vec3::new(0.4, -0.3, -1.0);

@@ -24,8 +24,8 @@ const CAMERA: Camera = Camera {
 /// Cells are smaller than half a pixel.
 const DEPTH: u32 = 10;
 
-/// Points on a grid, far enough from each other to be alone in their pixels, with normals that are drawn as they are; half of them
-/// face the eye within 10 to 20 degrees, where the light has a highlight.
+/// Points on a grid, far enough from each other to be alone in their pixels, with normals that are drawn as they are;
+/// half of them face the eye within 10 to 20 degrees, where the light has a highlight.
 fn surfels(bits: u32) -> Vec<([f32; 3], Vec3)> {
     let mut random = Random(5);
     let normals = quantised_normals(bits);

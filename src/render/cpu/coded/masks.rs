@@ -1,16 +1,17 @@
 //! Footprints of splats as masks of weights, worked out once (paper 001 §5.2).
 //!
-//! How it works: on the screen a disk is an ellipse, and as an ellipse it could be a disk seen from straight ahead with another
-//! normal. So there are masks for normals (quantised, half of an octahedron, of which half again is the same ellipse), for sizes
-//! (quarters of an octave) and for where in its pixel the middle is (quarters of pixels near by, halves further out: the paper
-//! rounds to whole pixels and names that as the cause of its remaining aliasing). A weight is that of the exact disks, `exp(−3·d²)`
-//! inside of the ellipse `d ≤ 1`; the box filter of a pixel, whose variance is 1/12, widens the ellipse by half a pixel squared, as
-//! the covariance of `exp(−3·d²)` is a sixth of the ellipse's matrix. So nothing is narrower than a pixel, and
-//! splats seen edge on do not fall between pixels.
+//! How it works: on the screen a disk is an ellipse, and as an ellipse it could be a disk seen from straight ahead with
+//! another normal. So there are masks for normals (quantised, half of an octahedron, of which half again is the same
+//! ellipse), for sizes (quarters of an octave) and for where in its pixel the middle is (quarters of pixels near by,
+//! halves further out: the paper rounds to whole pixels and names that as the cause of its remaining aliasing). A
+//! weight is that of the exact disks, `exp(−3·d²)` inside of the ellipse `d ≤ 1`; the box filter of a pixel, whose
+//! variance is 1/12, widens the ellipse by half a pixel squared, as the covariance of `exp(−3·d²)` is a sixth of the
+//! ellipse's matrix. So nothing is narrower than a pixel, and splats seen edge on do not fall between pixels.
 //!
 //! Masks do not depend on the camera: [`super::footprints`] says which ellipse a normal is, and where.
 //!
-//! Rows have eight zeros between them, so that eight weights can be read from any place, for pixels that begin at a multiple of eight.
+//! Rows have eight zeros between them, so that eight weights can be read from any place, for pixels that begin at a
+//! multiple of eight.
 
 use crate::cloud::{quantise_direction, quantised_directions};
 use glam::Vec3;
@@ -98,8 +99,8 @@ fn places_of_size(size: usize) -> usize {
     }
 }
 
-/// The shape of the mask for the ellipse that a unit disk with this normal is, seen from straight ahead: x to the right, y
-/// downwards, any sign.
+/// The shape of the mask for the ellipse that a unit disk with this normal is, seen from straight ahead: x to the
+/// right, y downwards, any sign.
 pub(super) fn shape_of(normal: Vec3) -> u16 {
     let upright = if normal.x < 0.0 { -normal } else { normal };
     let upright = Vec3::new(upright.x, upright.y, upright.z.abs());
@@ -158,7 +159,8 @@ impl Masks {
         &self.footprints[self.size_starts[size] + places * places * shape as usize + place]
     }
 
-    /// Eight weights of a row from a column on: 8 before its first one at the earliest, and at its last one at the latest.
+    /// Eight weights of a row from a column on: 8 before its first one at the earliest, and at its last one at the
+    /// latest.
     #[inline(always)]
     pub(super) fn eight(&self, mask: &Mask, row: usize, column: isize) -> &[u8; 8] {
         let start = mask.start as usize + row * mask.stride as usize;
@@ -215,7 +217,8 @@ impl Quadric {
         }
     }
 
-    /// Its mask around the pixel whose place `middle` it has its middle at, and the weights, each row with the zeros after it.
+    /// Its mask around the pixel whose place `middle` it has its middle at, and the weights, each row with the zeros
+    /// after it.
     fn mask(&self, middle: [f32; 2]) -> (Mask, Vec<u8>) {
         let covered = |axis: usize| -> Range<i32> {
             // Pixels whose middles are inside.

@@ -1,15 +1,16 @@
 //! Surfels drawn straight from the byte code of an octree (paper 001).
 //!
-//! How it works: the tree is gone through once for blocks (`blocks.rs`); then each tile decodes the blocks that may touch it, level by
-//! level, adding the image of a vector for each node (`transform.rs`), looks up the normal as it is seen, its light and its class
-//! (`normals.rs`), drops what faces away before any division, moves it along its normal by its offset, and lays the mask of its
-//! shape, size and place (`footprints.rs`, `masks.rs`) on the pixels (`splat.rs`). ε-z accumulation and normalisation are those of the
-//! exact disks: depths pushed back by a radius, then weighted sums of what is not behind them.
+//! How it works: the tree is gone through once for blocks (`blocks.rs`); then each tile decodes the blocks that may
+//! touch it, level by level, adding the image of a vector for each node (`transform.rs`), looks up the normal as it is
+//! seen, its light and its class (`normals.rs`), drops what faces away before any division, moves it along its normal
+//! by its offset, and lays the mask of its shape, size and place (`footprints.rs`, `masks.rs`) on the pixels
+//! (`splat.rs`). ε-z accumulation and normalisation are those of the exact disks: depths pushed back by a radius, then
+//! weighted sums of what is not behind them.
 //!
 //! Splats too large for masks are drawn as exact disks: there the lookup saves nothing, as the pixels are what costs.
 //!
-//! When it wins: many splats of a few pixels. What it costs: quantised normals (13 bits and 9 for shapes), places within a
-//! pixel, sizes and light for one direction; `benches/coded_render.rs` says how much of both.
+//! When it wins: many splats of a few pixels. What it costs: quantised normals (13 bits and 9 for shapes), places
+//! within a pixel, sizes and light for one direction; `benches/coded_render.rs` says how much of both.
 
 mod blocks;
 mod decode;
@@ -409,7 +410,8 @@ impl Picture<'_> {
         }
     }
 
-    /// The head light at a node. Where it is asked for at surfels, it is that of the normal, from infinity; else of the ray as well.
+    /// The head light at a node. Where it is asked for at surfels, it is that of the normal, from infinity; else of the
+    /// ray as well.
     #[inline(always)]
     fn light_at(&self, node: &SeenNode<'_>) -> [f32; 2] {
         if matches!(self.lighting, Lighting::Unlit | Lighting::PerSurfel) {

@@ -1,11 +1,11 @@
 //! What is worked out once a frame for each quantised normal instead of each point (paper 001 §4.1, §5.1).
 //!
-//! How it works: a table by the index of the normal, with its bits masked to the precision that is drawn. An entry has the normal as a
-//! function of pixels (whether a point faces away is a product of three with its image), the image of the normal (for offsets), the
-//! class that the footprint is chosen by, and the light of a lamp at infinity, as that depends on the normal alone: for the
-//! head light, in the direction from the eye to the middle of the cloud. From near by that is another picture than with a lamp at the
-//! eye, so it is what lighting *once a surfel* means here; finer lighting takes the product above, which is the cosine but for the
-//! length of the ray.
+//! How it works: a table by the index of the normal, with its bits masked to the precision that is drawn. An entry has
+//! the normal as a function of pixels (whether a point faces away is a product of three with its image), the image of
+//! the normal (for offsets), the class that the footprint is chosen by, and the light of a lamp at infinity, as that
+//! depends on the normal alone: for the head light, in the direction from the eye to the middle of the cloud. From near
+//! by that is another picture than with a lamp at the eye, so it is what lighting *once a surfel* means here; finer
+//! lighting takes the product above, which is the cosine but for the length of the ray.
 
 use super::super::shading::head_light;
 use super::super::view::PixelView;
@@ -20,8 +20,8 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub(super) struct SeenNormal {
-    /// `facing · (u, v, w)` is the product of the normal and the vector from the eye to what is at these pixels times distance. 0 for
-    /// the fourth component.
+    /// `facing · (u, v, w)` is the product of the normal and the vector from the eye to what is at these pixels times
+    /// distance. 0 for the fourth component.
     pub(super) facing: Vec4,
     /// The image of the unit vector, as pixels times distance, and 0.
     pub(super) image: Vec4,

@@ -1,9 +1,10 @@
 //! Masks to the pixels of a tile: the two passes of splatting with weights that are looked up.
 //!
-//! How it works: eight pixels at a time, which begin at a multiple of eight, so that what one splat wrote and the next reads are the
-//! same words; the weights are read from where they fall (`masks.rs`). Depth is that of the splat's plane, whose inverse is affine in
-//! pixels, but not farther from that of the middle than the splat reaches (the paper takes the same depth everywhere, and needs a
-//! larger ε for it). Written without explicit registers: loops over eight numbers are compiled to them.
+//! How it works: eight pixels at a time, which begin at a multiple of eight, so that what one splat wrote and the next
+//! reads are the same words; the weights are read from where they fall (`masks.rs`). Depth is that of the splat's
+//! plane, whose inverse is affine in pixels, but not farther from that of the middle than the splat reaches (the paper
+//! takes the same depth everywhere, and needs a larger ε for it). Written without explicit registers: loops over eight
+//! numbers are compiled to them.
 
 use super::super::tile::{LANES, Tile, WIDTH};
 use super::super::view::PixelRect;
@@ -31,7 +32,8 @@ pub(super) struct WaitingMask {
     pub(super) color: [f32; 3],
 }
 
-/// Calls `visit` with the number of every eight pixels of a tile that a mask may cover, with their weights and the depth of the first.
+/// Calls `visit` with the number of every eight pixels of a tile that a mask may cover, with their weights and the
+/// depth of the first.
 #[inline(always)]
 fn for_each_eight(
     masks: &Masks,

@@ -76,8 +76,8 @@ prop_compose! {
 }
 
 proptest! {
-    /// Every node of every block is where a product of a matrix and its middle says, in f64: off by at most 2⁻²¹ of the sizes of
-    /// what was added up (each of at most 21 additions rounds by 2⁻²⁴ of its result, but the sizes halve).
+    /// Every node of every block is where a product of a matrix and its middle says, in f64: off by at most 2⁻²¹ of the
+    /// sizes of what was added up (each of at most 21 additions rounds by 2⁻²⁴ of its result, but the sizes halve).
     #[test]
     fn sums_of_vectors_are_products_of_a_matrix(
         points in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 1..300),
@@ -163,8 +163,8 @@ fn per_slope_of(view: &PixelView) -> f32 {
     view.px_per_slope[0].abs().max(1.0) + view.middle_px[0].max(view.middle_px[1])
 }
 
-/// The weights of a mask beside the definition, sampled at the middles of pixels: the ellipse of a disk that is seen from straight
-/// ahead, a little wider for the filter.
+/// The weights of a mask beside the definition, sampled at the middles of pixels: the ellipse of a disk that is seen
+/// from straight ahead, a little wider for the filter.
 #[test]
 fn masks_are_disks_seen_from_straight_ahead() {
     let normals = [
@@ -208,7 +208,8 @@ fn masks_are_disks_seen_from_straight_ahead() {
                 weights >= 0.5,
                 "{normal} {radius}: twice what makes a pixel opaque"
             );
-            // Half the distance of places, which is that of the middle of a pixel from the next place, and a tenth for sampling.
+            // Half the distance of places, which is that of the middle of a pixel from the next place, and a tenth for
+            // sampling.
             let off = if radius < 3.0 { 0.125 } else { 0.25 } + 0.1;
             let [x, y] = [sum_x, sum_y].map(|sum: f32| (sum / weights).abs());
             // Of what is narrower than its pixels, samples do not tell the middle.

@@ -1,9 +1,9 @@
 //! From the space of a frame to homogeneous pixels, by additions (paper 001 §4).
 //!
-//! How it works: pixels times distance, `(u, v, w) = M·(p − eye)`, are linear in a point. The middle of a child is that of its
-//! parent plus one of eight vectors `±h/2`, so its image is that of its parent plus the image of the vector, worked out once a
-//! frame for all octants of all levels; those of one level are half of those above it, exactly. With four children a node that is
-//! 4/3 additions of three numbers a leaf, and no product.
+//! How it works: pixels times distance, `(u, v, w) = M·(p − eye)`, are linear in a point. The middle of a child is that
+//! of its parent plus one of eight vectors `±h/2`, so its image is that of its parent plus the image of the vector,
+//! worked out once a frame for all octants of all levels; those of one level are half of those above it, exactly. With
+//! four children a node that is 4/3 additions of three numbers a leaf, and no product.
 
 use super::super::view::PixelView;
 use crate::math::Cube;

@@ -1,8 +1,8 @@
 //! Strategy `storage`: records lie in storage buffers, the vertex stage pulls them by index.
 //!
-//! One draw call indexes the quads of all records, 4 vertices each, instead of drawing one small instance a record: GPUs
-//! fill whole waves that way, and a software rasteriser sets up one draw instead of thousands of instances. It wins nearly
-//! everywhere and has no limits that matter, so it is the default.
+//! One draw call indexes the quads of all records, 4 vertices each, instead of drawing one small instance a record:
+//! GPUs fill whole waves that way, and a software rasteriser sets up one draw instead of thousands of instances. It
+//! wins nearly everywhere and has no limits that matter, so it is the default.
 
 use super::{
     Chunk, Context, Draw, Instancing, RECORD_BYTES, buffer_with, max_indexed_records,

@@ -1,7 +1,8 @@
 //! Strategy `uniform`: records lie in uniform buffers, which every adapter binds up to 64 KiB only.
 //!
 //! A chunk is one buffer; a draw call binds 4096 records of it by a dynamic offset, so a cloud takes several draws from
-//! one upload. The paper found it the fastest of the instancing pipeline on the hardware of its day, where uniform memory had a cache of its own.
+//! one upload. The paper found it the fastest of the instancing pipeline on the hardware of its day, where uniform
+//! memory had a cache of its own.
 
 use super::{
     Chunk, Context, Draw, Instancing, RECORD_BYTES, buffer_with, single_binding,

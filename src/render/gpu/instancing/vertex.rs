@@ -1,7 +1,7 @@
 //! Strategy `vertex`: records are per-instance vertex attributes, stepped by the hardware.
 //!
-//! The most natural of the paper's ways and there the slowest: every record is an instance of its own with 4 (surfel) or
-//! 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
+//! The most natural of the paper's ways and there the slowest: every record is an instance of its own with 4 (surfel)
+//! or 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
 
 use super::{Chunk, Context, Draw, INDICES_PER_QUAD, Instancing, RECORD_BYTES, buffer_with};
 use crate::render::gpu::shaders::Amplification;

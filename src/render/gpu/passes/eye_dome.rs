@@ -1,7 +1,7 @@
 //! Eye-dome lighting: what is drawn so far is multiplied with the shade of each pixel (Boucheny 2009).
 //!
-//! What the attribute pass left is shaded before it is resolved: so the background that shines through at the rims of splats keeps
-//! its colour, as all of the background does.
+//! What the attribute pass left is shaded before it is resolved: so the background that shines through at the rims of
+//! splats keeps its colour, as all of the background does.
 
 use super::{ACCUMULATION_FORMAT, COLOR_FORMAT, PassState, target};
 

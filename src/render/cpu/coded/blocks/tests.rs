@@ -135,14 +135,14 @@ proptest! {
         })?;
     }
 
-    /// No block shows only its back, by more than what normals and cones are rounded by. All points have one normal: so the
-    /// cones below are as narrow as they get.
+    /// No block shows only its back, by more than what normals and cones are rounded by. All points have one normal: so
+    /// the cones below are as narrow as they get.
     #[test]
     fn what_is_certainly_turned_away_is_skipped(packet in any_packet(0.0)) {
         traversed(&packet, |traversal, blocks| {
             let cloud = traversal.coded.cloud;
-            // A step of half openings; what is added at each level that they are gathered through, and as much for rounding of
-            // cosines near 1; and twice the error of a normal.
+            // A step of half openings; what is added at each level that they are gathered through, and as much for
+            // rounding of cosines near 1; and twice the error of a normal.
             let rounding = std::f64::consts::PI / 255.0
                 + 2e-3 * f64::from(cloud.depth() + 1)
                 + 2.0 * f64::from(largest_normal_error(traversal.coded.normal_bits) + 1e-3);
@@ -171,8 +171,8 @@ proptest! {
     }
 }
 
-/// Of any two blocks that follow each other, the nearer comes first: of the two octants of one node that they are in, by the
-/// distances of their middles along the view.
+/// Of any two blocks that follow each other, the nearer comes first: of the two octants of one node that they are in,
+/// by the distances of their middles along the view.
 fn assert_nearer_octants_first(packet: &ScenePacket) {
     traversed(packet, |traversal, blocks| {
         let path = |block: &Block| {
@@ -232,8 +232,8 @@ fn camera_at(azimuth_deg: f64, elevation_deg: f64, target_y: f64) -> Camera {
 /// How much is skipped of a ball that shows its front, and of one that is above the picture but for its rim.
 #[test]
 fn of_a_ball_much_is_skipped() {
-    // From 4 radii, 38 % of it face the eye; blocks whose cones reach over the rim come too. Blocks have edges of a quarter, and
-    // their own splats, which may reach into the picture, twice that.
+    // From 4 radii, 38 % of it face the eye; blocks whose cones reach over the rim come too. Blocks have edges of a
+    // quarter, and their own splats, which may reach into the picture, twice that.
     let above = -4.0 * 30f64.to_radians().tan() - 0.9;
     for (target_y, back_faces, largest_share) in [
         (0.0, BackFaces::Culled, 0.6),
