@@ -15,8 +15,8 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use pointreel::cloud::{Frame, Positions, RawCloud};
+use pointreel::levels::octree::{CodedCloud, Octree, StopCriterion};
 use pointreel::measure::{mean_squared_error, psnr_db};
-use pointreel::octree::{CodedCloud, Octree, StopCriterion};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{

@@ -17,8 +17,8 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
+use pointreel::levels::octree::{Octree, StopCriterion};
 use pointreel::math::{Aabb, Cube, order_of_codes};
-use pointreel::octree::{Octree, StopCriterion};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};

@@ -14,8 +14,8 @@
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
+use pointreel::levels::octree::{Octree, StopCriterion};
 use pointreel::math::{Cube, order_of_codes};
-use pointreel::octree::{Octree, StopCriterion};
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -14,9 +14,10 @@ use pointreel::analysis::fake_color;
 use pointreel::cloud::{Frame, PointRecord, Positions, RawCloud, ScalarField};
 use pointreel::memory::MiMalloc;
 use pointreel::sequence::{
-    ColorHints, ColorSource, Coloring, Direction, HeightAxis, Loader, LoaderOptions, Needs,
-    PrepareCounters, PreparedFrame, Sequence, complete, prepare,
+    ColorHints, ColorSource, Coloring, HeightAxis, Loader, LoaderOptions, Needs, PrepareCounters,
+    PreparedFrame, Sequence, complete, prepare,
 };
+use pointreel::timeline::Direction;
 use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -14,8 +14,8 @@
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Mat4, Vec3, Vec4};
 use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
+use pointreel::levels::octree::{CutHints, LodSurfels, Octree, SelectView, StopCriterion};
 use pointreel::math::{Cube, Frustum, order_of_codes};
-use pointreel::octree::{CutHints, LodSurfels, Octree, SelectView, StopCriterion};
 use std::sync::Arc;
 
 mod shapes;

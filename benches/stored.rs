@@ -11,7 +11,7 @@ use bytemuck::Zeroable;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use pointreel::cloud::{ShapeRecord, oct_encode};
-use pointreel::octree::{Octree, StopCriterion, StoredOctree};
+use pointreel::levels::octree::{Octree, StopCriterion, StoredOctree};
 
 mod shapes;
 

@@ -5,7 +5,8 @@ use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
 use crate::scene::{
     Camera, FirstLook, Projection, Scene, ScenePacket, SceneStats, Settings, UpAxis,
 };
-use crate::sequence::{ColorSource, Direction, FrameError, Loader, Needs, PreparedFrame, Sequence};
+use crate::sequence::{ColorSource, FrameError, Loader, Needs, PreparedFrame, Sequence};
+use crate::timeline::Direction;
 use glam::DVec3;
 use image::RgbaImage;
 use serde::Serialize;

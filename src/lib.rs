@@ -14,9 +14,10 @@
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
-//! | [`octree`] | the sparse voxel octree: build, byte code, visible set |
+//! | [`levels`] | levels of detail: the sparse voxel octree: build, byte code, visible set |
 //! | [`source`] | where frames come from: files in order, recordings, shapes, streams |
-//! | [`sequence`] | the clock, frames prepared ahead of the playhead within a byte budget |
+//! | [`timeline`] | which frame is due when: the clock, its pace and the range that plays |
+//! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
 //! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds all that one picture needs, and what is under its pixels |
 //! | [`playback`] | the playhead: which frame is due, which is shown, with how many points |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
@@ -39,12 +40,12 @@ pub mod export;
 pub mod headless;
 pub mod io;
 mod kept;
+pub mod levels;
 mod locks;
 pub mod math;
 pub mod measure;
 pub mod memory;
 mod messages;
-pub mod octree;
 pub mod playback;
 mod priority;
 pub mod progress;
@@ -52,3 +53,4 @@ pub mod render;
 pub mod scene;
 pub mod sequence;
 pub mod source;
+pub mod timeline;

@@ -11,8 +11,8 @@ mod data;
 
 use data::shared;
 use image::RgbaImage;
+use pointreel::levels::octree::StopCriterion;
 use pointreel::measure::flip;
-use pointreel::octree::StopCriterion;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{

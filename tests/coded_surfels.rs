@@ -15,8 +15,8 @@ use data::shared;
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::{Frame, Positions, RawCloud};
+use pointreel::levels::octree::StopCriterion;
 use pointreel::measure::{mean_squared_error, psnr_db};
-use pointreel::octree::StopCriterion;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{

@@ -63,8 +63,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::panels::window_ui;
 use pointreel::app::{Command, State, StateOptions, apply_theme};
-use pointreel::octree::StopCriterion;
-use pointreel::sequence::{LoopMode, Sequence};
+use pointreel::levels::octree::StopCriterion;
+use pointreel::sequence::Sequence;
+use pointreel::timeline::LoopMode;
 use std::sync::Arc;
 
 /// A window of 1280×800 on `sequence`, all frames loaded, at time zero.
@@ -99,7 +100,7 @@ fn click(harness: &mut Harness<'_, State>, label: &str) {
     harness.run();
 }
 
-fn clock<'a>(harness: &'a Harness<'_, State>) -> &'a pointreel::sequence::Clock {
+fn clock<'a>(harness: &'a Harness<'_, State>) -> &'a pointreel::timeline::Clock {
     harness.state().player.as_ref().unwrap().clock()
 }
 

@@ -12,7 +12,7 @@ use pointreel::{
     analysis::{Neighbours, Surface, estimate_surface, nearest_neighbours},
     cloud::{Frame, RawCloud},
     io,
-    octree::{Octree, StopCriterion},
+    levels::octree::{Octree, StopCriterion},
 };
 use std::{
     collections::BTreeSet,

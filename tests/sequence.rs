@@ -9,12 +9,12 @@
 use glam::{DVec3, Vec3};
 use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::io::ReadOptions;
-use pointreel::octree::StopCriterion;
+use pointreel::levels::octree::StopCriterion;
 use pointreel::sequence::{
-    ColorHints, ColorSource, Coloring, DecodeFailure, Direction, FrameEntry, FrameError,
-    FrameState, Loader, LoaderOptions, LoopMode, Needs, OpenOptions, PlayRange, PreparedFrame,
-    Sequence, SequenceError, Slot,
+    ColorHints, ColorSource, Coloring, DecodeFailure, FrameEntry, FrameError, FrameState, Loader,
+    LoaderOptions, Needs, OpenOptions, PreparedFrame, Sequence, SequenceError, Slot,
 };
+use pointreel::timeline::{Direction, LoopMode, PlayRange};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};

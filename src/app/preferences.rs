@@ -10,9 +10,9 @@
 use super::present_choice::PresentChoice;
 use super::state::{OpenPanels, POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use crate::kept::{self, Fields};
-use crate::octree::StopCriterion;
+use crate::levels::octree::StopCriterion;
 use crate::scene::{Lod, Settings};
-use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED};
+use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED};
 use egui::ThemePreference;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -7,7 +7,7 @@
 
 use super::preferences::offered_settings;
 use crate::kept::{self, Fields};
-use crate::octree::StopCriterion;
+use crate::levels::octree::StopCriterion;
 use crate::scene::{Lod, Primitive, Settings, VoxelLight};
 use serde::Serialize;
 use serde_json::Value;

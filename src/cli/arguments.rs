@@ -3,7 +3,7 @@
 use super::colors::ColorArgs;
 use super::warnings;
 use crate::io::ReadOptions;
-use crate::octree::StopCriterion;
+use crate::levels::octree::StopCriterion;
 use crate::scene::{
     BackFaces, Background, Clip, ClipShape, EyeDome, Footprint, Lighting, Lod, NormalBits,
     OffsetBits, ParseChoiceError, Primitive, RendererChoice, Settings, Splatting, Strategy,

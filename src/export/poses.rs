@@ -6,8 +6,8 @@
 //! of points.
 
 use crate::headless::Headless;
+use crate::levels::octree::StopCriterion;
 use crate::measure::Change;
-use crate::octree::StopCriterion;
 use crate::scene::{Scene, Settings};
 use crate::sequence::{
     FrameError, Ghost, Needs, OnionSkin, Paint, PreparedFrame, Trails, with_ghosts,

@@ -12,9 +12,9 @@ use super::pairing::{Pair, PairBy, PairTimes};
 use super::player::{PlayerChange, new_warnings};
 use crate::scene::{Scene, Settings};
 use crate::sequence::{
-    Clock, Direction, FrameError, Loader, LoaderOptions, LoopMode, Needs, PlayRange, PreparedFrame,
-    Sequence, SequenceError, Slot,
+    FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot,
 };
+use crate::timeline::{Clock, Direction, LoopMode, PlayRange};
 use std::collections::HashSet;
 use std::sync::Arc;
 

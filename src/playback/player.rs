@@ -12,9 +12,9 @@ use super::attributes::FirstAttributes;
 use super::marks::{Run, runs};
 use crate::scene::{Primitive, Scene, Settings};
 use crate::sequence::{
-    Clock, Direction, FrameError, Loader, LoaderOptions, LoopMode, Needs, PlayRange, PreparedFrame,
-    Sequence, SequenceError, Slot,
+    FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot,
 };
+use crate::timeline::{Clock, Direction, LoopMode, PlayRange};
 use std::collections::{HashSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;

@@ -4,8 +4,8 @@
 //! handed over as a sum of two f32, so that `(position - eye_high) - eye_low` loses nothing a pixel could show.
 
 use super::settings::{ParseChoiceError, Projection};
+use crate::levels::octree::SelectView;
 use crate::math::{Aabb, Frustum};
-use crate::octree::SelectView;
 use glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use std::str::FromStr;
 

@@ -1,7 +1,7 @@
 //! Level of detail: how many of the octree's cells a picture is made of.
 
+use crate::levels::octree::{Cut, CutHints, Octree, SelectView};
 use crate::math::morton::LEVELS;
-use crate::octree::{Cut, CutHints, Octree, SelectView};
 
 /// Which cells of the octree stand for the cloud.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -1,8 +1,8 @@
 //! Every choice a person has about a picture, with the words the command line and the window use for it.
 
 use super::{Background, Clip, EyeDome, FirstLook, Lod};
+use crate::levels::octree::StopCriterion;
 use crate::math::Aabb;
-use crate::octree::StopCriterion;
 use crate::sequence::{ColorHints, Coloring};
 
 /// Writes an enum of unit variants once: its list, its names and how a name is read back, also in files.

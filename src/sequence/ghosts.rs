@@ -91,7 +91,7 @@ pub fn with_ghosts(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::octree::StopCriterion;
+    use crate::levels::octree::StopCriterion;
     use glam::Vec3;
 
     /// Points on a line from `start`, dark and bright by turns.

@@ -1,11 +1,12 @@
 //! A sequence of point clouds through time: finding its files, preparing its frames ahead of the playhead, playing it.
 //!
-//! [`Sequence::discover`] orders files without reading them. [`Clock`] says which frame is due. A [`Loader`] decodes
+//! [`Sequence::discover`] orders files without reading them. [`crate::timeline::Clock`] says which frame is due. A [`Loader`] decodes
 //! and prepares frames on worker threads in the order in which the clock will ask for them, and keeps what a byte
 //! budget allows:
 //!
 //! ```no_run
-//! use pointreel::sequence::{Direction, Loader, LoaderOptions, Needs, Sequence};
+//! use pointreel::sequence::{Loader, LoaderOptions, Needs, Sequence};
+//! use pointreel::timeline::Direction;
 //! use std::sync::Arc;
 //!
 //! let sequence = Arc::new(Sequence::discover(&["scans/".into()])?);
@@ -17,7 +18,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod clock;
 mod coloring;
 mod detail;
 mod effort;
@@ -27,19 +27,15 @@ mod loader;
 mod needs;
 mod onion;
 mod origin;
-mod pace;
-mod play_range;
 mod prepare;
 mod records;
 mod scaled;
 mod stamps;
 mod trails;
-mod travel;
 mod watch;
 
 pub use crate::io::natural_order;
 pub use crate::source::{DecodeFailure, FrameEntry, OpenOptions, Recording, SequenceError, Shape};
-pub use clock::{Clock, DEFAULT_FPS, MAX_SPEED, MIN_SPEED};
 pub use coloring::{
     ColorHints, ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint,
     PaintValues, ParseColoringError, plain_field_name, value_kind,
@@ -54,19 +50,17 @@ pub use loader::{
 };
 pub use needs::Needs;
 pub use onion::OnionSkin;
-pub use pace::Pace;
-pub use play_range::PlayRange;
 pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare, prepare_part};
 pub use records::UNIFORM_COLOR;
 pub use scaled::NO_VALUE_COLOR;
 pub use trails::{BreakReason, TrailBreak, TrailMeasure, TrailRequest, Trails};
-pub use travel::{Direction, LoopMode};
 pub use watch::watch;
 
 use crate::cloud::{Frame, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::source::{self, Decoder, FrameList, Source};
+use crate::timeline::{DEFAULT_FPS, Pace};
 use glam::DVec3;
 use origin::OriginFinder;
 use stamps::Stamps;

@@ -1,7 +1,7 @@
 //! What a picture needs of a frame: what is not needed is not computed.
 
 use super::{ColorHints, Coloring};
-use crate::octree::StopCriterion;
+use crate::levels::octree::StopCriterion;
 
 /// What a picture needs of a frame beyond its points.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -24,7 +24,7 @@ use crate::analysis::{
     Orientation, Surface, estimate_surface_fast, estimate_surface_observed, surface_steps,
 };
 use crate::cloud::{CloudError, Frame, PointRecord, ShapeRecord, radius_factor};
-use crate::octree::{CodedCloud, LodSurfels, Octree, StopCriterion};
+use crate::levels::octree::{CodedCloud, LodSurfels, Octree, StopCriterion};
 use crate::progress::Progress;
 use glam::Vec3;
 use std::sync::Arc;

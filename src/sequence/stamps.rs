@@ -3,7 +3,7 @@
 //! How it works: a frame that comes adds one spacing. The median, which durations are counted in, is looked for anew
 //! once there are an eighth more, so that a stream of any length sorts nothing when a frame comes.
 
-use super::pace::Pace;
+use crate::timeline::Pace;
 use std::time::Duration;
 
 /// The median of so many spacings serves until there are so many eighths of them.

@@ -4,7 +4,7 @@ use super::{clock, frame, is_playing, press, window};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{BINDINGS, GESTURES, WindowRequest};
-use pointreel::sequence::LoopMode;
+use pointreel::timeline::LoopMode;
 
 #[test]
 fn keys_do_what_the_table_says() {

@@ -6,7 +6,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::State;
 use pointreel::cloud::{Positions, RawCloud, ScalarField};
-use pointreel::octree::StopCriterion;
+use pointreel::levels::octree::StopCriterion;
 use pointreel::scene::{
     BackFaces, Background, EyeDome, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive,
     RendererChoice, Settings, Splatting, Strategy, UpAxis, VoxelLight,

@@ -6,7 +6,7 @@ use egui::pos2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::State;
-use pointreel::sequence::LoopMode;
+use pointreel::timeline::LoopMode;
 use std::time::Duration;
 
 #[test]

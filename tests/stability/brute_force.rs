@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 use pointreel::cloud::VoxelRecord;
+use pointreel::levels::octree::{Octree, SelectView};
 use pointreel::math::Cube;
 use pointreel::math::{Containment, morton};
-use pointreel::octree::{Octree, SelectView};
 use std::collections::HashSet;
 
 /// Cell of a level that holds `position`, by division in f64; the upper faces of the cube belong to the last cells.

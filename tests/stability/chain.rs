@@ -5,11 +5,12 @@ use super::{brute_force, common};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::oct_decode;
-use pointreel::octree::{SelectView, StopCriterion};
+use pointreel::levels::octree::{SelectView, StopCriterion};
 use pointreel::scene::{BackFaces, Background, Camera, Primitive, Scene, Settings, UpAxis};
 use pointreel::sequence::{
-    ColorHints, Coloring, Direction, Loader, LoaderOptions, Needs, PreparedFrame, Sequence,
+    ColorHints, Coloring, Loader, LoaderOptions, Needs, PreparedFrame, Sequence,
 };
+use pointreel::timeline::Direction;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -6,7 +6,8 @@ use crate::export::{ExportError, PictureSize, Poses, Video, export_video, write_
 use crate::headless::{Headless, HeadlessError};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, CameraPath, Settings};
-use crate::sequence::{Clock, Loader, LoaderOptions, Sequence};
+use crate::sequence::{Loader, LoaderOptions, Sequence};
+use crate::timeline::Clock;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;

@@ -4,7 +4,7 @@
 //! whatever its time stamps, speed, direction and range. Videos take their pictures exactly at keyframes then.
 
 use crate::scene::{Camera, CameraPath, Keyframe, PathError};
-use crate::sequence::{Clock, Direction, LoopMode};
+use crate::timeline::{Clock, Direction, LoopMode};
 use std::time::Duration;
 
 /// The clock is anchored anew after so many pictures: it counts the frames since then.
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
     use crate::math::Aabb;
     use crate::scene::UpAxis;
-    use crate::sequence::{Pace, PlayRange};
+    use crate::timeline::{Pace, PlayRange};
     use glam::DVec3;
 
     fn camera() -> Camera {

@@ -1,7 +1,7 @@
 //! Choices about the octree: how deep it goes, and which of its cells are drawn as voxels or surfels.
 
 use super::settings::{choice, heading, row, rows};
-use crate::octree::StopCriterion;
+use crate::levels::octree::StopCriterion;
 use crate::scene::{Lod, Primitive, Settings, VoxelLight};
 use egui::{Slider, Ui};
 

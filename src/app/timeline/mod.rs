@@ -12,7 +12,7 @@ pub use markers::{Marker, Markers};
 use super::State;
 use super::state::Chosen;
 use crate::playback::Player;
-use crate::sequence::PlayRange;
+use crate::timeline::PlayRange;
 use std::path::PathBuf;
 
 /// The marks of the open sequence.

@@ -16,7 +16,7 @@ use super::scenario::{self, Coverage, Viewpoint};
 use super::{
     BenchError, BenchOptions, Environment, Input, LabPoint, Report, Step, check_cancelled,
 };
-use crate::octree::StopCriterion;
+use crate::levels::octree::StopCriterion;
 use crate::progress::Progress;
 use crate::render::AnyRenderer;
 use crate::render::gpu::Context;

@@ -14,7 +14,7 @@ use super::{Run, Subject, mean, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::milliseconds_since;
 use crate::bench::{BenchError, Quantiles};
-use crate::octree::{Octree, StopCriterion};
+use crate::levels::octree::{Octree, StopCriterion};
 use crate::scene::{Camera, Scene};
 use crate::sequence::PreparedFrame;
 use glam::Vec3;

@@ -3,7 +3,7 @@
 use super::{Run, Subject};
 use crate::bench::BenchError;
 use crate::bench::runner::milliseconds_since;
-use crate::octree::Octree;
+use crate::levels::octree::Octree;
 use crate::scene::Camera;
 use std::hint::black_box;
 use std::time::Instant;

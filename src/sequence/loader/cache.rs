@@ -15,8 +15,8 @@
 
 use super::facts::Facts;
 use super::stats::FrameState;
-use crate::sequence::travel::{Direction, Travel};
 use crate::sequence::{Detail, FrameError, Needs, PreparedFrame};
+use crate::timeline::{Direction, Travel};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! What stays known of frames that were prepared, after they have gone from memory.
 
+use crate::levels::octree::StopCriterion;
 use crate::math::Aabb;
-use crate::octree::StopCriterion;
 use crate::sequence::PreparedFrame;
 
 /// What is known of a frame that was prepared once.

@@ -19,11 +19,9 @@ pub use facts::FrameFacts;
 pub use readings::{Reading, ReadingStage};
 pub use stats::{FrameState, LoaderStats};
 
-use super::travel::Travel;
-use super::{
-    Direction, FrameError, LoopMode, Needs, PlayRange, PreparedFrame, Sequence, SequenceError,
-};
+use super::{FrameError, Needs, PreparedFrame, Sequence, SequenceError};
 use crate::memory;
+use crate::timeline::{Direction, LoopMode, PlayRange, Travel};
 use cache::Focus;
 use queue::{Queue, Waiter};
 use readings::Readings;

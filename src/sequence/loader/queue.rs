@@ -16,7 +16,8 @@ use super::LoaderOptions;
 use super::cache::{ALWAYS_AHEAD_FRAMES, Cache, Focus};
 use super::stages;
 use crate::sequence::effort::Effort;
-use crate::sequence::{Detail, FrameError, LoopMode, Needs, PreparedFrame, Sequence};
+use crate::sequence::{Detail, FrameError, Needs, PreparedFrame, Sequence};
+use crate::timeline::LoopMode;
 use std::sync::Arc;
 
 /// How far ahead frames are prepared, if the budget allows: ten seconds of film.

@@ -3,7 +3,7 @@
 use super::{named, seconds};
 use crate::app::State;
 use crate::app::camera_path::Draft;
-use crate::sequence::DEFAULT_FPS;
+use crate::timeline::DEFAULT_FPS;
 use egui::{Button, ComboBox, DragValue, Label, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 

@@ -6,7 +6,8 @@ use crate::app::theme::{ACCENT, BAD, COARSE, PENDING, RESIDENT};
 use crate::app::thumbnails::{Look, PICTURE_PX};
 use crate::playback::{Mark, Player, Run};
 use crate::scene::Scene;
-use crate::sequence::{PlayRange, Slot};
+use crate::sequence::Slot;
+use crate::timeline::PlayRange;
 use egui::{Color32, Painter, Rect, Response, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// Height of the bar, points.

@@ -6,7 +6,7 @@ use crate::app::panels::grouped;
 use crate::app::theme::{BAD, Icon, paint_icon};
 use crate::app::timeline::Quantity;
 use crate::playback::Player;
-use crate::sequence::{LoopMode, MAX_SPEED, MIN_SPEED};
+use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED};
 use egui::{
     Align, ComboBox, DragValue, Label, Layout, Response, RichText, Role, Sense, Ui, WidgetInfo,
     vec2,

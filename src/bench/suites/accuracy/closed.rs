@@ -9,7 +9,7 @@ use super::{CLOSED, row};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::suites::{Run, Subject, mean, paper_voxel_settings};
-use crate::octree::StopCriterion;
+use crate::levels::octree::StopCriterion;
 use crate::scene::{BackFaces, Scene, Settings, VoxelLight};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 

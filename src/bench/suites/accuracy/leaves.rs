@@ -9,7 +9,7 @@ use super::{LEAVES, row};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::suites::{Run, mean};
-use crate::octree::{Octree, StopCriterion};
+use crate::levels::octree::{Octree, StopCriterion};
 use crate::sequence::PreparedFrame;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;

@@ -18,8 +18,8 @@ use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::{Runner, milliseconds_since};
 use crate::bench::truth_cache::TruthCache;
 use crate::bench::{BenchError, Quantiles};
+use crate::levels::octree::StopCriterion;
 use crate::measure::{SurfaceError, psnr_db};
-use crate::octree::StopCriterion;
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
 use crate::scene::{

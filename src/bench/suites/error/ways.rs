@@ -1,6 +1,6 @@
 //! The ways to draw that are compared: the default, and what it becomes when one choice after the other changes.
 
-use crate::octree::StopCriterion;
+use crate::levels::octree::StopCriterion;
 use crate::scene::{
     Background, Footprint, Lighting, Lod, Primitive, RendererChoice, Settings, Splatting, Strategy,
     VoxelLight,

@@ -216,7 +216,7 @@ impl<'a> Traversal<'a> {
 }
 
 /// Half the diagonal of a cube of edge 1.
-const LARGEST_OFFSET_DIAGONAL: f32 = crate::octree::coded::LARGEST_OFFSET;
+const LARGEST_OFFSET_DIAGONAL: f32 = crate::levels::octree::coded::LARGEST_OFFSET;
 
 /// The blocks of every tile, in their order.
 #[derive(Debug)]

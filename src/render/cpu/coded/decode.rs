@@ -6,7 +6,7 @@
 
 use super::blocks::Block;
 use super::transform::Transform;
-use crate::octree::CodedCloud;
+use crate::levels::octree::CodedCloud;
 use glam::Vec4;
 use std::ops::Range;
 

@@ -32,8 +32,8 @@ use super::shading::{Light, Shading, head_light_of_cosine, seen_from_behind, uni
 use super::tile::{HEIGHT, NOWHERE, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::cloud::{largest_normal_error, quantised_normals};
-use crate::octree::CodedCloud;
-use crate::octree::coded::{NodeAttributes, offset_of_code, radius_of_code};
+use crate::levels::octree::CodedCloud;
+use crate::levels::octree::coded::{NodeAttributes, offset_of_code, radius_of_code};
 use crate::render::DEPTH_SLACK_RADII;
 use crate::scene::{Footprint, Lighting, ScenePacket, Splatting};
 use blocks::{Block, Traversal};

@@ -7,7 +7,7 @@ use super::masks::{self, FULL_WEIGHT, MASKS};
 use super::transform::{Transform, homogeneous, in_view};
 use super::*;
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode, quantised_directions};
-use crate::octree::{Octree, StopCriterion};
+use crate::levels::octree::{Octree, StopCriterion};
 use crate::scene::{BackFaces, Camera, CodedCells, Projection, Settings, UpAxis};
 use glam::DVec3;
 use proptest::prelude::*;

@@ -52,27 +52,27 @@ impl LoopMode {
 
 /// A sequence as a playhead sees it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Travel {
-    pub(super) frame_count: usize,
+pub(crate) struct Travel {
+    pub(crate) frame_count: usize,
     /// Frames before this one are gone: none of them plays.
-    pub(super) first: usize,
+    pub(crate) first: usize,
     /// The frames that play. A playhead that was put elsewhere goes to their beginning with its next step.
-    pub(super) range: PlayRange,
-    pub(super) loop_mode: LoopMode,
+    pub(crate) range: PlayRange,
+    pub(crate) loop_mode: LoopMode,
 }
 
 /// Where a playhead is after some steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Arrival {
-    pub(super) index: usize,
-    pub(super) direction: Direction,
+pub(crate) struct Arrival {
+    pub(crate) index: usize,
+    pub(crate) direction: Direction,
     /// Fewer than asked for where the sequence ends.
-    pub(super) steps: u64,
+    pub(crate) steps: u64,
 }
 
 impl Travel {
     /// All of a sequence.
-    pub(super) fn whole(frame_count: usize, loop_mode: LoopMode) -> Self {
+    pub(crate) fn whole(frame_count: usize, loop_mode: LoopMode) -> Self {
         Self {
             frame_count,
             first: 0,
@@ -82,7 +82,7 @@ impl Travel {
     }
 
     /// The frames that play.
-    pub(super) fn frames(&self) -> Range<usize> {
+    pub(crate) fn frames(&self) -> Range<usize> {
         let Range { start, end } = self.range.of(self.frame_count);
         if end <= self.first {
             // All that was to play is gone.
@@ -92,12 +92,12 @@ impl Travel {
     }
 
     /// Whether `index` is one of them.
-    pub(super) fn plays(&self, index: usize) -> bool {
+    pub(crate) fn plays(&self, index: usize) -> bool {
         self.frames().contains(&index)
     }
 
     /// The frame that plays first in `direction`.
-    pub(super) fn start(&self, direction: Direction) -> usize {
+    pub(crate) fn start(&self, direction: Direction) -> usize {
         self.mirrored(direction, 0)
     }
 
@@ -121,7 +121,7 @@ impl Travel {
     }
 
     /// Where a playhead at `index` is after `steps`. Precondition: `index < frame_count`, or both are 0.
-    pub(super) fn after(&self, index: usize, direction: Direction, steps: u64) -> Arrival {
+    pub(crate) fn after(&self, index: usize, direction: Direction, steps: u64) -> Arrival {
         let Some(position) = self.position(direction, index) else {
             return self.after_from_elsewhere(index, direction, steps);
         };
@@ -182,7 +182,7 @@ impl Travel {
     }
 
     /// The frame that is needed `rank`-th, each counted once; `None` beyond the last that will be needed.
-    pub(super) fn upcoming(
+    pub(crate) fn upcoming(
         &self,
         playhead: usize,
         direction: Direction,
@@ -213,7 +213,7 @@ impl Travel {
 
     /// How soon `index` is needed: the inverse of [`Travel::upcoming`]. Frames that lie behind and will not be needed
     /// rank after those that will, the farthest last; frames that do not play after all others.
-    pub(super) fn rank(&self, playhead: usize, direction: Direction, index: usize) -> usize {
+    pub(crate) fn rank(&self, playhead: usize, direction: Direction, index: usize) -> usize {
         let frames = self.frames();
         let Some(position) = self.position(direction, index) else {
             return match index {
@@ -237,7 +237,7 @@ impl Travel {
 
     /// `resident` without the playhead by falling [`Travel::rank`]: what is needed last comes first. Each step is
     /// O(log n).
-    pub(super) fn needed_last_first<'a>(
+    pub(crate) fn needed_last_first<'a>(
         &self,
         resident: &'a BTreeSet<usize>,
         playhead: usize,

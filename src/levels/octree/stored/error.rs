@@ -1,8 +1,8 @@
 //! Why bytes are not a stored octree.
 
 use super::{MAGIC, VERSION};
+use crate::levels::octree::OctreeError;
 use crate::math::morton::LEVELS;
-use crate::octree::OctreeError;
 
 /// Why bytes are not a stored octree.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -48,8 +48,8 @@ impl Octree {
 mod tests {
     use super::*;
     use crate::analysis::test_shapes::{self, Random};
+    use crate::levels::octree::StopCriterion;
     use crate::math::Cube;
-    use crate::octree::StopCriterion;
 
     #[test]
     fn it_is_that_of_all_cells_looked_at_one_by_one() {

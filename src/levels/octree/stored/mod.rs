@@ -28,7 +28,7 @@
 //! # Example
 //! ```
 //! use glam::Vec3;
-//! use pointreel::octree::{Octree, StopCriterion, StoredOctree};
+//! use pointreel::levels::octree::{Octree, StopCriterion, StoredOctree};
 //!
 //! let positions = [Vec3::ZERO, Vec3::X, Vec3::ONE];
 //! let tree = Octree::build(&positions, &[[200, 100, 50, 255]; 3], StopCriterion::default());

@@ -26,7 +26,7 @@ pub struct Pace {
 impl Pace {
     /// The pace of frames with these times between them, and its frames a second; `None` without any. Precondition: the
     /// median is positive.
-    pub(super) fn of_spacings(spacings_s: &[f64], median_s: f64) -> Option<(Self, f64)> {
+    pub(crate) fn of_spacings(spacings_s: &[f64], median_s: f64) -> Option<(Self, f64)> {
         if spacings_s.is_empty() {
             return None;
         }
@@ -44,13 +44,13 @@ impl Pace {
     }
 
     /// How long a frame lasts, in median frames.
-    pub(super) fn duration(&self, frame: usize) -> f64 {
+    pub(crate) fn duration(&self, frame: usize) -> f64 {
         self.durations.get(frame).copied().unwrap_or(1.0)
     }
 
     /// How many steps a playhead is due to have made when `elapsed` median frames have passed since frame `start`
     /// began.
-    pub(super) fn steps_within(
+    pub(crate) fn steps_within(
         &self,
         travel: &Travel,
         start: usize,
@@ -90,7 +90,7 @@ impl Pace {
     }
 
     /// Median frames from the beginning of frame `start` until the playhead has made `steps`.
-    pub(super) fn elapsed_at(
+    pub(crate) fn elapsed_at(
         &self,
         travel: &Travel,
         start: usize,
@@ -134,7 +134,7 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sequence::PlayRange;
+    use crate::timeline::PlayRange;
     use proptest::prelude::*;
     use std::time::Duration;
 

@@ -315,7 +315,7 @@ fn rounded_byte(value: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::octree::StopCriterion;
+    use crate::levels::octree::StopCriterion;
 
     #[test]
     fn running_sums_are_those_of_one_colour_after_another() {

@@ -3,8 +3,8 @@
 use super::bits::BitWriter;
 use super::{MAGIC, Octree, SEVERAL_LEVELS, SHAPES, VERSION, columns};
 use crate::cloud::ShapeRecord;
+use crate::levels::octree::{NodeRange, stop::Leaves};
 use crate::math::morton::LEVELS;
-use crate::octree::{NodeRange, stop::Leaves};
 use std::io;
 
 impl Octree {

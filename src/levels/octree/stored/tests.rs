@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
-use crate::octree::{OctreeError, SelectView, StopCriterion};
+use crate::levels::octree::{OctreeError, SelectView, StopCriterion};
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -107,7 +107,7 @@ fn a_view_selects_the_same_voxels() {
         for lod_px in [0.0, 2.0, 20.0] {
             let view = SelectView {
                 lod_px,
-                ..crate::octree::tests::view_from(Vec3::new(0.0, 2.0, 1.5), Vec3::X, 0.0)
+                ..crate::levels::octree::tests::view_from(Vec3::new(0.0, 2.0, 1.5), Vec3::X, 0.0)
             };
             let (mut written, mut found) = (Vec::new(), Vec::new());
             let stats = tree.select(&view, &mut written);

@@ -10,9 +10,9 @@ use super::attributes::NodeAttributes;
 use crate::cloud::{
     FINEST_NORMAL_BITS, PointRecord, ShapeRecord, oct_decode, quantise_normal, quantised_normals,
 };
+use crate::levels::octree::Octree;
+use crate::levels::octree::node_surfel::NodeSurfel;
 use crate::math::morton;
-use crate::octree::Octree;
-use crate::octree::node_surfel::NodeSurfel;
 use bytemuck::Zeroable;
 use glam::Vec3;
 use rayon::prelude::*;

@@ -201,7 +201,7 @@ fn children(cells: &[u64], masks: &[u8], count: usize) -> Vec<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::octree::StopCriterion;
+    use crate::levels::octree::StopCriterion;
     use glam::Vec3;
 
     /// Two levels: octants 0 and 7 of the root; in them octants 1 and 2, and octant 4.

@@ -81,8 +81,8 @@ mod tests {
     use super::*;
     use crate::analysis::test_shapes::{self, Random};
     use crate::cloud::PointRecord;
-    use crate::octree::tests::view_from;
-    use crate::octree::{CutHints, Octree, StopCriterion};
+    use crate::levels::octree::tests::view_from;
+    use crate::levels::octree::{CutHints, Octree, StopCriterion};
     use std::sync::Arc;
 
     /// A sphere whose normals point outwards or, half of them, inwards; in Morton order.

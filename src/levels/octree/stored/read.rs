@@ -2,11 +2,11 @@
 
 use super::bits::BitReader;
 use super::{MAGIC, SEVERAL_LEVELS, SHAPES, StoredOctree, StoredOctreeError, VERSION, columns};
+use crate::levels::octree::Octree;
+use crate::levels::octree::byte_code::{LeafLevels, leaves_of_masks};
+use crate::levels::octree::sorted_points::SortedPoints;
+use crate::levels::octree::stop::{LeafRun, Leaves};
 use crate::math::{Cube, morton::LEVELS};
-use crate::octree::Octree;
-use crate::octree::byte_code::{LeafLevels, leaves_of_masks};
-use crate::octree::sorted_points::SortedPoints;
-use crate::octree::stop::{LeafRun, Leaves};
 use glam::Vec3;
 use std::sync::Arc;
 

@@ -152,8 +152,8 @@ mod tests {
     use super::*;
     use crate::analysis::test_shapes::{self, Random};
     use crate::cloud::VoxelRecord;
-    use crate::octree::tests::{random_colors, view_from};
-    use crate::octree::{Octree, SelectView, StopCriterion};
+    use crate::levels::octree::tests::{random_colors, view_from};
+    use crate::levels::octree::{Octree, SelectView, StopCriterion};
     use glam::Vec3;
 
     /// The voxels of `view`, from the tree and from one that keeps nothing.
