@@ -20,8 +20,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Camera, Footprint, Lighting, NormalBits, Primitive, RendererChoice, Scene, ScenePacket,
-    Settings, UpAxis,
+    Camera, CodeStyle, Footprint, LightStyle, Lighting, NormalBits, Primitive, RendererChoice,
+    Scene, ScenePacket, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
@@ -51,16 +51,19 @@ fn frame() -> PreparedFrame {
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
-fn settings(footprint: Footprint, normal_bits: NormalBits) -> Settings {
-    Settings {
+fn settings(footprint: Footprint, normal_bits: NormalBits) -> Style {
+    Style {
         renderer: RendererChoice::Cpu,
-        footprint,
-        normal_bits,
-        ..Settings::default()
+        codes: CodeStyle {
+            footprint,
+            normal_bits,
+            ..CodeStyle::default()
+        },
+        ..Style::default()
     }
 }
 
-fn contenders() -> [(&'static str, Settings); 6] {
+fn contenders() -> [(&'static str, Style); 6] {
     let masks = settings(Footprint::Masks, NormalBits::Thirteen);
     [
         (
@@ -70,8 +73,11 @@ fn contenders() -> [(&'static str, Settings); 6] {
         ("masks", masks),
         (
             "masks, light once a normal",
-            Settings {
-                lighting: Lighting::PerSurfel,
+            Style {
+                light: LightStyle {
+                    lighting: Lighting::PerSurfel,
+                    ..masks.light
+                },
                 ..masks
             },
         ),
@@ -85,7 +91,7 @@ fn contenders() -> [(&'static str, Settings); 6] {
         ),
         (
             "plain points",
-            Settings {
+            Style {
                 primitive: Primitive::Point,
                 ..masks
             },
@@ -93,7 +99,7 @@ fn contenders() -> [(&'static str, Settings); 6] {
     ]
 }
 
-fn packet(frame: &PreparedFrame, distance: f64, settings: &Settings) -> ScenePacket {
+fn packet(frame: &PreparedFrame, distance: f64, settings: &Style) -> ScenePacket {
     let mut camera = Camera::framing(&frame.frame.bounds(), DVec3::ZERO, UpAxis::Z);
     camera.elevation_deg = 40.0;
     camera.distance = distance;
@@ -110,7 +116,7 @@ fn draw(renderer: &mut CpuRenderer, packet: &ScenePacket) -> Duration {
 
 #[expect(clippy::print_stdout, reason = "what is measured beside times")]
 fn print_bits(frame: &PreparedFrame) {
-    let (Some(octree), Some(shapes)) = (&frame.octree, &frame.shapes) else {
+    let (Some(octree), Some(shapes)) = (frame.levels.octree(), &frame.shapes) else {
         return;
     };
     for (what, stop) in [

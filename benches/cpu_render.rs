@@ -23,7 +23,7 @@ use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Camera, EyeDome, GroundPlane, Primitive, ScenePacket, Settings, UpAxis, Voxels,
+    Camera, Content, EyeDome, GroundPlane, Primitive, ScenePacket, Style, Surfels, UpAxis, Voxels,
 };
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -65,7 +65,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
     camera.elevation_deg = 40.0;
     camera.distance = distance;
     let view = camera.transform(DVec3::ZERO, SIZE_PX);
-    let voxels = (primitive == Primitive::Voxel).then(|| {
+    let voxels = || {
         let sorted: Vec<Vec3> = points.iter().map(|point| point.position.into()).collect();
         let colors: Vec<[u8; 4]> = points.iter().map(|point| point.color).collect();
         let octree = Octree::build(&sorted, &colors, StopCriterion::PAPER);
@@ -76,18 +76,23 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
             normals: None,
             cube_edge: octree.cube().edge,
         }
-    });
+    };
+    let content = match primitive {
+        Primitive::Voxel => Content::Voxels(voxels()),
+        Primitive::Auto | Primitive::Surfel => Content::Surfels(Surfels {
+            points: Arc::new(points),
+            shapes: Arc::new(shapes.collect()),
+        }),
+        Primitive::Point => Content::Points(Arc::new(points)),
+    };
     ScenePacket {
         viewport_px: SIZE_PX,
         view,
-        settings: Settings {
+        settings: Style {
             primitive,
-            ..Settings::default()
+            ..Style::default()
         },
-        points: Arc::new(points),
-        shapes: (primitive == Primitive::Surfel).then(|| Arc::new(shapes.collect())),
-        voxels,
-        coded: None,
+        content,
         ground: None,
         bounds,
     }
@@ -147,21 +152,21 @@ fn screen(criterion: &mut Criterion) {
     let mut camera = Camera::framing(&packet.bounds, DVec3::ZERO, UpAxis::Z);
     (camera.elevation_deg, camera.distance) = (40.0, 1.9);
     packet.view = camera.transform(DVec3::ZERO, size_px);
-    packet.settings.point_size_px = 3.0;
+    packet.settings.points.size_px = 3.0;
     let (_, pool) = threads::pools([1, 2]).last().expect("two pools");
     let mut group = criterion.benchmark_group("screen/1280x720/2 threads");
     group
         .sample_size(20)
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(2));
-    let background = packet.settings.background;
+    let background = packet.settings.backdrop.background;
     let ground = GroundPlane::under(&packet.bounds, DVec3::ZERO, UpAxis::Z, background);
     for (name, eye_dome, ground) in [
         ("neither", EyeDome::Off, None),
         ("eye-dome lighting", EyeDome::On, None),
         ("grid", EyeDome::Off, Some(ground)),
     ] {
-        packet.settings.eye_dome = eye_dome;
+        packet.settings.light.eye_dome = eye_dome;
         packet.ground = ground;
         let mut renderer = CpuRenderer::new();
         group.bench_function(format!("{name}, picture"), |bencher| {

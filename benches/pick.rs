@@ -9,7 +9,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::math::Aabb;
-use pointreel::scene::{Camera, Primitive, Scene, Settings, UpAxis, pick};
+use pointreel::scene::{Camera, Primitive, Scene, Style, UpAxis, pick};
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -40,9 +40,9 @@ fn picking(criterion: &mut Criterion) {
     let camera = Camera::framing(&frame.frame.bounds(), DVec3::ZERO, UpAxis::Y);
     let mut group = criterion.benchmark_group(format!("pick/{POINTS}"));
     for primitive in [Primitive::Point, Primitive::Surfel] {
-        let settings = Settings {
+        let settings = Style {
             primitive,
-            ..Settings::default()
+            ..Style::default()
         };
         let packet = Scene::default().packet(&frame, DVec3::ZERO, &camera, &settings, SIZE);
         for (name, place_px) in [("middle", [960.0, 640.0]), ("corner", [10.0, 10.0])] {

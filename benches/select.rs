@@ -14,7 +14,8 @@
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Mat4, Vec3, Vec4};
 use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
-use pointreel::levels::octree::{CutHints, LodSurfels, Octree, SelectView, StopCriterion};
+use pointreel::levels::octree::{LodSurfels, Octree, StopCriterion};
+use pointreel::levels::{CutHints, Levels, SelectView};
 use pointreel::math::{Cube, Frustum, order_of_codes};
 use std::sync::Arc;
 
@@ -67,32 +68,28 @@ fn cut(criterion: &mut Criterion) {
         let at = |distance| view_from(Vec3::new(0.3, 0.5, 0.81) * distance, lod_px);
         let before = tree.cut(&at(2.0), CutHints::default());
         let view = at(2.02);
-        let hints = [
-            ("voxels", CutHints::default()),
-            (
-                "voxels, remembering",
-                CutHints {
-                    before: Some(&before),
-                    back_faces: None,
-                },
-            ),
-            (
-                "facing the eye",
-                CutHints {
-                    before: None,
-                    back_faces: Some(&surfels),
-                },
-            ),
+        let remembering = CutHints {
+            before: Some(&before),
+            culls_back_faces: false,
+        };
+        let facing = CutHints {
+            before: None,
+            culls_back_faces: true,
+        };
+        let ways: [(_, &dyn Levels, _); 3] = [
+            ("voxels", &**tree, CutHints::default()),
+            ("voxels, remembering", &**tree, remembering),
+            ("facing the eye", &surfels, facing),
         ];
-        for (name, hints) in hints {
-            let cut = tree.cut(&view, hints);
+        for (name, levels, hints) in ways {
+            let cut = levels.cut(&view, hints);
             let id = BenchmarkId::new(name, format!("{lod_px}px, {}", cut.node_count()));
-            group.bench_function(id, |bencher| bencher.iter(|| tree.cut(&view, hints)));
+            group.bench_function(id, |bencher| bencher.iter(|| levels.cut(&view, hints)));
             let (mut points, mut shapes) = (Vec::new(), Vec::new());
-            surfels.write(&cut, &mut points, &mut shapes);
+            surfels.write_surfels(&cut, &mut points, &mut shapes);
             let id = BenchmarkId::new(format!("writing surfels, {name}"), format!("{lod_px}px"));
             group.bench_function(id, |bencher| {
-                bencher.iter(|| surfels.write(&cut, &mut points, &mut shapes));
+                bencher.iter(|| surfels.write_surfels(&cut, &mut points, &mut shapes));
             });
         }
     }

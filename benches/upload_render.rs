@@ -17,7 +17,7 @@ use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
 use pointreel::math::{Aabb, Cube, order_of_codes};
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
-use pointreel::scene::{Camera, Primitive, ScenePacket, Settings, Strategy, UpAxis};
+use pointreel::scene::{Camera, Content, Primitive, ScenePacket, Strategy, Style, Surfels, UpAxis};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -63,15 +63,20 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
     ScenePacket {
         viewport_px: SIZE_PX,
         view: camera.transform(DVec3::ZERO, SIZE_PX),
-        settings: Settings {
+        settings: Style {
             primitive,
             strategy,
-            ..Settings::default()
+            ..Style::default()
         },
-        points: Arc::new(points.collect()),
-        shapes: (primitive == Primitive::Surfel).then(|| Arc::new(shapes.collect())),
-        voxels: None,
-        coded: None,
+        content: {
+            let points = Arc::new(points.collect());
+            if primitive == Primitive::Surfel {
+                let shapes = Arc::new(shapes.collect());
+                Content::Surfels(Surfels { points, shapes })
+            } else {
+                Content::Points(points)
+            }
+        },
         ground: None,
         bounds,
     }
@@ -79,23 +84,23 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
 
 /// The same cloud in other memory: a renderer has to upload it again.
 fn copy(packet: &ScenePacket) -> ScenePacket {
-    ScenePacket {
-        points: Arc::new(packet.points.to_vec()),
-        shapes: packet
-            .shapes
-            .as_ref()
-            .map(|shapes| Arc::new(shapes.to_vec())),
-        ..packet.clone()
-    }
+    let order: Vec<u32> = (0..packet.content.record_count() as u32).collect();
+    reordered(packet, &order)
 }
 
 /// The same cloud in the order of these indices.
 fn reordered(packet: &ScenePacket, order: &[u32]) -> ScenePacket {
     let order = order.iter().map(|&index| index as usize);
-    let shapes = packet.shapes.as_ref();
+    let points = packet.content.points().expect("points or surfels");
+    let points = Arc::new(order.clone().map(|index| points[index]).collect());
     ScenePacket {
-        points: Arc::new(order.clone().map(|index| packet.points[index]).collect()),
-        shapes: shapes.map(|shapes| Arc::new(order.map(|index| shapes[index]).collect())),
+        content: match packet.content.shapes() {
+            Some(shapes) => Content::Surfels(Surfels {
+                points,
+                shapes: Arc::new(order.map(|index| shapes[index]).collect()),
+            }),
+            None => Content::Points(points),
+        },
         ..packet.clone()
     }
 }
@@ -151,11 +156,8 @@ fn order(criterion: &mut Criterion) {
     let context = Context::headless(&ContextOptions::default()).expect("an adapter");
     for (primitive, count) in [(Primitive::Point, MANY_POINTS), (Primitive::Surfel, POINTS)] {
         let in_rows = sphere(count, primitive, Strategy::Storage);
-        let positions: Vec<Vec3> = in_rows
-            .points
-            .iter()
-            .map(|point| point.position.into())
-            .collect();
+        let points = in_rows.content.points().expect("points or surfels");
+        let positions: Vec<Vec3> = points.iter().map(|point| point.position.into()).collect();
         let cube = Cube::around(&positions).expect("there are points");
         let morton = order_of_codes(&cube.codes(&positions));
         let mut random: Vec<u32> = (0..count as u32).collect();

@@ -2,9 +2,7 @@
 
 use crate::math::Aabb;
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
-use crate::scene::{
-    Camera, FirstLook, Projection, Scene, ScenePacket, SceneStats, Settings, UpAxis,
-};
+use crate::scene::{Camera, FirstLook, Projection, Scene, ScenePacket, SceneStats, Style, UpAxis};
 use crate::sequence::{ColorSource, FrameError, Loader, Needs, PreparedFrame, Sequence};
 use crate::timeline::Direction;
 use glam::DVec3;
@@ -166,11 +164,7 @@ impl Headless {
     }
 
     /// Waits for frame `index` with all that `settings` need; later frames are prepared meanwhile.
-    pub fn frame(
-        &self,
-        index: usize,
-        settings: &Settings,
-    ) -> Result<Arc<PreparedFrame>, FrameError> {
+    pub fn frame(&self, index: usize, settings: &Style) -> Result<Arc<PreparedFrame>, FrameError> {
         self.frame_on_the_way(index, Direction::Forward, settings)
     }
 
@@ -179,9 +173,9 @@ impl Headless {
         &self,
         index: usize,
         direction: Direction,
-        settings: &Settings,
+        settings: &Style,
     ) -> Result<Arc<PreparedFrame>, FrameError> {
-        let needs = Scene::needs(settings);
+        let needs = self.needs(settings);
         self.loader.request(index, direction, &needs);
         self.loader.wait(index, &needs)
     }
@@ -190,9 +184,14 @@ impl Headless {
     pub fn frame_beside(
         &self,
         index: usize,
-        settings: &Settings,
+        settings: &Style,
     ) -> Result<Arc<PreparedFrame>, FrameError> {
-        self.loader.wait(index, &Scene::needs(settings))
+        self.loader.wait(index, &self.needs(settings))
+    }
+
+    /// What a frame must have to be drawn here with these settings.
+    pub fn needs(&self, settings: &Style) -> Needs {
+        Scene::needs(&settings.drawn_by(self.renderer.is_processor()))
     }
 
     /// The frames.
@@ -205,7 +204,7 @@ impl Headless {
         &mut self,
         frame: &PreparedFrame,
         camera: &Camera,
-        settings: &Settings,
+        settings: &Style,
         size_px: [u32; 2],
     ) -> Result<RgbaImage, RenderError> {
         let packet = self.packet(frame, camera, settings, size_px);
@@ -217,11 +216,12 @@ impl Headless {
         &mut self,
         frame: &PreparedFrame,
         camera: &Camera,
-        settings: &Settings,
+        settings: &Style,
         size_px: [u32; 2],
     ) -> ScenePacket {
         let origin = self.sequence.origin();
-        self.scene.packet(frame, origin, camera, settings, size_px)
+        let settings = settings.drawn_by(self.renderer.is_processor());
+        self.scene.packet(frame, origin, camera, &settings, size_px)
     }
 
     /// Draws what a packet says, in its size.
@@ -243,7 +243,7 @@ impl Headless {
             decode_ms: frame.timings.decode_ms,
             analysis_ms: frame.timings.analysis_ms,
             records_ms: frame.timings.records_ms,
-            octree: frame.octree.as_ref().map(|octree| OctreeStats {
+            octree: frame.levels.octree().map(|octree| OctreeStats {
                 depth: octree.depth(),
                 nodes: octree.node_count(),
                 leaves: octree.leaf_count(),

@@ -11,7 +11,7 @@ use pointreel::app::{Command, Layout, State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
-use pointreel::scene::{Background, Primitive, Scene, ScenePacket, Settings};
+use pointreel::scene::{Backdrop, Background, Primitive, Scene, ScenePacket, Style};
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence, Shape};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -49,12 +49,15 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
         paused: true,
         ..StateOptions::default()
     });
-    state.settings = Settings {
+    state.settings = Style {
         primitive,
-        background: Background::solid([0; 3]),
         // Ranges of heights are of each sequence.
         colors: ColorSource::Uniform.into(),
-        ..Settings::default()
+        backdrop: Backdrop {
+            background: Background::solid([0; 3]),
+            ..Backdrop::default()
+        },
+        ..Style::default()
     };
     state.open(Arc::clone(a));
     state.compare_with(Arc::clone(b));
@@ -141,7 +144,9 @@ fn on_picture(packet: &ScenePacket) -> Vec<DVec2> {
         (ndc * DVec2::new(0.5, -0.5) + 0.5) * DVec2::new(width, height)
     };
     packet
-        .points
+        .content
+        .points()
+        .unwrap()
         .iter()
         .map(|point| place(point.position))
         .collect()

@@ -16,7 +16,8 @@ use pointreel::measure::flip;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    BackFaces, Background, Camera, FirstLook, Primitive, Scene, Settings, UpAxis, VoxelLight,
+    BackFaces, Backdrop, Background, Camera, FirstLook, LevelStyle, Primitive, Scene, Style,
+    SurfelStyle, UpAxis, VoxelLight, VoxelStyle,
 };
 use pointreel::sequence::{
     OpenOptions, PrepareCounters, PreparedFrame, Sequence, Shape, complete, prepare,
@@ -54,15 +55,18 @@ fn draw(
     frame: &PreparedFrame,
     sequence: &Sequence,
     camera: &Camera,
-    settings: Settings,
+    settings: Style,
     size_px: [u32; 2],
 ) -> (RgbaImage, Vec<bool>) {
     let needs = Scene::needs(&settings);
     let frame = complete(frame, &needs, &PrepareCounters::default());
     let mut renderer = CpuRenderer::new();
     let [first, second] = BACKGROUNDS.map(|color| {
-        let settings = Settings {
-            background: Background::solid(color),
+        let settings = Style {
+            backdrop: Backdrop {
+                background: Background::solid(color),
+                ..settings.backdrop
+            },
             ..settings
         };
         let packet = Scene::default().packet(&frame, sequence.origin(), camera, &settings, size_px);
@@ -86,12 +90,15 @@ fn compared(
     frame: &PreparedFrame,
     sequence: &Sequence,
     camera: &Camera,
-    settings: Settings,
+    settings: Style,
     size_px: [u32; 2],
 ) -> [f64; 3] {
-    let surfels = Settings {
-        back_faces: BackFaces::Drawn,
-        ..Settings::default()
+    let surfels = Style {
+        surfels: SurfelStyle {
+            back_faces: BackFaces::Drawn,
+            ..SurfelStyle::default()
+        },
+        ..Style::default()
     };
     let (surfels, is_surfel) = draw(frame, sequence, camera, surfels, size_px);
     let (voxels, is_voxel) = draw(frame, sequence, camera, settings, size_px);
@@ -110,10 +117,10 @@ fn compared(
     ]
 }
 
-fn voxels() -> Settings {
-    Settings {
+fn voxels() -> Style {
+    Style {
         primitive: Primitive::Voxel,
-        ..Settings::default()
+        ..Style::default()
     }
 }
 
@@ -146,7 +153,7 @@ fn voxels_cover_what_surfels_cover_and_look_like_them() {
     let mut beyond = Vec::new();
     for (name, sequence) in sequences() {
         let frame = Arc::new(sequence.frame(0).unwrap());
-        let needs = Scene::needs(&Settings::default());
+        let needs = Scene::needs(&Style::default());
         let frame = prepare(0, frame, 0.0, &needs, &PrepareCounters::default());
         let origin = sequence.origin();
         let up = FirstLook::of(&[&frame.frame], origin).up;
@@ -188,13 +195,16 @@ fn voxels_cover_what_surfels_cover_and_look_like_them() {
 fn the_cells_of_the_paper_are_dots_and_light_on_faces_is_that_of_cubes() {
     let sequence = Sequence::of(Shape::Torus.frame(20_000));
     let frame = Arc::new(sequence.frame(0).unwrap());
-    let needs = Scene::needs(&Settings::default());
+    let needs = Scene::needs(&Style::default());
     let frame = prepare(0, frame, 0.0, &needs, &PrepareCounters::default());
     let camera = Camera::framing(&frame.frame.bounds(), sequence.origin(), UpAxis::Z);
     let of = |settings| compared(&frame, &sequence, &camera, settings, [640, 480]);
     let [covered, _, flip] = of(voxels());
-    let dots = Settings {
-        stop: StopCriterion::PAPER,
+    let dots = Style {
+        levels: LevelStyle {
+            stop: StopCriterion::PAPER,
+            ..voxels().levels
+        },
         ..voxels()
     };
     let [covered_by_dots, ..] = of(dots);
@@ -202,8 +212,10 @@ fn the_cells_of_the_paper_are_dots_and_light_on_faces_is_that_of_cubes() {
         covered > COVERED && covered_by_dots < 0.9,
         "{covered} {covered_by_dots}"
     );
-    let faces = Settings {
-        voxel_light: VoxelLight::Faces,
+    let faces = Style {
+        voxels: VoxelStyle {
+            light: VoxelLight::Faces,
+        },
         ..voxels()
     };
     let [covered_by_faces, _, flip_of_faces] = of(faces);

@@ -15,19 +15,20 @@ use data::shared;
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::{Frame, Positions, RawCloud};
+use pointreel::levels::Lod;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    BackFaces, Camera, FirstLook, Footprint, Lighting, Lod, NormalBits, OffsetBits, RendererChoice,
-    Scene, Settings, Splatting,
+    BackFaces, Camera, CodeStyle, FirstLook, Footprint, LevelStyle, LightStyle, Lighting,
+    NormalBits, OffsetBits, RendererChoice, Scene, Splatting, Style, SurfelStyle,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::path::Path;
 use std::sync::Arc;
 
-fn draw(frame: &PreparedFrame, camera: &Camera, settings: &Settings, size: [u32; 2]) -> RgbaImage {
+fn draw(frame: &PreparedFrame, camera: &Camera, settings: &Style, size: [u32; 2]) -> RgbaImage {
     let packet = Scene::default().packet(frame, DVec3::ZERO, camera, settings, size);
     let mut renderer = CpuRenderer::new();
     renderer.prepare(&packet).unwrap();
@@ -43,14 +44,14 @@ fn keep(picture: &RgbaImage, name: &str) {
     }
 }
 
-fn prepared(raw: RawCloud, settings: &Settings) -> PreparedFrame {
+fn prepared(raw: RawCloud, settings: &Style) -> PreparedFrame {
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     let needs = Scene::needs(settings);
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
 /// A closed sphere of radius 1 in colours that change along it, or white.
-fn ball(count: u32, radius: f32, is_white: bool, settings: &Settings) -> PreparedFrame {
+fn ball(count: u32, radius: f32, is_white: bool, settings: &Style) -> PreparedFrame {
     let surfels = sphere(count, 1.0);
     let positions = surfels.iter().map(|surfel| surfel.position.to_array());
     let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
@@ -74,20 +75,29 @@ fn ball(count: u32, radius: f32, is_white: bool, settings: &Settings) -> Prepare
 }
 
 /// By the processor, from the byte code.
-fn coded() -> Settings {
-    Settings {
+fn coded() -> Style {
+    Style {
         renderer: RendererChoice::Cpu,
-        footprint: Footprint::Masks,
-        lod: Lod::ThresholdPx(0.0),
         // White alone would not be taken for colours.
         colors: pointreel::sequence::ColorSource::File.into(),
+        levels: LevelStyle {
+            lod: Lod::ThresholdPx(0.0),
+            ..plain().levels
+        },
+        codes: CodeStyle {
+            footprint: Footprint::Masks,
+            ..plain().codes
+        },
         ..plain()
     }
 }
 
-fn exact(settings: &Settings) -> Settings {
-    Settings {
-        footprint: Footprint::Disks,
+fn exact(settings: &Style) -> Style {
+    Style {
+        codes: CodeStyle {
+            footprint: Footprint::Disks,
+            ..settings.codes
+        },
         ..*settings
     }
 }
@@ -136,21 +146,33 @@ fn ball_camera([azimuth_deg, elevation_deg]: [f64; 2], distance: f64) -> Camera 
 /// grazing angle; moved along their normals they leave none.
 #[test]
 fn offsets_close_the_gaps_of_quantised_positions() {
-    let settings = Settings {
-        stop: StopCriterion::Depth(6),
-        // Not enlarged in the second pass, which hides gaps. Scaled, radii are about a cell edge, as in the paper.
-        splatting: Splatting::TwoPass,
-        splat_scale: 1.4,
-        normal_bits: NormalBits::Thirteen,
+    let settings = Style {
+        surfels: SurfelStyle {
+            // Not enlarged in the second pass, which hides gaps. Scaled, radii are about a cell edge, as in the paper.
+            splatting: Splatting::TwoPass,
+            splat_scale: 1.4,
+            ..coded().surfels
+        },
+        levels: LevelStyle {
+            stop: StopCriterion::Depth(6),
+            ..coded().levels
+        },
+        codes: CodeStyle {
+            normal_bits: NormalBits::Thirteen,
+            ..coded().codes
+        },
         ..coded()
     };
     let frame = ball(200_000, 0.01, true, &settings);
-    let edge = f64::from(frame.octree.as_ref().unwrap().cube().cell_edge(6));
+    let edge = f64::from(frame.levels.octree().unwrap().cube().cell_edge(6));
     for view in VIEWS_DEG {
         let camera = ball_camera(view, 1.6);
         let count = |offset_bits: OffsetBits| {
-            let settings = Settings {
-                offset_bits,
+            let settings = Style {
+                codes: CodeStyle {
+                    offset_bits,
+                    ..settings.codes
+                },
                 ..settings
             };
             let picture = draw(&frame, &camera, &settings, SIZE);
@@ -170,9 +192,12 @@ fn offsets_close_the_gaps_of_quantised_positions() {
         );
         assert_eq!(three, 0, "{view:?}");
         // Enlarged, splats of the attribute pass reach over what is left.
-        let enlarged = Settings {
-            splatting: Splatting::TwoPassEnlarged,
-            splat_scale: 1.0,
+        let enlarged = Style {
+            surfels: SurfelStyle {
+                splatting: Splatting::TwoPassEnlarged,
+                splat_scale: 1.0,
+                ..settings.surfels
+            },
             ..settings
         };
         let picture = draw(&frame, &camera, &enlarged, SIZE);
@@ -200,9 +225,15 @@ fn masks_beside_exact_disks_on_a_sphere() {
                 for (lighting, least_db) in
                     [(Lighting::Unlit, unlit_db), (Lighting::PerFragment, lit_db)]
                 {
-                    let settings = Settings {
-                        lighting,
-                        normal_bits,
+                    let settings = Style {
+                        codes: CodeStyle {
+                            normal_bits,
+                            ..coded().codes
+                        },
+                        light: LightStyle {
+                            lighting,
+                            ..coded().light
+                        },
                         ..coded()
                     };
                     let masks = draw(&frame, &camera, &settings, SIZE);
@@ -237,12 +268,15 @@ fn masks_beside_exact_disks_on_real_frames() {
         files.retain(|path| path.extension().is_some_and(|extension| extension == "ply"));
         files.sort();
         let raw = pointreel::io::read(&files[0]).unwrap();
-        let settings = Settings {
-            lod: Lod::default(),
+        let settings = Style {
+            levels: LevelStyle {
+                lod: Lod::default(),
+                ..coded().levels
+            },
             ..coded()
         };
         let frame = prepared(raw, &settings);
-        let code = frame.coded.as_ref().unwrap();
+        let code = frame.levels.codes().unwrap();
         println!(
             "{}: depth {}, {:.2?}",
             folder.display(),
@@ -255,8 +289,11 @@ fn masks_beside_exact_disks_on_real_frames() {
             let mut camera = Camera::framing(&frame.frame.bounds(), DVec3::ZERO, up);
             camera.zoom(zoom);
             for lighting in [Lighting::PerFragment, Lighting::PerSurfel, Lighting::Unlit] {
-                let settings = Settings {
-                    lighting,
+                let settings = Style {
+                    light: LightStyle {
+                        lighting,
+                        ..settings.light
+                    },
                     ..settings
                 };
                 let size = [960, 720];
@@ -287,9 +324,15 @@ fn pictures_do_not_depend_on_threads() {
     let frame = ball(20_000, 0.02, false, &coded());
     let camera = camera_at(1.7);
     for footprint in [Footprint::Masks, Footprint::Pixels] {
-        let settings = Settings {
-            footprint,
-            lighting: Lighting::PerFragment,
+        let settings = Style {
+            codes: CodeStyle {
+                footprint,
+                ..coded().codes
+            },
+            light: LightStyle {
+                lighting: Lighting::PerFragment,
+                ..coded().light
+            },
             ..coded()
         };
         let expected = draw(&frame, &camera, &settings, SIZE);
@@ -317,12 +360,18 @@ fn culling_changes_no_pixel_of_a_closed_shape() {
             elevation_deg: 17.0,
             ..camera_at(distance)
         };
-        let culled = Settings {
-            footprint,
+        let culled = Style {
+            codes: CodeStyle {
+                footprint,
+                ..coded().codes
+            },
             ..coded()
         };
-        let not_culled = Settings {
-            back_faces: BackFaces::Drawn,
+        let not_culled = Style {
+            surfels: SurfelStyle {
+                back_faces: BackFaces::Drawn,
+                ..culled.surfels
+            },
             ..culled
         };
         let a = draw(&frame, &camera, &culled, SIZE);

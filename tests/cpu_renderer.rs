@@ -13,8 +13,8 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
-    BackFaces, Background, Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting,
-    Voxels,
+    BackFaces, Backdrop, Background, Camera, Content, LightStyle, Lighting, PointStyle, Primitive,
+    Scene, ScenePacket, Splatting, Style, SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -47,10 +47,10 @@ fn difference(a: &RgbaImage, b: &RgbaImage, step: u8) -> (f64, f64) {
 fn assert_same_picture(packet: &ScenePacket, least_psnr_db: f64, most_differing: f64) {
     let (gpu, cpu) = (draw(packet), draw_on_cpu(packet));
     let (psnr, differing) = difference(&gpu, &cpu, 3);
-    let Settings {
+    let Style {
         primitive,
-        splatting,
-        lighting,
+        surfels: SurfelStyle { splatting, .. },
+        light: LightStyle { lighting, .. },
         ..
     } = packet.settings;
     let what = format!("{primitive} {splatting} {lighting}: {psnr:.1} dB, {differing:.5} differ");
@@ -68,7 +68,7 @@ fn assert_same_picture(packet: &ScenePacket, least_psnr_db: f64, most_differing:
 }
 
 /// Disks of several sizes, some of which cut the near plane and the borders of the picture.
-fn surfel_scene(settings: Settings, distance: f64) -> ScenePacket {
+fn surfel_scene(settings: Style, distance: f64) -> ScenePacket {
     let mut scene = sphere(3000, 1.0);
     for (index, surfel) in scene.iter_mut().enumerate() {
         surfel.radius *= 0.5 + (index % 7) as f32 / 4.0;
@@ -83,10 +83,16 @@ fn surfel_scene(settings: Settings, distance: f64) -> ScenePacket {
 fn surfels_in_every_mode_and_light_from_far_and_near() {
     for &splatting in Splatting::ALL {
         for &lighting in Lighting::ALL {
-            let settings = Settings {
-                splatting,
-                lighting,
-                ..Settings::default()
+            let settings = Style {
+                surfels: SurfelStyle {
+                    splatting,
+                    ..SurfelStyle::default()
+                },
+                light: LightStyle {
+                    lighting,
+                    ..LightStyle::default()
+                },
+                ..Style::default()
             };
             // A GPU rounds to bytes whenever it blends: hundreds of layers may be some steps apart.
             let blends = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
@@ -95,10 +101,13 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
         }
     }
     for distance in [0.4, 1.02, 30.0] {
-        let settings = Settings {
-            back_faces: BackFaces::Drawn,
-            splatting: Splatting::TwoPassEnlarged,
-            ..Settings::default()
+        let settings = Style {
+            surfels: SurfelStyle {
+                back_faces: BackFaces::Drawn,
+                splatting: Splatting::TwoPassEnlarged,
+                ..SurfelStyle::default()
+            },
+            ..Style::default()
         };
         assert_same_picture(&surfel_scene(settings, distance), 55.0, 1e-5);
     }
@@ -107,10 +116,12 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
 #[test]
 fn points_of_one_pixel_and_of_many() {
     for point_size_px in [1.0, 2.0, 3.5, 16.0] {
-        let settings = Settings {
+        let settings = Style {
             primitive: Primitive::Point,
-            point_size_px,
-            ..Settings::default()
+            points: PointStyle {
+                size_px: point_size_px,
+            },
+            ..Style::default()
         };
         // A software adapter rounds to a 256th of a pixel before it asks which one a point is in.
         assert_same_picture(&surfel_scene(settings, 1.9), 38.0, 2e-3);
@@ -139,14 +150,17 @@ fn voxels_in_every_light_from_outside_and_from_within() {
     for (lighting, normals) in lights {
         for distance in [3.0, 0.9] {
             let mut packet = surfel_scene(
-                Settings {
+                Style {
                     primitive: Primitive::Voxel,
-                    lighting,
-                    ..Settings::default()
+                    light: LightStyle {
+                        lighting,
+                        ..LightStyle::default()
+                    },
+                    ..Style::default()
                 },
                 distance,
             );
-            packet.voxels = Some(Voxels {
+            packet.content = Content::Voxels(Voxels {
                 records: Arc::new(cells.clone()),
                 normals: normals.clone(),
                 cube_edge: 2.0,
@@ -158,7 +172,7 @@ fn voxels_in_every_light_from_outside_and_from_within() {
 
 #[test]
 fn pictures_do_not_depend_on_threads() {
-    let packet = surfel_scene(Settings::default(), 1.9);
+    let packet = surfel_scene(Style::default(), 1.9);
     let expected = draw_on_cpu(&packet);
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new()
@@ -171,10 +185,10 @@ fn pictures_do_not_depend_on_threads() {
 
 #[test]
 fn what_is_not_there_is_background() {
-    let mut packet = surfel_scene(Settings::default(), 1.9);
-    packet.shapes = None;
+    let mut packet = surfel_scene(Style::default(), 1.9);
+    packet.content = Content::Nothing;
     assert_same_picture(&packet, f64::INFINITY, 0.0);
-    packet.points = Arc::new(Vec::new());
+    packet.content = Content::Points(Arc::default());
     packet.settings.primitive = Primitive::Point;
     assert_same_picture(&packet, f64::INFINITY, 0.0);
 }
@@ -190,7 +204,7 @@ fn nothing_is_drawn_before_it_is_prepared_nor_twice() {
         renderer.read_image(),
         Err(RenderError::NothingPrepared)
     ));
-    let packet = surfel_scene(Settings::default(), 1.9);
+    let packet = surfel_scene(Style::default(), 1.9);
     for _ in 0..2 {
         renderer.prepare(&packet).unwrap();
         renderer.render().unwrap();
@@ -220,10 +234,13 @@ fn extreme_records_are_survived() {
         for &primitive in &[Primitive::Point, Primitive::Surfel] {
             for &splatting in Splatting::ALL {
                 for distance in [1e-30, 1.5, 1e20] {
-                    let settings = Settings {
+                    let settings = Style {
                         primitive,
-                        splatting,
-                        ..Settings::default()
+                        surfels: SurfelStyle {
+                            splatting,
+                            ..SurfelStyle::default()
+                        },
+                        ..Style::default()
                     };
                     let packet = surfels(&scene, &camera_at(distance), settings, size);
                     assert_eq!(draw_on_cpu(&packet).dimensions(), (size[0], size[1]));
@@ -246,7 +263,7 @@ fn sampled_sphere() -> PreparedFrame {
 fn packet_of(
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: &Settings,
+    settings: &Style,
     size_px: [u32; 2],
 ) -> ScenePacket {
     Scene::default().packet(frame, DVec3::ZERO, camera, settings, size_px)
@@ -266,10 +283,16 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
         elevation_deg: -35.0,
         ..camera_at(2.5)
     };
-    let settings = Settings {
-        splatting: Splatting::TwoPass,
-        background: Background::solid([119; 3]),
-        ..Settings::default()
+    let settings = Style {
+        surfels: SurfelStyle {
+            splatting: Splatting::TwoPass,
+            ..SurfelStyle::default()
+        },
+        backdrop: Backdrop {
+            background: Background::solid([119; 3]),
+            ..Backdrop::default()
+        },
+        ..Style::default()
     };
     let packet = packet_of(&frame, &camera, &settings, SIZE);
     let disks = Disks {
@@ -281,8 +304,8 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
         &camera,
         DVec3::ZERO,
         SIZE,
-        settings.lighting,
-        settings.background,
+        settings.light.lighting,
+        settings.backdrop.background,
     );
     let truth = Truth::of_disks(&disks, &view);
     let depths = draw_depths(&packet);
@@ -309,13 +332,13 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
 fn depths_of_points_and_voxels_are_their_distances() {
     let camera = camera_at(3.0);
     let mut packet = surfel_scene(
-        Settings {
+        Style {
             primitive: Primitive::Voxel,
-            ..Settings::default()
+            ..Style::default()
         },
         3.0,
     );
-    packet.voxels = Some(Voxels {
+    packet.content = Content::Voxels(Voxels {
         records: Arc::new(vec![VoxelRecord {
             center: [0.0; 3],
             color: [9; 3],
@@ -340,12 +363,11 @@ fn depths_of_points_and_voxels_are_their_distances() {
     );
     assert_eq!(depths.depth[0], f32::INFINITY);
     packet.settings.primitive = Primitive::Point;
-    packet.settings.point_size_px = 3.0;
-    packet.voxels = None;
-    packet.points = Arc::new(vec![PointRecord {
+    packet.settings.points.size_px = 3.0;
+    packet.content = Content::Points(Arc::new(vec![PointRecord {
         position: [0.0; 3],
         color: [9; 4],
-    }]);
+    }]));
     let depths = draw_depths(&packet);
     assert!(
         (depths.depth[middle] - 3.0).abs() < 1e-5,
@@ -384,11 +406,7 @@ proptest! {
         // From afar the sphere has fewer than a thousand pixels: then one of them may be an opening.
         for (splatting, pixels_an_opening) in [(Splatting::TwoPassEnlarged, None), (Splatting::Visibility, Some(1000))] {
             let draw = |background: [u8; 3]| {
-                let settings = Settings {
-                    splatting,
-                    background: Background::solid(background),
-                    ..Settings::default()
-                };
+                let settings = Style { surfels: SurfelStyle { splatting, ..SurfelStyle::default() }, backdrop: Backdrop { background: Background::solid(background), ..Backdrop::default() }, ..Style::default() };
                 draw_on_cpu(&packet_of(&SPHERE, &camera, &settings, size_px))
             };
             let (on_black, on_white) = (draw([0; 3]), draw([255; 3]));

@@ -12,7 +12,7 @@ mod videos;
 
 use pointreel::headless::{CameraChoice, Headless};
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{Background, Camera, Settings};
+use pointreel::scene::{Backdrop, Background, Camera, Style};
 use pointreel::sequence::{Loader, LoaderOptions, PreparedFrame, Sequence};
 use std::sync::Arc;
 
@@ -28,18 +28,21 @@ fn headless_of(sequence: Sequence, renderer: AnyRenderer) -> Headless {
 }
 
 /// A gradient behind, so that parts that take it for theirs are seen.
-fn settings() -> Settings {
-    Settings {
-        background: Background {
-            top: [250, 10, 90],
-            bottom: [0, 200, 30],
+fn settings() -> Style {
+    Style {
+        backdrop: Backdrop {
+            background: Background {
+                top: [250, 10, 90],
+                bottom: [0, 200, 30],
+            },
+            ..Backdrop::default()
         },
-        ..Settings::default()
+        ..Style::default()
     }
 }
 
 /// Frame 6 of the demo from near by: it reaches over the edges of the picture.
-fn near_by(headless: &Headless, settings: &Settings) -> (Arc<PreparedFrame>, Camera) {
+fn near_by(headless: &Headless, settings: &Style) -> (Arc<PreparedFrame>, Camera) {
     let frame = headless.frame(6, settings).unwrap();
     let look = headless.first_look().unwrap();
     let origin = headless.sequence().origin();

@@ -12,8 +12,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Background, Camera, EyeDome, GroundPlane, Lighting, Primitive, Projection, ScenePacket,
-    Settings, Splatting, Strategy, UpAxis,
+    Backdrop, Background, Camera, Content, EyeDome, GroundPlane, LightStyle, Lighting, PointStyle,
+    Primitive, Projection, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
 };
 
 const GRAY: [u8; 3] = [200; 3];
@@ -71,19 +71,25 @@ fn assert_same_picture(packet: &ScenePacket, name: &str) {
     );
 }
 
-fn lit() -> Settings {
-    Settings {
-        eye_dome: EyeDome::On,
-        lighting: Lighting::Unlit,
-        background: Background::solid([30, 60, 90]),
-        ..Settings::default()
+fn lit() -> Style {
+    Style {
+        light: LightStyle {
+            eye_dome: EyeDome::On,
+            lighting: Lighting::Unlit,
+            ..LightStyle::default()
+        },
+        backdrop: Backdrop {
+            background: Background::solid([30, 60, 90]),
+            ..Backdrop::default()
+        },
+        ..Style::default()
     }
 }
 
-fn of_points() -> Settings {
-    Settings {
+fn of_points() -> Style {
+    Style {
         primitive: Primitive::Point,
-        point_size_px: 3.0,
+        points: PointStyle { size_px: 3.0 },
         ..lit()
     }
 }
@@ -171,9 +177,10 @@ fn a_deep_step_keeps_some_color_and_one_without_an_end_is_an_edge() {
 
     // Nothing but background at the right.
     let mut packet = step([0.0, 0.0], 1.0, STEP_SIZE, Projection::Perspective);
-    let left = packet.points.iter().filter(|point| point.position[0] < 0.0);
-    packet.points = std::sync::Arc::new(left.copied().collect());
-    let behind = packet.settings.background.top;
+    let points = packet.content.points().unwrap();
+    let left = points.iter().filter(|point| point.position[0] < 0.0);
+    packet.content = Content::Points(std::sync::Arc::new(left.copied().collect()));
+    let behind = packet.settings.backdrop.background.top;
     for picture in [draw_on_cpu(&packet), draw(&packet)] {
         let row = middle_row(&picture);
         let end = row
@@ -210,9 +217,12 @@ fn light_does_not_depend_on_the_unit_and_little_on_the_projection() {
 fn off_is_as_before_and_so_is_auto_while_nobody_decides() {
     let scene = sphere(2000, 1.0);
     let picture = |eye_dome, eye_dome_strength| {
-        let settings = Settings {
-            eye_dome,
-            eye_dome_strength,
+        let settings = Style {
+            light: LightStyle {
+                eye_dome,
+                eye_dome_strength,
+                ..lit().light
+            },
             ..lit()
         };
         draw_on_cpu(&surfels(&scene, &camera_at(2.0), settings, [200, 150]))
@@ -224,7 +234,7 @@ fn off_is_as_before_and_so_is_auto_while_nobody_decides() {
     assert!(common::difference(&on, &off).0 > 1000);
 }
 
-fn ball(settings: Settings) -> ScenePacket {
+fn ball(settings: Style) -> ScenePacket {
     let camera = Camera {
         azimuth_deg: 25.0,
         elevation_deg: 17.0,
@@ -236,15 +246,21 @@ fn ball(settings: Settings) -> ScenePacket {
 #[test]
 fn both_renderers_light_surfels_alike_in_every_mode() {
     for &splatting in Splatting::ALL {
-        let settings = Settings {
-            splatting,
-            lighting: Lighting::PerFragment,
+        let settings = Style {
+            surfels: SurfelStyle {
+                splatting,
+                ..lit().surfels
+            },
+            light: LightStyle {
+                lighting: Lighting::PerFragment,
+                ..lit().light
+            },
             ..lit()
         };
         assert_same_picture(&ball(settings), &format!("dome_{splatting}"));
     }
     for &strategy in Strategy::ALL {
-        let settings = Settings { strategy, ..lit() };
+        let settings = Style { strategy, ..lit() };
         assert_same_picture(&ball(settings), &format!("dome_{strategy}"));
     }
 }
@@ -252,8 +268,10 @@ fn both_renderers_light_surfels_alike_in_every_mode() {
 #[test]
 fn both_renderers_light_points_and_voxels_alike() {
     for point_size_px in [1.0, 4.0] {
-        let settings = Settings {
-            point_size_px,
+        let settings = Style {
+            points: PointStyle {
+                size_px: point_size_px,
+            },
             ..of_points()
         };
         assert_same_picture(&ball(settings), &format!("dome_points_{point_size_px}"));
@@ -274,7 +292,7 @@ fn both_renderers_light_points_and_voxels_alike() {
         elevation_deg: 40.0,
         ..camera_at(2.0)
     };
-    let settings = Settings {
+    let settings = Style {
         primitive: Primitive::Voxel,
         ..lit()
     };
@@ -283,8 +301,8 @@ fn both_renderers_light_points_and_voxels_alike() {
 }
 
 fn with_grid(mut packet: ScenePacket) -> ScenePacket {
-    let background = packet.settings.background;
-    packet.settings.grid = true;
+    let background = packet.settings.backdrop.background;
+    packet.settings.backdrop.grid = true;
     packet.ground = Some(GroundPlane::under(
         &packet.bounds,
         DVec3::ZERO,
@@ -298,23 +316,32 @@ fn with_grid(mut packet: ScenePacket) -> ScenePacket {
 fn both_renderers_draw_the_same_grid_and_what_is_before_it_hides_it() {
     for eye_dome in [EyeDome::On, EyeDome::Off] {
         for primitive in [Primitive::Surfel, Primitive::Point] {
-            let settings = Settings {
+            let settings = Style {
                 primitive,
-                eye_dome,
+                light: LightStyle {
+                    eye_dome,
+                    ..of_points().light
+                },
                 ..of_points()
             };
             let packet = with_grid(ball(settings));
             assert_same_picture(&packet, &format!("grid_{primitive}_{eye_dome}"));
         }
     }
-    let no_depth = Settings {
-        splatting: Splatting::NoDepth,
+    let no_depth = Style {
+        surfels: SurfelStyle {
+            splatting: Splatting::NoDepth,
+            ..lit().surfels
+        },
         ..lit()
     };
     assert_same_picture(&with_grid(ball(no_depth)), "grid_no_depth");
 
-    let hides = ball(Settings {
-        eye_dome: EyeDome::Off,
+    let hides = ball(Style {
+        light: LightStyle {
+            eye_dome: EyeDome::Off,
+            ..lit().light
+        },
         ..lit()
     });
     let (plain, lined) = (draw_on_cpu(&hides), draw_on_cpu(&with_grid(hides)));

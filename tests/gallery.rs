@@ -14,7 +14,8 @@ use pointreel::headless::{CameraChoice, Headless};
 use pointreel::math::Aabb;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{
-    BackFaces, Background, Camera, FirstLook, Kind, Primitive, RendererChoice, Settings, UpAxis,
+    BackFaces, Backdrop, Background, Camera, FirstLook, Kind, Primitive, RendererChoice, Style,
+    UpAxis,
 };
 use pointreel::sequence::{FrameEntry, Loader, LoaderOptions, OpenOptions, Sequence, Shape};
 use std::path::{Path, PathBuf};
@@ -42,9 +43,12 @@ fn first_picture(sequence: Sequence) -> Shown {
     let renderer = AnyRenderer::open(RendererChoice::Cpu).unwrap();
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
     let look = headless.first_look().unwrap();
-    let settings = Settings {
-        background: Background::solid([255, 0, 255]),
-        ..Settings::default().resolved(&look)
+    let settings = Style {
+        backdrop: Backdrop {
+            background: Background::solid([255, 0, 255]),
+            ..(Style::default().resolved(&look)).backdrop
+        },
+        ..Style::default().resolved(&look)
     };
     let camera = CameraChoice::default().camera(&look, sequence.origin(), SIZE_PX);
     let frame = headless.frame(0, &settings).unwrap();
@@ -218,8 +222,8 @@ fn a_wall_is_seen_from_its_front_and_does_not_vanish_from_behind() {
         raw.normals = Some(vec![[0.0, 0.0, facing]; points.len()]);
         let shown = check("wall", of_cloud(raw));
         assert!(!shown.look.is_closed);
-        let settings = Settings::default().resolved(&shown.look);
-        assert_eq!(settings.back_faces, BackFaces::Darker);
+        let settings = Style::default().resolved(&shown.look);
+        assert_eq!(settings.surfels.back_faces, BackFaces::Darker);
     }
 }
 

@@ -6,7 +6,10 @@ use common::{Surfel, camera_at, count_color, covered, draw, plain, sphere, surfe
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::VoxelRecord;
-use pointreel::scene::{BackFaces, Background, Camera, Lighting, Primitive, Settings, Splatting};
+use pointreel::scene::{
+    BackFaces, Backdrop, Background, Camera, LightStyle, Lighting, PointStyle, Primitive,
+    Splatting, Style, SurfelStyle,
+};
 
 const BLACK: [u8; 3] = [0, 0, 0];
 const RED: [u8; 3] = [255, 0, 0];
@@ -62,8 +65,11 @@ fn a_single_surfel_covers_its_disk_in_every_mode() {
         let [_, scale] = splatting.scales(2.0);
         for angle_deg in [0.0, 35.0, 60.0] {
             let surfel = tilted(angle_deg);
-            let settings = Settings {
-                splatting,
+            let settings = Style {
+                surfels: SurfelStyle {
+                    splatting,
+                    ..plain().surfels
+                },
                 ..plain()
             };
             let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
@@ -82,9 +88,12 @@ fn a_single_surfel_covers_its_disk_in_every_mode() {
 fn the_splat_scale_scales_the_disk() {
     let surfel = tilted(20.0);
     for splat_scale in [0.5, 1.0, 1.7] {
-        let settings = Settings {
-            splat_scale,
-            splatting: Splatting::TwoPass,
+        let settings = Style {
+            surfels: SurfelStyle {
+                splat_scale,
+                splatting: Splatting::TwoPass,
+                ..plain().surfels
+            },
             ..plain()
         };
         let image = draw(&surfels(&[surfel], &camera_at(4.0), settings, SIZE));
@@ -106,8 +115,11 @@ fn a_surfel_across_the_near_plane_is_cut_there() {
         radius: 1.5,
         color: RED,
     };
-    let settings = Settings {
-        splatting: Splatting::TwoPass,
+    let settings = Style {
+        surfels: SurfelStyle {
+            splatting: Splatting::TwoPass,
+            ..plain().surfels
+        },
         ..plain()
     };
     let image = draw(&surfels(&[surfel], &camera_at(1.0), settings, SIZE));
@@ -123,14 +135,20 @@ fn back_faces_are_culled_unless_asked_for() {
         ..tilted(20.0)
     };
     for &splatting in Splatting::ALL {
-        let settings = Settings {
-            splatting,
+        let settings = Style {
+            surfels: SurfelStyle {
+                splatting,
+                ..plain().surfels
+            },
             ..plain()
         };
         let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
         assert_eq!(covered(&image, BLACK), 0, "{splatting}");
-        let settings = Settings {
-            back_faces: BackFaces::Drawn,
+        let settings = Style {
+            surfels: SurfelStyle {
+                back_faces: BackFaces::Drawn,
+                ..settings.surfels
+            },
             ..settings
         };
         let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
@@ -172,8 +190,11 @@ fn the_nearer_of_two_surfels_hides_the_other_in_any_order() {
         .count();
     assert!(overlap > 100);
     for order in [[red, green], [green, red]] {
-        let settings = Settings {
-            splatting: Splatting::TwoPass,
+        let settings = Style {
+            surfels: SurfelStyle {
+                splatting: Splatting::TwoPass,
+                ..plain().surfels
+            },
             ..plain()
         };
         let image = draw(&surfels(&order, &camera_at(4.0), settings, SIZE));
@@ -189,8 +210,11 @@ fn the_nearer_of_two_surfels_hides_the_other_in_any_order() {
 #[test]
 fn without_depth_the_farther_shines_through() {
     let [red, green] = red_before_green();
-    let settings = Settings {
-        splatting: Splatting::NoDepth,
+    let settings = Style {
+        surfels: SurfelStyle {
+            splatting: Splatting::NoDepth,
+            ..plain().surfels
+        },
         ..plain()
     };
     let image = draw(&surfels(&[red, green], &camera_at(4.0), settings, SIZE));
@@ -218,8 +242,11 @@ fn surfels_of_one_surface_are_averaged() {
         radius: 1.0,
         color,
     };
-    let settings = Settings {
-        splatting: Splatting::TwoPass,
+    let settings = Style {
+        surfels: SurfelStyle {
+            splatting: Splatting::TwoPass,
+            ..plain().surfels
+        },
         ..plain()
     };
     let image = draw(&surfels(
@@ -255,8 +282,11 @@ fn regular_splatting_shows_the_square_corners_that_the_paper_shows() {
         color: GREEN,
     };
     let at_corner = |splatting| {
-        let settings = Settings {
-            splatting,
+        let settings = Style {
+            surfels: SurfelStyle {
+                splatting,
+                ..plain().surfels
+            },
             ..plain()
         };
         let image = draw(&surfels(
@@ -279,7 +309,7 @@ fn a_voxel_seen_face_on_is_a_square() {
         color: [10, 200, 30],
         level: 1,
     };
-    let settings = Settings {
+    let settings = Style {
         primitive: Primitive::Voxel,
         ..plain()
     };
@@ -302,9 +332,12 @@ fn a_voxel_seen_from_a_corner_shows_three_faces_with_their_own_light() {
         fov_deg: 30.0,
         ..camera_at(6.0)
     };
-    let settings = Settings {
+    let settings = Style {
         primitive: Primitive::Voxel,
-        lighting: Lighting::PerSurfel,
+        light: LightStyle {
+            lighting: Lighting::PerSurfel,
+            ..plain().light
+        },
         ..plain()
     };
     let image = draw(&voxels(vec![record], 1.0, &camera, settings, SIZE));
@@ -325,7 +358,7 @@ fn nothing_is_seen_of_a_voxel_from_inside() {
         color: [200, 200, 200],
         level: 0,
     };
-    let settings = Settings {
+    let settings = Style {
         primitive: Primitive::Voxel,
         ..plain()
     };
@@ -345,7 +378,7 @@ fn the_nearer_voxel_hides_the_other_in_any_order() {
         color: GREEN,
         level: 1,
     };
-    let settings = Settings {
+    let settings = Style {
         primitive: Primitive::Voxel,
         ..plain()
     };
@@ -368,9 +401,11 @@ fn points_are_squares_of_their_size_whatever_the_distance() {
     // Their squares do not touch, and they face away: points have no back.
     let cloud = [point(-1.0, 0.0), point(0.013, -3.0), point(1.0, 1.0)];
     for (point_size_px, pixels) in [(1.0, 1), (3.0, 9), (6.0, 36)] {
-        let settings = Settings {
+        let settings = Style {
             primitive: Primitive::Point,
-            point_size_px,
+            points: PointStyle {
+                size_px: point_size_px,
+            },
             ..plain()
         };
         let image = draw(&surfels(&cloud, &camera_at(4.0), settings, SIZE));
@@ -387,9 +422,15 @@ fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
         color: [100, 60, 20],
     };
     for lighting in [Lighting::PerSurfel, Lighting::PerFragment] {
-        let settings = Settings {
-            lighting,
-            splatting: Splatting::TwoPass,
+        let settings = Style {
+            surfels: SurfelStyle {
+                splatting: Splatting::TwoPass,
+                ..plain().surfels
+            },
+            light: LightStyle {
+                lighting,
+                ..plain().light
+            },
             ..plain()
         };
         let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, [201, 201]));
@@ -410,9 +451,15 @@ fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
         normal: Vec3::new(0.866_025_4, 0.0, 0.5),
         ..surfel
     };
-    let settings = Settings {
-        lighting: Lighting::PerSurfel,
-        splatting: Splatting::TwoPass,
+    let settings = Style {
+        surfels: SurfelStyle {
+            splatting: Splatting::TwoPass,
+            ..plain().surfels
+        },
+        light: LightStyle {
+            lighting: Lighting::PerSurfel,
+            ..plain().light
+        },
         ..plain()
     };
     let image = draw(&surfels(&[tilted], &camera_at(3.0), settings, [201, 201]));
@@ -441,9 +488,15 @@ fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
                 elevation_deg,
                 ..camera_at(2.0)
             };
-            let settings = Settings {
-                splatting,
-                background: Background::solid(background),
+            let settings = Style {
+                surfels: SurfelStyle {
+                    splatting,
+                    ..plain().surfels
+                },
+                backdrop: Backdrop {
+                    background: Background::solid(background),
+                    ..plain().backdrop
+                },
                 ..plain()
             };
             let image = draw(&surfels(&cloud, &camera, settings, [200, 200]));
@@ -466,10 +519,13 @@ fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
 
 #[test]
 fn a_gradient_runs_from_top_to_bottom() {
-    let settings = Settings {
-        background: Background {
-            top: [0, 0, 0],
-            bottom: [160, 80, 0],
+    let settings = Style {
+        backdrop: Backdrop {
+            background: Background {
+                top: [0, 0, 0],
+                bottom: [160, 80, 0],
+            },
+            ..plain().backdrop
         },
         ..plain()
     };
@@ -504,8 +560,11 @@ fn a_cloud_far_from_the_world_origin_looks_the_same() {
 #[test]
 fn pictures_of_odd_sizes_come_back_whole() {
     for size in [[1, 1], [3, 7], [65, 1], [257, 33]] {
-        let settings = Settings {
-            background: Background::solid([1, 2, 3]),
+        let settings = Style {
+            backdrop: Backdrop {
+                background: Background::solid([1, 2, 3]),
+                ..plain().backdrop
+            },
             ..plain()
         };
         let image = draw(&surfels(&[], &camera_at(1.0), settings, size));

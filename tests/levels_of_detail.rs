@@ -7,8 +7,9 @@ mod common;
 use common::{camera_at, covered, draw, plain, sphere};
 use glam::DVec3;
 use pointreel::cloud::{Frame, Positions, RawCloud};
+use pointreel::levels::Lod;
 use pointreel::measure::{flip, mean_squared_error, psnr_db};
-use pointreel::scene::{BackFaces, Lod, Scene, ScenePacket, Settings};
+use pointreel::scene::{BackFaces, LevelStyle, Scene, ScenePacket, Style, SurfelStyle};
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
 
@@ -16,16 +17,19 @@ const SIZE: [u32; 2] = [240, 240];
 const POINTS: u32 = 40_000;
 const BLACK: [u8; 3] = [0; 3];
 
-fn by_octree(lod: Lod) -> Settings {
-    Settings {
-        surfel_lod: true,
-        lod,
+fn by_octree(lod: Lod) -> Style {
+    Style {
+        levels: LevelStyle {
+            surfel_lod: true,
+            lod,
+            ..plain().levels
+        },
         ..plain()
     }
 }
 
 /// A closed sphere of radius 1 with colours that change along it.
-fn closed_sphere(settings: &Settings) -> PreparedFrame {
+fn closed_sphere(settings: &Style) -> PreparedFrame {
     let surfels = sphere(POINTS, 1.0);
     let positions = surfels.iter().map(|surfel| surfel.position.to_array());
     let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
@@ -45,7 +49,7 @@ fn closed_sphere(settings: &Settings) -> PreparedFrame {
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
-fn packet(frame: &PreparedFrame, distance: f64, settings: &Settings) -> ScenePacket {
+fn packet(frame: &PreparedFrame, distance: f64, settings: &Style) -> ScenePacket {
     Scene::default().packet(frame, DVec3::ZERO, &camera_at(distance), settings, SIZE)
 }
 
@@ -58,10 +62,13 @@ fn few_surfels_stand_for_many() {
     let mut errors = Vec::new();
     for lod_px in [1.0, 2.0, 4.0] {
         let few = packet(&frame, 4.0, &by_octree(Lod::ThresholdPx(lod_px)));
-        assert_eq!(few.shapes.as_ref().unwrap().len(), few.points.len());
+        assert_eq!(
+            few.content.shapes().unwrap().len(),
+            few.content.points().unwrap().len()
+        );
         let picture = draw(&few);
         let error = flip(&truth, &picture).unwrap().mean();
-        errors.push((few.points.len(), error));
+        errors.push((few.content.points().unwrap().len(), error));
         // Coarser disks reach over the outline by their own size; nothing opens.
         let (expected, found) = (covered(&truth, BLACK), covered(&picture, BLACK));
         assert!(
@@ -83,15 +90,18 @@ fn few_surfels_stand_for_many() {
 fn what_faces_away_is_left_out_and_not_missed() {
     let settings = by_octree(Lod::ThresholdPx(0.0));
     let frame = closed_sphere(&settings);
-    let two_sided = Settings {
-        back_faces: BackFaces::Drawn,
+    let two_sided = Style {
+        surfels: SurfelStyle {
+            back_faces: BackFaces::Drawn,
+            ..settings.surfels
+        },
         ..settings
     };
     let front = packet(&frame, 2.0, &settings);
     let both = packet(&frame, 2.0, &two_sided);
-    assert_eq!(both.points.len(), POINTS as usize);
+    assert_eq!(both.content.points().unwrap().len(), POINTS as usize);
     // From twice the radius away a quarter of a sphere is seen.
-    let share = front.points.len() as f64 / f64::from(POINTS);
+    let share = front.content.points().unwrap().len() as f64 / f64::from(POINTS);
     assert!((0.25..0.45).contains(&share), "{share}");
     let drawn = draw(&front);
     let culled_by_the_gpu = draw(&ScenePacket { settings, ..both });
@@ -103,9 +113,9 @@ fn what_faces_away_is_left_out_and_not_missed() {
 #[test]
 fn a_frame_without_an_octree_shows_all_of_its_surfels() {
     let frame = closed_sphere(&plain());
-    assert!(frame.lod_surfels.is_none());
+    assert!(frame.levels.surfels().is_none());
     let packet = packet(&frame, 4.0, &by_octree(Lod::Level(3)));
-    assert_eq!(packet.points.len(), POINTS as usize);
+    assert_eq!(packet.content.points().unwrap().len(), POINTS as usize);
 }
 
 #[test]
@@ -113,7 +123,9 @@ fn a_budget_of_surfels_is_kept() {
     let frame = closed_sphere(&by_octree(Lod::default()));
     for budget in [500, 5_000] {
         let drawn = packet(&frame, 3.0, &by_octree(Lod::Budget(budget)))
-            .points
+            .content
+            .points()
+            .unwrap()
             .len();
         assert!(
             (budget as usize / 4..=budget as usize).contains(&drawn),

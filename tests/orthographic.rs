@@ -7,13 +7,14 @@ mod common;
 use common::{Surfel, draw, surfels};
 use glam::{DVec2, DVec3, Vec3};
 use image::RgbaImage;
-use pointreel::cloud::{PointRecord, ShapeRecord};
+use pointreel::cloud::PointRecord;
 use pointreel::math::Aabb;
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Background, Camera, Lighting, Primitive, Projection, ScenePacket, Settings, UpAxis,
+    Backdrop, Background, Camera, Content, LightStyle, Lighting, PointStyle, Primitive, Projection,
+    ScenePacket, Style, UpAxis,
 };
 use std::sync::Arc;
 
@@ -22,13 +23,19 @@ const SIZE: [u32; 2] = [1280, 720];
 /// As far from zero as the surface of the earth is from its middle.
 const ECEF: DVec3 = DVec3::new(4_510_720.0, -3_911_168.0, 2_207_744.0);
 
-fn settings(primitive: Primitive) -> Settings {
-    Settings {
+fn settings(primitive: Primitive) -> Style {
+    Style {
         primitive,
-        lighting: Lighting::Unlit,
-        background: Background::solid([0; 3]),
-        point_size_px: 1.0,
-        ..Settings::default()
+        points: PointStyle { size_px: 1.0 },
+        light: LightStyle {
+            lighting: Lighting::Unlit,
+            ..LightStyle::default()
+        },
+        backdrop: Backdrop {
+            background: Background::solid([0; 3]),
+            ..Backdrop::default()
+        },
+        ..Style::default()
     }
 }
 
@@ -59,10 +66,7 @@ fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> SceneP
         viewport_px: SIZE,
         view: camera.transform(origin, SIZE),
         settings: settings(Primitive::Point),
-        points: Arc::new(points),
-        shapes: None::<Arc<Vec<ShapeRecord>>>,
-        voxels: None,
-        coded: None,
+        content: Content::Points(Arc::new(points)),
         ground: None,
         bounds: Aabb::from_points(&positions),
     }

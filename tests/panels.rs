@@ -111,7 +111,7 @@ fn what_a_person_chose_is_how_the_next_window_begins() {
     press(&mut harness, Modifiers::NONE, Key::L);
     press(&mut harness, Modifiers::NONE, Key::CloseBracket);
     let state = harness.state_mut();
-    state.settings.stop = StopCriterion::Loss(0.2);
+    state.settings.levels.stop = StopCriterion::Loss(0.2);
     state.panels.settings = false;
     state.panels.help = true;
     let kept = state.preferences();

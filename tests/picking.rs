@@ -7,11 +7,12 @@ mod common;
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::{Frame, Positions, RawCloud};
+use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Background, Camera, Lighting, Lod, Primitive, Projection, Scene, ScenePacket, Settings, UpAxis,
-    pick,
+    Backdrop, Background, Camera, Content, LevelStyle, LightStyle, Lighting, PointStyle, Primitive,
+    Projection, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
 };
 use pointreel::sequence::{
     ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare,
@@ -25,7 +26,7 @@ const SIZE: [u32; 2] = [320, 240];
 const STRIDE: u32 = 3;
 
 /// So many points of a torus, each in a colour that no other has.
-fn torus(count: usize, settings: &Settings) -> PreparedFrame {
+fn torus(count: usize, settings: &Style) -> PreparedFrame {
     let shape = Sequence::of(Shape::Torus.frame(count)).frame(0).unwrap();
     let positions: Vec<[f32; 3]> = shape.positions().iter().map(Vec3::to_array).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(positions));
@@ -67,14 +68,20 @@ fn color_of(number: usize) -> Color {
     Color([red, green, blue])
 }
 
-fn settings(primitive: Primitive) -> Settings {
-    Settings {
+fn settings(primitive: Primitive) -> Style {
+    Style {
         primitive,
-        lighting: Lighting::Unlit,
-        // Number 0 is one more than none.
-        background: Background::solid([0; 3]),
         colors: Coloring::of(ColorSource::File),
-        ..Settings::default()
+        light: LightStyle {
+            lighting: Lighting::Unlit,
+            ..LightStyle::default()
+        },
+        backdrop: Backdrop {
+            // Number 0 is one more than none.
+            background: Background::solid([0; 3]),
+            ..Backdrop::default()
+        },
+        ..Style::default()
     }
 }
 
@@ -90,7 +97,7 @@ fn camera(projection: Projection) -> Camera {
     }
 }
 
-fn packet_of(frame: &PreparedFrame, settings: &Settings) -> ScenePacket {
+fn packet_of(frame: &PreparedFrame, settings: &Style) -> ScenePacket {
     let camera = camera(Projection::Perspective);
     Scene::default().packet(frame, DVec3::ZERO, &camera, settings, SIZE)
 }
@@ -141,8 +148,10 @@ fn slots(frame: &PreparedFrame) -> HashMap<Color, usize> {
 #[test]
 fn points_are_picked_as_both_renderers_draw_them() {
     for (point_size_px, least_shown) in [(1.0, 1_000), (4.5, 2_000)] {
-        let settings = Settings {
-            point_size_px,
+        let settings = Style {
+            points: PointStyle {
+                size_px: point_size_px,
+            },
             ..settings(Primitive::Point)
         };
         let frame = torus(30_000, &settings);
@@ -170,8 +179,11 @@ fn points_are_picked_as_both_renderers_draw_them() {
 #[test]
 fn surfels_are_picked_where_one_alone_is_seen() {
     // Small enough that many do not touch others.
-    let settings = Settings {
-        splat_scale: 0.6,
+    let settings = Style {
+        surfels: SurfelStyle {
+            splat_scale: 0.6,
+            ..(settings(Primitive::Surfel)).surfels
+        },
         ..settings(Primitive::Surfel)
     };
     let frame = torus(1_500, &settings);
@@ -199,23 +211,23 @@ fn depth_of(packet: &ScenePacket, frame: &PreparedFrame, slot: usize) -> f32 {
 #[test]
 fn surfels_of_closed_surfaces_are_picked_at_the_depth_that_is_drawn() {
     for surfel_lod in [false, true] {
-        let settings = Settings {
-            surfel_lod,
-            lod: Lod::ThresholdPx(4.0),
+        let settings = Style {
+            levels: LevelStyle {
+                surfel_lod,
+                lod: Lod::ThresholdPx(4.0),
+                ..(settings(Primitive::Surfel)).levels
+            },
             ..settings(Primitive::Surfel)
         };
         let frame = torus(20_000, &settings);
         let packet = packet_of(&frame, &settings);
-        assert_eq!(Arc::ptr_eq(&packet.points, &frame.points), !surfel_lod);
+        let points = packet.content.points().unwrap();
+        assert_eq!(Arc::ptr_eq(points, &frame.points), !surfel_lod);
         let mut renderer = CpuRenderer::new();
         renderer.prepare(&packet).unwrap();
         let depths = renderer.draw_depths().unwrap();
-        let radii = packet
-            .shapes
-            .as_ref()
-            .unwrap()
-            .iter()
-            .map(|shape| shape.radius);
+        let shapes = packet.content.shapes().unwrap();
+        let radii = shapes.iter().map(|shape| shape.radius);
         let largest = radii.fold(0f32, f32::max);
         let (mut same, mut seen, mut looked_at) = (0, 0, 0);
         for (index, &depth) in depths.depth.iter().enumerate() {
@@ -240,13 +252,18 @@ fn surfels_of_closed_surfaces_are_picked_at_the_depth_that_is_drawn() {
 #[test]
 fn a_point_inside_the_voxel_that_is_seen_is_picked() {
     for lod_px in [0.0, 6.0] {
-        let settings = Settings {
-            lod: Lod::ThresholdPx(lod_px),
+        let settings = Style {
+            levels: LevelStyle {
+                lod: Lod::ThresholdPx(lod_px),
+                ..(settings(Primitive::Voxel)).levels
+            },
             ..settings(Primitive::Voxel)
         };
         let frame = torus(8_000, &settings);
         let mut packet = packet_of(&frame, &settings);
-        let voxels = packet.voxels.as_mut().unwrap();
+        let Content::Voxels(voxels) = &mut packet.content else {
+            panic!("a packet of voxels");
+        };
         let mut records = voxels.records.to_vec();
         for (number, record) in records.iter_mut().enumerate() {
             record.color = color_of(number).0;
@@ -281,8 +298,8 @@ fn a_point_inside_the_voxel_that_is_seen_is_picked() {
 
 #[test]
 fn parallel_rays_pick_what_they_draw() {
-    let settings = Settings {
-        point_size_px: 3.0,
+    let settings = Style {
+        points: PointStyle { size_px: 3.0 },
         ..settings(Primitive::Point)
     };
     let frame = torus(30_000, &settings);

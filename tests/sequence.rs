@@ -10,6 +10,7 @@ use glam::{DVec3, Vec3};
 use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::io::ReadOptions;
 use pointreel::levels::octree::StopCriterion;
+use pointreel::levels::{LevelsKey, LevelsKind};
 use pointreel::sequence::{
     ColorHints, ColorSource, Coloring, DecodeFailure, FrameEntry, FrameError, FrameState, Loader,
     LoaderOptions, Needs, OpenOptions, PreparedFrame, Sequence, SequenceError, Slot,
@@ -37,21 +38,29 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 const SURFELS: Needs = Needs {
     shapes: true,
-    ellipses: false,
-    octree: None,
-    coded: false,
+    levels: None,
     colors: Coloring::of(ColorSource::Auto),
     hints: ColorHints::NONE,
 };
 
+fn levels(kind: LevelsKind, delta: f32) -> LevelsKey {
+    let stop = StopCriterion::Loss(delta);
+    LevelsKey { kind, stop }
+}
+
 fn voxels(delta: f32) -> Needs {
     Needs {
         shapes: false,
-        ellipses: false,
-        octree: Some(StopCriterion::Loss(delta)),
-        coded: false,
+        levels: Some(levels(LevelsKind::Cubes, delta)),
         colors: Coloring::of(ColorSource::Auto),
         hints: ColorHints::NONE,
+    }
+}
+
+fn surfels_by_octree(delta: f32) -> Needs {
+    Needs {
+        levels: Some(levels(LevelsKind::Surfels, delta)),
+        ..SURFELS
     }
 }
 

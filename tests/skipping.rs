@@ -6,10 +6,12 @@ mod common;
 
 use common::{camera_at, plain, sphere, surfels, voxels};
 use pointreel::cloud::VoxelRecord;
+use pointreel::levels::Lod;
 use pointreel::render::gpu::GpuRenderer;
 use pointreel::render::{RenderError, RenderStats, Renderer};
 use pointreel::scene::{
-    Camera, Lighting, Lod, Primitive, Scene, ScenePacket, Settings, Splatting, Strategy,
+    Camera, Content, LevelStyle, LightStyle, Lighting, Primitive, Scene, ScenePacket, Splatting,
+    Strategy, Style, SurfelStyle,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -33,7 +35,7 @@ fn cost(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RenderStats {
 fn an_untouched_picture_costs_nothing() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for &strategy in Strategy::ALL {
-        let settings = Settings {
+        let settings = Style {
             strategy,
             ..plain()
         };
@@ -52,7 +54,7 @@ fn an_untouched_picture_costs_nothing() {
 fn a_moved_camera_uploads_nothing() {
     for &strategy in Strategy::ALL {
         let mut renderer = GpuRenderer::new(common::context()).unwrap();
-        let settings = Settings {
+        let settings = Style {
             strategy,
             ..plain()
         };
@@ -72,7 +74,7 @@ fn a_moved_camera_uploads_nothing() {
 #[test]
 fn a_new_visible_set_is_all_that_moving_among_voxels_uploads() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
-    let settings = Settings {
+    let settings = Style {
         primitive: Primitive::Voxel,
         ..plain()
     };
@@ -92,18 +94,16 @@ fn a_new_visible_set_is_all_that_moving_among_voxels_uploads() {
 #[test]
 fn points_do_not_upload_shapes_and_surfels_then_upload_shapes_alone() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
-    let settings = Settings {
-        primitive: Primitive::Point,
-        ..plain()
-    };
-    let all = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
+    let as_surfels = surfels(&sphere(500, 1.0), &camera_at(3.0), plain(), [64, 64]);
     let points = ScenePacket {
-        shapes: None,
-        ..all.clone()
+        settings: Style {
+            primitive: Primitive::Point,
+            ..plain()
+        },
+        content: Content::Points(Arc::clone(as_surfels.content.points().unwrap())),
+        ..as_surfels.clone()
     };
     assert_eq!(cost(&mut renderer, &points).uploaded_bytes, 500 * 16);
-    let mut as_surfels = all;
-    as_surfels.settings.primitive = Primitive::Surfel;
     assert_eq!(cost(&mut renderer, &as_surfels).uploaded_bytes, 500 * 16);
     assert_eq!(cost(&mut renderer, &points).uploads, 0, "back to points");
 }
@@ -145,7 +145,7 @@ fn what_is_gone_leaves_the_gpu() {
 #[test]
 fn the_octree_is_traversed_only_when_the_answer_can_differ() {
     let sequence = Sequence::demo();
-    let settings = Settings {
+    let settings = Style {
         primitive: Primitive::Voxel,
         ..plain()
     };
@@ -157,9 +157,9 @@ fn the_octree_is_traversed_only_when_the_answer_can_differ() {
         &PrepareCounters::default(),
     );
     let mut scene = Scene::default();
-    let mut traversals = |camera: &Camera, settings: &Settings, size| {
+    let mut traversals = |camera: &Camera, settings: &Style, size| {
         let packet = scene.packet(&frame, sequence.origin(), camera, settings, size);
-        (scene.stats().traversals, packet.voxels)
+        (scene.stats().traversals, packet.content.voxels().cloned())
     };
     let camera = camera_at(3.0);
     let (count, first) = traversals(&camera, &settings, [64, 64]);
@@ -170,12 +170,15 @@ fn the_octree_is_traversed_only_when_the_answer_can_differ() {
         &first.unwrap().records,
         &again.unwrap().records
     ));
-    let lit = Settings {
-        lighting: Lighting::PerFragment,
+    let lit = Style {
+        light: LightStyle {
+            lighting: Lighting::PerFragment,
+            ..settings.light
+        },
         ..settings
     };
     assert_eq!(traversals(&camera, &lit, [64, 64]).0, 1, "light");
-    let as_points = Settings {
+    let as_points = Style {
         primitive: Primitive::Point,
         ..settings
     };
@@ -186,8 +189,11 @@ fn the_octree_is_traversed_only_when_the_answer_can_differ() {
         2,
         "camera"
     );
-    let coarse = Settings {
-        lod: Lod::ThresholdPx(8.0),
+    let coarse = Style {
+        levels: LevelStyle {
+            lod: Lod::ThresholdPx(8.0),
+            ..settings.levels
+        },
         ..settings
     };
     assert_eq!(traversals(&camera_at(2.0), &coarse, [64, 64]).0, 3, "LOD");
@@ -210,8 +216,11 @@ fn each_mode_runs_only_its_passes() {
         (Splatting::TwoPassEnlarged, 4),
     ];
     for (splatting, passes) in expected {
-        let settings = Settings {
-            splatting,
+        let settings = Style {
+            surfels: SurfelStyle {
+                splatting,
+                ..plain().surfels
+            },
             ..plain()
         };
         let packet = surfels(&sphere(100, 1.0), &camera_at(3.0), settings, [64, 64]);

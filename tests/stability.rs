@@ -125,7 +125,7 @@ fn points_that_are_all_equal() {
         DVec3::splat(1e9 + 0.1),
     ] {
         let chain = check(&format!("all at {place}"), &vec![place; 1000]);
-        let tree = chain.frame.octree.as_ref().unwrap();
+        let tree = chain.frame.levels.octree().unwrap();
         assert_eq!((tree.depth(), tree.leaf_count()), (0, 1));
         assert!((tree.loss() - 0.999).abs() < 1e-6);
         let surface: Vec<_> = chain.surface().into_values().collect();
@@ -193,7 +193,7 @@ fn lattices_on_cell_borders() {
         let chain = load(&lattice, 0.0);
         let name = format!("a lattice of {step}");
         chain.check(&name, &lattice, 0.0, &chain.camera());
-        let tree = chain.frame.octree.as_ref().unwrap();
+        let tree = chain.frame.levels.octree().unwrap();
         assert_eq!(tree.leaf_count(), lattice.len(), "{name}");
         assert_eq!(tree.depth(), 5, "{name}");
         // Multiples of the last two are rounded, some to below a border.
@@ -209,7 +209,7 @@ fn duplicates() {
         let distinct = block(400);
         let positions: Vec<DVec3> = (0..times).flat_map(|_| distinct.iter().copied()).collect();
         let chain = check(&format!("every point {times} times"), &positions);
-        let tree = chain.frame.octree.as_ref().unwrap();
+        let tree = chain.frame.levels.octree().unwrap();
         assert_eq!(
             tree.leaf_count(),
             distinct.len(),
@@ -266,11 +266,11 @@ fn outliers_a_million_away() {
 fn powers_of_two_change_nothing() {
     let cloud = sphere(2000);
     let base = load(&cloud, DELTA);
-    let base_tree = base.frame.octree.as_ref().unwrap();
+    let base_tree = base.frame.levels.octree().unwrap();
     for exponent in [-20, -3, 1, 30] {
         let factor = 2f64.powi(exponent);
         let chain = load(&scaled(&cloud, DVec3::splat(factor)), DELTA);
-        let tree = chain.frame.octree.as_ref().unwrap();
+        let tree = chain.frame.levels.octree().unwrap();
         assert_eq!(
             (tree.depth(), tree.masks()),
             (base_tree.depth(), base_tree.masks())
@@ -304,10 +304,10 @@ fn powers_of_two_change_nothing() {
 fn other_factors_change_next_to_nothing() {
     let cloud = sphere(2000);
     let base = load(&cloud, DELTA);
-    let base_tree = base.frame.octree.as_ref().unwrap();
+    let base_tree = base.frame.levels.octree().unwrap();
     for factor in [1e-6, 0.1, 3.0, 1e9] {
         let chain = load(&scaled(&cloud, DVec3::splat(factor)), DELTA);
-        let tree = chain.frame.octree.as_ref().unwrap();
+        let tree = chain.frame.levels.octree().unwrap();
         assert_eq!(tree.depth(), base_tree.depth(), "× {factor:e}");
         for (found, expected) in tree.level_counts().iter().zip(base_tree.level_counts()) {
             // A point changes cells when it is within 2⁻²⁴ of the edge of the cube from a border, of which three axes

@@ -10,8 +10,8 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    BackFaces, Background, Camera, Lighting, Primitive, Scene, ScenePacket, Settings, Splatting,
-    Strategy, UpAxis,
+    BackFaces, Backdrop, Background, Camera, Content, LightStyle, Lighting, PointStyle, Primitive,
+    Scene, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -73,10 +73,19 @@ fn surfels_in_all_modes_and_lights() {
     let cloud = sphere(1500, 1.0);
     for &splatting in Splatting::ALL {
         for &lighting in Lighting::ALL {
-            let settings = Settings {
-                splatting,
-                lighting,
-                background: gradient(),
+            let settings = Style {
+                surfels: SurfelStyle {
+                    splatting,
+                    ..plain().surfels
+                },
+                light: LightStyle {
+                    lighting,
+                    ..plain().light
+                },
+                backdrop: Backdrop {
+                    background: gradient(),
+                    ..plain().backdrop
+                },
                 ..plain()
             };
             let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
@@ -95,7 +104,7 @@ fn a_real_frame_in_every_mode_and_primitive() {
     let sequence = Sequence::demo();
     let frame = Arc::new(sequence.frame(9).unwrap());
     let mut scene = Scene::default();
-    let mut agree = |settings: Settings, what: &str| {
+    let mut agree = |settings: Style, what: &str| {
         let needs = Scene::needs(&settings);
         let frame = prepare(
             9,
@@ -109,16 +118,19 @@ fn a_real_frame_in_every_mode_and_primitive() {
         assert_agreement(&mut renderer, &packet, what);
     };
     for &splatting in Splatting::ALL {
-        let settings = Settings {
-            splatting,
-            ..Settings::default()
+        let settings = Style {
+            surfels: SurfelStyle {
+                splatting,
+                ..SurfelStyle::default()
+            },
+            ..Style::default()
         };
         agree(settings, &format!("demo, {splatting}"));
     }
     for primitive in [Primitive::Voxel, Primitive::Point] {
-        let settings = Settings {
+        let settings = Style {
             primitive,
-            ..Settings::default()
+            ..Style::default()
         };
         agree(settings, &format!("demo, {primitive}"));
     }
@@ -128,8 +140,11 @@ fn a_real_frame_in_every_mode_and_primitive() {
 fn surfels_from_both_sides() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(1500, 1.0);
-    let settings = Settings {
-        back_faces: BackFaces::Drawn,
+    let settings = Style {
+        surfels: SurfelStyle {
+            back_faces: BackFaces::Drawn,
+            ..plain().surfels
+        },
         ..plain()
     };
     let packet = surfels(&cloud, &close_camera(), settings, [90, 120]);
@@ -140,15 +155,23 @@ fn surfels_from_both_sides() {
 fn voxels_in_all_lights() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for &lighting in Lighting::ALL {
-        let settings = Settings {
+        let settings = Style {
             primitive: Primitive::Voxel,
-            lighting,
-            background: gradient(),
+            light: LightStyle {
+                lighting,
+                ..plain().light
+            },
+            backdrop: Backdrop {
+                background: gradient(),
+                ..plain().backdrop
+            },
             ..plain()
         };
         let mut packet = voxels(shell_voxels(), 2.0, &close_camera(), settings, [120, 90]);
         assert_agreement(&mut renderer, &packet, &format!("voxels, light {lighting}"));
-        let voxels = packet.voxels.as_mut().unwrap();
+        let Content::Voxels(voxels) = &mut packet.content else {
+            panic!("a packet of voxels");
+        };
         let centers = voxels.records.iter().map(|voxel| voxel.center);
         voxels.normals = Some(Arc::new(common::shapes_towards(centers)));
         let what = format!("voxels, light {lighting} on normals");
@@ -161,9 +184,11 @@ fn points_of_one_and_of_several_pixels() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(5000, 1.0);
     for point_size_px in [1.0, 2.0, 5.0] {
-        let settings = Settings {
+        let settings = Style {
             primitive: Primitive::Point,
-            point_size_px,
+            points: PointStyle {
+                size_px: point_size_px,
+            },
             ..plain()
         };
         let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
@@ -178,8 +203,11 @@ fn points_of_one_and_of_several_pixels() {
 #[test]
 fn many_batches_and_chunks_draw_what_one_draws() {
     let cloud = sphere(10_000, 1.0);
-    let settings = Settings {
-        splatting: Splatting::Regular,
+    let settings = Style {
+        surfels: SurfelStyle {
+            splatting: Splatting::Regular,
+            ..plain().surfels
+        },
         ..plain()
     };
     let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
@@ -211,7 +239,7 @@ fn many_batches_and_chunks_draw_what_one_draws() {
 #[test]
 fn the_compute_strategy_leaves_nothing_of_an_earlier_cloud() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
-    let settings = Settings {
+    let settings = Style {
         strategy: Strategy::Compute,
         ..plain()
     };

@@ -3,8 +3,8 @@
 //! **How it works.** What is edited is looked at once a pass. Where it differs from the last look, that is kept, unless
 //! the change goes on: with the same button held, or the same fields within half a second of the change before.
 
-use super::camera_path::Draft;
-use crate::scene::Settings;
+use crate::app::features::camera_path::Draft;
+use crate::scene::Style;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,7 +19,7 @@ const MAX_ENTRIES: usize = 200;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Edited {
     /// The settings.
-    pub settings: Settings,
+    pub settings: Style,
     /// The camera path.
     pub path: Arc<Draft>,
 }
@@ -99,26 +99,26 @@ fn changed_fields(before: &Edited, after: &Edited) -> u32 {
         before.path != after.path,
         a.primitive != b.primitive,
         a.renderer != b.renderer,
-        a.splatting != b.splatting,
+        a.surfels.splatting != b.surfels.splatting,
         a.strategy != b.strategy,
-        a.splat_scale != b.splat_scale,
-        a.enlargement != b.enlargement,
-        a.back_faces != b.back_faces,
-        a.lighting != b.lighting,
-        a.voxel_light != b.voxel_light,
-        a.eye_dome != b.eye_dome,
-        a.eye_dome_strength != b.eye_dome_strength,
-        a.grid != b.grid,
-        a.background != b.background,
+        a.surfels.splat_scale != b.surfels.splat_scale,
+        a.surfels.enlargement != b.surfels.enlargement,
+        a.surfels.back_faces != b.surfels.back_faces,
+        a.light.lighting != b.light.lighting,
+        a.voxels.light != b.voxels.light,
+        a.light.eye_dome != b.light.eye_dome,
+        a.light.eye_dome_strength != b.light.eye_dome_strength,
+        a.backdrop.grid != b.backdrop.grid,
+        a.backdrop.background != b.backdrop.background,
         a.colors != b.colors,
-        a.point_size_px != b.point_size_px,
-        a.stop != b.stop,
-        a.lod != b.lod,
-        a.surfel_lod != b.surfel_lod,
+        a.points.size_px != b.points.size_px,
+        a.levels.stop != b.levels.stop,
+        a.levels.lod != b.levels.lod,
+        a.levels.surfel_lod != b.levels.surfel_lod,
         a.resolution != b.resolution,
-        a.footprint != b.footprint,
-        a.normal_bits != b.normal_bits,
-        a.offset_bits != b.offset_bits,
+        a.codes.footprint != b.codes.footprint,
+        a.codes.normal_bits != b.codes.normal_bits,
+        a.codes.offset_bits != b.codes.offset_bits,
     ];
     let bit = |bits: u32, &differs: &bool| bits << 1 | u32::from(differs);
     differs.iter().fold(0, bit)
@@ -127,13 +127,16 @@ fn changed_fields(before: &Edited, after: &Edited) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Primitive;
+    use crate::scene::{Primitive, SurfelStyle};
     use proptest::prelude::*;
 
     fn scaled(splat_scale: f32) -> Edited {
-        let settings = Settings {
-            splat_scale,
-            ..Settings::default()
+        let settings = Style {
+            surfels: SurfelStyle {
+                splat_scale,
+                ..SurfelStyle::default()
+            },
+            ..Style::default()
         };
         let path = Arc::default();
         Edited { settings, path }

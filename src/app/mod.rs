@@ -11,70 +11,67 @@
 //! **Idle.** The event loop sleeps until an event, a loader's or task's wake, or the clock's next deadline. A paused,
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.
 
-mod benchmark;
-mod beside;
-mod camera_path;
 mod command;
-mod comparison;
 mod drawing;
-mod export;
+mod features;
+mod first_look;
 mod fly;
 mod focus;
 mod grip;
 mod history;
-mod in_view;
-mod inspection;
-mod levels;
-mod measuring;
 mod meter;
 mod motion;
 mod notices;
+mod open_panels;
 mod pacing;
 pub mod paint;
-mod palette;
 pub mod panels;
 mod preferences;
 mod present;
 mod present_choice;
 mod presets;
-mod progress;
 mod recent;
+mod sequence_name;
+mod side;
 mod state;
-mod tasks;
-mod temporal;
 mod theme;
-mod thumbnails;
-mod timeline;
-mod trails;
 mod trial;
+mod widgets;
 mod window;
+mod work;
 
-pub use benchmark::{Benchmark, BenchmarkJob, BenchmarkTable};
-pub use beside::{Beside, FrameDistances, Layout, OneWay};
-pub use camera_path::{Draft, PathEditor};
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
-pub use comparison::{Comparison, PictureDifference, PicturePair, Side};
-pub use export::{Export, Exported, Subject};
+pub use features::benchmark::{
+    Benchmark, BenchmarkEnded, BenchmarkJob, BenchmarkTable, ReportFormat,
+};
+pub use features::beside::{Beside, FrameDistances, Layout, OneWay};
+pub use features::camera_path::{Draft, PathEditor, PathFile};
+pub use features::comparison::{Comparison, PictureDifference, PicturePair};
+pub use features::export::{Export, ExportEnded, Exported, Subject};
+pub use features::inspection::measuring::{Gauge, Measurement};
+pub use features::inspection::{Anchor, Inspected, Inspection, Tool};
+pub use features::palette::Palette;
+pub use features::quality::{MeasuredQuality, QualityLimits};
+pub use features::temporal::{ChangeMap, Made, OnionSkin, Temporal};
+pub use features::thumbnails::{Delivery, Thumbnails};
+pub use features::timeline::{Marker, Markers, Quantity, Timeline};
+pub use features::trails::{Traced, TrailField, Trails};
 pub use fly::Fly;
 pub use history::{Edited, History};
-pub use inspection::{Anchor, Inspected, Inspection, Tool};
-pub use measuring::{Gauge, Measurement};
 pub use motion::Turntable;
 pub use notices::{Notice, Notices, Severity};
-pub use palette::Palette;
-pub use panels::QualityLimits;
+pub use open_panels::OpenPanels;
 pub use preferences::{Preferences, PreferencesFile};
 pub use present_choice::PresentChoice;
 pub use presets::{Preset, Presets};
-pub use progress::{Progress, Work, WorkKind, Works};
 pub use recent::Recent;
+pub use side::Side;
 pub use state::{
-    Change, Counters, GraphicsInfo, OpenPanels, State, StateOptions, Viewport, WindowRequest,
+    Change, Counters, DialogAnswer, DialogKind, Found, GraphicsInfo, Outcome, State, StateOptions,
+    Viewport, WindowRequest,
 };
-pub use tasks::{DialogKind, Outcome, ReportFormat, Tasks, Wake};
-pub use temporal::{ChangeMap, Made, OnionSkin, Temporal};
 pub use theme::apply_theme;
-pub use thumbnails::{Delivery, Thumbnails};
-pub use timeline::{Marker, Markers, Quantity, Timeline};
-pub use trails::{Traced, TrailField, Trails};
 pub use window::{AppError, Options, bench_window, run};
+pub use work::files::SavedFile;
+pub use work::tasks::{TaskFailed, TaskOutcome, Tasks, Wake};
+pub use work::works::{Progress, Work, WorkKind, Works};

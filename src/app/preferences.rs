@@ -7,11 +7,13 @@
 //! a moment after something was changed, so that a program that is killed has lost nothing, and never by a run in which
 //! nothing was changed.
 
+use super::open_panels::OpenPanels;
 use super::present_choice::PresentChoice;
-use super::state::{OpenPanels, POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+use super::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use crate::kept::{self, Fields};
+use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{Lod, Settings};
+use crate::scene::{LevelStyle, LightStyle, PointStyle, Style, SurfelStyle};
 use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED};
 use egui::ThemePreference;
 use serde::{Deserialize, Serialize};
@@ -38,7 +40,7 @@ const WINDOW_EDGE_RANGE: RangeInclusive<f64> = 100.0..=16_384.0;
 pub struct Preferences {
     /// How pictures are asked for.
     #[serde(flatten)]
-    pub settings: Settings,
+    pub settings: Style,
     /// Who brings pictures onto the screen.
     pub present: PresentChoice,
     /// What happens at the ends of a sequence.
@@ -62,7 +64,7 @@ pub struct Preferences {
 impl Default for Preferences {
     fn default() -> Self {
         Self {
-            settings: Settings::default(),
+            settings: Style::default(),
             present: PresentChoice::default(),
             loop_mode: LoopMode::default(),
             speed: 1.0,
@@ -135,16 +137,27 @@ fn unknown_fields(stored: &Fields) -> Fields {
 }
 
 /// The nearest settings that the window offers.
-pub(super) fn offered_settings(settings: Settings) -> Settings {
+pub(super) fn offered_settings(settings: Style) -> Style {
     let clamp = |value: f32, range: RangeInclusive<f32>| value.clamp(*range.start(), *range.end());
-    Settings {
-        splat_scale: clamp(settings.splat_scale, SPLAT_SCALE_RANGE),
-        enlargement: clamp(settings.enlargement, ENLARGEMENT_RANGE),
-        point_size_px: clamp(settings.point_size_px, POINT_SIZE_RANGE_PX),
-        eye_dome_strength: clamp(settings.eye_dome_strength, Settings::EYE_DOME_STRENGTHS),
-        stop: offered_stop(settings.stop),
-        lod: settings.lod.offered(),
-        resolution: clamp(settings.resolution, Settings::RESOLUTIONS),
+    Style {
+        resolution: clamp(settings.resolution, Style::RESOLUTIONS),
+        surfels: SurfelStyle {
+            splat_scale: clamp(settings.surfels.splat_scale, SPLAT_SCALE_RANGE),
+            enlargement: clamp(settings.surfels.enlargement, ENLARGEMENT_RANGE),
+            ..settings.surfels
+        },
+        points: PointStyle {
+            size_px: clamp(settings.points.size_px, POINT_SIZE_RANGE_PX),
+        },
+        levels: LevelStyle {
+            stop: offered_stop(settings.levels.stop),
+            lod: settings.levels.lod.offered(),
+            ..settings.levels
+        },
+        light: LightStyle {
+            eye_dome_strength: clamp(settings.light.eye_dome_strength, Style::EYE_DOME_STRENGTHS),
+            ..settings.light
+        },
         ..settings
     }
 }
@@ -154,7 +167,7 @@ fn offered_stop(stop: StopCriterion) -> StopCriterion {
     match stop {
         StopCriterion::Spacing => StopCriterion::Spacing,
         StopCriterion::Loss(delta) if delta.is_nan() => StopCriterion::default(),
-        StopCriterion::Loss(delta) => StopCriterion::Loss(delta.clamp(0.0, Settings::MAX_DELTA)),
+        StopCriterion::Loss(delta) => StopCriterion::Loss(delta.clamp(0.0, Style::MAX_DELTA)),
         StopCriterion::Depth(depth) => StopCriterion::Depth(depth.min(*Lod::LEVELS.end())),
         StopCriterion::PointsPerOctant(points) => StopCriterion::PointsPerOctant(points.max(1)),
     }

@@ -7,8 +7,9 @@
 
 use super::preferences::offered_settings;
 use crate::kept::{self, Fields};
+use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{Lod, Primitive, Settings, VoxelLight};
+use crate::scene::{LevelStyle, PointStyle, Primitive, Style, VoxelLight, VoxelStyle};
 use serde::Serialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -28,7 +29,7 @@ pub struct Preset {
     /// What a person calls them; not empty.
     pub name: String,
     /// All of them.
-    pub settings: Settings,
+    pub settings: Style,
 }
 
 /// The presets of this person, by name.
@@ -46,44 +47,55 @@ struct Stored<'a> {
 }
 
 /// Ways to draw that every window offers: name, what it is, and how it draws. Colours and background are not theirs.
-pub(super) fn built_in() -> [(&'static str, &'static str, Settings); 4] {
-    let settings = Settings::default();
+pub(super) fn built_in() -> [(&'static str, &'static str, Style); 4] {
+    let settings = Style::default();
     [
         (
             "Fast",
             "Surfels of octree cells up to 2 px, at half the resolution",
-            Settings {
-                surfel_lod: true,
-                lod: Lod::ThresholdPx(2.0),
+            Style {
                 resolution: 0.5,
+                levels: LevelStyle {
+                    surfel_lod: true,
+                    lod: Lod::ThresholdPx(2.0),
+                    ..settings.levels
+                },
                 ..settings
             },
         ),
         (
             "Exact",
             "Every point as a surfel at full resolution",
-            Settings {
-                surfel_lod: false,
+            Style {
                 resolution: 1.0,
+                levels: LevelStyle {
+                    surfel_lod: false,
+                    ..settings.levels
+                },
                 ..settings
             },
         ),
         (
             "Points",
             "Every point as a square of 2 px",
-            Settings {
+            Style {
                 primitive: Primitive::Point,
-                point_size_px: 2.0,
+                points: PointStyle { size_px: 2.0 },
                 ..settings
             },
         ),
         (
             "Voxels",
             "Cells of an octree, as large as it takes to close surfaces",
-            Settings {
+            Style {
                 primitive: Primitive::Voxel,
-                stop: StopCriterion::Spacing,
-                voxel_light: VoxelLight::Normals,
+                voxels: VoxelStyle {
+                    light: VoxelLight::Normals,
+                },
+                levels: LevelStyle {
+                    stop: StopCriterion::Spacing,
+                    ..settings.levels
+                },
                 ..settings
             },
         ),
@@ -117,7 +129,7 @@ impl Presets {
     }
 
     /// Keeps `settings` under `name`, in place of those that had it. `Err` is a text for a notice.
-    pub fn save(&mut self, name: &str, settings: Settings) -> Result<(), String> {
+    pub fn save(&mut self, name: &str, settings: Style) -> Result<(), String> {
         let name = as_name(name);
         if name.is_empty() {
             return Err("A preset needs a name".to_owned());

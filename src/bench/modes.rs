@@ -4,7 +4,7 @@
 //! surfels of one splatting mode), and how instances reach the GPU (storage, uniform …). A group without words is no
 //! condition.
 
-use crate::scene::{Primitive, RendererChoice, Settings, Splatting, Strategy};
+use crate::scene::{Primitive, RendererChoice, Splatting, Strategy, Style};
 use std::str::FromStr;
 
 /// A choice of ways to draw; the default is all.
@@ -34,7 +34,7 @@ impl Modes {
     }
 
     /// Whether `settings`, which name who draws, are among them.
-    pub fn admit(&self, settings: &Settings) -> bool {
+    pub fn admit(&self, settings: &Style) -> bool {
         let is_gpu = settings.renderer == RendererChoice::Gpu;
         let is_surfel = settings.draws_surfels();
         let primitive = if is_surfel {
@@ -44,7 +44,7 @@ impl Modes {
         };
         let any_what = self.primitives.is_empty() && self.splattings.is_empty();
         let what = if is_surfel && !self.splattings.is_empty() {
-            self.splattings.contains(&settings.splatting)
+            self.splattings.contains(&settings.surfels.splatting)
         } else {
             any_what || self.primitives.contains(&primitive)
         };
@@ -83,22 +83,25 @@ impl FromStr for Modes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::SurfelStyle;
 
     #[test]
     fn words_of_a_group_are_alternatives_and_groups_are_conditions() {
-        let surfel = |renderer, splatting| Settings {
+        let surfel = |renderer, splatting| Style {
             renderer,
-            splatting,
-            ..Settings::default()
+            surfels: SurfelStyle {
+                splatting,
+                ..SurfelStyle::default()
+            },
+            ..Style::default()
         };
-        let voxel = Settings {
+        let voxel = Style {
             primitive: Primitive::Voxel,
             renderer: RendererChoice::Cpu,
-            ..Settings::default()
+            ..Style::default()
         };
         let (cpu, gpu) = (RendererChoice::Cpu, RendererChoice::Gpu);
-        let admits =
-            |text: &str, settings: &Settings| text.parse::<Modes>().unwrap().admit(settings);
+        let admits = |text: &str, settings: &Style| text.parse::<Modes>().unwrap().admit(settings);
         assert!(Modes::default().admit(&voxel));
         assert!(admits("cpu", &voxel) && !admits("gpu", &voxel));
         // Surfels of one mode, and voxels.

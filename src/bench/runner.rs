@@ -5,7 +5,7 @@
 //! uploads are timed apart, until their copies have arrived. Compiling pipelines is in neither.
 
 use crate::render::{AnyRenderer, RenderError, Renderer};
-use crate::scene::{ScenePacket, Voxels};
+use crate::scene::{Content, ScenePacket, Surfels, Voxels};
 use image::RgbaImage;
 use std::sync::Arc;
 use std::time::Instant;
@@ -40,7 +40,7 @@ impl Runner {
 
     /// Whether the processor draws.
     pub(super) fn is_processor(&self) -> bool {
-        matches!(self.renderer, AnyRenderer::Cpu(_))
+        self.renderer.is_processor()
     }
 
     /// Makes everything that pictures like `packet` share (pipelines, targets) by drawing a single record of it.
@@ -93,14 +93,21 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
     fn first<T: Copy>(records: &Arc<Vec<T>>) -> Arc<Vec<T>> {
         Arc::new(records.iter().copied().take(1).collect())
     }
-    ScenePacket {
-        points: first(&packet.points),
-        shapes: packet.shapes.as_ref().map(first),
-        voxels: packet.voxels.as_ref().map(|voxels| Voxels {
+    let content = match &packet.content {
+        Content::Points(points) => Content::Points(first(points)),
+        Content::Surfels(surfels) => Content::Surfels(Surfels {
+            points: first(&surfels.points),
+            shapes: first(&surfels.shapes),
+        }),
+        Content::Voxels(voxels) => Content::Voxels(Voxels {
             records: first(&voxels.records),
             normals: voxels.normals.as_ref().map(first),
             cube_edge: voxels.cube_edge,
         }),
+        Content::Nothing | Content::Coded(_) => packet.content.clone(),
+    };
+    ScenePacket {
+        content,
         ..packet.clone()
     }
 }

@@ -3,11 +3,12 @@
 use super::colors::ColorArgs;
 use super::warnings;
 use crate::io::ReadOptions;
+use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::{
-    BackFaces, Background, Clip, ClipShape, EyeDome, Footprint, Lighting, Lod, NormalBits,
-    OffsetBits, ParseChoiceError, Primitive, RendererChoice, Settings, Splatting, Strategy,
-    VoxelLight,
+    BackFaces, Backdrop, Background, Clip, ClipShape, CodeStyle, EyeDome, Footprint, LevelStyle,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointStyle,
+    Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use clap::Args;
@@ -225,44 +226,61 @@ impl PictureArgs {
     }
 
     /// `default`, but for what is given.
-    pub(super) fn settings_over(&self, default: Settings) -> Settings {
-        Settings {
+    pub(super) fn settings_over(&self, default: Style) -> Style {
+        Style {
             primitive: self.primitive.unwrap_or(default.primitive),
             renderer: self.renderer.unwrap_or(default.renderer),
-            splatting: self.splatting.unwrap_or(default.splatting),
             strategy: self.instancing.unwrap_or(default.strategy),
-            splat_scale: self.splat_scale.unwrap_or(default.splat_scale),
-            enlargement: self.enlargement.unwrap_or(default.enlargement),
-            back_faces: self
-                .back_faces
-                .or(self.two_sided.then_some(BackFaces::Drawn))
-                .unwrap_or(default.back_faces),
-            lighting: self.lighting.unwrap_or(default.lighting),
-            voxel_light: self.voxel_light.unwrap_or(default.voxel_light),
-            eye_dome: self.shown.eye_dome.unwrap_or(default.eye_dome),
-            eye_dome_strength: (self.shown.eye_dome_strength).unwrap_or(default.eye_dome_strength),
-            grid: default.grid || self.shown.grid,
-            background: match self.background {
-                Some(Behind::Colors(background)) => background,
-                Some(Behind::Nothing) | None => default.background,
-            },
             colors: self.colors.over(default.colors),
-            color_hints: default.color_hints,
-            ground_box: default.ground_box,
-            point_size_px: self.point_size.unwrap_or(default.point_size_px),
-            stop: self.stop.criterion().unwrap_or(default.stop),
-            lod: self.lod.choice().unwrap_or(default.lod),
-            surfel_lod: default.surfel_lod || self.surfel_lod,
             resolution: self.resolution.unwrap_or(default.resolution),
-            footprint: self.footprint.unwrap_or(default.footprint),
-            normal_bits: self.normal_bits.unwrap_or(default.normal_bits),
-            offset_bits: self.offset_bits.unwrap_or(default.offset_bits),
-            clip: self.clip_box.map_or(default.clip, |shape| {
-                Some(Clip {
-                    keeps_outside: self.clip_outside,
-                    ..Clip::to(shape)
-                })
-            }),
+            surfels: SurfelStyle {
+                splatting: self.splatting.unwrap_or(default.surfels.splatting),
+                splat_scale: self.splat_scale.unwrap_or(default.surfels.splat_scale),
+                enlargement: self.enlargement.unwrap_or(default.surfels.enlargement),
+                back_faces: self
+                    .back_faces
+                    .or(self.two_sided.then_some(BackFaces::Drawn))
+                    .unwrap_or(default.surfels.back_faces),
+            },
+            points: PointStyle {
+                size_px: self.point_size.unwrap_or(default.points.size_px),
+            },
+            voxels: VoxelStyle {
+                light: self.voxel_light.unwrap_or(default.voxels.light),
+            },
+            levels: LevelStyle {
+                stop: self.stop.criterion().unwrap_or(default.levels.stop),
+                lod: self.lod.choice().unwrap_or(default.levels.lod),
+                surfel_lod: default.levels.surfel_lod || self.surfel_lod,
+            },
+            codes: CodeStyle {
+                footprint: self.footprint.unwrap_or(default.codes.footprint),
+                normal_bits: self.normal_bits.unwrap_or(default.codes.normal_bits),
+                offset_bits: self.offset_bits.unwrap_or(default.codes.offset_bits),
+            },
+            light: LightStyle {
+                lighting: self.lighting.unwrap_or(default.light.lighting),
+                eye_dome: self.shown.eye_dome.unwrap_or(default.light.eye_dome),
+                eye_dome_strength: (self.shown.eye_dome_strength)
+                    .unwrap_or(default.light.eye_dome_strength),
+            },
+            backdrop: Backdrop {
+                grid: default.backdrop.grid || self.shown.grid,
+                background: match self.background {
+                    Some(Behind::Colors(background)) => background,
+                    Some(Behind::Nothing) | None => default.backdrop.background,
+                },
+            },
+            of_sequence: OfSequence {
+                color_hints: default.of_sequence.color_hints,
+                ground_box: default.of_sequence.ground_box,
+                clip: self.clip_box.map_or(default.of_sequence.clip, |shape| {
+                    Some(Clip {
+                        keeps_outside: self.clip_outside,
+                        ..Clip::to(shape)
+                    })
+                }),
+            },
         }
     }
 }
@@ -380,7 +398,7 @@ fn positive(text: &str) -> Result<f32, String> {
 fn resolution(text: &str) -> Result<f32, String> {
     number_in(
         text,
-        |value: &f32| Settings::RESOLUTIONS.contains(value),
+        |value: &f32| Style::RESOLUTIONS.contains(value),
         "a share from 0.25 to 1",
     )
 }
@@ -412,7 +430,7 @@ pub(super) fn not_negative_f64(text: &str) -> Result<f64, String> {
 fn delta(text: &str) -> Result<f32, String> {
     number_in(
         text,
-        |value| (0.0..=Settings::MAX_DELTA).contains(value),
+        |value| (0.0..=Style::MAX_DELTA).contains(value),
         "a number from 0 to 0.6, such as 0.05",
     )
 }

@@ -3,7 +3,7 @@
 use super::arguments::{ReadArgs, open_sequence_and_tell};
 use super::{answer, warnings};
 use crate::check::changed_attributes;
-use crate::scene::{BackFaces, FirstLook, Kind, Primitive, Settings};
+use crate::scene::{BackFaces, FirstLook, Kind, Primitive, Style};
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -176,7 +176,7 @@ fn guess(sequence: &Sequence) -> Option<Guess> {
         return None;
     }
     let in_file = |corner: Vec3| (sequence.origin() + corner.as_dvec3()).to_array();
-    let settings = Settings::default().resolved(&look);
+    let settings = Style::default().resolved(&look);
     Some(Guess {
         up: look.up.name(),
         up_because: look.up_why,
@@ -188,7 +188,7 @@ fn guess(sequence: &Sequence) -> Option<Guess> {
         primitive_because: look.primitive_why,
         planar_share: look.planar_share,
         spacing_spread: look.spacing_spread,
-        back_faces: settings.back_faces,
+        back_faces: settings.surfels.back_faces,
         trimmed_min: in_file(look.trimmed.min),
         trimmed_max: in_file(look.trimmed.max),
     })

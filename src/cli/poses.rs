@@ -6,7 +6,7 @@ use super::warnings;
 use crate::export::{ChangeColors, Poses, TrailLook};
 use crate::headless::Headless;
 use crate::progress::Progress;
-use crate::scene::Settings;
+use crate::scene::Style;
 use crate::sequence::{OnionSkin, TrailRequest, Trails};
 use anyhow::bail;
 use clap::Args;
@@ -42,7 +42,7 @@ impl PosesArgs {
         &self,
         range: FrameRange,
         headless: &Headless,
-        settings: &Settings,
+        settings: &Style,
     ) -> anyhow::Result<Poses> {
         let onion = |count: u8| OnionSkin {
             is_on: true,
@@ -71,7 +71,7 @@ impl PosesArgs {
         &self,
         range: FrameRange,
         headless: &Headless,
-        settings: &Settings,
+        settings: &Style,
     ) -> anyhow::Result<Option<Trails>> {
         if self.trail.is_empty() {
             return Ok(None);

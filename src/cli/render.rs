@@ -8,7 +8,7 @@ use super::warnings;
 use crate::export::{Dressed, FRAME_PLACEHOLDER, PictureSize, numbered, write_picture};
 use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, Settings};
+use crate::scene::{Camera, Style};
 use crate::sequence::{Loader, LoaderOptions};
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -106,7 +106,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
             sequence.len()
         );
     }
-    let settings = arguments.picture.settings_over(Settings::default());
+    let settings = arguments.picture.settings_over(Style::default());
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
     let renderer = AnyRenderer::open(settings.renderer)?;
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
@@ -115,7 +115,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         adapter: headless.renderer().summary(),
         size: arguments.size,
         primitive: settings.primitive.to_string(),
-        splatting: settings.splatting.to_string(),
+        splatting: settings.surfels.splatting.to_string(),
         instancing: settings.strategy.to_string(),
         frames: Vec::new(),
     };
@@ -173,7 +173,7 @@ fn make_folder(output: &Path, frame_count: usize) -> anyhow::Result<()> {
 fn render_frames(
     arguments: &RenderArgs,
     (output, FrameRange { first, last }): (&Path, FrameRange),
-    settings: &Settings,
+    settings: &Style,
     headless: &mut Headless,
     stats: &mut Stats,
 ) -> anyhow::Result<Vec<(usize, String)>> {

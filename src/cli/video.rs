@@ -7,7 +7,7 @@ use super::{answer, warnings};
 use crate::export::{Video, export_video};
 use crate::headless::{Headless, PictureStats};
 use crate::progress::Progress;
-use crate::scene::{CameraPath, Settings};
+use crate::scene::{CameraPath, Style};
 use anyhow::bail;
 use clap::Args;
 use std::collections::HashSet;
@@ -48,7 +48,7 @@ pub(super) struct VideoArgs {
 /// Renders the video; returns the frames that could not be read, with the reason.
 pub(super) fn render_video(
     arguments: &RenderArgs,
-    settings: &Settings,
+    settings: &Style,
     headless: &mut Headless,
     stats: &mut Vec<PictureStats>,
 ) -> anyhow::Result<Vec<(usize, String)>> {

@@ -18,7 +18,7 @@ use crate::headless::{Headless, HeadlessError};
 use crate::kept::Partial;
 use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, scaled_to};
-use crate::scene::{Background, Camera, EyeDomeLight, Legend, ScenePacket, Settings};
+use crate::scene::{Background, Camera, EyeDomeLight, Legend, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
 use image::{RgbaImage, imageops};
 use std::fs::File;
@@ -39,7 +39,7 @@ const MAX_STRIP_BYTES: u32 = 1 << 28;
 pub struct PictureSize {
     /// Width and height.
     pub size_px: [u32; 2],
-    /// Nothing is behind the cloud: straight alpha in place of [`Settings::background`].
+    /// Nothing is behind the cloud: straight alpha in place of [`Style::backdrop`].
     pub is_transparent: bool,
     /// What the colours mean is drawn over the picture, where they are numbers or classes.
     pub has_legend: bool,
@@ -79,7 +79,7 @@ pub fn draw_picture(
     headless: &mut Headless,
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: &Settings,
+    settings: &Style,
     size: PictureSize,
 ) -> Result<RgbaImage, ExportError> {
     let mut pixels = Vec::new();
@@ -107,7 +107,7 @@ pub fn write_picture(
     headless: &mut Headless,
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: &Settings,
+    settings: &Style,
     size: PictureSize,
     output: &Path,
 ) -> Result<(), ExportError> {
@@ -123,7 +123,7 @@ pub fn write_picture_observed(
     headless: &mut Headless,
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: &Settings,
+    settings: &Style,
     size: PictureSize,
     (output, progress): (&Path, &Progress),
 ) -> Result<(), ExportError> {
@@ -169,7 +169,7 @@ fn for_each_strip(
     headless: &mut Headless,
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: &Settings,
+    settings: &Style,
     size: PictureSize,
     (take, progress): (TakeStrip<'_>, &Progress),
 ) -> Result<(), ExportError> {
@@ -273,7 +273,7 @@ fn draw_part(
     }
     let mut on = |gray: u8| {
         let mut packet = packet.clone();
-        packet.settings.background = Background::solid([gray; 3]);
+        packet.settings.backdrop.background = Background::solid([gray; 3]);
         draw(&packet)
     };
     let (mut on_black, on_white) = (on(0)?, on(255)?);

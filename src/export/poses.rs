@@ -6,9 +6,10 @@
 //! of points.
 
 use crate::headless::Headless;
+use crate::levels::LevelsKey;
 use crate::levels::octree::StopCriterion;
 use crate::measure::Change;
-use crate::scene::{Scene, Settings};
+use crate::scene::Style;
 use crate::sequence::{
     FrameError, Ghost, Needs, OnionSkin, Paint, PreparedFrame, Trails, with_ghosts,
 };
@@ -80,7 +81,7 @@ impl Poses {
         &self,
         pose: &Arc<PreparedFrame>,
         headless: &Headless,
-        settings: &Settings,
+        settings: &Style,
     ) -> Result<Dressed, FrameError> {
         let mut dressed = Dressed {
             frame: Arc::clone(pose),
@@ -89,7 +90,7 @@ impl Poses {
         if let Some(change) = self.change {
             change.color(&mut dressed, headless, settings);
         }
-        let needs = Scene::needs(settings);
+        let needs = headless.needs(settings);
         if let Some(onion) = self.onion {
             let mut ghosts = Vec::new();
             for (index, share, tint) in onion.around(pose.index, headless.sequence().len()) {
@@ -122,11 +123,12 @@ impl Poses {
                 });
             }
             // Tubes have so many points that a loss would divide the pose's cells as well.
-            let depth = dressed.frame.octree.as_ref().map(|octree| octree.depth());
-            let needs = Needs {
-                octree: depth.map(StopCriterion::Depth),
-                ..needs
-            };
+            let depth = dressed.frame.levels.octree().map(|octree| octree.depth());
+            let levels = needs.levels.zip(depth).map(|(levels, depth)| LevelsKey {
+                stop: StopCriterion::Depth(depth),
+                ..levels
+            });
+            let needs = Needs { levels, ..needs };
             dressed.add(&tubes, &needs, headless)?;
         }
         Ok(dressed)
@@ -150,7 +152,7 @@ impl Dressed {
 }
 
 impl ChangeColors {
-    fn color(self, dressed: &mut Dressed, headless: &Headless, settings: &Settings) {
+    fn color(self, dressed: &mut Dressed, headless: &Headless, settings: &Style) {
         let index = dressed.frame.index;
         let mut keeps = |why: String| {
             let problem = format!("frame {index} keeps its colours: {why}");

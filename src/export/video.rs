@@ -4,7 +4,7 @@ use super::picture::{self, PictureSize, draw_picture};
 use super::{Dressed, ExportError, FrameSink, Poses, VideoStream, open_sink};
 use crate::headless::{Headless, HeadlessError, PictureStats};
 use crate::progress::Progress;
-use crate::scene::{CameraPath, Settings};
+use crate::scene::{CameraPath, Style};
 use crate::sequence::{FrameError, PreparedFrame};
 use crate::timeline::Direction;
 use image::RgbaImage;
@@ -26,7 +26,7 @@ pub struct Video<'a> {
     /// Where the camera is and which frame is shown. Beyond the last frame the sequence begins anew.
     pub path: &'a CameraPath,
     /// How pictures are drawn.
-    pub settings: &'a Settings,
+    pub settings: &'a Style,
     /// What other poses add to each picture.
     pub poses: &'a Poses,
     /// How large they are.

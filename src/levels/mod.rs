@@ -1,3 +1,19 @@
-//! Levels of detail: structures that choose, for a view, which points or cells stand for a cloud.
+//! Levels of detail: structures that choose, for a view, what stands for a cloud.
+//!
+//! A structure implements [`Levels`]: it cuts itself for a view and writes the records of what the cut consists of.
+//! [`Lod`] is the policy that says how fine a cut is wanted, whatever the structure.
 
+mod cut;
+mod key;
+mod list;
 pub mod octree;
+mod policy;
+mod set;
+mod structure;
+
+pub use cut::{Cut, CutHints, SelectStats, SelectView};
+pub use key::{LevelsKey, LevelsKind};
+pub use list::PointList;
+pub use policy::{Affordable, Lod};
+pub use set::{CloudRecords, LevelsSet, LevelsWork};
+pub use structure::{Levels, RecordBuffers, Records};

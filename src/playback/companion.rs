@@ -10,7 +10,7 @@
 use super::can_draw;
 use super::pairing::{Pair, PairBy, PairTimes};
 use super::player::{PlayerChange, new_warnings};
-use crate::scene::{Scene, Settings};
+use crate::scene::{Scene, Style};
 use crate::sequence::{
     FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot,
 };
@@ -151,7 +151,7 @@ impl Companion {
 
     /// Asks for the frame that belongs to that of `clock`, and for those that come then. True if nothing is to be
     /// waited for: it is here, cannot be read, or there is none.
-    pub fn prepare(&mut self, clock: &Clock, is_playing: bool, settings: &Settings) -> bool {
+    pub fn prepare(&mut self, clock: &Clock, is_playing: bool, settings: &Style) -> bool {
         self.look_at_times();
         if self.sequence.is_empty() {
             return true;
@@ -189,7 +189,7 @@ impl Companion {
 
     /// Shows the frame that [`Companion::prepare`] has asked for, if it is here. What was shown before stays until
     /// then.
-    pub fn show(&mut self, settings: &Settings) -> PlayerChange {
+    pub fn show(&mut self, settings: &Style) -> PlayerChange {
         let mut change = PlayerChange::default();
         let before = self.shown.as_ref().map(Arc::as_ptr);
         let was_waiting = self.waiting_for();

@@ -38,7 +38,7 @@ struct Theatre {
     player: Player,
     companion: Companion,
     workers: [Simulation; 2],
-    settings: Settings,
+    settings: Style,
     now_ms: u64,
 }
 
@@ -61,9 +61,9 @@ impl Theatre {
             player: Player::with_loader(a, true),
             companion: Companion::with_loader(&sequences[0], b),
             workers: [a_workers, b_workers],
-            settings: Settings {
+            settings: Style {
                 primitive: Primitive::Point,
-                ..Settings::default()
+                ..Style::default()
             },
             now_ms: 0,
         }

@@ -10,7 +10,7 @@
 
 use super::attributes::FirstAttributes;
 use super::marks::{Run, runs};
-use crate::scene::{Primitive, Scene, Settings};
+use crate::scene::{Primitive, Scene, Style};
 use crate::sequence::{
     FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot,
 };
@@ -153,7 +153,7 @@ impl Player {
     }
 
     /// Has the first frame made before there is a window to show it in.
-    pub fn begin(&mut self, settings: &Settings) {
+    pub fn begin(&mut self, settings: &Style) {
         self.loader.set_interval(self.interval(&self.clock));
         let needs = Scene::needs(settings);
         self.request(self.clock.frame(), self.clock.direction(), needs);
@@ -288,7 +288,7 @@ impl Player {
     }
 
     /// Moves the playhead to where it is at `now` and shows its frame if it is there.
-    pub fn update(&mut self, now: Duration, settings: &Settings) -> PlayerChange {
+    pub fn update(&mut self, now: Duration, settings: &Style) -> PlayerChange {
         self.update_beside(now, settings, |_, _| true)
     }
 
@@ -297,7 +297,7 @@ impl Player {
     pub fn update_beside(
         &mut self,
         now: Duration,
-        settings: &Settings,
+        settings: &Style,
         prepare: impl FnOnce(&Clock, bool) -> bool,
     ) -> PlayerChange {
         let has_grown = self.grow(now);
@@ -448,7 +448,7 @@ pub(super) fn new_warnings(frame: &PreparedFrame, told: &mut HashSet<usize>) -> 
 pub fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
     match primitive {
         Primitive::Auto | Primitive::Surfel => frame.shapes.is_some(),
-        Primitive::Voxel => frame.octree.is_some(),
+        Primitive::Voxel => frame.levels.octree().is_some(),
         Primitive::Point => true,
     }
 }

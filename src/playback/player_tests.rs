@@ -36,7 +36,7 @@ impl Gate {
 struct Fixture {
     gate: Arc<Gate>,
     player: Player,
-    settings: Settings,
+    settings: Style,
 }
 
 impl Drop for Fixture {
@@ -65,9 +65,9 @@ impl Fixture {
             ])))
         });
         let player = Player::new(Arc::new(sequence), LoaderOptions::default(), play).unwrap();
-        let settings = Settings {
+        let settings = Style {
             primitive: Primitive::Point,
-            ..Settings::default()
+            ..Style::default()
         };
         Self {
             gate,
@@ -232,9 +232,9 @@ fn what_could_not_be_read_of_a_frame_is_told_once() {
     });
     let sequence = Arc::new(sequence);
     let mut player = Player::new(sequence, LoaderOptions::default(), false).unwrap();
-    let settings = Settings {
+    let settings = Style {
         primitive: Primitive::Point,
-        ..Settings::default()
+        ..Style::default()
     };
     let mut told = Vec::new();
     for frame in [0, 1, 2, 0, 2] {
@@ -284,7 +284,7 @@ fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
         ..LoaderOptions::default()
     };
     let mut player = Player::new(Arc::clone(&sequence), loader, false).unwrap();
-    let settings = Settings::default();
+    let settings = Style::default();
     player.follow_newest(true, Duration::ZERO);
     let shown = |player: &mut Player, now_ms: u64| {
         let begin = std::time::Instant::now();

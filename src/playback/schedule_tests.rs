@@ -15,7 +15,7 @@ const POINTS: usize = 1 << 16;
 struct Theatre {
     player: Player,
     workers: Simulation,
-    settings: Settings,
+    settings: Style,
     now: Duration,
     /// When the picture is finished that is being drawn.
     free_at: Duration,
@@ -57,9 +57,9 @@ impl Theatre {
         Self {
             player: Player::with_loader(loader, true),
             workers,
-            settings: Settings {
+            settings: Style {
                 primitive: Primitive::Point,
-                ..Settings::default()
+                ..Style::default()
             },
             now: Duration::ZERO,
             free_at: Duration::ZERO,

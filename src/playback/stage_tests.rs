@@ -39,7 +39,7 @@ fn sequence(frames: usize, points: usize) -> Arc<Sequence> {
 struct Stage {
     player: Player,
     workers: Simulation,
-    settings: Settings,
+    settings: Style,
     now: Duration,
 }
 
@@ -61,7 +61,7 @@ impl Stage {
         Self {
             player: Player::with_loader(loader, play),
             workers,
-            settings: Settings::default(),
+            settings: Style::default(),
             now: Duration::ZERO,
         }
     }
@@ -168,7 +168,7 @@ fn frames_that_play_have_no_stages() {
 fn who_wants_one_frame_gets_it_whole() {
     let options = LoaderOptions::default();
     let loader = Loader::new(sequence(1, LARGE), options).unwrap();
-    let needs = Scene::needs(&Settings::default());
+    let needs = Scene::needs(&Style::default());
     loader.request(0, Direction::Forward, &needs);
     let frame = loader.wait(0, &needs).unwrap();
     assert_eq!((frame.points.len(), frame.shapes.is_some()), (LARGE, true));
@@ -176,7 +176,7 @@ fn who_wants_one_frame_gets_it_whole() {
 }
 
 /// Waits until a reading in this stage is under way on real threads, and cancels it.
-fn cancel(player: &mut Player, settings: &Settings, stage: fn(ReadingStage) -> bool) {
+fn cancel(player: &mut Player, settings: &Style, stage: fn(ReadingStage) -> bool) {
     let begin = std::time::Instant::now();
     loop {
         player.update(begin.elapsed(), settings);
@@ -196,7 +196,7 @@ fn normals_that_are_cancelled_leave_the_points() {
         ..LoaderOptions::default()
     };
     let mut player = Player::new(sequence(1, LARGE), options, true).unwrap();
-    let mut settings = Settings::default();
+    let mut settings = Style::default();
     cancel(&mut player, &settings, |stage| {
         stage == ReadingStage::Normals
     });
@@ -235,7 +235,7 @@ fn what_the_machine_has_no_memory_for_stays_points_and_is_said() {
     // Who asks for surfels and nothing else is told that there are none.
     let loader = Loader::new(sequence(1, LARGE), options).unwrap();
     let error = loader
-        .wait(0, &Scene::needs(&Settings::default()))
+        .wait(0, &Scene::needs(&Style::default()))
         .unwrap_err();
     assert!(
         matches!(error, FrameError::TooLarge { points: LARGE, .. }),

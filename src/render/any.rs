@@ -52,6 +52,11 @@ impl AnyRenderer {
         Ok(Self::Gpu(Box::new(GpuRenderer::new(context)?)))
     }
 
+    /// Whether the processor draws, without any driver.
+    pub fn is_processor(&self) -> bool {
+        matches!(self, Self::Cpu(_))
+    }
+
     /// One line for reports: what draws.
     pub fn summary(&self) -> String {
         match self {

@@ -67,7 +67,7 @@ pub struct RenderStats {
 }
 
 /// A picture in the size in which it is shown, where a smaller one was drawn (see
-/// [`Settings::resolution`](crate::scene::Settings::resolution)): interpolated linearly, as the window does.
+/// [`Style::resolution`](crate::scene::Style::resolution)): interpolated linearly, as the window does.
 pub(crate) fn scaled_to(image: image::RgbaImage, size_px: [u32; 2]) -> image::RgbaImage {
     let [width, height] = size_px.map(|edge| edge.max(1));
     if image.dimensions() == (width, height) {

@@ -3,11 +3,21 @@
 //! Shaders must not see large coordinates: a frame's positions are f32 relative to the sequence origin, and the eye is
 //! handed over as a sum of two f32, so that `(position - eye_high) - eye_low` loses nothing a pixel could show.
 
-use super::settings::{ParseChoiceError, Projection};
-use crate::levels::octree::SelectView;
+use super::style::{ParseChoiceError, choices};
+use crate::levels::SelectView;
 use crate::math::{Aabb, Frustum};
 use glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use std::str::FromStr;
+
+choices! {
+    /// Whether what is farther away is smaller.
+    Projection, "projection" {
+        /// Through a point: the eye.
+        Perspective = "perspective",
+        /// By parallel rays: lengths across the view can be compared.
+        Orthographic = "orthographic",
+    }
+}
 
 /// The direction that is up in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

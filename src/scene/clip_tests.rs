@@ -3,9 +3,10 @@
 use super::*;
 use crate::cloud::{Frame, Positions, RawCloud};
 use crate::scene::{
-    BackFaces, Camera, Footprint, Primitive, RendererChoice, Scene, Settings, UpAxis, pick,
+    BackFaces, Camera, CodeStyle, Footprint, LevelStyle, OfSequence, Primitive, RendererChoice,
+    Scene, Style, SurfelStyle, UpAxis, pick,
 };
-use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
+use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete, prepare};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -25,8 +26,6 @@ fn frame(places: &[Vec3], origin: DVec3) -> PreparedFrame {
     let frame = Arc::new(Frame::from_raw(raw, origin).unwrap());
     let needs = Needs {
         shapes: true,
-        octree: Some(Settings::default().stop),
-        coded: true,
         ..Needs::default()
     };
     prepare(0, frame, 0.0, &needs, &PrepareCounters::default())
@@ -41,22 +40,31 @@ fn camera(origin: DVec3) -> Camera {
 }
 
 /// Everything that draws: points, surfels of all points, of a cut and of byte codes, voxels.
-fn ways() -> Vec<Settings> {
-    let mut ways: Vec<Settings> = Primitive::ALL
+fn ways() -> Vec<Style> {
+    let mut ways: Vec<Style> = Primitive::ALL
         .iter()
-        .map(|&primitive| Settings {
+        .map(|&primitive| Style {
             primitive,
-            back_faces: BackFaces::Drawn,
-            ..Settings::default()
+            surfels: SurfelStyle {
+                back_faces: BackFaces::Drawn,
+                ..SurfelStyle::default()
+            },
+            ..Style::default()
         })
         .collect();
-    ways.push(Settings {
-        surfel_lod: true,
+    ways.push(Style {
+        levels: LevelStyle {
+            surfel_lod: true,
+            ..(ways[0]).levels
+        },
         ..ways[0]
     });
-    ways.push(Settings {
-        footprint: Footprint::Masks,
+    ways.push(Style {
         renderer: RendererChoice::Cpu,
+        codes: CodeStyle {
+            footprint: Footprint::Masks,
+            ..(ways[0]).codes
+        },
         ..ways[0]
     });
     ways
@@ -96,23 +104,27 @@ proptest! {
             is_inside != keeps_outside
         };
         for way in ways() {
+            let frame = complete(&frame, &Scene::needs(&way), &PrepareCounters::default());
             let packet = |clip| {
-                let settings = Settings { clip, ..way };
+                let settings = Style { of_sequence: OfSequence { clip, ..way.of_sequence }, ..way };
                 Scene::default().packet(&frame, origin, &camera(origin), &settings, SIZE)
             };
             let (all, clipped) = (packet(None), packet(Some(clip)));
-            prop_assert!(clipped.coded.is_none());
-            if let (Some(all), Some(clipped)) = (&all.voxels, &clipped.voxels) {
+            prop_assert!(clipped.content.coded().is_none());
+            if let (Some(all), Some(clipped)) = (all.content.voxels(), clipped.content.voxels()) {
                 let kept: Vec<_> = all.records.iter().copied().filter(|cell| is_drawn(cell.center)).collect();
                 prop_assert_eq!(&kept, &*clipped.records);
                 continue;
             }
-            let kept: Vec<usize> = (0..all.points.len()).filter(|&slot| is_drawn(all.points[slot].position)).collect();
-            let points: Vec<_> = kept.iter().map(|&slot| all.points[slot]).collect();
-            prop_assert_eq!(&points, &*clipped.points);
-            prop_assert_eq!(all.shapes.is_some(), clipped.shapes.is_some());
-            if let (Some(all), Some(clipped)) = (&all.shapes, &clipped.shapes) {
-                let shapes: Vec<_> = kept.iter().map(|&slot| all[slot]).collect();
+            // What would be drawn from a code is drawn from all points.
+            let points = all.content.points().unwrap_or(&frame.points);
+            let kept: Vec<usize> = (0..points.len()).filter(|&slot| is_drawn(points[slot].position)).collect();
+            let points: Vec<_> = kept.iter().map(|&slot| points[slot]).collect();
+            prop_assert_eq!(&points, &**clipped.content.points().unwrap());
+            prop_assert_eq!(clipped.content.shapes().is_some(), way.draws_surfels());
+            if let Some(clipped) = clipped.content.shapes() {
+                let shapes = all.content.shapes().or(frame.shapes.as_ref()).unwrap();
+                let shapes: Vec<_> = kept.iter().map(|&slot| shapes[slot]).collect();
                 prop_assert_eq!(&shapes, &**clipped);
             }
         }
@@ -130,12 +142,12 @@ proptest! {
         let frame = frame(&places, origin);
         let clip = Clip::to(shape.relative_to(-origin));
         for way in ways() {
-            let settings = Settings { clip: Some(clip), ..way };
+            let settings = Style { of_sequence: OfSequence { clip: Some(clip), ..way.of_sequence }, ..way };
             let packet = Scene::default().packet(&frame, origin, &camera(origin), &settings, SIZE);
             let at = [px.0, px.1].map(|edge| f64::from(edge) + 0.5);
             let Some(slot) = pick(&packet, &frame, at, 20.0) else { continue };
             let place = Vec3::from_array(frame.points[slot].position).as_dvec3();
-            prop_assert!(clip.keeps(origin + place), "{} {:?}", way.primitive, way.footprint);
+            prop_assert!(clip.keeps(origin + place), "{} {:?}", way.primitive, way.codes.footprint);
             // Of whole points it is the one that is drawn there: the same as where there are no others.
             if way.primitive == Primitive::Point {
                 let alone: Vec<Vec3> = places.iter().copied().filter(|place| clip.keeps(origin + place.as_dvec3())).collect();
@@ -165,18 +177,21 @@ fn the_same_clip_is_the_same_allocation() {
             is_on,
             ..Clip::to(shape)
         };
-        let settings = Settings {
-            clip: Some(clip),
-            ..Settings::default()
+        let settings = Style {
+            of_sequence: OfSequence {
+                clip: Some(clip),
+                ..OfSequence::default()
+            },
+            ..Style::default()
         };
         scene.packet(&frame, DVec3::ZERO, &camera(DVec3::ZERO), &settings, SIZE)
     };
     let [first, again] = [packet(0.0, true), packet(0.0, true)];
-    assert_eq!(first.points.len(), 50);
+    assert_eq!(first.content.record_count(), 50);
     assert_eq!(first, again);
     assert_ne!(first, packet(0.5, true));
     for whole in [packet(-1.0, true), packet(0.0, false)] {
-        assert!(Arc::ptr_eq(&whole.points, &frame.points));
+        assert!(Arc::ptr_eq(whole.content.points().unwrap(), &frame.points));
     }
 }
 

@@ -17,19 +17,7 @@
 //! are in perspective around the target.
 
 use super::ScenePacket;
-use super::settings::{Splatting, choices};
-
-choices! {
-    /// Whether depths shade the picture.
-    EyeDome, "choice of eye-dome lighting" {
-        /// Where points are shown without light; nobody has decided yet: none.
-        Auto = "auto",
-        /// All pictures.
-        On = "on",
-        /// None.
-        Off = "off",
-    }
-}
+use super::style::{EyeDome, Splatting};
 
 /// Distance of neighbours in a picture 720 pixels high.
 const RADIUS_PX_AT_720: f32 = 1.4;
@@ -72,9 +60,10 @@ impl EyeDomeLight {
     /// That of a packet; `None` where there is none. [`Splatting::NoDepth`] leaves no depths to shade by.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let settings = &packet.settings;
-        let has_depth = !settings.draws_surfels() || settings.splatting != Splatting::NoDepth;
-        let strength = settings.eye_dome_strength;
-        let is_on = settings.eye_dome == EyeDome::On && strength > 0.0;
+        let has_depth =
+            !settings.draws_surfels() || settings.surfels.splatting != Splatting::NoDepth;
+        let strength = settings.light.eye_dome_strength;
+        let is_on = settings.light.eye_dome == EyeDome::On && strength > 0.0;
         (is_on && has_depth).then(|| {
             let [top, bottom] = packet.view.rows_of_whole;
             let height_px = packet.viewport_px[1] as f32 / (bottom - top);

@@ -6,7 +6,7 @@
 //! pixel with the plane; how many pixels away the nearest line is follows from the derivative, which is known in closed
 //! form, so that both draw the same lines (`shaders/passes/grid.wgsl`, `render/cpu/grid.rs`).
 
-use super::background::luma;
+use super::style::luma;
 use super::{Background, UpAxis, ViewTransform};
 use crate::math::Aabb;
 use glam::{DVec3, Vec3, Vec3Swizzles as _};

@@ -1,39 +1,40 @@
 //! Plain data between the sequence and a renderer: where the camera is, how the picture is asked for, and the
 //! [`ScenePacket`] that holds everything one picture needs. Nothing here knows a graphics API.
 
-mod background;
 mod camera;
 mod clip;
+mod compose;
+mod content;
 mod eye_dome;
 mod first_look;
 mod ground;
 mod in_view;
 mod legend;
-mod lod;
 mod on_screen;
 mod packet;
 mod path;
 mod pick;
 mod scale_bar;
-mod settings;
+mod style;
 mod view_text;
 
-pub use background::Background;
-pub use camera::{Camera, UpAxis, ViewPreset, ViewTransform};
+pub use camera::{Camera, Projection, UpAxis, ViewPreset, ViewTransform};
 pub use clip::{Clip, ClipShape};
-pub use eye_dome::{EyeDome, EyeDomeLight};
+pub use compose::{Scene, SceneStats};
+pub use content::{CodedCells, Content, Surfels, Voxels};
+pub use eye_dome::EyeDomeLight;
 pub use first_look::{FirstLook, Kind, Standpoint};
 pub use ground::{GroundPlane, SeenGround};
 pub use in_view::points_in_view;
 pub use legend::{Legend, LegendBody, field_title};
-pub use lod::Lod;
-pub use packet::{CodedCells, Scene, ScenePacket, SceneStats, Voxels};
+pub use packet::ScenePacket;
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use pick::{Pick, PickedNormal, pick};
 pub use scale_bar::ScaleBar;
-pub(crate) use settings::choices;
-pub use settings::{
-    BackFaces, Footprint, Lighting, NormalBits, OffsetBits, ParseChoiceError, Primitive,
-    Projection, RendererChoice, Settings, Splatting, Strategy, VoxelLight,
+pub(crate) use style::choices;
+pub use style::{
+    BackFaces, Backdrop, Background, CodeStyle, EyeDome, Footprint, LevelStyle, LightStyle,
+    Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointStyle, Primitive,
+    RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle,
 };
 pub use view_text::ParseViewError;

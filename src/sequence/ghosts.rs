@@ -92,6 +92,7 @@ pub fn with_ghosts(
 mod tests {
     use super::*;
     use crate::levels::octree::StopCriterion;
+    use crate::levels::{LevelsKey, LevelsKind};
     use glam::Vec3;
 
     /// Points on a line from `start`, dark and bright by turns.
@@ -110,7 +111,10 @@ mod tests {
     fn needs() -> Needs {
         Needs {
             shapes: true,
-            octree: Some(StopCriterion::default()),
+            levels: Some(LevelsKey {
+                kind: LevelsKind::Surfels,
+                stop: StopCriterion::default(),
+            }),
             // Black and white say nothing to the automatic choice.
             colors: Coloring::of(ColorSource::File),
             ..Needs::default()
@@ -128,7 +132,7 @@ mod tests {
         };
         let merged = with_ghosts(&now, &[ghost], &needs()).unwrap();
         assert_eq!((merged.index, merged.frame.len()), (5, 130));
-        assert!(merged.octree.is_some() && merged.lod_surfels.is_some());
+        assert!(merged.levels.surfels().is_some());
         let (points, shapes) = (&merged.points, merged.shapes.as_ref().unwrap());
         let mut ghosts = 0;
         for (slot, &index) in merged.frame.file_index().iter().enumerate() {

@@ -2,8 +2,8 @@
 
 use super::Paint;
 use super::scaled::{field, points_in_class_colors, points_on_scale};
-use crate::analysis::{Orientation, Surface, fake_color, splat_ellipses, splat_radii};
-use crate::cloud::{Frame, PointRecord, ShapeRecord, encode_ellipse, oct_decode, oct_encode};
+use crate::analysis::{Orientation, Surface, fake_color, splat_radii};
+use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -126,26 +126,6 @@ pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec
             .collect(),
         None => shapes.map(|shape| record(shape, 0.0)).collect(),
     }
-}
-
-/// `shapes` with ellipses in place of circles wherever the radius is estimated; `None` if it is nowhere, as a radius of
-/// the file says what a point covers.
-pub(super) fn with_ellipses(frame: &Frame, shapes: &[ShapeRecord]) -> Option<Vec<ShapeRecord>> {
-    if file_radii(frame).is_some() {
-        return None;
-    }
-    let normals: Vec<Vec3> = shapes
-        .iter()
-        .map(|shape| oct_decode(shape.normal))
-        .collect();
-    let ellipses = splat_ellipses(frame.positions(), &normals);
-    let has_radius = |index: usize| frame.radii().is_some_and(|radii| radii[index] > 0.0);
-    let shapes = shapes.iter().zip(ellipses).enumerate();
-    let records = shapes.map(|(index, (&shape, ellipse))| ShapeRecord {
-        ellipse: encode_ellipse(shape.normal, ellipse.filter(|_| !has_radius(index))),
-        ..shape
-    });
-    Some(records.collect())
 }
 
 /// Records in `paint`, which is that of this frame. Precondition: `shapes` for fake colours of a frame that lacks

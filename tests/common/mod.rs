@@ -9,7 +9,8 @@ use pointreel::math::Aabb;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Background, Camera, Lighting, Projection, ScenePacket, Settings, Splatting, UpAxis, Voxels,
+    Backdrop, Background, Camera, Content, LightStyle, Lighting, Primitive, Projection,
+    ScenePacket, Splatting, Style, SurfelStyle, Surfels, UpAxis, Voxels,
 };
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 
@@ -56,12 +57,21 @@ pub(crate) fn draw_with(renderer: &mut GpuRenderer, packet: &ScenePacket) -> Rgb
 }
 
 /// Settings whose colours can be predicted: no light, black background. Splats reach over what lies between them.
-pub(crate) fn plain() -> Settings {
-    Settings {
-        splatting: Splatting::TwoPassEnlarged,
-        lighting: Lighting::Unlit,
-        background: Background::solid([0, 0, 0]),
-        ..Settings::default()
+pub(crate) fn plain() -> Style {
+    Style {
+        surfels: SurfelStyle {
+            splatting: Splatting::TwoPassEnlarged,
+            ..SurfelStyle::default()
+        },
+        light: LightStyle {
+            lighting: Lighting::Unlit,
+            ..LightStyle::default()
+        },
+        backdrop: Backdrop {
+            background: Background::solid([0, 0, 0]),
+            ..Backdrop::default()
+        },
+        ..Style::default()
     }
 }
 
@@ -91,36 +101,31 @@ pub(crate) struct Surfel {
 pub(crate) fn surfels(
     surfels: &[Surfel],
     camera: &Camera,
-    settings: Settings,
+    settings: Style,
     viewport_px: [u32; 2],
 ) -> ScenePacket {
     let positions: Vec<Vec3> = surfels.iter().map(|surfel| surfel.position).collect();
+    let points = surfels.iter().map(|surfel| PointRecord {
+        position: surfel.position.to_array(),
+        color: [surfel.color[0], surfel.color[1], surfel.color[2], 255],
+    });
+    let points = Arc::new(points.collect());
+    let shapes = surfels.iter().map(|surfel| ShapeRecord {
+        normal: oct_encode(surfel.normal),
+        radius: surfel.radius,
+        ellipse: 0,
+        scalar: 0.0,
+    });
     ScenePacket {
         viewport_px,
         view: camera.transform(DVec3::ZERO, viewport_px),
+        content: if settings.primitive == Primitive::Point {
+            Content::Points(points)
+        } else {
+            let shapes = Arc::new(shapes.collect());
+            Content::Surfels(Surfels { points, shapes })
+        },
         settings,
-        points: Arc::new(
-            surfels
-                .iter()
-                .map(|surfel| PointRecord {
-                    position: surfel.position.to_array(),
-                    color: [surfel.color[0], surfel.color[1], surfel.color[2], 255],
-                })
-                .collect(),
-        ),
-        shapes: Some(Arc::new(
-            surfels
-                .iter()
-                .map(|surfel| ShapeRecord {
-                    normal: oct_encode(surfel.normal),
-                    radius: surfel.radius,
-                    ellipse: 0,
-                    scalar: 0.0,
-                })
-                .collect(),
-        )),
-        voxels: None,
-        coded: None,
         ground: None,
         bounds: Aabb::from_points(&positions),
     }
@@ -131,7 +136,7 @@ pub(crate) fn voxels(
     records: Vec<VoxelRecord>,
     cube_edge: f32,
     camera: &Camera,
-    settings: Settings,
+    settings: Style,
     viewport_px: [u32; 2],
 ) -> ScenePacket {
     let centers: Vec<Vec3> = records
@@ -142,14 +147,11 @@ pub(crate) fn voxels(
         viewport_px,
         view: camera.transform(DVec3::ZERO, viewport_px),
         settings,
-        points: Arc::new(Vec::new()),
-        shapes: None,
-        voxels: Some(Voxels {
+        content: Content::Voxels(Voxels {
             records: Arc::new(records),
             normals: None,
             cube_edge,
         }),
-        coded: None,
         ground: None,
         bounds: Aabb::from_points(&centers),
     }

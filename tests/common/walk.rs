@@ -2,7 +2,7 @@
 
 use pointreel::app::{Preferences, State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::scene::{Primitive, Scene, Settings};
+use pointreel::scene::{Primitive, Scene, Style};
 use pointreel::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::Duration;
@@ -35,9 +35,9 @@ pub(crate) fn options() -> StateOptions {
         preferences: Preferences {
             thumbnails: false,
             // What `auto` makes of a handful of points is not what these tests are about.
-            settings: Settings {
+            settings: Style {
                 primitive: Primitive::Surfel,
-                ..Settings::default()
+                ..Style::default()
             },
             ..Preferences::default()
         },

@@ -6,17 +6,21 @@ use image::RgbaImage;
 use pointreel::export::{
     ExportError, MAX_EDGE_PX, PictureSize, draw_picture, write_picture, write_picture_observed,
 };
+use pointreel::levels::Lod;
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{Background, EyeDome, Footprint, Primitive, Settings, Splatting, Strategy};
+use pointreel::scene::{
+    Backdrop, Background, CodeStyle, EyeDome, Footprint, LevelStyle, LightStyle, PointStyle,
+    Primitive, Splatting, Strategy, Style, SurfelStyle,
+};
 use std::sync::{Arc, Mutex};
 
 const SIZE_PX: [u32; 2] = [300, 220];
 
 /// How near a picture drawn in parts is to one drawn whole: in dB, and as the number of pixels that anybody could see
 /// to be others.
-fn parts_beside_whole(renderer: AnyRenderer, settings: &Settings) -> (f64, usize) {
+fn parts_beside_whole(renderer: AnyRenderer, settings: &Style) -> (f64, usize) {
     let mut headless = headless(renderer);
     let (frame, camera) = near_by(&headless, settings);
     let mut draw = |part_edge_px: Option<u32>| {
@@ -28,7 +32,7 @@ fn parts_beside_whole(renderer: AnyRenderer, settings: &Settings) -> (f64, usize
     };
     // Neither divides the edges, nor the tiles of the software renderer.
     let (whole, parts) = (draw(None), draw(Some(77)));
-    let background = settings.background.top;
+    let background = settings.backdrop.background.top;
     assert!(common::covered(&whole, background) > 60_000, "the gradient");
     let others = whole
         .pixels()
@@ -42,33 +46,45 @@ fn parts_beside_whole(renderer: AnyRenderer, settings: &Settings) -> (f64, usize
 /// whose middle is on a border may be inside in one picture and outside in the other: here 4 of 66,000 are.
 const MOST_BORDER_PIXELS: usize = 10;
 
-fn ways() -> Vec<Settings> {
+fn ways() -> Vec<Style> {
     let mut ways = vec![
-        Settings {
+        Style {
             primitive: Primitive::Voxel,
             ..settings()
         },
-        Settings {
+        Style {
             primitive: Primitive::Point,
-            point_size_px: 5.0,
+            points: PointStyle { size_px: 5.0 },
             ..settings()
         },
-        Settings {
-            surfel_lod: true,
-            lod: pointreel::scene::Lod::Budget(900),
+        Style {
+            levels: LevelStyle {
+                surfel_lod: true,
+                lod: Lod::Budget(900),
+                ..settings().levels
+            },
             ..settings()
         },
     ];
-    ways.extend(Splatting::ALL.iter().map(|&splatting| Settings {
-        splatting,
+    ways.extend(Splatting::ALL.iter().map(|&splatting| Style {
+        surfels: SurfelStyle {
+            splatting,
+            ..settings().surfels
+        },
         ..settings()
     }));
     // In parts neighbours are seen beyond them, and lines go on.
     ways.extend(
-        [Primitive::Surfel, Primitive::Voxel].map(|primitive| Settings {
+        [Primitive::Surfel, Primitive::Voxel].map(|primitive| Style {
             primitive,
-            eye_dome: EyeDome::On,
-            grid: true,
+            light: LightStyle {
+                eye_dome: EyeDome::On,
+                ..settings().light
+            },
+            backdrop: Backdrop {
+                grid: true,
+                ..settings().backdrop
+            },
             ..settings()
         }),
     );
@@ -79,7 +95,7 @@ fn ways() -> Vec<Settings> {
 fn the_processor_draws_the_same_picture_in_parts() {
     for settings in ways() {
         let (db, others) = parts_beside_whole(AnyRenderer::cpu(), &settings);
-        let has_borders = settings.splatting == Splatting::Regular;
+        let has_borders = settings.surfels.splatting == Splatting::Regular;
         let is_near = db >= 60.0 || (has_borders && others <= MOST_BORDER_PIXELS);
         assert!(is_near, "{db} dB, {others} pixels: {settings:?}");
     }
@@ -89,8 +105,11 @@ fn the_processor_draws_the_same_picture_in_parts() {
 #[test]
 fn byte_codes_are_nearly_the_same_in_parts() {
     for (footprint, least_db) in [(Footprint::Masks, 35.0), (Footprint::Pixels, 60.0)] {
-        let settings = Settings {
-            footprint,
+        let settings = Style {
+            codes: CodeStyle {
+                footprint,
+                ..settings().codes
+            },
             ..settings()
         };
         let (db, _) = parts_beside_whole(AnyRenderer::cpu(), &settings);
@@ -101,7 +120,7 @@ fn byte_codes_are_nearly_the_same_in_parts() {
 #[test]
 fn the_graphics_library_draws_the_same_picture_in_parts() {
     let mut ways = ways();
-    ways.extend(Strategy::ALL.iter().map(|&strategy| Settings {
+    ways.extend(Strategy::ALL.iter().map(|&strategy| Style {
         strategy,
         ..settings()
     }));
@@ -133,11 +152,17 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
         .into_iter()
         .flat_map(|primitive| [EyeDome::Off, EyeDome::On].map(|eye_dome| (primitive, eye_dome)))
     {
-        let settings = Settings {
+        let settings = Style {
             primitive,
-            eye_dome,
-            background: Background::solid([200, 60, 120]),
-            ..Settings::default()
+            light: LightStyle {
+                eye_dome,
+                ..LightStyle::default()
+            },
+            backdrop: Backdrop {
+                background: Background::solid([200, 60, 120]),
+                ..Backdrop::default()
+            },
+            ..Style::default()
         };
         let mut headless = headless(AnyRenderer::cpu());
         let (frame, camera) = near_by(&headless, &settings);
@@ -245,7 +270,7 @@ fn what_cannot_be_drawn_is_refused_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.png");
     let mut headless = headless(AnyRenderer::cpu());
-    let settings = Settings {
+    let settings = Style {
         resolution: 0.5,
         ..settings()
     };

@@ -11,7 +11,10 @@ use pointreel::headless::Headless;
 use pointreel::math::Aabb;
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{Background, Camera, CameraPath, Lighting, Primitive, Settings, UpAxis};
+use pointreel::scene::{
+    Backdrop, Background, Camera, CameraPath, LightStyle, Lighting, PointStyle, Primitive, Style,
+    UpAxis,
+};
 use pointreel::sequence::{
     ColorSource, Coloring, FrameEntry, OnionSkin, Sequence, TrailRequest, Trails,
 };
@@ -36,15 +39,21 @@ fn walk() -> Headless {
     headless_of(sequence, AnyRenderer::cpu())
 }
 
-fn settings() -> Settings {
-    Settings {
+fn settings() -> Style {
+    Style {
         primitive: Primitive::Point,
-        point_size_px: 3.0,
-        lighting: Lighting::Unlit,
-        background: Background::solid([0; 3]),
         // All points are white, which says nothing to the automatic choice.
         colors: Coloring::of(ColorSource::File),
-        ..Settings::default()
+        points: PointStyle { size_px: 3.0 },
+        light: LightStyle {
+            lighting: Lighting::Unlit,
+            ..LightStyle::default()
+        },
+        backdrop: Backdrop {
+            background: Background::solid([0; 3]),
+            ..Backdrop::default()
+        },
+        ..Style::default()
     }
 }
 

@@ -10,7 +10,7 @@ use pointreel::export::{
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{CameraPath, Keyframe, Settings};
+use pointreel::scene::{CameraPath, Keyframe, Style};
 use pointreel::sequence::Sequence;
 use std::fs::{self, File};
 use std::io::BufReader;
@@ -26,13 +26,13 @@ static NO_POSES: Poses = Poses {
 };
 
 /// Seven pictures around the demo, 30 a second, a frame of it each.
-fn turntable(settings: &Settings) -> CameraPath {
+fn turntable(settings: &Style) -> CameraPath {
     let headless = headless(AnyRenderer::cpu());
     let (_, camera) = near_by(&headless, settings);
     CameraPath::turntable(camera, 1.0, [7.0, 30.0], [3.0, 1.0]).unwrap()
 }
 
-fn video<'a>(path: &'a CameraPath, settings: &'a Settings) -> Video<'a> {
+fn video<'a>(path: &'a CameraPath, settings: &'a Style) -> Video<'a> {
     Video {
         path,
         settings,
@@ -98,7 +98,7 @@ fn delays_ms(frames: &[Frame]) -> Vec<u32> {
 
 #[test]
 fn a_webp_holds_every_picture_exactly() {
-    let settings = Settings::default();
+    let settings = Style::default();
     let path = turntable(&settings);
     for is_transparent in [false, true] {
         let mut video = video(&path, &settings);
@@ -119,7 +119,7 @@ fn a_webp_holds_every_picture_exactly() {
 
 #[test]
 fn a_gif_holds_every_picture_nearly() {
-    let settings = Settings::default();
+    let settings = Style::default();
     let path = turntable(&settings);
     let video = video(&path, &settings);
     let folder = tempfile::tempdir().unwrap();
@@ -139,7 +139,7 @@ fn a_gif_holds_every_picture_nearly() {
 fn a_gif_of_few_colours_is_exact() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.gif");
-    let settings = Settings::default();
+    let settings = Style::default();
     let path = turntable(&settings);
     let mut sink = open_sink(&file, &video(&path, &settings).stream()).unwrap();
     let pictures: Vec<RgbaImage> = (0..7)
@@ -168,7 +168,7 @@ fn a_gif_of_few_colours_is_exact() {
 
 #[test]
 fn png_files_get_their_names_together() {
-    let settings = Settings::default();
+    let settings = Style::default();
     let path = turntable(&settings);
     let mut video = video(&path, &settings);
     video.size.is_transparent = true;
@@ -191,7 +191,7 @@ fn png_files_get_their_names_together() {
 
 #[test]
 fn equal_input_makes_equal_bytes() {
-    let settings = Settings::default();
+    let settings = Style::default();
     let path = turntable(&settings);
     let video = video(&path, &settings);
     let folder = tempfile::tempdir().unwrap();
@@ -211,7 +211,7 @@ fn ffmpeg_is_there() -> bool {
 
 #[test]
 fn what_is_cancelled_leaves_nothing() {
-    let settings = Settings::default();
+    let settings = Style::default();
     let path = turntable(&settings);
     let video = video(&path, &settings);
     let folder = tempfile::tempdir().unwrap();
@@ -243,7 +243,7 @@ fn what_is_cancelled_leaves_nothing() {
 
 #[test]
 fn an_mp4_is_made_by_ffmpeg() {
-    let settings = Settings::default();
+    let settings = Style::default();
     let path = turntable(&settings);
     let video = video(&path, &settings);
     let folder = tempfile::tempdir().unwrap();
@@ -290,7 +290,7 @@ fn an_mp4_is_made_by_ffmpeg() {
 
 #[test]
 fn formats_refuse_what_they_have_not() {
-    let settings = Settings::default();
+    let settings = Style::default();
     let path = turntable(&settings);
     let folder = tempfile::tempdir().unwrap();
     let of = |name: &str, change: &dyn Fn(&mut Video<'_>)| {
@@ -316,7 +316,7 @@ fn formats_refuse_what_they_have_not() {
 
 #[test]
 fn the_time_path_plays_backwards_holds_and_begins_anew() {
-    let settings = Settings::default();
+    let settings = Style::default();
     let (_, camera) = near_by(&headless(AnyRenderer::cpu()), &settings);
     let key = |time_s: f64, frame: f64| Keyframe {
         time_s,
@@ -344,7 +344,7 @@ fn the_time_path_plays_backwards_holds_and_begins_anew() {
 
 #[test]
 fn a_broken_frame_is_reported_and_the_one_before_it_stays() {
-    let settings = Settings::default();
+    let settings = Style::default();
     let demo = Sequence::demo();
     let sources = demo.entries().into_iter().map(|source| (*source).clone());
     let broken = demo.entry(4).path.clone();

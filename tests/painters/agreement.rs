@@ -17,7 +17,7 @@ use pointreel::app::{
     apply_theme,
 };
 use pointreel::bench::Table;
-use pointreel::scene::{Primitive, Settings};
+use pointreel::scene::{PointStyle, Primitive, Style};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -240,10 +240,10 @@ fn a_benchmark() {
 #[test]
 fn values_of_a_point_and_a_tooltip() {
     let mut shown = window();
-    shown.state().settings = Settings {
+    shown.state().settings = Style {
         primitive: Primitive::Point,
-        point_size_px: 9.0,
-        ..Settings::default()
+        points: PointStyle { size_px: 9.0 },
+        ..Style::default()
     };
     load_all(shown.state());
     shown.harness.run();

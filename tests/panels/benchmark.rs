@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkTable, State};
 use pointreel::bench::Step;
 use pointreel::bench::{LabPoint, Quality, Table};
-use pointreel::scene::{Background, Primitive, RendererChoice, Settings};
+use pointreel::scene::{Background, PointStyle, Primitive, RendererChoice, Style};
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
@@ -125,7 +125,7 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
 }
 
 /// A way to draw that takes so long and is so wrong.
-fn point(draw_ms: f64, flip: f64, settings: Settings) -> Arc<LabPoint> {
+fn point(draw_ms: f64, flip: f64, settings: Style) -> Arc<LabPoint> {
     Arc::new(LabPoint {
         sequence: "demo".to_owned(),
         settings,
@@ -140,21 +140,21 @@ fn point(draw_ms: f64, flip: f64, settings: Settings) -> Arc<LabPoint> {
 
 /// Points of 2 px, voxels at half the resolution, surfels, and points that voxels beat.
 fn points() -> Vec<Arc<LabPoint>> {
-    let cpu = Settings {
+    let cpu = Style {
         renderer: RendererChoice::Cpu,
-        ..Settings::default()
+        ..Style::default()
     };
-    let points_2_px = Settings {
+    let points_2_px = Style {
         primitive: Primitive::Point,
-        point_size_px: 2.0,
+        points: PointStyle { size_px: 2.0 },
         ..cpu
     };
-    let voxels = Settings {
+    let voxels = Style {
         primitive: Primitive::Voxel,
         resolution: 0.5,
         ..cpu
     };
-    let beaten = Settings {
+    let beaten = Style {
         primitive: Primitive::Point,
         ..cpu
     };
@@ -169,7 +169,7 @@ fn points() -> Vec<Arc<LabPoint>> {
 #[test]
 fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
     let mut harness = window();
-    harness.state_mut().settings.background = Background::solid([1, 2, 3]);
+    harness.state_mut().settings.backdrop.background = Background::solid([1, 2, 3]);
     let (go_on, gate) = sync_channel::<()>(0);
     let (reached, half_way) = sync_channel::<()>(0);
     let job: BenchmarkJob = Box::new(move |report, _| {
@@ -198,7 +198,7 @@ fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
         (Primitive::Voxel, 0.5)
     );
     assert_eq!(
-        settings.background,
+        settings.backdrop.background,
         Background::solid([1, 2, 3]),
         "the background is the person's"
     );
@@ -221,7 +221,7 @@ fn a_slider_leads_from_fast_to_exact() {
     let mut harness = window();
     assert!(harness.query_by_label("Measure…").is_some());
     let points: Vec<LabPoint> = points().iter().map(|point| (**point).clone()).collect();
-    harness.state_mut().quality = Quality::of(&points);
+    harness.state_mut().quality.known = Quality::of(&points);
     harness.run();
     assert!(
         harness

@@ -10,7 +10,7 @@ use glam::DVec3;
 use pointreel::app::{Command, Layout, Side, State, StateOptions, Tool, WindowRequest};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::playback::PairBy;
-use pointreel::scene::{Primitive, Scene, Settings};
+use pointreel::scene::{PointStyle, Primitive, Scene, Style};
 use pointreel::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -63,10 +63,10 @@ fn beside_with(
     options: StateOptions,
 ) -> Harness<'static, State> {
     let mut harness = window_on(a, options);
-    harness.state_mut().settings = Settings {
+    harness.state_mut().settings = Style {
         primitive: Primitive::Point,
-        point_size_px: 9.0,
-        ..Settings::default()
+        points: PointStyle { size_px: 9.0 },
+        ..Style::default()
     };
     load_all(harness.state_mut());
     harness.state_mut().compare_with(Arc::clone(b));

@@ -62,7 +62,7 @@ fn presets_are_applied_saved_and_deleted() {
             ..options()
         },
     );
-    harness.state_mut().settings.splat_scale = 1.5;
+    harness.state_mut().settings.surfels.splat_scale = 1.5;
     let settings = harness.state().settings;
     harness.run();
     click(&mut harness, "Presets");

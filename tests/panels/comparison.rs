@@ -46,8 +46,8 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
         .unwrap()
         .other
         .primitive = Primitive::Voxel;
-    let voxels = harness.state_mut().next_other_packet().unwrap().voxels;
-    assert!(!voxels.unwrap().records.is_empty());
+    let packet = harness.state_mut().next_other_packet().unwrap();
+    assert!(!packet.content.voxels().unwrap().records.is_empty());
     // Both are seen from one camera.
     harness.state_mut().camera.azimuth_deg += 10.0;
     let packets = [
@@ -64,7 +64,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
 fn pictures_that_rest_are_compared() {
     let mut harness = window();
     harness.state_mut().run(Command::ToggleComparison);
-    harness.state_mut().settings.splatting = Splatting::TwoPass;
+    harness.state_mut().settings.surfels.splatting = Splatting::TwoPass;
     harness.run();
     harness.state_mut().next_packet();
     harness.state_mut().next_other_packet();
@@ -100,7 +100,7 @@ fn pictures_that_rest_are_compared() {
     harness.run();
     assert!(harness.state().pictures().unwrap().shows_difference);
     // The next change makes the numbers old.
-    harness.state_mut().settings.splat_scale = 2.0;
+    harness.state_mut().settings.surfels.splat_scale = 2.0;
     assert!(harness.state_mut().next_packet().is_some());
     harness.run();
     assert!(

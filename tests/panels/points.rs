@@ -7,7 +7,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::{Gauge, State, Tool};
-use pointreel::scene::{Primitive, Settings};
+use pointreel::scene::{PointStyle, Primitive, Style};
 use std::time::Duration;
 
 /// A window on the cube that grows, its corners drawn as squares of 9 pixels, seen from the front and above.
@@ -17,10 +17,10 @@ fn cube() -> Harness<'static, State> {
 
 /// The window with all frames there and points drawn as squares of 9 pixels.
 pub(super) fn in_squares(mut harness: Harness<'static, State>) -> Harness<'static, State> {
-    harness.state_mut().settings = Settings {
+    harness.state_mut().settings = Style {
         primitive: Primitive::Point,
-        point_size_px: 9.0,
-        ..Settings::default()
+        points: PointStyle { size_px: 9.0 },
+        ..Style::default()
     };
     load_all(harness.state_mut());
     harness.run();

@@ -6,10 +6,11 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::State;
 use pointreel::cloud::{Positions, RawCloud, ScalarField};
+use pointreel::levels::Lod;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::scene::{
-    BackFaces, Background, EyeDome, Footprint, Lighting, Lod, NormalBits, OffsetBits, Primitive,
-    RendererChoice, Settings, Splatting, Strategy, UpAxis, VoxelLight,
+    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, Primitive,
+    RendererChoice, Splatting, Strategy, Style, UpAxis, VoxelLight,
 };
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence};
 use std::sync::Arc;
@@ -71,14 +72,17 @@ fn long_texts_do_not_widen_the_panel() {
 fn every_setting_can_be_changed_and_reset() {
     let mut harness = window();
     choose(&mut harness, "Splatting", "Visibility");
-    assert_eq!(harness.state().settings.splatting, Splatting::Visibility);
+    assert_eq!(
+        harness.state().settings.surfels.splatting,
+        Splatting::Visibility
+    );
     assert!(
         harness.query_by_label("Enlargement").is_none(),
         "this mode has no enlargement"
     );
     choose(&mut harness, "Splatting", "Enlarged");
     slide(&mut harness, "Enlargement", 3.0);
-    assert_eq!(harness.state().settings.enlargement, 3.0);
+    assert_eq!(harness.state().settings.surfels.enlargement, 3.0);
     choose(&mut harness, "Renderer", "CPU");
     assert_eq!(harness.state().settings.renderer, RendererChoice::Cpu);
     choose(&mut harness, "Instancing", "Compute");
@@ -86,20 +90,23 @@ fn every_setting_can_be_changed_and_reset() {
     slide(&mut harness, "Resolution", 0.5);
     assert_eq!(harness.state().settings.resolution, 0.5);
     slide(&mut harness, "Splat scale", 2.5);
-    assert_eq!(harness.state().settings.splat_scale, 2.5);
+    assert_eq!(harness.state().settings.surfels.splat_scale, 2.5);
     choose(&mut harness, "Back faces", "Drawn");
-    assert_eq!(harness.state().settings.back_faces, BackFaces::Drawn);
+    assert_eq!(
+        harness.state().settings.surfels.back_faces,
+        BackFaces::Drawn
+    );
     choose(&mut harness, "Eye-dome light", "On");
-    assert_eq!(harness.state().settings.eye_dome, EyeDome::On);
+    assert_eq!(harness.state().settings.light.eye_dome, EyeDome::On);
     slide(&mut harness, "Strength", 1.5);
-    assert_eq!(harness.state().settings.eye_dome_strength, 1.5);
+    assert_eq!(harness.state().settings.light.eye_dome_strength, 1.5);
     choose(&mut harness, "Lighting", "Per vertex");
-    assert_eq!(harness.state().settings.lighting, Lighting::PerVertex);
+    assert_eq!(harness.state().settings.light.lighting, Lighting::PerVertex);
     choose(&mut harness, "Colours", "One colour");
     assert_eq!(harness.state().settings.colors.source, ColorSource::Uniform);
     choose(&mut harness, "Preset", "White");
     assert_eq!(
-        harness.state().settings.background,
+        harness.state().settings.backdrop.background,
         Background::solid([255; 3])
     );
     choose(&mut harness, "Up axis", "+Z");
@@ -110,41 +117,47 @@ fn every_setting_can_be_changed_and_reset() {
     tap(&mut harness, "Voxels");
     assert_eq!(harness.state().settings.primitive, Primitive::Voxel);
     choose(&mut harness, "Light on", "Faces");
-    assert_eq!(harness.state().settings.voxel_light, VoxelLight::Faces);
+    assert_eq!(harness.state().settings.voxels.light, VoxelLight::Faces);
     choose(&mut harness, "Divide", "By loss");
-    assert_eq!(harness.state().settings.stop, StopCriterion::PAPER);
+    assert_eq!(harness.state().settings.levels.stop, StopCriterion::PAPER);
     slide(&mut harness, "Loss δ", 20.0);
-    assert_eq!(harness.state().settings.stop, StopCriterion::Loss(0.2));
+    assert_eq!(
+        harness.state().settings.levels.stop,
+        StopCriterion::Loss(0.2)
+    );
     choose(&mut harness, "Divide", "To a level");
     slide(&mut harness, "Leaf level", 9.0);
-    assert_eq!(harness.state().settings.stop, StopCriterion::Depth(9));
+    assert_eq!(
+        harness.state().settings.levels.stop,
+        StopCriterion::Depth(9)
+    );
     choose(&mut harness, "Divide", "By points");
     slide(&mut harness, "Points a leaf", 16.0);
     assert_eq!(
-        harness.state().settings.stop,
+        harness.state().settings.levels.stop,
         StopCriterion::PointsPerOctant(16)
     );
     choose(&mut harness, "Divide", "By spacing");
-    assert_eq!(harness.state().settings.stop, StopCriterion::Spacing);
+    assert_eq!(harness.state().settings.levels.stop, StopCriterion::Spacing);
     slide(&mut harness, "Threshold τ", 8.0);
-    assert_eq!(harness.state().settings.lod, Lod::ThresholdPx(8.0));
+    assert_eq!(harness.state().settings.levels.lod, Lod::ThresholdPx(8.0));
     choose(&mut harness, "Level of detail", "Fixed level");
     slide(&mut harness, "Level", 7.0);
-    assert_eq!(harness.state().settings.lod, Lod::Level(7));
+    assert_eq!(harness.state().settings.levels.lod, Lod::Level(7));
     choose(&mut harness, "Level of detail", "Budget");
     slide(&mut harness, "Voxels", 2000.0);
-    assert_eq!(harness.state().settings.lod, Lod::Budget(2000));
+    assert_eq!(harness.state().settings.levels.lod, Lod::Budget(2000));
     choose(&mut harness, "Level of detail", "Frame time");
     slide(&mut harness, "Time", 20.0);
-    assert_eq!(harness.state().settings.lod, Lod::FrameTimeMs(20.0));
+    assert_eq!(harness.state().settings.levels.lod, Lod::FrameTimeMs(20.0));
     tap(&mut harness, "Points");
     slide(&mut harness, "Point size", 4.0);
-    assert_eq!(harness.state().settings.point_size_px, 4.0);
+    assert_eq!(harness.state().settings.points.size_px, 4.0);
     tap(&mut harness, "Surfels");
     assert_eq!(harness.state().settings.primitive, Primitive::Surfel);
 
     tap(&mut harness, "Reset to defaults");
-    assert_eq!(harness.state().settings, Settings::default());
+    assert_eq!(harness.state().settings, Style::default());
     assert_eq!(harness.state().camera.up, UpAxis::Z);
 }
 
@@ -173,13 +186,13 @@ fn footprints_are_for_the_processor_and_for_modes_with_a_visibility_pass() {
     choose(&mut harness, "Normals", "17 bits");
     choose(&mut harness, "Offsets", "None");
     let settings = harness.state().settings;
-    assert_eq!(settings.footprint, Footprint::Masks);
-    assert_eq!(settings.normal_bits, NormalBits::Seventeen);
-    assert_eq!(settings.offset_bits, OffsetBits::None);
+    assert_eq!(settings.codes.footprint, Footprint::Masks);
+    assert_eq!(settings.codes.normal_bits, NormalBits::Seventeen);
+    assert_eq!(settings.codes.offset_bits, OffsetBits::None);
     assert!(settings.draws_codes());
     // How finely codes are drawn is a level of detail.
     slide(&mut harness, "Threshold τ", 8.0);
-    assert_eq!(harness.state().settings.lod, Lod::ThresholdPx(8.0));
+    assert_eq!(harness.state().settings.levels.lod, Lod::ThresholdPx(8.0));
 }
 
 #[test]
@@ -187,8 +200,8 @@ fn an_untouched_slider_changes_no_setting() {
     let mut harness = window();
     for primitive in ["Voxels", "Points", "Surfels"] {
         click(&mut harness, primitive);
-        harness.state_mut().settings.primitive = Settings::default().primitive;
-        assert_eq!(harness.state().settings, Settings::default(), "{primitive}");
+        harness.state_mut().settings.primitive = Style::default().primitive;
+        assert_eq!(harness.state().settings, Style::default(), "{primitive}");
     }
 }
 

@@ -37,13 +37,14 @@ fn until_points(harness: &mut Harness<'_, State>, points: usize) -> Vec<[u8; 4]>
         harness.run();
         harness.state_mut().forget_picture();
         let packet = harness.state_mut().next_packet().unwrap();
-        if packet.points.len() == points {
-            return packet.points.iter().map(|point| point.color).collect();
+        let records = packet.content.points().unwrap();
+        if records.len() == points {
+            return records.iter().map(|point| point.color).collect();
         }
         assert!(
             patience.elapsed() < Duration::from_mins(1),
             "{}",
-            packet.points.len()
+            records.len()
         );
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -109,7 +110,7 @@ fn the_change_is_measured_shown_and_can_be_copied() {
 #[test]
 fn changes_are_the_colours_of_the_picture_until_they_are_put_away() {
     let mut harness = window();
-    harness.state_mut().settings.lighting = Lighting::Unlit;
+    harness.state_mut().settings.light.lighting = Lighting::Unlit;
     let before = until_points(&mut harness, 8);
     check(&mut harness, "Change map");
     until_measured(&mut harness);

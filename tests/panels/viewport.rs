@@ -96,7 +96,7 @@ fn the_picture_stays_until_the_new_primitive_is_there() {
         Primitive::Surfel
     );
     harness.state_mut().settings.primitive = Primitive::Voxel;
-    harness.state_mut().settings.splat_scale = 2.0;
+    harness.state_mut().settings.surfels.splat_scale = 2.0;
     // No update yet: the frame has no octree.
     assert_eq!(
         harness
@@ -110,7 +110,7 @@ fn the_picture_stays_until_the_new_primitive_is_there() {
     load_all(harness.state_mut());
     let packet = harness.state_mut().next_packet().unwrap();
     assert_eq!(packet.settings.primitive, Primitive::Voxel);
-    assert!(packet.voxels.is_some());
+    assert!(packet.content.voxels().is_some());
 }
 
 #[test]

@@ -229,10 +229,7 @@ fn another_delta_decodes_and_estimates_nothing() {
         Ok(sheet(8, index_of(source)))
     }));
     let loader = loader(&sequence, 2, usize::MAX);
-    let needs = |delta| Needs {
-        shapes: true,
-        ..voxels(delta)
-    };
+    let needs = |delta| surfels_by_octree(delta);
     let all_ready = |needs: Needs| {
         loader.request(0, Direction::Forward, &needs);
         until("all frames", || {
@@ -510,10 +507,7 @@ fn frames_do_not_depend_on_workers_or_timing() {
     let decode = |source: &FrameEntry| -> Result<RawCloud, DecodeFailure> {
         Ok(sheet(12, index_of(source)))
     };
-    let needs = Needs {
-        shapes: true,
-        ..voxels(0.05)
-    };
+    let needs = surfels_by_octree(0.05);
     let prepared = |workers: usize, playhead: usize| -> Vec<Arc<PreparedFrame>> {
         let sequence = Arc::new(Sequence::with_decoder(fake_sources(6), decode));
         let loader = loader(&sequence, workers, usize::MAX);
@@ -528,7 +522,7 @@ fn frames_do_not_depend_on_workers_or_timing() {
             assert_eq!(a.frame, b.frame);
             assert_eq!(a.points, b.points);
             assert_eq!(a.shapes, b.shapes);
-            assert_eq!(a.octree, b.octree);
+            assert_eq!(a.levels.octree(), b.levels.octree());
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use pointreel::analysis::{ColorMap, fake_color};
-use pointreel::cloud::{ScalarField, decode_ellipse, oct_decode};
+use pointreel::cloud::{ScalarField, oct_decode};
 use pointreel::sequence::{PrepareCounters, UNIFORM_COLOR, complete, prepare, prepare_part};
 
 /// Octrees, surfaces, radii and records made so far.
@@ -99,7 +99,7 @@ fn points_alone_need_nothing_else() {
         &counters,
     );
     assert_eq!(work(&counters), [0, 0, 0, N]);
-    assert!(prepared.shapes.is_none() && prepared.octree.is_none());
+    assert!(prepared.shapes.is_none() && prepared.levels.octree().is_none());
 }
 
 #[test]
@@ -188,21 +188,11 @@ fn another_delta_builds_an_octree_and_nothing_else() {
         0,
         frame_of(sheet(10, 0)),
         0.0,
-        &Needs {
-            shapes: true,
-            ..voxels(0.0)
-        },
+        &surfels_by_octree(0.0),
         &counters,
     );
     assert_eq!(work(&counters), [1, 1, 0, 2 * N]);
-    let second = complete(
-        &first,
-        &Needs {
-            shapes: true,
-            ..voxels(0.6)
-        },
-        &counters,
-    );
+    let second = complete(&first, &surfels_by_octree(0.6), &counters);
     assert_eq!(work(&counters), [2, 1, 0, 2 * N]);
     assert_eq!(first.id, second.id);
     assert!(Arc::ptr_eq(&first.points, &second.points));
@@ -211,62 +201,15 @@ fn another_delta_builds_an_octree_and_nothing_else() {
         first.shapes.as_ref().unwrap(),
         second.shapes.as_ref().unwrap()
     ));
-    assert!(second.octree.unwrap().leaf_count() < first.octree.unwrap().leaf_count());
-}
-
-/// Rows of points three times as far apart as the points in them: circles for those who draw, ellipses for those who
-/// ask.
-#[test]
-fn ellipses_are_written_for_those_who_ask() {
-    let place = |i: u32| [f64::from(i % 30), 3.0 * f64::from(i / 30), 0.0];
-    let mut raw = RawCloud::from_positions(Positions::F64((0..900).map(place).collect()));
-    let shapes = Needs {
-        shapes: true,
-        ..Needs::default()
-    };
-    let ellipses = Needs {
-        ellipses: true,
-        ..shapes
-    };
-    let counters = PrepareCounters::default();
-    let circles = prepare(0, frame_of(raw.clone()), 0.0, &shapes, &counters);
-    let drawn = circles.shapes.as_ref().unwrap();
-    assert!(drawn.iter().all(|shape| shape.ellipse == 0));
-    assert!(!circles.satisfies(&ellipses));
-
-    let completed = complete(&circles, &ellipses, &counters);
-    assert!(completed.satisfies(&ellipses) && completed.satisfies(&shapes));
-    assert!(Arc::ptr_eq(&completed.points, &circles.points));
-    let asked = completed.shapes.as_ref().unwrap();
-    let mut inner = 0;
-    for (index, (shape, circle)) in asked.iter().zip(drawn.iter()).enumerate() {
-        assert_eq!((shape.normal, shape.radius), (circle.normal, circle.radius));
-        let position = completed.frame.positions()[index];
-        if (10.0..20.0).contains(&position.x) && (30.0..60.0).contains(&position.y) {
-            let found = decode_ellipse(shape.normal, shape.ellipse).unwrap();
-            assert!(found.axis.abs().dot(Vec3::Y) > 0.995, "{}", found.axis);
-            assert!((0.25..0.42).contains(&found.ratio), "{}", found.ratio);
-            inner += 1;
-        }
-    }
-    assert_eq!(inner, 100);
-    let again = complete(&completed, &shapes, &counters);
-    assert!(Arc::ptr_eq(again.shapes.as_ref().unwrap(), asked));
-
-    // A radius of the file says what a point covers.
-    raw.radii = Some(vec![0.5; 900]);
-    let given = prepare(0, frame_of(raw), 0.0, &ellipses, &counters);
-    assert!(given.satisfies(&ellipses));
-    assert!(given.shapes.unwrap().iter().all(|shape| shape.ellipse == 0));
+    assert!(
+        second.levels.octree().unwrap().leaf_count() < first.levels.octree().unwrap().leaf_count()
+    );
 }
 
 #[test]
 fn the_same_needs_again_do_nothing() {
     let counters = PrepareCounters::default();
-    let needs = Needs {
-        shapes: true,
-        ..voxels(0.1)
-    };
+    let needs = surfels_by_octree(0.1);
     let first = prepare(0, frame_of(sheet(10, 0)), 0.0, &needs, &counters);
     let before = work(&counters);
     let second = complete(&first, &needs, &counters);
@@ -274,8 +217,8 @@ fn the_same_needs_again_do_nothing() {
     let third = complete(&second, &Needs::default(), &counters);
     assert_eq!(work(&counters), before);
     assert!(Arc::ptr_eq(
-        first.octree.as_ref().unwrap(),
-        third.octree.as_ref().unwrap()
+        first.levels.octree().unwrap(),
+        third.levels.octree().unwrap()
     ));
     assert!(first.satisfies(&needs) && third.satisfies(&needs));
 }
@@ -287,17 +230,14 @@ fn other_colors_rewrite_points_and_the_octree_only_if_it_is_needed() {
         0,
         frame_of(complete_sheet(10, 0)),
         0.0,
-        &Needs {
-            shapes: true,
-            ..voxels(0.1)
-        },
+        &surfels_by_octree(0.1),
         &counters,
     );
     assert_eq!(work(&counters), [1, 0, 0, 2 * N]);
     let recolored = Needs {
         shapes: true,
         colors: Coloring::of(ColorSource::Normal),
-        ..voxels(0.1)
+        ..surfels_by_octree(0.1)
     };
     let second = complete(&first, &recolored, &counters);
     assert_eq!(work(&counters), [2, 0, 0, 3 * N]);
@@ -307,17 +247,20 @@ fn other_colors_rewrite_points_and_the_octree_only_if_it_is_needed() {
         second.shapes.as_ref().unwrap()
     ));
     let root_color =
-        |prepared: &PreparedFrame| prepared.octree.as_ref().unwrap().level_voxels(0)[0].color;
+        |prepared: &PreparedFrame| prepared.levels.octree().unwrap().level_voxels(0)[0].color;
     assert_eq!(root_color(&second), fake_color(Vec3::Y)[..3]);
     assert_ne!(root_color(&first), root_color(&second));
     let without_octree = Needs {
-        octree: None,
+        levels: None,
         colors: Coloring::of(ColorSource::Uniform),
         ..recolored
     };
     let third = complete(&second, &without_octree, &counters);
     assert_eq!(work(&counters), [2, 0, 0, 4 * N]);
-    assert!(third.octree.is_none(), "an octree in colours of the past");
+    assert!(
+        third.levels.octree().is_none(),
+        "an octree in colours of the past"
+    );
 }
 
 #[test]
@@ -357,9 +300,7 @@ fn frames_without_points_and_with_one_are_prepared() {
         for source in ColorSource::ALL {
             let needs = Needs {
                 shapes: true,
-                ellipses: true,
-                octree: Some(StopCriterion::Loss(0.05)),
-                coded: true,
+                levels: Some(levels(LevelsKind::Codes, 0.05)),
                 colors: Coloring::of(source),
                 hints: ColorHints::NONE,
             };
@@ -372,7 +313,7 @@ fn frames_without_points_and_with_one_are_prepared() {
             );
             assert_eq!(prepared.points.len(), count);
             assert_eq!(prepared.shapes.as_ref().unwrap().len(), count);
-            assert_eq!(prepared.coded.as_ref().unwrap().level(0).len(), count);
+            assert_eq!(prepared.levels.codes().unwrap().level(0).len(), count);
             assert!(prepared.satisfies(&needs));
         }
     }
@@ -383,25 +324,31 @@ fn byte_codes_stay_as_long_as_what_they_are_made_of() {
     let counters = PrepareCounters::default();
     let without = Needs {
         shapes: true,
+        levels: None,
         ..voxels(0.05)
     };
     let with = Needs {
-        coded: true,
+        levels: Some(levels(LevelsKind::Codes, 0.05)),
         ..without
     };
     let frame = frame_of(complete_sheet(10, 0));
     let plain = prepare(0, frame, 0.0, &without, &counters);
-    assert!(plain.coded.is_none() && !plain.satisfies(&with));
+    assert!(plain.levels.codes().is_none() && !plain.satisfies(&with));
     let coded = complete(&plain, &with, &counters);
-    let code = coded.coded.as_ref().unwrap();
-    assert_eq!(code.depth(), coded.octree.as_ref().unwrap().depth());
-    assert_eq!(coded.byte_size(), plain.byte_size() + code.byte_size());
+    let code = coded.levels.codes().unwrap();
+    let octree = coded.levels.octree().unwrap();
+    assert_eq!(code.depth(), octree.depth());
+    let added = octree.byte_size() + code.byte_size();
+    assert_eq!(coded.byte_size(), plain.byte_size() + added);
     for (needs, is_same) in [
         (with, true),
         (without, true),
         (
             Needs {
-                octree: Some(StopCriterion::Depth(2)),
+                levels: Some(LevelsKey {
+                    stop: StopCriterion::Depth(2),
+                    ..with.levels.unwrap()
+                }),
                 ..with
             },
             false,
@@ -415,17 +362,14 @@ fn byte_codes_stay_as_long_as_what_they_are_made_of() {
         ),
     ] {
         let next = complete(&coded, &needs, &counters);
-        let other = next.coded.as_ref().unwrap();
+        let other = next.levels.codes().unwrap();
         assert_eq!(Arc::ptr_eq(code, other), is_same, "{needs:?}");
     }
 }
 
 #[test]
 fn every_byte_is_counted() {
-    let needs = Needs {
-        shapes: true,
-        ..voxels(0.05)
-    };
+    let needs = surfels_by_octree(0.05);
     let prepared = prepare(
         0,
         frame_of(complete_sheet(10, 0)),
@@ -434,7 +378,7 @@ fn every_byte_is_counted() {
         &PrepareCounters::default(),
     );
     // Position 12, file index 4, colour 4, normal 12, radius 4; a point record and a shape record of 16.
-    let octree = prepared.octree.as_ref().unwrap();
+    let octree = prepared.levels.octree().unwrap();
     // Surfels of nodes are counted before they are worked out: a node above the leaves has 40 bytes, and of each level
     // two numbers of 4 bytes tell where the nodes of each 64 points are.
     let nodes = octree.internal_count() * 40 + octree.depth() as usize * 8;

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use pointreel::cloud::VoxelRecord;
-use pointreel::levels::octree::{Octree, SelectView};
+use pointreel::levels::SelectView;
+use pointreel::levels::octree::Octree;
 use pointreel::math::Cube;
 use pointreel::math::{Containment, morton};
 use std::collections::HashSet;

@@ -5,8 +5,12 @@ use super::{brute_force, common};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::oct_decode;
-use pointreel::levels::octree::{SelectView, StopCriterion};
-use pointreel::scene::{BackFaces, Background, Camera, Primitive, Scene, Settings, UpAxis};
+use pointreel::levels::octree::StopCriterion;
+use pointreel::levels::{LevelsKey, LevelsKind, SelectView};
+use pointreel::scene::{
+    BackFaces, Backdrop, Background, Camera, PointStyle, Primitive, Scene, Style, SurfelStyle,
+    UpAxis,
+};
 use pointreel::sequence::{
     ColorHints, Coloring, Loader, LoaderOptions, Needs, PreparedFrame, Sequence,
 };
@@ -45,9 +49,10 @@ pub(crate) fn load(positions: &[DVec3], delta: f32) -> Chain {
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default()).unwrap();
     let needs = Needs {
         shapes: true,
-        ellipses: false,
-        octree: Some(StopCriterion::Loss(delta)),
-        coded: false,
+        levels: Some(LevelsKey {
+            kind: LevelsKind::Surfels,
+            stop: StopCriterion::Loss(delta),
+        }),
         colors: Coloring::default(),
         hints: ColorHints::NONE,
     };
@@ -86,12 +91,18 @@ impl Chain {
 
     /// The picture of it as `primitive`; nothing is culled for facing away.
     pub(crate) fn draw(&self, camera: &Camera, primitive: Primitive) -> RgbaImage {
-        let settings = Settings {
+        let settings = Style {
             primitive,
-            back_faces: BackFaces::Drawn,
-            point_size_px: 3.0,
-            background: Background::solid(BACKGROUND),
-            ..Settings::default()
+            surfels: SurfelStyle {
+                back_faces: BackFaces::Drawn,
+                ..SurfelStyle::default()
+            },
+            points: PointStyle { size_px: 3.0 },
+            backdrop: Backdrop {
+                background: Background::solid(BACKGROUND),
+                ..Backdrop::default()
+            },
+            ..Style::default()
         };
         let packet = Scene::default().packet(&self.frame, self.origin, camera, &settings, SIZE_PX);
         common::draw(&packet)
@@ -108,7 +119,7 @@ impl Chain {
                 "{name}: radius {radius}"
             );
         }
-        let tree = self.frame.octree.as_ref().unwrap();
+        let tree = self.frame.levels.octree().unwrap();
         brute_force::check_octree(name, tree, self.positions(), delta);
         for turn in 0..4 {
             let mut turned = *camera;

@@ -1,7 +1,7 @@
 //! The table of keys.
 
-use super::Command;
-use crate::app::inspection::Tool;
+use super::kinds::Command;
+use crate::app::features::inspection::Tool;
 use crate::scene::ViewPreset;
 use egui::{Key, Modifiers};
 

@@ -1,9 +1,9 @@
 //! What colours show: the source, of those that are there, and how its numbers become colours.
 
-use super::ramp::{handles_ui, ramp_ui};
 use super::settings::{choice, heading, note_below, row, rows};
 use crate::analysis::{ColorMap, ColorScale};
 use crate::app::State;
+use crate::app::widgets::ramp::{handles_ui, ramp_ui};
 use crate::cloud::Frame;
 use crate::scene::{Legend, field_title};
 use crate::sequence::{

@@ -2,30 +2,32 @@
 //! visibility pass.
 
 use super::settings::{choice, rows};
-use crate::scene::{Footprint, NormalBits, OffsetBits, Settings, Splatting};
+use crate::scene::{Footprint, NormalBits, OffsetBits, Splatting, Style};
 use egui::Ui;
 
 /// The choice of footprints, and of the precision of byte codes. `draws_on_processor` says who draws with these
 /// settings.
-pub(super) fn footprints_ui(ui: &mut Ui, settings: &mut Settings, draws_on_processor: bool) {
-    let has_visibility_pass =
-        !matches!(settings.splatting, Splatting::Regular | Splatting::NoDepth);
+pub(super) fn footprints_ui(ui: &mut Ui, settings: &mut Style, draws_on_processor: bool) {
+    let has_visibility_pass = !matches!(
+        settings.surfels.splatting,
+        Splatting::Regular | Splatting::NoDepth
+    );
     ui.add_enabled_ui(draws_on_processor && has_visibility_pass, |ui| {
         rows(ui, "footprints", |ui| {
             footprint(ui, settings);
-            if settings.footprint != Footprint::Disks {
+            if settings.codes.footprint != Footprint::Disks {
                 precision(ui, settings);
             }
         });
     });
 }
 
-fn footprint(ui: &mut Ui, settings: &mut Settings) {
+fn footprint(ui: &mut Ui, settings: &mut Style) {
     choice(
         ui,
         "Footprint",
         "What the CPU renderer draws surfels from; the GPU draws exact disks",
-        &mut settings.footprint,
+        &mut settings.codes.footprint,
         &[
             (
                 "Exact disks",
@@ -46,12 +48,12 @@ fn footprint(ui: &mut Ui, settings: &mut Settings) {
     );
 }
 
-fn precision(ui: &mut Ui, settings: &mut Settings) {
+fn precision(ui: &mut Ui, settings: &mut Style) {
     choice(
         ui,
         "Normals",
         "Bits of a normal of the byte code; light is worked out once for each direction",
-        &mut settings.normal_bits,
+        &mut settings.codes.normal_bits,
         &[
             ("13 bits", NormalBits::Thirteen, "8192 directions"),
             ("15 bits", NormalBits::Fifteen, "32,768 directions"),
@@ -62,7 +64,7 @@ fn precision(ui: &mut Ui, settings: &mut Settings) {
         ui,
         "Offsets",
         "Bits of the way from the middle of a cell to the surface, along the normal",
-        &mut settings.offset_bits,
+        &mut settings.codes.offset_bits,
         &[
             (
                 "None",

@@ -8,7 +8,7 @@ use egui::{Grid, RichText, ScrollArea, Ui, Window};
 const WIDTH: f32 = 640.0;
 
 /// A window with every key and mouse gesture while it is open.
-pub fn help_ui(ui: &mut Ui, state: &mut State) {
+pub(super) fn help_ui(ui: &mut Ui, state: &mut State) {
     let mut open = state.panels.help;
     let screen = ui.ctx().content_rect();
     Window::new("Keys and mouse")

@@ -1,7 +1,7 @@
 //! What the colours mean, over the picture: at its upper right.
 
-use super::ramp::paint_ramp;
 use crate::app::State;
+use crate::app::widgets::ramp::paint_ramp;
 use crate::scene::{Legend, LegendBody};
 use egui::{Align2, Color32, FontId, Painter, Rect, Stroke, Vec2, pos2, vec2};
 

@@ -11,7 +11,7 @@ use egui::{Button, MenuBar, ThemePreference, Ui};
 use std::path::PathBuf;
 
 /// File, Playback, View, Presets, Tools, Benchmark, Help.
-pub fn menu_ui(ui: &mut Ui, state: &mut State) {
+pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file_menu(ui, state));
         ui.menu_button("Playback", |ui| play_menu(ui, state));
@@ -180,7 +180,7 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     for (text, open, command) in [
         ("Orthographic", is_orthographic, Command::ToggleOrthographic),
         ("Turntable", state.turntable.is_on, Command::ToggleTurntable),
-        ("Grid", state.settings.grid, Command::ToggleGrid),
+        ("Grid", state.settings.backdrop.grid, Command::ToggleGrid),
         ("Scale bar", state.shows_scale_bar, Command::ToggleScaleBar),
         (
             "Thumbnails",

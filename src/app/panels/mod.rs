@@ -1,62 +1,45 @@
 //! The panels, one file each: `fn timeline_ui(ui, &mut State)`. They read and change [`State`] and know no GPU.
 
-mod benchmark;
-mod beside;
-mod camera_path;
+mod bound;
 mod clip;
 mod colors;
-mod comparison;
-mod export;
 mod footprints;
 mod help;
-mod lab;
 mod legend;
 mod marks;
-mod measuring;
 mod menu;
 mod notices;
 mod pair;
-mod palette;
-mod point;
 mod presets;
 mod quality;
 mod question;
-mod ramp;
 mod scale_bar;
 mod settings;
 mod shading;
 mod statistics;
-mod temporal;
-mod timeline;
-mod trails;
 mod viewport;
 mod voxels;
-mod works;
-
-pub use benchmark::benchmark_ui;
-pub use camera_path::camera_path_ui;
-pub use export::export_ui;
-pub use help::help_ui;
-pub use measuring::measuring_ui;
-pub use menu::menu_ui;
-pub use notices::notices_ui;
-pub use point::point_ui;
-pub use quality::QualityLimits;
-pub use settings::settings_ui;
-pub use statistics::statistics_ui;
-pub use temporal::change_ui;
-pub use timeline::timeline_ui;
-pub use viewport::viewport_ui;
 
 use super::State;
-use beside::beside_ui;
-use comparison::comparison_ui;
-use egui::{
-    CentralPanel, Context, Frame, Id, InnerResponse, Margin, Panel, ThemePreference, Ui, Vec2,
-};
-use palette::palette_ui;
+use super::features::benchmark::panel::benchmark_ui;
+use super::features::beside::panel::beside_ui;
+use super::features::camera_path::panel::camera_path_ui;
+use super::features::comparison::panel::comparison_ui;
+use super::features::inspection::measuring_panel::measuring_ui;
+use super::features::inspection::point_panel::point_ui;
+use super::features::palette::panel::palette_ui;
+use super::features::temporal::panel::change_ui;
+use super::features::timeline::panel::timeline_ui;
+use bound::export_ui;
+use egui::{CentralPanel, Context, Frame, Margin, Panel, ThemePreference, Ui};
+use help::help_ui;
+use menu::menu_ui;
+use notices::notices_ui;
 use presets::preset_name_ui;
 use question::question_ui;
+use settings::settings_ui;
+use statistics::statistics_ui;
+use viewport::viewport_ui;
 
 /// Everything in the window, keys included.
 pub fn window_ui(ui: &mut Ui, state: &mut State) {
@@ -115,65 +98,5 @@ fn follow_theme(ctx: &Context, theme: ThemePreference) {
     if ctx.options(|options| options.theme_preference) != theme {
         ctx.set_theme(theme);
         ctx.request_repaint();
-    }
-}
-
-/// Has the panels run again when the window `name` has another size than in the last pass: what is in it takes its new
-/// places then.
-fn settle<R>(ui: &Ui, name: &'static str, shown: Option<InnerResponse<R>>) {
-    let size = shown.map(|shown| shown.response.rect.size());
-    let id = Id::unique(name).with("size");
-    let before = ui.data_mut(|data| {
-        let before = data.get_temp::<Option<Vec2>>(id);
-        data.insert_temp(id, size);
-        before
-    });
-    if before.is_some_and(|before| before != size) {
-        ui.ctx().request_repaint();
-    }
-}
-
-/// `1234567` → `1,234,567`.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
-    for (index, digit) in digits.char_indices() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-/// Bytes with a binary unit.
-fn bytes(count: u64) -> String {
-    const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
-    let mut value = count as f64;
-    let mut unit = 0;
-    while value >= 1024.0 && unit + 1 < UNITS.len() {
-        value /= 1024.0;
-        unit += 1;
-    }
-    if unit == 0 {
-        format!("{count} B")
-    } else {
-        format!("{value:.1} {}", UNITS[unit])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_readable() {
-        assert_eq!(grouped(0), "0");
-        assert_eq!(grouped(999), "999");
-        assert_eq!(grouped(1_000), "1,000");
-        assert_eq!(grouped(12_345_678), "12,345,678");
-        assert_eq!(bytes(1023), "1023 B");
-        assert_eq!(bytes(1024), "1.0 KiB");
-        assert_eq!(bytes(3 << 29), "1.5 GiB");
     }
 }

@@ -1,7 +1,7 @@
 //! Messages over the picture, at its lower left, and bars of long work below them.
 
-use super::works::{shown_works, work_ui};
 use crate::app::theme::GOOD;
+use crate::app::work::panel::{shown_works, work_ui};
 use crate::app::{Notice, Severity, State};
 use egui::{Align2, Area, Frame, Id, RichText, ScrollArea, Stroke, Ui, vec2};
 
@@ -16,7 +16,7 @@ const LISTED_OTHERS: usize = 12;
 
 /// Every message with its full text, a button to copy it and one to dismiss it; long work with a bar and a button to
 /// cancel it.
-pub fn notices_ui(ui: &mut Ui, state: &mut State) {
+pub(super) fn notices_ui(ui: &mut Ui, state: &mut State) {
     let works = shown_works(state);
     if state.notices.list().is_empty() && works.is_empty() {
         return;

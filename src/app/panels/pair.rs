@@ -1,6 +1,6 @@
 //! Two pictures: side by side or on both sides of a line, with their names; or where they differ.
 
-use super::viewport::picture;
+use crate::app::widgets::picture::picture;
 use crate::app::{Beside, Layout, Side, State};
 use egui::{
     Align2, Color32, ColorImage, CursorIcon, FontId, Frame, Id, Label, Margin, Pos2, Rect,

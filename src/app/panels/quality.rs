@@ -5,32 +5,13 @@ use crate::app::State;
 use crate::bench::{Quality, Suite};
 use egui::{Button, DragValue, Slider, Ui};
 
-/// What a person would spend at most.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct QualityLimits {
-    /// Largest FLIP of the object, 0 to 1.
-    pub flip: f64,
-    /// Longest time of a picture, milliseconds.
-    pub draw_ms: f64,
-}
-
-impl Default for QualityLimits {
-    fn default() -> Self {
-        // A tenth is seen when one looks for it; 16 ms are a picture of a screen of 60 Hz.
-        Self {
-            flip: 0.1,
-            draw_ms: 16.0,
-        }
-    }
-}
-
 /// A slider over the ways that no other beats, and the two limits that choose one of them.
 pub(super) fn quality_ui(ui: &mut Ui, state: &mut State) {
     if state.player.is_none() {
         return;
     }
     heading(ui, "Quality");
-    if let Some(quality) = state.quality.clone() {
+    if let Some(quality) = state.quality.known.clone() {
         choose(ui, state, &quality);
         return;
     }
@@ -48,7 +29,7 @@ fn choose(ui: &mut Ui, state: &mut State, quality: &Quality) {
         .iter()
         .position(|choice| state.settings.drawn_as(&choice.settings) == state.settings);
     let mut wanted = current;
-    let mut limits = state.quality_limits;
+    let mut limits = state.quality.limits;
     rows(ui, "quality", |ui| {
         // Without a place among the choices, the slider stands where the time of pictures would put it.
         let mut place = current.unwrap_or(choices.len() - 1);
@@ -85,12 +66,12 @@ fn choose(ui: &mut Ui, state: &mut State, quality: &Quality) {
     });
     let place_of =
         |chosen: &crate::bench::QualityChoice| choices.iter().position(|choice| choice == chosen);
-    if limits.flip != state.quality_limits.flip {
+    if limits.flip != state.quality.limits.flip {
         wanted = place_of(quality.fastest_below(limits.flip));
-    } else if limits.draw_ms != state.quality_limits.draw_ms {
+    } else if limits.draw_ms != state.quality.limits.draw_ms {
         wanted = place_of(quality.best_within(limits.draw_ms));
     }
-    state.quality_limits = limits;
+    state.quality.limits = limits;
     match wanted.and_then(|place| choices.get(place)) {
         Some(choice) => {
             ui.weak(format!(

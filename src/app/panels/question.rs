@@ -1,8 +1,8 @@
 //! The question before something is lost.
 
 use crate::app::State;
-use crate::app::camera_path::Question;
 use crate::app::command::Command;
+use crate::app::features::camera_path::Question;
 use egui::{Align2, Button, Ui, Window};
 
 /// Asks before something is lost.

@@ -5,18 +5,19 @@ use super::colors::colors_ui;
 use super::footprints::footprints_ui;
 use super::quality::quality_ui;
 use super::shading::shading;
-use super::temporal::temporal_settings_ui;
 use super::voxels::octree_ui;
+use crate::app::features::temporal::panel::temporal_settings_ui;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+pub(super) use crate::app::widgets::rows::{choice, heading, note_below, row, rows};
 use crate::app::{PresentChoice, State, Turntable};
 use crate::scene::{
-    BackFaces, Background, Primitive, Projection, RendererChoice, Settings, Splatting, Strategy,
+    BackFaces, Background, Primitive, Projection, RendererChoice, Splatting, Strategy, Style,
     UpAxis,
 };
-use egui::{Button, Checkbox, ComboBox, Grid, Label, RichText, ScrollArea, Slider, Ui, Widget};
+use egui::{Button, Checkbox, RichText, ScrollArea, Slider, Ui};
 
 /// The panel at the right.
-pub fn settings_ui(ui: &mut Ui, state: &mut State) {
+pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         quality_ui(ui, state);
         heading(ui, "Picture");
@@ -50,12 +51,12 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
         rows(ui, "shading", |ui| shading(ui, &mut state.settings, &drawn));
         heading(ui, "Background");
         rows(ui, "background", |ui| {
-            background(ui, &mut state.settings.background);
+            background(ui, &mut state.settings.backdrop.background);
             row(
                 ui,
                 "Ground",
                 "Lines on the plane below the cloud; a cell is a power of ten wide (G)",
-                Checkbox::new(&mut state.settings.grid, "Grid"),
+                Checkbox::new(&mut state.settings.backdrop.grid, "Grid"),
             );
         });
         heading(ui, "Camera");
@@ -71,54 +72,6 @@ pub fn settings_ui(ui: &mut Ui, state: &mut State) {
             state.reset_settings();
         }
     });
-}
-
-pub(super) fn heading(ui: &mut Ui, text: &str) {
-    ui.add_space(10.0);
-    ui.label(RichText::new(text).strong().size(14.5));
-    ui.add_space(2.0);
-}
-
-pub(super) fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
-    Grid::new(id)
-        .num_columns(2)
-        .min_col_width(96.0)
-        .spacing([10.0, 7.0])
-        .show(ui, add);
-}
-
-/// A label and a control named by it, both with the tooltip.
-pub(super) fn row(ui: &mut Ui, name: &str, tooltip: &str, control: impl Widget) {
-    let label = ui.label(name).on_hover_text(tooltip);
-    ui.add(control).labelled_by(label.id).on_hover_text(tooltip);
-    ui.end_row();
-}
-
-/// A label and a list to choose from.
-pub(super) fn choice<T: Copy + PartialEq>(
-    ui: &mut Ui,
-    name: &str,
-    tooltip: &str,
-    value: &mut T,
-    choices: &[(&str, T, &str)],
-) {
-    let label = ui.label(name).on_hover_text(tooltip);
-    let selected = choices
-        .iter()
-        .find(|(_, choice, _)| choice == value)
-        .map_or("Custom", |(text, _, _)| text);
-    ComboBox::from_id_salt(name)
-        .selected_text(selected)
-        .show_ui(ui, |ui| {
-            for (text, choice, hint) in choices {
-                ui.selectable_value(value, *choice, *text)
-                    .on_hover_text(*hint);
-            }
-        })
-        .response
-        .labelled_by(label.id)
-        .on_hover_text(tooltip);
-    ui.end_row();
 }
 
 fn primitive(ui: &mut Ui, state: &mut State) {
@@ -159,23 +112,12 @@ fn primitive(ui: &mut Ui, state: &mut State) {
     ui.add_space(4.0);
 }
 
-/// Says something below a choice of a grid, whose cells are as wide as what is in them.
-pub(super) fn note_below(ui: &mut Ui, text: &str) {
-    const WIDTH: f32 = 190.0;
-    ui.label("");
-    ui.scope(|ui| {
-        ui.set_max_width(WIDTH);
-        ui.add(Label::new(RichText::new(text).weak()).wrap());
-    });
-    ui.end_row();
-}
-
-fn splatting(ui: &mut Ui, settings: &mut Settings) {
+fn splatting(ui: &mut Ui, settings: &mut Style) {
     choice(
         ui,
         "Splatting",
         "How overlapping surfels become one surface (the six modes of the paper's Fig. 3)",
-        &mut settings.splatting,
+        &mut settings.surfels.splatting,
         &[
             (
                 "Regular",
@@ -211,7 +153,7 @@ fn splatting(ui: &mut Ui, settings: &mut Settings) {
     );
 }
 
-fn renderer(ui: &mut Ui, settings: &mut Settings) {
+fn renderer(ui: &mut Ui, settings: &mut Style) {
     choice(
         ui,
         "Renderer",
@@ -263,8 +205,8 @@ fn present(ui: &mut Ui, present: &mut PresentChoice) {
     );
 }
 
-fn resolution(ui: &mut Ui, settings: &mut Settings) {
-    let share = Slider::new(&mut settings.resolution, Settings::RESOLUTIONS)
+fn resolution(ui: &mut Ui, settings: &mut Style) {
+    let share = Slider::new(&mut settings.resolution, Style::RESOLUTIONS)
         .step_by(0.05)
         .custom_formatter(|share, _| format!("{:.0} %", share * 100.0))
         .custom_parser(|text| {
@@ -280,7 +222,7 @@ fn resolution(ui: &mut Ui, settings: &mut Settings) {
     );
 }
 
-fn strategy(ui: &mut Ui, settings: &mut Settings) {
+fn strategy(ui: &mut Ui, settings: &mut Style) {
     choice(
         ui,
         "Instancing",
@@ -312,10 +254,10 @@ fn strategy(ui: &mut Ui, settings: &mut Settings) {
     );
 }
 
-fn surfels(ui: &mut Ui, settings: &mut Settings) {
+fn surfels(ui: &mut Ui, settings: &mut Style) {
     heading(ui, "Surfels");
     rows(ui, "surfels", |ui| {
-        let scale = Slider::new(&mut settings.splat_scale, SPLAT_SCALE_RANGE)
+        let scale = Slider::new(&mut settings.surfels.splat_scale, SPLAT_SCALE_RANGE)
             .logarithmic(true)
             .max_decimals(2)
             .suffix(" ×");
@@ -326,11 +268,11 @@ fn surfels(ui: &mut Ui, settings: &mut Settings) {
             scale,
         );
         let uses_enlargement = matches!(
-            settings.splatting,
+            settings.surfels.splatting,
             Splatting::Enlarged | Splatting::TwoPassEnlarged
         );
         if uses_enlargement {
-            let enlargement = Slider::new(&mut settings.enlargement, 1.0..=4.0)
+            let enlargement = Slider::new(&mut settings.surfels.enlargement, 1.0..=4.0)
                 .max_decimals(2)
                 .suffix(" ×");
             row(
@@ -345,17 +287,17 @@ fn surfels(ui: &mut Ui, settings: &mut Settings) {
             ui,
             "Surfel detail",
             "One surfel for all points of an octree's cell that is small on the screen: fewer are drawn from afar",
-            Checkbox::new(&mut settings.surfel_lod, "By the octree"),
+            Checkbox::new(&mut settings.levels.surfel_lod, "By the octree"),
         );
     });
 }
 
-fn back_faces(ui: &mut Ui, settings: &mut Settings) {
+fn back_faces(ui: &mut Ui, settings: &mut Style) {
     choice(
         ui,
         "Back faces",
         "Surfels that face away from the eye",
-        &mut settings.back_faces,
+        &mut settings.surfels.back_faces,
         &[
             (
                 "Auto",
@@ -377,10 +319,10 @@ fn back_faces(ui: &mut Ui, settings: &mut Settings) {
     );
 }
 
-fn points(ui: &mut Ui, settings: &mut Settings) {
+fn points(ui: &mut Ui, settings: &mut Style) {
     heading(ui, "Points");
     rows(ui, "points", |ui| {
-        let size = Slider::new(&mut settings.point_size_px, POINT_SIZE_RANGE_PX)
+        let size = Slider::new(&mut settings.points.size_px, POINT_SIZE_RANGE_PX)
             .max_decimals(1)
             .suffix(" px");
         row(

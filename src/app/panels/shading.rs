@@ -1,17 +1,17 @@
 //! Choices about light.
 
 use super::settings::{choice, row};
-use crate::scene::{EyeDome, Lighting, Primitive, Settings, Splatting};
+use crate::scene::{EyeDome, Lighting, Primitive, Splatting, Style};
 use egui::{Slider, Ui};
 
 /// Light of what is `drawn`: the settings without what is left open.
-pub(super) fn shading(ui: &mut Ui, settings: &mut Settings, drawn: &Settings) {
+pub(super) fn shading(ui: &mut Ui, settings: &mut Style, drawn: &Style) {
     if drawn.primitive != Primitive::Point {
         choice(
             ui,
             "Lighting",
             "Where the head light is evaluated",
-            &mut settings.lighting,
+            &mut settings.light.lighting,
             &[
                 ("None", Lighting::Unlit, "Plain colours"),
                 (
@@ -32,15 +32,15 @@ pub(super) fn shading(ui: &mut Ui, settings: &mut Settings, drawn: &Settings) {
 }
 
 /// Eye-dome lighting; what is drawn without depth has none.
-fn eye_dome(ui: &mut Ui, settings: &mut Settings, drawn: &Settings) {
-    if drawn.draws_surfels() && settings.splatting == Splatting::NoDepth {
+fn eye_dome(ui: &mut Ui, settings: &mut Style, drawn: &Style) {
+    if drawn.draws_surfels() && settings.surfels.splatting == Splatting::NoDepth {
         return;
     }
     choice(
         ui,
         "Eye-dome light",
         "Darkens what stands behind its neighbours: depths show shapes without any normals",
-        &mut settings.eye_dome,
+        &mut settings.light.eye_dome,
         &[
             (
                 "Automatic",
@@ -51,10 +51,10 @@ fn eye_dome(ui: &mut Ui, settings: &mut Settings, drawn: &Settings) {
             ("Off", EyeDome::Off, "Never"),
         ],
     );
-    if drawn.eye_dome == EyeDome::On {
+    if drawn.light.eye_dome == EyeDome::On {
         let strength = Slider::new(
-            &mut settings.eye_dome_strength,
-            Settings::EYE_DOME_STRENGTHS,
+            &mut settings.light.eye_dome_strength,
+            Style::EYE_DOME_STRENGTHS,
         )
         .max_decimals(2)
         .suffix(" ×");

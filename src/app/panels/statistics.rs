@@ -1,8 +1,8 @@
 //! What the program did and how long it took. Every figure has its unit.
 
-use super::{bytes, grouped};
 use crate::app::State;
 use crate::app::meter::Redraw;
+use crate::app::widgets::numbers::{bytes, grouped};
 use crate::playback::Player;
 use crate::sequence::PreparedFrame;
 use egui::{DragValue, Grid, Label, RichText, ScrollArea, Ui};
@@ -12,7 +12,7 @@ use std::time::Duration;
 const NAME_WIDTH: f32 = 92.0;
 
 /// The panel at the left.
-pub fn statistics_ui(ui: &mut Ui, state: &mut State) {
+pub(super) fn statistics_ui(ui: &mut Ui, state: &mut State) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         frame_times(ui, state);
         picture(ui, state);
@@ -239,7 +239,9 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
             "Writing the records that are uploaded, on a worker",
         );
     });
-    let Some(octree) = &frame.octree else { return };
+    let Some(octree) = frame.levels.octree() else {
+        return;
+    };
     let scene = state.scene_stats();
     section(ui, "Octree", |ui| {
         row(

@@ -7,10 +7,11 @@ use super::scale_bar::scale_bar_ui;
 use crate::app::command::Command;
 use crate::app::grip::{Grip, Pull};
 use crate::app::theme::{ACCENT, ODD};
+use crate::app::widgets::picture::picture;
 use crate::app::{State, Tool};
 use egui::{
     Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke,
-    TextureId, Ui, WidgetInfo, pos2, vec2,
+    Ui, WidgetInfo, pos2, vec2,
 };
 use glam::Vec3;
 
@@ -27,7 +28,7 @@ const ZOOM_PER_POINT: f64 = 0.0016;
 const AXIS_LENGTH: f32 = 24.0;
 
 /// The picture over all of `ui`, and the camera by mouse.
-pub fn viewport_ui(ui: &mut Ui, state: &mut State) {
+pub(super) fn viewport_ui(ui: &mut Ui, state: &mut State) {
     let scale = ui.ctx().pixels_per_point();
     let rect = on_pixels(ui.available_rect_before_wrap(), scale);
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
@@ -43,15 +44,6 @@ pub fn viewport_ui(ui: &mut Ui, state: &mut State) {
         picture(ui, rect, state.viewport.texture, rect);
     }
     overlays(ui, rect, state);
-}
-
-/// The part of a picture over `rect` that is in `part`.
-pub(super) fn picture(ui: &Ui, rect: Rect, texture: Option<TextureId>, part: Rect) {
-    if let Some(texture) = texture {
-        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        let painter = ui.painter_at(part);
-        painter.image(texture, rect, whole, Color32::WHITE);
-    }
 }
 
 /// `rect` with corners on physical pixels: the picture is then copied pixel by pixel.

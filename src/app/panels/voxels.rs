@@ -1,20 +1,21 @@
 //! Choices about the octree: how deep it goes, and which of its cells are drawn as voxels or surfels.
 
 use super::settings::{choice, heading, row, rows};
+use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{Lod, Primitive, Settings, VoxelLight};
+use crate::scene::{Primitive, Style, VoxelLight};
 use egui::{Slider, Ui};
 
 /// The sections of the settings for what draws cells of the octree.
-pub(super) fn octree_ui(ui: &mut Ui, settings: &mut Settings) {
+pub(super) fn octree_ui(ui: &mut Ui, settings: &mut Style) {
     if settings.primitive == Primitive::Voxel {
         heading(ui, "Cubes");
-        rows(ui, "cubes", |ui| light(ui, &mut settings.voxel_light));
+        rows(ui, "cubes", |ui| light(ui, &mut settings.voxels.light));
     }
     heading(ui, "Octree");
-    rows(ui, "octree", |ui| stop(ui, &mut settings.stop));
+    rows(ui, "octree", |ui| stop(ui, &mut settings.levels.stop));
     heading(ui, "Level of detail");
-    rows(ui, "lod", |ui| lod(ui, &mut settings.lod));
+    rows(ui, "lod", |ui| lod(ui, &mut settings.levels.lod));
 }
 
 fn light(ui: &mut Ui, voxel_light: &mut VoxelLight) {
@@ -89,7 +90,7 @@ fn stop(ui: &mut Ui, stop: &mut StopCriterion) {
         StopCriterion::Loss(delta) => {
             // Shown in percent, kept as a fraction.
             let mut percent = *delta * 100.0;
-            let slider = Slider::new(&mut percent, 0.0..=Settings::MAX_DELTA * 100.0)
+            let slider = Slider::new(&mut percent, 0.0..=Style::MAX_DELTA * 100.0)
                 .max_decimals(1)
                 .suffix(" %");
             row(

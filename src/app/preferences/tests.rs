@@ -1,9 +1,11 @@
 //! The file of preferences: what is kept, and what becomes of what cannot be read.
 
 use super::*;
+use crate::levels::Lod;
 use crate::scene::{
-    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, Primitive,
-    RendererChoice, Splatting, Strategy, VoxelLight,
+    BackFaces, Backdrop, Background, CodeStyle, EyeDome, Footprint, LevelStyle, LightStyle,
+    Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, Primitive, RendererChoice, Splatting,
+    Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorSource, Coloring};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -12,35 +14,49 @@ use std::fs;
 /// Nothing in it is as in a new window.
 fn unusual() -> Preferences {
     Preferences {
-        settings: Settings {
+        settings: Style {
             primitive: Primitive::Voxel,
             renderer: RendererChoice::Cpu,
-            splatting: Splatting::NoDepth,
             strategy: Strategy::Compute,
-            splat_scale: 1.25,
-            enlargement: 3.5,
-            back_faces: BackFaces::Drawn,
-            lighting: Lighting::PerVertex,
-            voxel_light: VoxelLight::Faces,
-            eye_dome: EyeDome::On,
-            eye_dome_strength: 2.5,
-            grid: true,
-            ground_box: None,
-            background: Background {
-                top: [1, 2, 250],
-                bottom: [0, 16, 255],
-            },
             colors: Coloring::of(ColorSource::Scalar(None)),
-            point_size_px: 7.0,
-            stop: StopCriterion::Loss(0.31),
-            lod: Lod::ThresholdPx(2.5),
-            surfel_lod: true,
             resolution: 0.5,
-            footprint: Footprint::Masks,
-            normal_bits: NormalBits::Fifteen,
-            offset_bits: OffsetBits::Two,
-            color_hints: ColorHints::NONE,
-            clip: None,
+            surfels: SurfelStyle {
+                splatting: Splatting::NoDepth,
+                splat_scale: 1.25,
+                enlargement: 3.5,
+                back_faces: BackFaces::Drawn,
+            },
+            points: PointStyle { size_px: 7.0 },
+            voxels: VoxelStyle {
+                light: VoxelLight::Faces,
+            },
+            levels: LevelStyle {
+                stop: StopCriterion::Loss(0.31),
+                lod: Lod::ThresholdPx(2.5),
+                surfel_lod: true,
+            },
+            codes: CodeStyle {
+                footprint: Footprint::Masks,
+                normal_bits: NormalBits::Fifteen,
+                offset_bits: OffsetBits::Two,
+            },
+            light: LightStyle {
+                lighting: Lighting::PerVertex,
+                eye_dome: EyeDome::On,
+                eye_dome_strength: 2.5,
+            },
+            backdrop: Backdrop {
+                grid: true,
+                background: Background {
+                    top: [1, 2, 250],
+                    bottom: [0, 16, 255],
+                },
+            },
+            of_sequence: OfSequence {
+                ground_box: None,
+                color_hints: ColorHints::NONE,
+                clip: None,
+            },
         },
         present: PresentChoice::Cpu,
         loop_mode: LoopMode::PingPong,
@@ -99,11 +115,19 @@ const OF_VERSION_6: &str = r##"{
 fn of_version_6() -> Preferences {
     let unusual = unusual();
     Preferences {
-        settings: Settings {
-            eye_dome: EyeDome::Auto,
-            eye_dome_strength: 1.0,
-            grid: false,
-            voxel_light: VoxelLight::Normals,
+        settings: Style {
+            voxels: VoxelStyle {
+                light: VoxelLight::Normals,
+            },
+            light: LightStyle {
+                eye_dome: EyeDome::Auto,
+                eye_dome_strength: 1.0,
+                ..unusual.settings.light
+            },
+            backdrop: Backdrop {
+                grid: false,
+                ..unusual.settings.backdrop
+            },
             ..unusual.settings
         },
         present: PresentChoice::Auto,
@@ -190,7 +214,7 @@ proptest! {
         let [splat_scale, enlargement, point_size_px, size] = sizes;
         let lod = if is_time { Lod::FrameTimeMs(size) } else { Lod::ThresholdPx(size) };
         let stop = StopCriterion::Depth(depth);
-        preferences.settings = Settings { splat_scale, enlargement, point_size_px, stop, lod, ..preferences.settings };
+        preferences.settings = Style { surfels: SurfelStyle { splat_scale, enlargement, ..preferences.settings.surfels }, points: PointStyle { size_px: point_size_px }, levels: LevelStyle { stop, lod, ..preferences.settings.levels }, ..preferences.settings };
         let offered = preferences.offered();
         prop_assert_eq!(again(offered), (offered, true));
         prop_assert_eq!(offered.offered(), offered);
@@ -201,7 +225,7 @@ proptest! {
 fn each_value_is_read_by_itself() {
     let whole = of_version_6();
     let default = Preferences::default();
-    let with = |change: fn(&mut Settings)| {
+    let with = |change: fn(&mut Style)| {
         let mut preferences = whole;
         change(&mut preferences.settings);
         preferences
@@ -225,16 +249,21 @@ fn each_value_is_read_by_itself() {
         (
             "0.31",
             "0.61",
-            with(|s| s.stop = StopCriterion::Loss(0.6)),
+            with(|s| s.levels.stop = StopCriterion::Loss(0.6)),
             true,
         ),
         (
             "0.31",
             "-1e39",
-            with(|s| s.stop = StopCriterion::Loss(0.0)),
+            with(|s| s.levels.stop = StopCriterion::Loss(0.0)),
             true,
         ),
-        ("2.5", "-2.5", with(|s| s.lod = Lod::ThresholdPx(0.0)), true),
+        (
+            "2.5",
+            "-2.5",
+            with(|s| s.levels.lod = Lod::ThresholdPx(0.0)),
+            true,
+        ),
         ("0.25", "0.0", Preferences { speed, ..whole }, true),
         (
             "900.0",
@@ -267,13 +296,13 @@ fn each_value_is_read_by_itself() {
         (
             "\"loss\"",
             "\"gain\"",
-            with(|s| s.stop = StopCriterion::default()),
+            with(|s| s.levels.stop = StopCriterion::default()),
             false,
         ),
         (
             "\"#0102fa",
             "\"0102fa",
-            with(|s| s.background = Background::default()),
+            with(|s| s.backdrop.background = Background::default()),
             false,
         ),
         (
@@ -339,7 +368,7 @@ fn a_change_is_written_once_it_has_settled() {
 
     let mut dragged = begun;
     for (seconds, delta) in [(10, 0.1), (11, 0.2), (12, 0.3)] {
-        dragged.settings.stop = StopCriterion::Loss(delta);
+        dragged.settings.levels.stop = StopCriterion::Loss(delta);
         kept.note(dragged, at(seconds));
         assert_eq!(kept.next_deadline(), Some(at(seconds) + WRITE_DELAY));
     }

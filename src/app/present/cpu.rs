@@ -7,10 +7,10 @@
 //! that is painted too: a buffer's *age* says which case it is. The pixels of a picture are copied once, from the
 //! renderer's image to that buffer. No driver is needed: it is opened only when a person chooses the GPU to draw.
 
-use super::{Painted, Panels, Presenter, PresenterInfo};
-use crate::app::comparison::Side;
+use super::presenter::{Painted, Panels, Presenter, PresenterInfo};
 use crate::app::meter::GpuWork;
 use crate::app::paint::{PixelRect, SoftwarePainter};
+use crate::app::side::Side;
 use crate::render::cpu::CpuRenderer;
 use crate::render::gpu::{Context, ContextOptions, GpuRenderer};
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};

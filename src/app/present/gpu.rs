@@ -8,10 +8,10 @@
 //! new. What the processor draws is copied to such a texture. Pictures and panels are one submission.
 
 use super::gpu_picture::{DrawnBy, Picture};
+use super::presenter::{Painted, Panels, Presenter, PresenterInfo};
 use super::surface::{WindowSurface, acquire};
-use super::{Painted, Panels, Presenter, PresenterInfo};
-use crate::app::comparison::Side;
 use crate::app::meter::GpuWork;
+use crate::app::side::Side;
 use crate::render::gpu::{Context, ContextOptions};
 use crate::render::{RenderError, RenderStats};
 use crate::scene::ScenePacket;

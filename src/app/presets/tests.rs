@@ -1,9 +1,11 @@
 //! The file of presets: what is kept, and what becomes of what cannot be read.
 
 use super::*;
+use crate::levels::Lod;
 use crate::scene::{
-    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, RendererChoice,
-    Splatting, Strategy, VoxelLight,
+    BackFaces, Backdrop, Background, CodeStyle, EyeDome, Footprint, LevelStyle, LightStyle,
+    Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, RendererChoice, Splatting, Strategy,
+    SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorSource, Coloring};
 
@@ -44,37 +46,51 @@ const OF_VERSION_1: &str = r#"{
   ]
 }"#;
 
-fn of_version_1() -> Settings {
-    Settings {
+fn of_version_1() -> Style {
+    Style {
         primitive: Primitive::Voxel,
         renderer: RendererChoice::Cpu,
-        splatting: Splatting::NoDepth,
         strategy: Strategy::Compute,
-        splat_scale: 1.25,
-        enlargement: 3.5,
-        back_faces: BackFaces::Drawn,
-        lighting: Lighting::PerVertex,
-        // The file is older than the choice.
-        voxel_light: VoxelLight::Normals,
-        eye_dome: EyeDome::Auto,
-        eye_dome_strength: 1.0,
-        grid: false,
-        ground_box: None,
-        background: Background {
-            top: [1, 2, 250],
-            bottom: [0, 16, 255],
-        },
         colors: Coloring::of(ColorSource::Scalar(None)),
-        color_hints: ColorHints::default(),
-        point_size_px: 7.0,
-        stop: StopCriterion::Loss(0.31),
-        lod: Lod::ThresholdPx(2.5),
-        surfel_lod: true,
         resolution: 0.5,
-        footprint: Footprint::Masks,
-        normal_bits: NormalBits::Fifteen,
-        offset_bits: OffsetBits::Two,
-        clip: None,
+        surfels: SurfelStyle {
+            splatting: Splatting::NoDepth,
+            splat_scale: 1.25,
+            enlargement: 3.5,
+            back_faces: BackFaces::Drawn,
+        },
+        points: PointStyle { size_px: 7.0 },
+        voxels: VoxelStyle {
+            // The file is older than the choice.
+            light: VoxelLight::Normals,
+        },
+        levels: LevelStyle {
+            stop: StopCriterion::Loss(0.31),
+            lod: Lod::ThresholdPx(2.5),
+            surfel_lod: true,
+        },
+        codes: CodeStyle {
+            footprint: Footprint::Masks,
+            normal_bits: NormalBits::Fifteen,
+            offset_bits: OffsetBits::Two,
+        },
+        light: LightStyle {
+            lighting: Lighting::PerVertex,
+            eye_dome: EyeDome::Auto,
+            eye_dome_strength: 1.0,
+        },
+        backdrop: Backdrop {
+            grid: false,
+            background: Background {
+                top: [1, 2, 250],
+                bottom: [0, 16, 255],
+            },
+        },
+        of_sequence: OfSequence {
+            ground_box: None,
+            color_hints: ColorHints::default(),
+            clip: None,
+        },
     }
 }
 
@@ -119,9 +135,12 @@ fn files_of_version_1_are_read_as_they_were_meant() {
 #[test]
 fn each_value_is_read_by_itself() {
     let whole = of_version_1();
-    let default = Settings::default();
-    let scale = |splat_scale| Settings {
-        splat_scale,
+    let default = Style::default();
+    let scale = |splat_scale| Style {
+        surfels: SurfelStyle {
+            splat_scale,
+            ..whole.surfels
+        },
         ..whole
     };
     let cases = [
@@ -132,7 +151,7 @@ fn each_value_is_read_by_itself() {
         (
             "\"voxel\"",
             "\"cone\"",
-            Settings {
+            Style {
                 primitive: default.primitive,
                 ..whole
             },
@@ -141,8 +160,11 @@ fn each_value_is_read_by_itself() {
         (
             "\"threshold_px\"",
             "\"of later\"",
-            Settings {
-                lod: default.lod,
+            Style {
+                levels: LevelStyle {
+                    lod: default.levels.lod,
+                    ..whole.levels
+                },
                 ..whole
             },
             false,
@@ -153,7 +175,7 @@ fn each_value_is_read_by_itself() {
         let changed = OF_VERSION_1.replacen(from, to, 1);
         assert_ne!(changed, OF_VERSION_1, "{from}");
         let (folder, presets) = read_of(&changed);
-        let read: Vec<Settings> = presets.list().iter().map(|p| p.settings).collect();
+        let read: Vec<Style> = presets.list().iter().map(|p| p.settings).collect();
         assert_eq!(read, [settings], "{to}");
         assert_eq!(presets.problem().is_none(), is_whole, "{to}");
         let files = std::fs::read_dir(folder.path()).unwrap().count();
@@ -180,7 +202,7 @@ fn what_cannot_be_read_is_copied_before_it_is_written_over() {
                 .unwrap()
                 .contains("presets.json.unreadable")
         );
-        presets.save("new", Settings::default()).unwrap();
+        presets.save("new", Style::default()).unwrap();
         let copy = std::fs::read_to_string(folder.path().join("presets.json.unreadable"));
         assert_eq!(copy.unwrap(), damaged);
         assert_eq!(

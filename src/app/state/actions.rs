@@ -1,20 +1,21 @@
 //! What keys, menus, dialogs and tasks do to the state.
 
+use super::dialogs::DialogKind;
+use super::ranges::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use super::{State, WindowRequest};
-use crate::app::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
-use crate::app::camera_path::Question;
 use crate::app::command::{self, Command};
-use crate::app::comparison::{Comparison, Side};
-use crate::app::export::Subject;
+use crate::app::features::benchmark::Benchmark;
+use crate::app::features::camera_path::Question;
+use crate::app::features::comparison::Comparison;
+use crate::app::features::export::Subject;
+use crate::app::features::palette::Palette;
 use crate::app::history::Edited;
-use crate::app::palette::Palette;
-use crate::app::tasks::{DialogKind, Outcome, PicturePlace, ReportFormat};
-use crate::bench::{LabPoint, Quality, QualityKey, Suite};
+use crate::app::sequence_name::name_of;
+use crate::app::side::Side;
 use crate::playback::Player;
-use crate::scene::{Primitive, RendererChoice, Settings};
-use crate::sequence::{Sequence, SequenceError};
+use crate::scene::{Primitive, RendererChoice, Style};
+use crate::sequence::Sequence;
 use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -24,109 +25,7 @@ const SPEEDS: [f64; 9] = [0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 10.0];
 /// The keys change sizes by this factor.
 const SIZE_STEP: f32 = 1.25;
 
-/// Bounds of splat scale and of point size in pixels.
-pub(in crate::app) const SPLAT_SCALE_RANGE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
-pub(in crate::app) const POINT_SIZE_RANGE_PX: std::ops::RangeInclusive<f32> = 1.0..=32.0;
-
 impl State {
-    pub(super) fn take_in(&mut self, outcome: Outcome) {
-        match outcome {
-            Outcome::Found {
-                inputs,
-                sequence,
-                side,
-            } => match sequence {
-                Ok(sequence) => {
-                    match side {
-                        Side::A => self.open(sequence),
-                        Side::B => self.compare_with(sequence),
-                    }
-                    if let Err(problem) = self.recent.add(&inputs) {
-                        self.notices.warn(problem);
-                    }
-                }
-                Err(SequenceError::Cancelled) => {}
-                Err(error) => self.notices.error(error.to_string()),
-            },
-            Outcome::Chosen { dialog, paths } => self.chosen(dialog, paths),
-            Outcome::Cancelled => {}
-            Outcome::NoDialog => self.notices.error(
-                "No file dialog could be opened: on Linux one needs xdg-desktop-portal or zenity. \
-                 Drop files or a folder on the window, or name them on the command line: pointreel view FOLDER",
-            ),
-            Outcome::Saved(path) => self.notices.info(format!("Saved {}", path.display())),
-            Outcome::PathRead { file, draft } => self.take_path(draft, Some(file)),
-            Outcome::PathSaved { file, draft } => self.path_is_saved(file, draft),
-            Outcome::Exported(result) => self.export_has_ended(result),
-            Outcome::Benchmark(result) => {
-                self.benchmark.finish(result);
-                self.learn_quality();
-            }
-            Outcome::Compared(difference) => {
-                if let Some(pictures) = self.pictures_mut() {
-                    pictures.take_in(difference);
-                }
-            }
-            Outcome::Distances(distances) => {
-                if let (Some(beside), Some(distances)) = (&mut self.beside, distances) {
-                    beside.take_in(distances);
-                }
-            }
-            Outcome::MadeFrame(made) => {
-                if let Some(made) = made {
-                    self.temporal.take_in(*made);
-                }
-            }
-            Outcome::Traced(traced) => self.trails.take_in(traced),
-            Outcome::Levels(frame) => {
-                self.drawing.take_levels(&frame);
-                if let Some(beside) = &mut self.beside {
-                    beside.drawing.take_levels(&frame);
-                }
-            }
-            Outcome::InView(made) => {
-                self.drawing.take_surfels_in_view(&made);
-                if let Some(beside) = &mut self.beside {
-                    beside.drawing.take_surfels_in_view(&made);
-                }
-            }
-            Outcome::Looked(more) => self.take_more(*more),
-            Outcome::Thumbnail(delivery) => self.thumbnails.take_in(*delivery),
-            Outcome::Failed(text) => self.notices.error(text),
-        }
-    }
-
-    fn chosen(&mut self, dialog: DialogKind, paths: Vec<PathBuf>) {
-        let first = paths[0].clone();
-        match dialog {
-            DialogKind::OpenFiles | DialogKind::OpenFolder => {
-                self.open_paths(paths);
-            }
-            DialogKind::CompareFiles | DialogKind::CompareFolder => self.compare_paths(paths),
-            DialogKind::SavePicture => {
-                self.requests
-                    .push(WindowRequest::Screenshot(Some(with_extension(
-                        first, "png",
-                    ))));
-            }
-            DialogKind::OpenPath => self.open_path(first),
-            DialogKind::SavePath => self.save_path_to(with_extension(first, "json")),
-            DialogKind::ExportTo(_) | DialogKind::ExportFolder => self.take_place(dialog, &first),
-            DialogKind::SaveReport(format) => {
-                let Benchmark::Done(table) = &self.benchmark else {
-                    return;
-                };
-                let text = match format {
-                    ReportFormat::Json => &table.json,
-                    ReportFormat::Csv => &table.csv,
-                    ReportFormat::Html => &table.html,
-                };
-                let file = with_extension(first, format.extension());
-                self.tasks.save(file, text.clone().into_bytes());
-            }
-        }
-    }
-
     /// Moves the camera until all points are seen, and those beside them, keeping its direction.
     pub fn frame_all(&mut self) {
         if let Some(camera) = self.all_framed(&self.bounds_beside()) {
@@ -172,14 +71,14 @@ impl State {
             Command::CopyView => self.copy_view(),
             Command::PasteView => self.requests.push(WindowRequest::PasteView),
             Command::ToggleTool(tool) => self.inspection.toggle(tool),
-            Command::ToggleGrid => self.settings.grid ^= true,
+            Command::ToggleGrid => self.settings.backdrop.grid ^= true,
             Command::ToggleScaleBar => self.shows_scale_bar ^= true,
             Command::Smaller => self.scale_size(1.0 / SIZE_STEP),
             Command::Larger => self.scale_size(SIZE_STEP),
-            Command::OpenFiles => self.tasks.ask(DialogKind::OpenFiles, None),
-            Command::OpenFolder => self.tasks.ask(DialogKind::OpenFolder, None),
-            Command::CompareFiles => self.tasks.ask(DialogKind::CompareFiles, None),
-            Command::CompareFolder => self.tasks.ask(DialogKind::CompareFolder, None),
+            Command::OpenFiles => self.ask(DialogKind::OpenFiles, None),
+            Command::OpenFolder => self.ask(DialogKind::OpenFolder, None),
+            Command::CompareFiles => self.ask(DialogKind::CompareFiles, None),
+            Command::CompareFolder => self.ask(DialogKind::CompareFolder, None),
             Command::CloseComparison => {
                 self.close_beside();
                 self.comparison = None;
@@ -189,7 +88,7 @@ impl State {
             Command::Screenshot => self.requests.push(WindowRequest::Screenshot(None)),
             Command::SaveScreenshotAs => {
                 let name = format!("{}.png", self.picture_stem());
-                self.tasks.ask(DialogKind::SavePicture, Some(name));
+                self.ask(DialogKind::SavePicture, Some(name));
             }
             Command::ToggleExport => self.toggle_export(None),
             Command::ExportPath => self.toggle_export(Some(Subject::Path)),
@@ -289,62 +188,6 @@ impl State {
         }
     }
 
-    /// Measures the open sequence on a thread; playing rests, it would disturb the measurement.
-    pub fn start_benchmark(&mut self, suite: Suite) {
-        let Some(player) = &mut self.player else {
-            return;
-        };
-        if player.is_playing() {
-            player.toggle(self.now);
-        }
-        let sequence = Arc::clone(player.sequence());
-        let name = self.sequence_name().unwrap_or_default();
-        self.start_benchmark_job(suite.name(), benchmark_job(suite, name, sequence));
-    }
-
-    /// Shows the benchmark window and runs `job` in it.
-    pub fn start_benchmark_job(&mut self, suite: &str, job: BenchmarkJob) {
-        self.panels.benchmark = true;
-        let at = (self.wake(), self.now);
-        self.benchmark.start(suite, job, &self.tasks, at);
-    }
-
-    /// Reads what was measured of the open sequence before, once it is known what it would be kept by. True if there is
-    /// something.
-    pub(super) fn look_for_quality(&mut self) -> bool {
-        let adapter = &self.graphics.adapter;
-        let Some(player) = self.player.as_ref().filter(|_| !adapter.is_empty()) else {
-            return false;
-        };
-        if self.quality_key.is_some() {
-            return false;
-        }
-        let key = QualityKey::new(adapter, player.sequence());
-        self.quality = Quality::read(&key);
-        self.quality_key = Some(key);
-        self.quality.is_some()
-    }
-
-    /// Takes over what a benchmark has found of the open sequence, and keeps it.
-    fn learn_quality(&mut self) {
-        let Benchmark::Done(table) = &self.benchmark else {
-            return;
-        };
-        let points: Vec<LabPoint> = table.points.iter().map(|point| (**point).clone()).collect();
-        let is_of_open = self
-            .sequence_name()
-            .is_some_and(|name| points.first().is_some_and(|point| point.sequence == name));
-        let Some(quality) = Quality::of(&points).filter(|_| is_of_open) else {
-            return;
-        };
-        if let Some(key) = &self.quality_key
-            && let Err(reason) = quality.write(key)
-        {
-            log::warn!("what was measured is not kept: {reason}");
-        }
-        self.quality = Some(quality);
-    }
-
     /// Looks whether settings or camera path have changed, for undo. Call after the panels.
     pub(in crate::app) fn note_settings(&mut self, ctx: &egui::Context) {
         let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
@@ -369,30 +212,22 @@ impl State {
     }
 
     /// How an export draws: as the window does, but at full resolution.
-    pub(in crate::app) fn settings_of_export(&self) -> Settings {
-        let mut settings = self.drawn_settings();
-        settings.resolution = 1.0;
-        if self.without_gpu == Some(settings.renderer) {
-            settings.renderer = RendererChoice::Cpu;
+    pub(in crate::app) fn settings_of_export(&self) -> Style {
+        let renderer = if self.without_gpu == Some(self.settings.renderer) {
+            RendererChoice::Cpu
+        } else {
+            self.settings.renderer
+        };
+        Style {
+            resolution: 1.0,
+            renderer,
+            ..self.drawn_settings()
         }
-        settings
     }
 
     /// Draws as `way` from now on.
-    pub fn draw_as(&mut self, way: &Settings) {
+    pub fn draw_as(&mut self, way: &Style) {
         self.settings = self.settings.drawn_as(way);
-    }
-
-    /// Asks where to write the benchmark's result.
-    pub(in crate::app) fn ask_for_export(&mut self, dialog: DialogKind) {
-        let Benchmark::Done(table) = &self.benchmark else {
-            return;
-        };
-        let DialogKind::SaveReport(format) = dialog else {
-            return;
-        };
-        let name = format!("pointreel-{}.{}", table.suite, format.extension());
-        self.tasks.ask(dialog, Some(name));
     }
 
     fn change_speed(&mut self, next: impl Fn(f64) -> Option<f64>) {
@@ -406,9 +241,9 @@ impl State {
 
     fn scale_size(&mut self, factor: f32) {
         let (size, range) = match self.drawn_settings().primitive {
-            Primitive::Point => (&mut self.settings.point_size_px, POINT_SIZE_RANGE_PX),
+            Primitive::Point => (&mut self.settings.points.size_px, POINT_SIZE_RANGE_PX),
             Primitive::Auto | Primitive::Surfel | Primitive::Voxel => {
-                (&mut self.settings.splat_scale, SPLAT_SCALE_RANGE)
+                (&mut self.settings.surfels.splat_scale, SPLAT_SCALE_RANGE)
             }
         };
         *size = (*size * factor).clamp(*range.start(), *range.end());
@@ -438,7 +273,7 @@ impl State {
         name_of(self.player.as_ref()?.sequence())
     }
 
-    fn picture_stem(&self) -> String {
+    pub(super) fn picture_stem(&self) -> String {
         let frame = self
             .player
             .as_ref()
@@ -472,36 +307,6 @@ impl State {
         self.without_gpu = Some(self.settings.renderer);
         self.forget_picture();
     }
-
-    /// Writes `image` to `path`, or to a new file in the folder of pictures.
-    pub fn save_picture(&mut self, image: image::RgbaImage, path: Option<PathBuf>) {
-        let place = match path {
-            Some(path) => PicturePlace::File(path),
-            None => PicturePlace::New {
-                folder: picture_folder(),
-                stem: self.picture_stem(),
-            },
-        };
-        self.tasks.save_picture(image, place);
-    }
-}
-
-/// The name of the file or folder that a sequence is from; `None` of an empty one.
-pub(super) fn name_of(sequence: &Sequence) -> Option<String> {
-    let last = sequence.len().checked_sub(1)?;
-    let entry = sequence.entry(0);
-    // Frames of one file stand together, so the ends tell. Asked for in every pass: nothing here may grow with the
-    // sequence.
-    let is_one_file = sequence.entry(last).path == entry.path;
-    let of_all = if is_one_file {
-        entry.path.file_name()
-    } else {
-        entry.path.parent().and_then(|folder| folder.file_name())
-    };
-    Some(of_all.map_or_else(
-        || entry.name.clone(),
-        |name| name.to_string_lossy().into_owned(),
-    ))
 }
 
 /// Off, loop, ping-pong, off …
@@ -511,21 +316,4 @@ fn next_loop_mode(mode: LoopMode) -> LoopMode {
         .position(|&other| other == mode)
         .unwrap_or(0);
     LoopMode::ALL[(index + 1) % LoopMode::ALL.len()]
-}
-
-fn with_extension(path: PathBuf, extension: &str) -> PathBuf {
-    if path.extension().is_some() {
-        path
-    } else {
-        path.with_extension(extension)
-    }
-}
-
-/// The person's folder of pictures if the system has one, else where the program was started.
-pub(in crate::app) fn picture_folder() -> PathBuf {
-    directories::UserDirs::new()
-        .and_then(|folders| folders.picture_dir().map(PathBuf::from))
-        .filter(|folder| folder.is_dir())
-        .or_else(|| std::env::current_dir().ok())
-        .unwrap_or_default()
 }

@@ -1,15 +1,15 @@
 //! A second sequence beside the open one: opening and closing it, its pictures, its share of the memory.
 
 use super::State;
-use super::actions::name_of;
-use crate::app::beside::{Beside, Layout};
-use crate::app::comparison::Side;
 use crate::app::drawing::DrawnFrame;
-use crate::app::measuring::significant;
-use crate::app::tasks::close;
+use crate::app::features::beside::{Beside, Layout};
+use crate::app::sequence_name::name_of;
+use crate::app::side::Side;
+use crate::app::widgets::numbers::significant;
+use crate::app::work::tasks::close;
 use crate::math::Aabb;
 use crate::playback::{Companion, PlayerChange};
-use crate::scene::{RendererChoice, ScenePacket};
+use crate::scene::ScenePacket;
 use crate::sequence::{LoaderOptions, OpenOptions, Sequence, watch};
 use image::{RgbaImage, imageops};
 use std::path::PathBuf;
@@ -204,7 +204,7 @@ impl State {
 
     /// The packet of the other sequence, if it differs from the last one.
     pub(super) fn next_packet_beside(&mut self) -> Option<ScenePacket> {
-        let mut settings = self.drawn_settings();
+        let settings = self.drawn_settings();
         let beside = self.beside.as_mut()?;
         let Some(frame) = beside.companion.shown() else {
             beside.pictures.forget_difference();
@@ -212,9 +212,6 @@ impl State {
         };
         if self.viewport.other_size_px.contains(&0) {
             return None;
-        }
-        if self.without_gpu == Some(settings.renderer) {
-            settings.renderer = RendererChoice::Cpu;
         }
         let drawn = DrawnFrame {
             frame: Arc::clone(frame),

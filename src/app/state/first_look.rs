@@ -6,62 +6,11 @@
 //! markers.
 
 use super::State;
-use crate::app::tasks::Outcome;
+use crate::app::first_look::{Chosen, FirstView, Looked, LookedAtMore};
 use crate::math::Aabb;
-use crate::scene::{Camera, FirstLook, Primitive, Settings, UpAxis};
-use crate::sequence::{PreparedFrame, Sequence};
-use std::sync::{Arc, Weak};
-
-/// What was chosen for one sequence, and outlives it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(in crate::app) struct Chosen {
-    pub(in crate::app) up: Option<UpAxis>,
-    pub(in crate::app) primitive: Option<Primitive>,
-}
-
-/// What is known of the open sequence.
-#[derive(Debug, Default)]
-pub(super) struct Looked {
-    look: Option<Arc<FirstLook>>,
-    /// Frames beside the first one have been looked at, or there are none.
-    is_complete: bool,
-    /// The view that followed from it.
-    view: Option<FirstView>,
-    /// The primitive at the end of the last pass.
-    primitive: Option<Primitive>,
-}
-
-/// A view that nobody has chosen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct FirstView {
-    camera: Camera,
-    /// Of the picture that it fills.
-    size_px: [u32; 2],
-    /// What it shows beside the open sequence.
-    beside: Aabb,
-}
-
-impl Looked {
-    /// The first view, if `camera` still is where it put it.
-    fn untouched(&self, camera: &Camera) -> Option<FirstView> {
-        self.view.filter(|view| view.camera == *camera)
-    }
-
-    pub(super) fn is_empty(&self) -> bool {
-        self.look.is_none()
-    }
-
-    pub(super) fn look(&self) -> Option<Arc<FirstLook>> {
-        self.look.clone()
-    }
-}
-
-/// What a thread has made of several frames.
-#[derive(Debug)]
-pub struct LookedAtMore {
-    sequence: Weak<Sequence>,
-    look: FirstLook,
-}
+use crate::scene::{Camera, FirstLook, Primitive, RendererChoice, Style, UpAxis};
+use crate::sequence::PreparedFrame;
+use std::sync::Arc;
 
 impl State {
     /// What is made of the open sequence; `None` before its first frame is shown.
@@ -74,14 +23,21 @@ impl State {
         self.looked.is_complete
     }
 
-    /// The settings with what was guessed in place of what is left open.
-    pub fn drawn_settings(&self) -> Settings {
+    /// The settings with what was guessed, and who draws, in place of what is left open.
+    pub fn drawn_settings(&self) -> Style {
         self.resolved(&self.settings)
     }
 
-    pub(super) fn resolved(&self, settings: &Settings) -> Settings {
+    pub(super) fn resolved(&self, settings: &Style) -> Style {
+        let choice = if self.without_gpu == Some(settings.renderer) {
+            RendererChoice::Cpu
+        } else {
+            settings.renderer
+        };
+        let is_processor = choice.is_processor(self.graphics.is_software);
         self.first_look()
             .map_or(*settings, |look| settings.resolved(look))
+            .drawn_by(is_processor)
     }
 
     /// The next sequence that is opened is drawn as this, whatever was chosen for it, and it is not kept.
@@ -112,7 +68,7 @@ impl State {
 
     /// Everything as in a new installation, for this sequence and those to come; the camera stays.
     pub(in crate::app) fn reset_settings(&mut self) {
-        self.settings = Settings::default();
+        self.settings = Style::default();
         self.options.preferences.settings.primitive = Primitive::Auto;
     }
 
@@ -134,7 +90,7 @@ impl State {
         self.tasks.start("first look", move || {
             let look = FirstLook::of_sequence(&frame.frame, &sequence);
             let sequence = Arc::downgrade(&sequence);
-            Outcome::Looked(Box::new(LookedAtMore { sequence, look }))
+            Box::new(LookedAtMore { sequence, look })
         });
     }
 

@@ -1,9 +1,9 @@
 //! What clicks on the picture do, and the camera moving by itself.
 
 use super::{State, WindowRequest};
-use crate::app::comparison::Side;
-use crate::app::inspection::Tool;
+use crate::app::features::inspection::Tool;
 use crate::app::motion::Glide;
+use crate::app::side::Side;
 use crate::scene::{Camera, Pick, Projection};
 use crate::sequence::PreparedFrame;
 use egui::Pos2;

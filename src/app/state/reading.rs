@@ -1,10 +1,10 @@
 //! Frames that take long to read: their bars, and what becomes of a sequence whose first frame nobody waits for any
 //! more.
 
-use super::first_look::Looked;
 use super::{Scrubbing, State};
-use crate::app::progress::WorkKind;
-use crate::app::tasks::close;
+use crate::app::first_look::Looked;
+use crate::app::work::tasks::close;
+use crate::app::work::works::WorkKind;
 use crate::playback::Player;
 use crate::sequence::{Loader, Reading, ReadingStage, Sequence};
 use std::time::Duration;
@@ -133,7 +133,7 @@ impl State {
     /// Forgets what belongs to the sequence that was open before.
     pub(super) fn leave(&mut self, before: Player) {
         // Its numbers are those of the sequence before.
-        self.settings.clip = None;
+        self.settings.of_sequence.clip = None;
         // Its threads end what they are on; nobody waits for that here.
         close(before);
         self.looked = Looked::default();
@@ -144,8 +144,7 @@ impl State {
         self.trails.forget_points();
         self.inspection.forget_points();
         self.scrubbing = Scrubbing::default();
-        self.quality = None;
-        self.quality_key = None;
+        self.quality.forget();
     }
 }
 

@@ -15,7 +15,7 @@ use super::meter::{GpuWork, Redraw};
 use super::state::{PictureStage, State};
 use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::playback::Player;
-use crate::scene::{Primitive, RendererChoice, Settings};
+use crate::scene::{Primitive, RendererChoice, Style};
 use egui::Event;
 use std::collections::VecDeque;
 use std::fs::File;
@@ -108,7 +108,7 @@ impl Trial {
     pub(super) fn new(inputs: &[Input], options: &BenchOptions, renderer: RendererChoice) -> Self {
         let opened = (0..inputs.len()).map(|input| Step {
             input,
-            primitive: Settings::default().primitive,
+            primitive: Style::default().primitive,
             action: Action::Open,
         });
         let moved = inputs.iter().enumerate().flat_map(|(index, input)| {
@@ -207,9 +207,9 @@ impl Trial {
     fn begin(&self, step: Step, now: Duration, state: &mut State) -> Watched {
         let input = &self.inputs[step.input];
         state.ask_for_primitive(step.primitive);
-        state.settings = Settings {
+        state.settings = Style {
             renderer: self.renderer,
-            ..Settings::default()
+            ..Style::default()
         };
         let is_opened = step.action == Action::Open;
         if is_opened {

@@ -3,21 +3,6 @@
 use super::App;
 use egui_winit::accesskit_winit;
 
-/// What comes to the event loop from elsewhere.
-#[derive(Debug)]
-pub(super) enum Message {
-    /// Workers or tasks have something new.
-    Wake,
-    /// A screen reader, or another program that helps people, wants to know or to do something.
-    Accessibility(accesskit_winit::Event),
-}
-
-impl From<accesskit_winit::Event> for Message {
-    fn from(event: accesskit_winit::Event) -> Self {
-        Self::Accessibility(event)
-    }
-}
-
 impl App {
     pub(super) fn serve_screen_reader(&mut self, event: accesskit_winit::WindowEvent) {
         let Some(screen) = &mut self.screen else {

@@ -1,10 +1,10 @@
 //! A graphics card that is lost, or has no memory left.
 
+use super::egui_before::EguiBefore;
 use super::{App, Screen};
 use crate::app::notices::Severity;
 use crate::app::present_choice::PresentChoice;
 use crate::render::RenderError;
-use egui_winit::accesskit_winit;
 use std::sync::Arc;
 use std::time::Duration;
 use winit::event_loop::ActiveEventLoop;
@@ -14,13 +14,6 @@ const RELOSS_WINDOW: Duration = Duration::from_secs(10);
 
 /// Attempts to rebuild a device within [`RELOSS_WINDOW`].
 const MAX_REBUILDS: usize = 3;
-
-/// What stays of egui when a device is lost.
-pub(super) struct EguiBefore {
-    pub(super) context: egui::Context,
-    /// The window's, which has one for good.
-    pub(super) accessibility: Option<accesskit_winit::Adapter>,
-}
 
 impl App {
     /// After a lost device: says so and opens another. If that was tried too often lately, the processor presents.

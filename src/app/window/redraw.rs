@@ -6,14 +6,14 @@
 //! left to do, which may be nothing.
 
 use super::{App, AppError, NEWS_INTERVAL, Screen};
-use crate::app::comparison::Side;
 use crate::app::focus;
 use crate::app::meter::Redraw;
 use crate::app::panels::window_ui;
 use crate::app::present::Panels;
+use crate::app::side::Side;
 use crate::app::state::{Change, PictureStage, WindowRequest};
-use crate::app::tasks::save_png;
 use crate::app::trial::Processor;
+use crate::app::work::files::save_png;
 use crate::render::RenderError;
 use egui::FullOutput;
 use std::path::PathBuf;

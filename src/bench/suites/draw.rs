@@ -8,7 +8,7 @@
 use super::{Run, Subject, mean, paper_voxel_settings, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::{BenchError, Quantiles, Suite};
-use crate::scene::{Scene, ScenePacket, Settings, Strategy};
+use crate::scene::{Scene, ScenePacket, Strategy, Style};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -97,8 +97,8 @@ fn measure_sequence(
         point_counts.push(frame.points.len() as f64);
         depths.extend(
             frame
-                .octree
-                .as_ref()
+                .levels
+                .octree()
                 .map(|octree| f64::from(octree.depth())),
         );
         run.begin_step(format!(
@@ -131,7 +131,7 @@ fn measure_sequence(
 }
 
 /// What the paper's tables draw; for Table IV cells of its δ, down to a pixel.
-fn settings(suite: Suite) -> Settings {
+fn settings(suite: Suite) -> Style {
     match suite {
         Suite::Voxels => paper_voxel_settings(),
         _ => surfel_settings(),
@@ -144,7 +144,7 @@ fn packet(
     subject: &Subject<'_>,
     frame: &PreparedFrame,
     camera: &crate::scene::Camera,
-    settings: &Settings,
+    settings: &Style,
 ) -> ScenePacket {
     let origin = subject.sequence.origin();
     Scene::default().packet(frame, origin, camera, settings, run.options.viewport_px)
@@ -159,7 +159,7 @@ fn measure_way(
     let packets: Vec<ScenePacket> = packets
         .iter()
         .map(|packet| ScenePacket {
-            settings: Settings {
+            settings: Style {
                 strategy: way.unwrap_or(packet.settings.strategy),
                 ..packet.settings
             },

@@ -21,7 +21,8 @@ use crate::progress::Progress;
 use crate::render::AnyRenderer;
 use crate::render::gpu::Context;
 use crate::scene::{
-    Background, Camera, FirstLook, Primitive, Scene, Settings, Splatting, VoxelLight,
+    Backdrop, Background, Camera, FirstLook, LevelStyle, Primitive, Scene, Splatting, Style,
+    SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use glam::{DVec3, Vec3};
@@ -44,22 +45,30 @@ pub(super) struct Run<'a> {
 }
 
 /// How Table II draws, and by what the viewpoints of Table III are placed, which draws nothing.
-fn surfel_settings() -> Settings {
-    Settings {
+fn surfel_settings() -> Style {
+    Style {
         primitive: Primitive::Surfel,
-        splatting: Splatting::TwoPassEnlarged,
-        enlargement: 2.0,
-        ..Settings::default()
+        surfels: SurfelStyle {
+            splatting: Splatting::TwoPassEnlarged,
+            enlargement: 2.0,
+            ..SurfelStyle::default()
+        },
+        ..Style::default()
     }
 }
 
 /// How Table IV draws: cells of the paper's δ, lit by their faces.
-fn paper_voxel_settings() -> Settings {
-    Settings {
+fn paper_voxel_settings() -> Style {
+    Style {
         primitive: Primitive::Voxel,
-        stop: StopCriterion::PAPER,
-        voxel_light: VoxelLight::Faces,
-        ..Settings::default()
+        voxels: VoxelStyle {
+            light: VoxelLight::Faces,
+        },
+        levels: LevelStyle {
+            stop: StopCriterion::PAPER,
+            ..LevelStyle::default()
+        },
+        ..Style::default()
     }
 }
 
@@ -212,7 +221,7 @@ impl<'a> Run<'a> {
         &mut self,
         subject: &Subject<'_>,
         frame: &PreparedFrame,
-        settings: &Settings,
+        settings: &Style,
     ) -> Result<Vec<Viewpoint>, BenchError> {
         let origin = subject.sequence.origin();
         let framing = Camera {
@@ -260,14 +269,17 @@ impl<'a> Run<'a> {
         subject: &Subject<'_>,
         frame: &PreparedFrame,
         camera: &Camera,
-        settings: &Settings,
+        settings: &Style,
     ) -> Result<Cover, BenchError> {
         self.check_cancelled()?;
         let origin = subject.sequence.origin();
         let mut scene = Scene::default();
         let mut on_background = |background| {
-            let settings = Settings {
-                background: Background::solid(background),
+            let settings = Style {
+                backdrop: Backdrop {
+                    background: Background::solid(background),
+                    ..settings.backdrop
+                },
                 ..*settings
             };
             let packet = scene.packet(frame, origin, camera, &settings, self.options.viewport_px);

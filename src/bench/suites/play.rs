@@ -12,7 +12,7 @@ use crate::bench::report::{Cell, Column, Row};
 use crate::bench::{BenchError, Quantiles};
 use crate::playback::Player;
 use crate::render::{AnyRenderer, Renderer};
-use crate::scene::{Camera, Primitive, Scene, Settings};
+use crate::scene::{Camera, Primitive, Scene, Style};
 use crate::sequence::{LoaderOptions, PreparedFrame};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -56,9 +56,9 @@ pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
         let mut points = Vec::new();
         for primitive in PRIMITIVES {
             run.begin_step(format!("{}: {primitive}, {wanted} frames", subject.name))?;
-            let settings = Settings {
+            let settings = Style {
                 primitive,
-                ..Settings::default()
+                ..Style::default()
             };
             let played = play(run, &subject, &settings)?;
             points.push(played.mean_points);
@@ -88,7 +88,7 @@ struct Played {
 }
 
 /// Plays until as many frames were shown as are wanted, or none can be.
-fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Settings) -> Result<Played, BenchError> {
+fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Style) -> Result<Played, BenchError> {
     let (wake, woken) = sync_channel(1);
     let mut options = LoaderOptions {
         keeps_coarse_frames: true,
@@ -190,7 +190,7 @@ struct Screen<'a> {
     renderer: AnyRenderer,
     scene: Scene,
     camera: Option<Camera>,
-    settings: &'a Settings,
+    settings: &'a Style,
     viewport_px: [u32; 2],
     subject: &'a Subject<'a>,
     pictures_ms: Vec<f64>,

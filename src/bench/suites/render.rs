@@ -11,7 +11,7 @@ use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::Runner;
 use crate::bench::{BenchError, Quantiles};
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, Primitive, Scene, ScenePacket, Settings};
+use crate::scene::{Camera, Primitive, Scene, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
 
 /// Columns, in the order in which [`Samples::row`] fills them.
@@ -97,10 +97,10 @@ fn measure_sequence(
     Ok(())
 }
 
-fn settings(primitive: Primitive) -> Settings {
-    Settings {
+fn settings(primitive: Primitive) -> Style {
+    Style {
         primitive,
-        ..Settings::default()
+        ..Style::default()
     }
 }
 
@@ -146,9 +146,7 @@ impl Samples {
                     Some(run.runner.draw(packet)?.wall_ms)
                 };
                 if round >= run.options.warmup {
-                    let voxels = packet.voxels.as_ref();
-                    let records = voxels.map_or(packet.points.len(), |voxels| voxels.records.len());
-                    self.records.push(records as f64);
+                    self.records.push(packet.content.record_count() as f64);
                     self.processor_ms.push(processor_ms);
                     self.adapter_ms.extend(adapter_ms);
                 }

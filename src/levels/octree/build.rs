@@ -12,7 +12,8 @@
 
 use super::sorted_points::SortedPoints;
 use super::stop::{Leaves, StopCriterion, level_of_loss};
-use super::{NodeRange, Octree};
+use super::tree::Octree;
+use crate::levels::cut::NodeRange;
 use crate::math::{Cube, morton::LEVELS};
 use glam::Vec3;
 use std::sync::Arc;

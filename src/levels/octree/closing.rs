@@ -10,7 +10,7 @@
 //! When it wins: blocks around are looked up once, so a cell costs about as much as a few comparisons. Blocks without
 //! leaves beside them are not looked at.
 
-use super::gaps::Gap;
+use super::gap::Gap;
 use super::sorted_points::SortedPoints;
 use super::stop::LeafRun;
 use crate::math::morton;

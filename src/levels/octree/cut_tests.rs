@@ -1,11 +1,15 @@
 //! Cuts under a budget, and cuts that remember the one before.
 
+use super::stop::Leaves;
 use super::tests::{cell_of, view_from};
 use super::*;
 use crate::analysis::test_shapes::{self, Random, Sampled};
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
+use crate::levels::cut::NodeRange;
+use crate::levels::{Cut, CutHints, Levels as _, SelectView};
 use glam::Vec3;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 fn torus_tree(count: usize) -> Octree {
     let torus = test_shapes::torus(count, 0.4, &mut Random(31));
@@ -115,12 +119,15 @@ fn cuts_are_those_of_one_cell_after_the_other() {
             (None, Some(surfels)),
             (Some(&before), Some(surfels)),
         ] {
-            let hints = CutHints { back_faces, before };
-            let cut = tree.cut(&view, hints);
+            let cut = tree.cut_between(&view, before, back_faces);
             let cells = cells(tree, &cut);
             let visited_nodes = cut.stats().visited_nodes;
             assert!((cells.len()..=tree.node_count()).contains(&visited_nodes));
-            assert_eq!(cells, cells_one_by_one(tree, &view, hints), "{round}");
+            assert_eq!(
+                cells,
+                cells_one_by_one(tree, &view, before, back_faces),
+                "{round}"
+            );
             found.push(cells);
         }
         kept += usize::from(found[1] != found[0]);
@@ -172,7 +179,12 @@ fn surfels_of(sampled: &Sampled, points_per_place: usize, stop: StopCriterion) -
 }
 
 /// Cell by cell, from the definition.
-fn cells_one_by_one(tree: &Octree, view: &SelectView, hints: CutHints<'_>) -> Vec<Cell> {
+fn cells_one_by_one(
+    tree: &Octree,
+    view: &SelectView,
+    before: Option<&Cut>,
+    back_faces: Option<&LodSurfels>,
+) -> Vec<Cell> {
     struct Plain<'a> {
         tree: &'a Octree,
         view: &'a SelectView,
@@ -223,11 +235,11 @@ fn cells_one_by_one(tree: &Octree, view: &SelectView, hints: CutHints<'_>) -> Ve
         let level = range.level;
         range.points.clone().map(move |point| (point, level))
     };
-    let before = hints.before.iter().flat_map(|cut| &cut.ranges);
+    let before = before.iter().flat_map(|cut| &cut.ranges);
     let plain = Plain {
         tree,
         view,
-        back_faces: hints.back_faces,
+        back_faces,
         levels_before: before.flat_map(of_range).collect(),
     };
     let mut found = Vec::new();

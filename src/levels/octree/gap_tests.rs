@@ -3,6 +3,7 @@
 use super::tests::{cell_of, view_from};
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
+use crate::levels::{CutHints, Levels as _, SelectView};
 use crate::math::morton::LEVELS;
 use glam::{IVec3, Vec3};
 use proptest::prelude::*;

@@ -9,23 +9,15 @@
 //! What it costs beside the rest of the tree is in `benches/octree.rs`.
 
 use super::closing::{Cells, neighbour};
+use super::gap::Gap;
 use super::sorted_points::SortedPoints;
 use super::stop::{LeafRun, Leaves};
+use super::tree::Octree;
 use super::write::{BATCH, NodeWriter, Nodes};
-use super::{Cut, Octree};
+use crate::levels::cut::Cut;
 use bytemuck::Zeroable as _;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
-
-/// A cell without points that is drawn as a leaf beside it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Gap {
-    /// The first point of the leaf, and the one after its last.
-    pub(super) leaf: [u32; 2],
-    pub(super) level: u8,
-    /// Where the cell is from the leaf, of 27 directions.
-    pub(super) direction: u8,
-}
 
 /// Batches that are worth handing to another thread.
 const BATCHES_PER_TASK: usize = 64;

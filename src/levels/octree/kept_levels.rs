@@ -6,9 +6,9 @@
 //!
 //! When it wins: where nodes have several points each, and a camera moves about a frame or a loop comes back to it.
 
-use super::NodeRange;
 use super::sorted_points::SortedPoints;
 use super::write::NodeWriter;
+use crate::levels::cut::NodeRange;
 use crate::math::morton::LEVELS;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -152,8 +152,9 @@ mod tests {
     use super::*;
     use crate::analysis::test_shapes::{self, Random};
     use crate::cloud::VoxelRecord;
+    use crate::levels::SelectView;
     use crate::levels::octree::tests::{random_colors, view_from};
-    use crate::levels::octree::{Octree, SelectView, StopCriterion};
+    use crate::levels::octree::{Octree, StopCriterion};
     use glam::Vec3;
 
     /// The voxels of `view`, from the tree and from one that keeps nothing.

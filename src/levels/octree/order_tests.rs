@@ -3,6 +3,7 @@
 use super::tests::{cell_of, view_from};
 use super::*;
 use crate::analysis::test_shapes::Random;
+use crate::levels::SelectView;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 

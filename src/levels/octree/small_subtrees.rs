@@ -11,10 +11,10 @@
 //! nothing foretells. In large subtrees most cells would be tested that descending passes over, or emits with thousands
 //! of others.
 
-use super::cells::write_beginnings;
-use super::cut::Cut;
+use super::partings::write_beginnings;
+use super::surfels::LodSurfels;
 use super::traversal::{PlaneMask, Traversal};
-use super::{LodSurfels, NodeRange};
+use crate::levels::cut::{Cut, NodeRange};
 use crate::math::morton::LEVELS;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, dispatch, f32x8, mask32x8, u32x8};
 use glam::Vec3;

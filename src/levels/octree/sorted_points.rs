@@ -1,8 +1,8 @@
 //! What all trees of one cloud share: its points in Morton order, and what one scan over them tells of every level.
 
+use super::color_sums::{self, ColorSum};
 use super::kept_levels::KeptLevels;
 use super::stop::OccupiedCells;
-use super::voxels::{self, ColorSum};
 use crate::cloud::VoxelRecord;
 use crate::math::{
     Cube, few_codes,
@@ -77,7 +77,7 @@ impl SortedPoints {
 
     fn in_order(cells: Vec<PackedCell>, partings: Vec<u8>, colors: &[[u8; 4]]) -> Self {
         let count = || occupied_cells(&partings);
-        let (occupied, colors_before) = rayon::join(count, || voxels::running_sums(colors));
+        let (occupied, colors_before) = rayon::join(count, || color_sums::running_sums(colors));
         Self {
             cells,
             partings,

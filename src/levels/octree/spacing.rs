@@ -21,9 +21,9 @@
 //!
 //! When it wins: everything is read off running counts of the parting levels, one pass over a byte a point.
 
-use super::NodeRange;
 use super::sorted_points::SortedPoints;
 use super::stop::{LeafRun, OccupiedCells};
+use crate::levels::cut::NodeRange;
 use crate::math::morton::LEVELS;
 use rayon::prelude::*;
 

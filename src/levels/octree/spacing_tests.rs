@@ -1,10 +1,12 @@
 //! Leaves as large as the spacing of points: constructed clouds whose spacing is known.
 
+use super::stop::Leaves;
 use super::tests::cell_of;
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
 use glam::Vec3;
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 fn tree_of(positions: &[Vec3]) -> Octree {
     let colors = vec![[128; 4]; positions.len()];

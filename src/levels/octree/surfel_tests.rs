@@ -4,9 +4,12 @@ use super::tests::{random_colors, view_from};
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode, oct_encode};
+use crate::levels::{CutHints, Levels as _};
+use crate::math::Cube;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashSet;
+use std::sync::Arc;
 
 /// A torus in Morton order, its surfels with radii that differ.
 fn torus_surfels(count: usize, stop: StopCriterion) -> LodSurfels {
@@ -129,7 +132,6 @@ fn normals_that_cancel_out_have_no_cone() {
 #[test]
 fn only_what_faces_away_is_left_out() {
     let surfels = torus_surfels(30_000, StopCriterion::Loss(0.02));
-    let tree = surfels.octree();
     let (all_points, all_shapes) = surfels.records();
     let mut random = Random(3);
     let (mut points, mut shapes) = (Vec::new(), Vec::new());
@@ -138,11 +140,11 @@ fn only_what_faces_away_is_left_out() {
         let eye = random.cube().normalize() * 4.0;
         let view = view_from(eye, Vec3::ZERO, 0.0);
         let hints = CutHints {
-            back_faces: Some(&surfels),
+            culls_back_faces: true,
             before: None,
         };
-        let cut = tree.cut(&view, hints);
-        surfels.write(&cut, &mut points, &mut shapes);
+        let cut = surfels.cut(&view, hints);
+        surfels.write_surfels(&cut, &mut points, &mut shapes);
         assert_eq!(points.len(), shapes.len());
         // Scalars name the points.
         let found: HashSet<u32> = shapes.iter().map(|shape| shape.scalar as u32).collect();
@@ -198,7 +200,7 @@ fn a_coarse_cut_is_drawn_as_surfels_of_its_levels() {
         // From the points under the cut at first, from kept levels later; those that were asked for above are kept.
         for surfels in [surfels.anew(), surfels] {
             for _ in 0..4 {
-                surfels.write(&cut, &mut points, &mut shapes);
+                surfels.write_surfels(&cut, &mut points, &mut shapes);
                 let found = points.iter().copied().zip(shapes.iter().copied());
                 assert!(found.eq(expected.iter().copied()));
             }
@@ -216,12 +218,12 @@ fn many_traversals_at_once_end() {
             .into_par_iter()
             .map(|_| {
                 let hints = CutHints {
-                    back_faces: Some(&surfels),
+                    culls_back_faces: true,
                     before: None,
                 };
-                let cut = surfels.octree().cut(&view, hints);
+                let cut = surfels.cut(&view, hints);
                 let (mut points, mut shapes) = (Vec::new(), Vec::new());
-                surfels.write(&cut, &mut points, &mut shapes);
+                surfels.write_surfels(&cut, &mut points, &mut shapes);
                 points.len()
             })
             .collect();

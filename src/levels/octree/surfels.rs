@@ -14,9 +14,11 @@
 
 use super::kept_levels::{Kept, KeptLevels};
 use super::node_surfel::NodeSurfel;
+use super::stop::Leaves;
+use super::tree::Octree;
 use super::write::{NodeWriter, Nodes};
-use super::{Cut, NodeRange, Octree, stop::Leaves};
 use crate::cloud::{PointRecord, ShapeRecord};
+use crate::levels::cut::{Cut, NodeRange};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -115,7 +117,12 @@ impl LodSurfels {
 
     /// Replaces the contents of `points` and `shapes` by the surfels of a cut of the octree; those of leaves are the
     /// points themselves.
-    pub fn write(&self, cut: &Cut, points: &mut Vec<PointRecord>, shapes: &mut Vec<ShapeRecord>) {
+    pub fn write_surfels(
+        &self,
+        cut: &Cut,
+        points: &mut Vec<PointRecord>,
+        shapes: &mut Vec<ShapeRecord>,
+    ) {
         points.clear();
         shapes.clear();
         let sorted = &self.octree.points;

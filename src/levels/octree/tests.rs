@@ -3,11 +3,13 @@
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
 use crate::cloud::VoxelRecord;
+use crate::levels::{SelectStats, SelectView};
 use crate::math::Cube;
 use crate::math::{Containment, Frustum, morton};
 use glam::{Mat4, Vec3, Vec4};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
 
 /// Cells of a level by their integer coordinates, each with the summed colour and number of its points. By division in
 /// f64, with none of the code under test but the cube.

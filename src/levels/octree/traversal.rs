@@ -24,9 +24,11 @@
 //! Distances are to the nearest point of a cell, so a projected edge is never underestimated, and an eye inside a cell
 //! always descends. The output depends on tree, view and hints alone.
 
-use super::cut::{Cut, CutByPoints, CutHints};
+use super::cut_before::CutByPoints;
 use super::small_subtrees::Subtree;
-use super::{LodSurfels, NodeRange, Octree, select::SelectView};
+use super::surfels::LodSurfels;
+use super::tree::Octree;
+use crate::levels::cut::{Cut, NodeRange, SelectView};
 use crate::math::{Frustum, morton::LEVELS};
 use fearless_simd::Level;
 use glam::Vec3;
@@ -34,15 +36,21 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 impl Octree {
-    /// The nodes that stand for the cloud in `view`: they cover every leaf that can be seen, none twice.
-    pub fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
+    /// The nodes that stand for the cloud in `view`, given the cut of the view before. Those of which `back_faces` know
+    /// that all their points face away are left out.
+    pub(super) fn cut_between(
+        &self,
+        view: &SelectView,
+        before: Option<&Cut>,
+        back_faces: Option<&LodSurfels>,
+    ) -> Cut {
         let mut cut = Cut {
             lod_px: view.lod_px,
             ..Cut::default()
         };
         if self.point_count() > 0 {
-            let before = hints.before.map(CutByPoints::new);
-            if let Some(surfels) = hints.back_faces {
+            let before = before.map(CutByPoints::new);
+            if let Some(surfels) = back_faces {
                 surfels.work_out_cones();
             }
             let traversal = Traversal {
@@ -51,7 +59,7 @@ impl Octree {
                 view: *view,
                 levels: self.level_limits(view, before.is_some()),
                 slack: self.distance_slack(view.eye),
-                back_faces: hints.back_faces,
+                back_faces,
                 before,
             };
             let root = Visit {

@@ -5,11 +5,13 @@
 //! the light is two-sided, the sign of the mean means nothing either. Levels that are drawn again and again are kept,
 //! as voxels are (`kept_levels.rs`).
 
-use super::gaps::{Gap, add_gaps};
+use super::gap::Gap;
+use super::gaps::add_gaps;
 use super::kept_levels::Kept;
+use super::surfels::LodSurfels;
 use super::write::{NodeWriter, Nodes};
-use super::{Cut, LodSurfels};
 use crate::cloud::{ShapeRecord, oct_decode, oct_encode};
+use crate::levels::cut::Cut;
 use glam::Vec3;
 
 impl LodSurfels {
@@ -81,8 +83,10 @@ mod tests {
     use super::*;
     use crate::analysis::test_shapes::{self, Random};
     use crate::cloud::PointRecord;
+    use crate::levels::CutHints;
+    use crate::levels::Levels as _;
     use crate::levels::octree::tests::view_from;
-    use crate::levels::octree::{CutHints, Octree, StopCriterion};
+    use crate::levels::octree::{Octree, StopCriterion};
     use std::sync::Arc;
 
     /// A sphere whose normals point outwards or, half of them, inwards; in Morton order.

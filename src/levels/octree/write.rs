@@ -5,10 +5,10 @@
 //! shared out among threads by their points; each part knows from a count of its nodes where its records go. Of levels
 //! that are kept, records are copied.
 
-use super::NodeRange;
-use super::cells::write_beginnings;
 use super::kept_levels::Kept;
+use super::partings::write_beginnings;
 use super::sorted_points::SortedPoints;
+use crate::levels::cut::NodeRange;
 use bytemuck::Zeroable;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;

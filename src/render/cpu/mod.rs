@@ -9,38 +9,36 @@
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
 mod blocks;
-mod coded;
 mod eight;
 mod eye_dome;
 mod facet;
 mod finish;
 mod grid;
-mod points;
+mod primitives;
 mod raster;
 mod screen;
 mod shading;
-mod surfels;
 #[cfg(test)]
 mod tests;
 mod tile;
 mod view;
-mod voxels;
 
 use super::{DEPTH_SLACK_RADII, RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
-use crate::scene::{Lighting, Primitive, ScenePacket, Splatting};
+use crate::scene::{Content, Lighting, ScenePacket, Splatting};
 use blocks::{Blocks, TileLists};
 use fearless_simd::{Level, Simd, dispatch};
 use finish::{Gradient, Held};
 use image::RgbaImage;
-use points::Points;
+use primitives::coded;
+use primitives::points::Points;
+use primitives::surfels::{Surfels, Waiting};
+use primitives::voxels::Cubes;
 use rayon::prelude::*;
 use screen::Screen;
 use std::time::Instant;
-use surfels::{Surfels, Waiting};
 use tile::{HEIGHT, Tile, Tiles, WIDTH};
 use view::{PixelRect, PixelView};
-use voxels::Cubes;
 
 /// Draws on the processor.
 #[derive(Debug, Default)]
@@ -48,7 +46,7 @@ pub struct CpuRenderer {
     prepared: Option<ScenePacket>,
     drawn: Option<ScenePacket>,
     /// Boxes around what the prepared packet draws, made for the records of this one.
-    blocks: Option<(ScenePacket, Blocks)>,
+    blocks: Option<(Content, Blocks)>,
     image: RgbaImage,
     /// Reversed depths of the picture, where something follows that needs them.
     depths: Vec<f32>,
@@ -97,9 +95,10 @@ impl Renderer for CpuRenderer {
             let max = Self::MAX_EDGE_PX;
             return Err(RenderError::TooLarge { width, height, max });
         }
-        let is_kept = self.blocks.as_ref().is_some_and(|(of, _)| {
-            of.has_same_records(packet) && of.settings.primitive == packet.settings.primitive
-        });
+        let is_kept = self
+            .blocks
+            .as_ref()
+            .is_some_and(|(of, _)| *of == packet.content);
         if !is_kept {
             let blocks = match Drawable::of(packet, DEPTH_SLACK_RADII) {
                 Drawable::Points(points) => Blocks::of(&points),
@@ -107,7 +106,7 @@ impl Renderer for CpuRenderer {
                 Drawable::Cubes(cubes) => Blocks::of(&cubes),
                 Drawable::Nothing => Blocks::of(&Points::NONE),
             };
-            self.blocks = Some((packet.clone(), blocks));
+            self.blocks = Some((packet.content.clone(), blocks));
         }
         self.prepared = Some(packet.clone());
         self.stats.prepare_ms = milliseconds_since(start);
@@ -141,7 +140,7 @@ impl Renderer for CpuRenderer {
         } else {
             bytes.map(Rows::Bytes).collect()
         };
-        let drawn_records = if packet.coded.is_some() && packet.settings.draws_codes() {
+        let drawn_records = if packet.content.coded().is_some() {
             coded::draw(packet, bands)
         } else {
             rayon::scope(|_| draw(packet, blocks, DEPTH_SLACK_RADII, bands))
@@ -182,31 +181,26 @@ enum Drawable<'a> {
     Points(Points<'a>),
     Surfels(Surfels<'a>),
     Cubes(Cubes<'a>),
-    /// The frame lacks what the primitive needs.
+    /// Nothing that stands in blocks of records.
     Nothing,
 }
 
 impl<'a> Drawable<'a> {
     fn of(packet: &'a ScenePacket, slack_radii: f32) -> Self {
         let settings = &packet.settings;
-        match settings.primitive {
-            Primitive::Point => Self::Points(Points {
-                records: &packet.points,
-                size_px: settings.point_size_px,
+        match &packet.content {
+            Content::Nothing | Content::Coded(_) => Self::Nothing,
+            Content::Points(records) => Self::Points(Points {
+                records,
+                size_px: settings.points.size_px,
             }),
-            Primitive::Auto | Primitive::Surfel => {
-                packet.shapes.as_ref().map_or(Self::Nothing, |shapes| {
-                    Self::Surfels(Surfels {
-                        points: &packet.points,
-                        shapes,
-                        settings,
-                        slack_radii,
-                    })
-                })
-            }
-            Primitive::Voxel => packet.voxels.as_ref().map_or(Self::Nothing, |voxels| {
-                Self::Cubes(Cubes::new(voxels, settings.lighting))
+            Content::Surfels(surfels) => Self::Surfels(Surfels {
+                points: &surfels.points,
+                shapes: &surfels.shapes,
+                settings,
+                slack_radii,
             }),
+            Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, settings.light.lighting)),
         }
     }
 }
@@ -215,11 +209,14 @@ impl<'a> Drawable<'a> {
 fn of_surfaces(packet: &ScenePacket) -> ScenePacket {
     let mut packet = packet.clone();
     let settings = &mut packet.settings;
-    match settings.splatting {
+    match settings.surfels.splatting {
         Splatting::Regular | Splatting::NoDepth | Splatting::Visibility => {}
         Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
-            settings.splat_scale *= settings.splatting.scales(settings.enlargement)[0];
-            settings.splatting = Splatting::Visibility;
+            settings.surfels.splat_scale *= settings
+                .surfels
+                .splatting
+                .scales(settings.surfels.enlargement)[0];
+            settings.surfels.splatting = Splatting::Visibility;
         }
     }
     packet
@@ -258,7 +255,7 @@ fn draw(packet: &ScenePacket, blocks: &Blocks, slack_radii: f32, bands: Vec<Rows
         Drawable::Cubes(_) | Drawable::Nothing => (1.0, 0.0),
     };
     let lists = blocks.by_tile(&view, tiles, scale, margin_px);
-    let held = match (&drawable, packet.settings.splatting) {
+    let held = match (&drawable, packet.settings.surfels.splatting) {
         (Drawable::Points(_), _) => Held::Keys,
         (Drawable::Cubes(_) | Drawable::Nothing, _) => Held::SolidColors,
         (Drawable::Surfels(_), Splatting::Regular | Splatting::NoDepth) => Held::BlendedColors,
@@ -272,7 +269,7 @@ fn draw(packet: &ScenePacket, blocks: &Blocks, slack_radii: f32, bands: Vec<Rows
         lists,
         held,
         gradient: Gradient::of(packet),
-        are_rays_measured: packet.settings.lighting == Lighting::PerFragment
+        are_rays_measured: packet.settings.light.lighting == Lighting::PerFragment
             && matches!(held, Held::Sums | Held::BlendedColors | Held::SolidColors),
     };
     let level = Level::new();

@@ -1,11 +1,9 @@
 //! What several files test with.
 
 use super::view::PixelView;
-use crate::cloud::PointRecord;
 use crate::math::Aabb;
-use crate::scene::{Camera, Projection, ScenePacket, Settings, UpAxis};
+use crate::scene::{Camera, Content, Projection, ScenePacket, Style, UpAxis};
 use glam::{DVec3, Vec3};
-use std::sync::Arc;
 
 /// A packet without records, seen from 4 units in front of the origin.
 pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
@@ -21,11 +19,8 @@ pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
     ScenePacket {
         viewport_px: size_px,
         view: camera.transform(DVec3::ZERO, size_px),
-        settings: Settings::default(),
-        points: Arc::new(Vec::<PointRecord>::new()),
-        shapes: None,
-        voxels: None,
-        coded: None,
+        settings: Style::default(),
+        content: Content::Nothing,
         ground: None,
         bounds: Aabb {
             min: Vec3::splat(-1.0),

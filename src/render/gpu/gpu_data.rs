@@ -3,7 +3,9 @@
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
 use crate::render::DEPTH_SLACK_RADII;
-use crate::scene::{EyeDomeLight, Lighting, ScenePacket, Settings, Splatting};
+use crate::scene::{
+    Backdrop, EyeDomeLight, LightStyle, Lighting, ScenePacket, Splatting, Style, SurfelStyle,
+};
 use bytemuck::{Pod, Zeroable};
 
 /// Twin of `View` in `common/view.wgsl`.
@@ -52,10 +54,10 @@ pub struct SplatVertex {
 impl ViewUniform {
     /// The uniforms of one pass over `packet`; `enlargement` multiplies the packet's splat scale.
     pub fn new(packet: &ScenePacket, enlargement: f32) -> Self {
-        let Settings {
-            lighting,
-            background,
-            splatting,
+        let Style {
+            surfels: SurfelStyle { splatting, .. },
+            light: LightStyle { lighting, .. },
+            backdrop: Backdrop { background, .. },
             ..
         } = packet.settings;
         let rotation = packet.view.view_from_frame_rotation;
@@ -78,7 +80,7 @@ impl ViewUniform {
             rotation_y: rotation.y_axis.extend(0.0).to_array(),
             rotation_z: rotation.z_axis.extend(0.0).to_array(),
             eye_high: packet.view.eye_high.to_array(),
-            splat_scale: packet.settings.splat_scale * enlargement,
+            splat_scale: packet.settings.surfels.splat_scale * enlargement,
             eye_low: packet.view.eye_low.to_array(),
             near: packet.view.near,
             focal: packet.view.focal,
@@ -86,10 +88,10 @@ impl ViewUniform {
             background_top,
             background_bottom,
             depth_range: packet.depth_range(),
-            point_size_px: packet.settings.point_size_px,
+            point_size_px: packet.settings.points.size_px,
             cube_half_edge: packet
-                .voxels
-                .as_ref()
+                .content
+                .voxels()
                 .map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if one_pass { 0.0 } else { DEPTH_SLACK_RADII },
             lighting: match lighting {

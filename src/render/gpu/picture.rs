@@ -37,15 +37,15 @@ impl Plan {
         let settings = &packet.settings;
         let amplification = match settings.primitive {
             Primitive::Auto | Primitive::Surfel => Amplification::Surfel,
-            Primitive::Voxel => match &packet.voxels {
+            Primitive::Voxel => match packet.content.voxels() {
                 Some(voxels) if voxels.normals.is_some() => Amplification::VoxelWithNormal,
                 _ => Amplification::Voxel,
             },
-            Primitive::Point if settings.point_size_px <= 1.0 => Amplification::Pixel,
+            Primitive::Point if settings.points.size_px <= 1.0 => Amplification::Pixel,
             Primitive::Point => Amplification::Square,
         };
         let (geometry, resolve): (&'static [GeometryPass], _) =
-            match (settings.primitive, settings.splatting) {
+            match (settings.primitive, settings.surfels.splatting) {
                 (Primitive::Point, _) => (&[GeometryPass::Point], None),
                 (Primitive::Voxel, _) => (&[GeometryPass::Solid], None),
                 (_, Splatting::Regular) => (&[GeometryPass::Regular], None),
@@ -73,7 +73,7 @@ impl Plan {
         ];
         Self {
             amplification,
-            streams: stream_keys(packet, amplification),
+            streams: stream_keys(&packet.content),
             geometry,
             finish: finish.into_iter().flatten().collect(),
         }
@@ -83,8 +83,9 @@ impl Plan {
     pub(super) fn views(packet: &ScenePacket) -> [ViewUniform; 2] {
         let [visibility, attribute] = packet
             .settings
+            .surfels
             .splatting
-            .scales(packet.settings.enlargement);
+            .scales(packet.settings.surfels.enlargement);
         [
             ViewUniform::new(packet, visibility),
             ViewUniform::new(packet, attribute).without_slack(),
@@ -105,7 +106,7 @@ impl Plan {
     }
 
     pub(super) fn screen_passes(&self, packet: &ScenePacket) -> impl Iterator<Item = ScreenPass> {
-        let background = packet.settings.background;
+        let background = packet.settings.backdrop.background;
         let gradient = (background.top != background.bottom).then_some(ScreenPass::Background);
         gradient.into_iter().chain(self.finish.iter().copied())
     }
@@ -152,7 +153,7 @@ impl GpuRenderer {
         stats.draw_calls = 0;
         stats.drawn_instances = 0;
 
-        let background = packet.settings.background;
+        let background = packet.settings.backdrop.background;
         {
             let [red, green, blue] = background.top.map(|channel| f64::from(channel) / 255.0);
             let clear = wgpu::LoadOp::Clear(wgpu::Color {

@@ -11,7 +11,7 @@ use super::shaders::Amplification;
 use super::targets::Targets;
 use super::timer::Timer;
 use crate::render::{RenderError, RenderStats, Renderer};
-use crate::scene::ScenePacket;
+use crate::scene::{Content, ScenePacket, Surfels, Voxels};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -69,7 +69,7 @@ impl GpuRenderer {
                     }),
                 }],
             });
-        let strategy = crate::scene::Settings::default().strategy;
+        let strategy = crate::scene::Style::default().strategy;
         Ok(Self {
             instancing: instancing::new(strategy, &context, &pipelines.view_layout),
             residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
@@ -197,34 +197,37 @@ impl GpuRenderer {
             }
         };
         context.catching_out_of_memory("the cloud", || {
-            if let Some(voxels) = packet
-                .voxels
-                .as_ref()
-                .filter(|_| plan.amplification.draws_cells())
-            {
-                ensure(residency.ensure(&voxels.records, |records| {
-                    let bytes = bytemuck::cast_slice(records);
-                    instancing::upload(instancing.as_ref(), context, plan.amplification, bytes)
-                }));
-                if let Some(normals) = &voxels.normals {
-                    ensure(residency.ensure(normals, |records| {
-                        let bytes = bytemuck::cast_slice(records);
-                        instancing::upload(instancing.as_ref(), context, plan.amplification, bytes)
-                    }));
-                }
-                return;
-            }
+            let upload = |bytes: &[u8], amplification| {
+                instancing::upload(instancing.as_ref(), context, amplification, bytes)
+            };
             // Surfels have the smallest chunks of what is drawn from a cloud. All its streams are cut for them, so that
             // switching the primitive uploads nothing again.
-            ensure(residency.ensure(&packet.points, |records| {
-                let bytes = bytemuck::cast_slice(records);
-                instancing::upload(instancing.as_ref(), context, Amplification::Surfel, bytes)
-            }));
-            if let Some(shapes) = &packet.shapes {
-                ensure(residency.ensure(shapes, |records| {
-                    let bytes = bytemuck::cast_slice(records);
-                    instancing::upload(instancing.as_ref(), context, Amplification::Surfel, bytes)
-                }));
+            let of_cloud = Amplification::Surfel;
+            match &packet.content {
+                Content::Voxels(Voxels {
+                    records, normals, ..
+                }) => {
+                    ensure(residency.ensure(records, |records| {
+                        upload(bytemuck::cast_slice(records), plan.amplification)
+                    }));
+                    if let Some(normals) = normals {
+                        ensure(residency.ensure(normals, |records| {
+                            upload(bytemuck::cast_slice(records), plan.amplification)
+                        }));
+                    }
+                }
+                Content::Points(points) => ensure(residency.ensure(points, |records| {
+                    upload(bytemuck::cast_slice(records), of_cloud)
+                })),
+                Content::Surfels(Surfels { points, shapes }) => {
+                    ensure(residency.ensure(points, |records| {
+                        upload(bytemuck::cast_slice(records), of_cloud)
+                    }));
+                    ensure(residency.ensure(shapes, |records| {
+                        upload(bytemuck::cast_slice(records), of_cloud)
+                    }));
+                }
+                Content::Nothing | Content::Coded(_) => {}
             }
         })
     }
@@ -332,18 +335,21 @@ fn quad_index_buffer(context: &Context, quads: u32) -> wgpu::Buffer {
 }
 
 /// The streams that a packet draws, in the order of their bind groups.
-pub(super) fn stream_keys(packet: &ScenePacket, amplification: Amplification) -> Vec<StreamKey> {
-    match (amplification, &packet.voxels, &packet.shapes) {
-        (Amplification::Voxel | Amplification::VoxelWithNormal, Some(voxels), _) => {
+pub(super) fn stream_keys(content: &Content) -> Vec<StreamKey> {
+    match content {
+        Content::Voxels(voxels) => {
             let normals = voxels.normals.as_ref().map(StreamKey::of);
             let records = StreamKey::of(&voxels.records);
             std::iter::once(records).chain(normals).collect()
         }
-        (Amplification::Surfel, _, Some(shapes)) => {
-            vec![StreamKey::of(&packet.points), StreamKey::of(shapes)]
+        Content::Surfels(surfels) => {
+            vec![
+                StreamKey::of(&surfels.points),
+                StreamKey::of(&surfels.shapes),
+            ]
         }
-        (Amplification::Pixel | Amplification::Square, _, _) => vec![StreamKey::of(&packet.points)],
-        // The frame lacks what the primitive needs: only the background is drawn.
-        _ => Vec::new(),
+        Content::Points(points) => vec![StreamKey::of(points)],
+        // Only the background is drawn: byte codes are for the processor alone.
+        Content::Nothing | Content::Coded(_) => Vec::new(),
     }
 }

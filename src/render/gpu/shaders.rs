@@ -5,7 +5,7 @@
 use crate::scene::Strategy;
 use std::fmt::Write;
 
-/// What one record becomes; a file of `shaders/amplify/`.
+/// What one record becomes; a file of `shaders/primitives/`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Amplification {
     /// One vertex of a point list.
@@ -51,12 +51,12 @@ impl Amplification {
 
     fn source(self) -> &'static str {
         match self {
-            Self::Pixel => include_str!("../../../shaders/amplify/pixel.wgsl"),
-            Self::Square => include_str!("../../../shaders/amplify/square.wgsl"),
-            Self::Surfel => include_str!("../../../shaders/amplify/surfel.wgsl"),
-            Self::Voxel => include_str!("../../../shaders/amplify/voxel.wgsl"),
+            Self::Pixel => include_str!("../../../shaders/primitives/points_of_a_pixel.wgsl"),
+            Self::Square => include_str!("../../../shaders/primitives/points.wgsl"),
+            Self::Surfel => include_str!("../../../shaders/primitives/surfels.wgsl"),
+            Self::Voxel => include_str!("../../../shaders/primitives/voxels.wgsl"),
             Self::VoxelWithNormal => {
-                include_str!("../../../shaders/amplify/voxel_with_normal.wgsl")
+                include_str!("../../../shaders/primitives/voxels_lit_by_normals.wgsl")
             }
         }
     }

@@ -1,17 +1,17 @@
 //! What a view should look like: slow pictures in f64 that those of renderers are measured against.
 //!
 //! How it works: each pixel is the mean of 8×8 samples, and each sample asks its ray what it meets. Of a cloud that is
-//! all of its disks, without levels of detail (`disks.rs`); of a shape with a formula it is the shape itself
+//! all of its disks, without levels of detail (`surfels.rs`); of a shape with a formula it is the shape itself
 //! (`shapes.rs`). Light is worked out at each sample. Depths are those in the middles of the pixels.
 //!
 //! When it wins: only here is nothing rounded to a pixel, a byte or an f32 before the end, and nothing left out; it
 //! takes seconds where renderers take milliseconds.
 
-mod disks;
 mod shapes;
+mod surfels;
 
-pub use disks::Disks;
 pub use shapes::RayTraced;
+pub use surfels::Disks;
 
 use super::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR};
 use crate::measure::DepthImage;

@@ -7,7 +7,7 @@
 
 use crate::cloud::Frame;
 use crate::math::SymmetricMat3;
-use crate::scene::background::luma;
+use crate::scene::style::luma;
 use glam::Vec3;
 
 /// Most points that stand for a cloud; statistics of so many are within a per cent.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};
-use crate::scene::{Background, Projection, Settings};
+use crate::scene::{Backdrop, Background, Projection, Style};
 use glam::UVec2;
 use proptest::prelude::*;
 
@@ -109,11 +109,14 @@ fn dark_scans_have_a_brighter_background() {
     };
     let chosen = Background::solid([1, 2, 3]);
     let drawn = |background, level| {
-        let settings = Settings {
-            background,
-            ..Settings::default()
+        let settings = Style {
+            backdrop: Backdrop {
+                background,
+                ..Backdrop::default()
+            },
+            ..Style::default()
         };
-        settings.resolved(&look(level)).background
+        settings.resolved(&look(level)).backdrop.background
     };
     assert_eq!(drawn(Background::default(), 10), Background::BEHIND_DARK);
     assert_eq!(drawn(Background::default(), 180), Background::default());

@@ -10,13 +10,15 @@
 //! answers at once: a buffer of indices would be one more target for every pass, cannot hold what is blended, and has
 //! to be read back.
 
+mod codes;
 mod ray;
 mod records;
 
 use super::clip::at;
-use super::{Primitive, ScenePacket};
+use super::{Content, ScenePacket};
 use crate::cloud::{PointRecord, oct_decode};
 use crate::sequence::PreparedFrame;
+use codes::surfels_near;
 use glam::{DVec3, Vec3};
 use ray::Ray;
 use rayon::prelude::*;
@@ -113,36 +115,47 @@ pub fn pick(
     radius_px: f64,
 ) -> Option<usize> {
     let ray = Ray::new(packet, place_px);
-    match packet.settings.primitive {
-        Primitive::Point => {
-            let squares = Squares::new(&packet.points, packet.settings.point_size_px);
+    match &packet.content {
+        Content::Nothing => None,
+        Content::Points(points) => {
+            let squares = Squares::new(points, packet.settings.points.size_px);
             let chosen = ray.choose(&squares, radius_px)?;
-            slot_of(packet, frame, chosen.record)
+            slot_of(packet, frame, points, chosen.record)
         }
-        Primitive::Auto | Primitive::Surfel => {
-            let shapes = packet.shapes.as_ref()?;
-            let disks = Disks::new(&packet.points, shapes, &packet.settings);
+        Content::Surfels(surfels) => {
+            let disks = Disks::new(surfels, &packet.settings);
             let chosen = ray.choose(&disks, radius_px)?;
-            if !packet.settings.draws_cells() || frame.lod_surfels.is_none() {
-                return slot_of(packet, frame, chosen.record);
+            let kind = packet.settings.levels_kind();
+            if kind.and_then(|kind| frame.levels.get(kind)).is_none() {
+                return slot_of(packet, frame, &surfels.points, chosen.record);
             }
             // A surfel stands for points of a cell.
             nearest_drawn(packet, frame, chosen.place, |_| true)
         }
-        Primitive::Voxel => {
-            let voxels = packet.voxels.as_ref()?;
+        Content::Voxels(voxels) => {
             let cubes = Cubes::new(voxels);
             let chosen = ray.choose(&cubes, radius_px)?;
             let cell = cubes.cell(chosen.record);
             nearest_drawn(packet, frame, chosen.place, |place| cell.contains(place))
         }
+        Content::Coded(coded) => {
+            let surfels = surfels_near(&ray, coded, &packet.settings, radius_px);
+            let disks = Disks::new(&surfels, &packet.settings);
+            let chosen = ray.choose(&disks, radius_px)?;
+            nearest_drawn(packet, frame, chosen.place, |_| true)
+        }
     }
 }
 
 /// The slot of a record of a packet that has all points of the frame but for those that are clipped.
-fn slot_of(packet: &ScenePacket, frame: &PreparedFrame, record: usize) -> Option<usize> {
-    match packet.settings.clip {
-        Some(clip) if !Arc::ptr_eq(&packet.points, &frame.points) => {
+fn slot_of(
+    packet: &ScenePacket,
+    frame: &PreparedFrame,
+    drawn: &Arc<Vec<PointRecord>>,
+    record: usize,
+) -> Option<usize> {
+    match packet.settings.of_sequence.clip {
+        Some(clip) if !Arc::ptr_eq(drawn, &frame.points) => {
             let kept = clip.kept(&frame.points);
             kept.get(record).map(|&slot| slot as usize)
         }
@@ -157,7 +170,7 @@ fn nearest_drawn(
     place: DVec3,
     is_within: impl Fn(DVec3) -> bool + Sync,
 ) -> Option<usize> {
-    let Some(clip) = packet.settings.clip else {
+    let Some(clip) = packet.settings.of_sequence.clip else {
         return nearest(&frame.points, place, is_within);
     };
     let kept = clip.kept(&frame.points);

@@ -48,9 +48,9 @@ impl Oracle<'_> {
     }
 
     pub(super) fn point(&self) -> Option<usize> {
-        let half_px = 0.5 * f64::from(self.packet.settings.point_size_px);
+        let half_px = 0.5 * f64::from(self.packet.settings.points.size_px);
         let mut best: Option<(f64, usize)> = None;
-        for (slot, point) in self.packet.points.iter().enumerate() {
+        for (slot, point) in self.packet.content.points().unwrap().iter().enumerate() {
             let place = self.rotation() * self.offset(point.position);
             let clip = self.packet.view.clip_from_view().as_dmat4() * place.extend(1.0);
             let ndc = clip.truncate() / clip.w;
@@ -70,15 +70,23 @@ impl Oracle<'_> {
 
     pub(super) fn surfel(&self) -> Option<usize> {
         let settings = &self.packet.settings;
-        let shapes = self.packet.shapes.as_ref().unwrap();
+        let shapes = self.packet.content.shapes().unwrap();
         let mut met = Vec::new();
-        for (slot, (point, shape)) in self.packet.points.iter().zip(&**shapes).enumerate() {
+        for (slot, (point, shape)) in self
+            .packet
+            .content
+            .points()
+            .unwrap()
+            .iter()
+            .zip(&**shapes)
+            .enumerate()
+        {
             let offset = self.offset(point.position);
             let normal = oct_decode(shape.normal).as_dvec3();
             if settings.culls_back_faces() && normal.dot(offset) > 0.0 {
                 continue;
             }
-            let radius = f64::from(shape.radius) * f64::from(settings.splat_scale);
+            let radius = f64::from(shape.radius) * f64::from(settings.surfels.splat_scale);
             let (u, v) = normal.any_orthonormal_pair();
             if let Some([depth, a, b]) = self.plane(offset, u * radius, v * radius)
                 && a * a + b * b <= 1.0
@@ -97,7 +105,7 @@ impl Oracle<'_> {
 
     /// The record of the nearest face towards the eye.
     pub(super) fn voxel(&self) -> Option<usize> {
-        let voxels = self.packet.voxels.as_ref().unwrap();
+        let voxels = self.packet.content.voxels().unwrap();
         let mut best: Option<(f64, usize)> = None;
         for (record, voxel) in voxels.records.iter().enumerate() {
             let half = 0.5 * f64::from(voxels.cube_edge) / f64::from(1u32 << voxel.level);

@@ -121,7 +121,7 @@ impl Ray {
 
     fn look_at_block(&self, records: &impl Drawn, block: usize, radius_px: f64) -> Vec<Seen> {
         let range = BLOCK * block..records.len().min(BLOCK * (block + 1));
-        if !self.may_meet(records, range.clone(), radius_px) {
+        if !self.may_meet_block(records, range.clone(), radius_px) {
             return Vec::new();
         }
         range
@@ -129,8 +129,8 @@ impl Ray {
             .collect()
     }
 
-    /// False if nothing of a block comes nearer to the pixel than a radius.
-    fn may_meet(&self, records: &impl Drawn, range: Range<usize>, radius_px: f64) -> bool {
+    /// [`Ray::may_meet`] for the box around the records of a block.
+    fn may_meet_block(&self, records: &impl Drawn, range: Range<usize>, radius_px: f64) -> bool {
         let (mut low, mut high, mut reach) = (Vec3::INFINITY, Vec3::NEG_INFINITY, 0f64);
         for record in range {
             let position = records.position(record);
@@ -138,13 +138,30 @@ impl Ray {
             high = high.max(position);
             reach = reach.max(records.reach(record));
         }
+        self.may_meet(low, high, reach, radius_px + records.reach_px())
+    }
+
+    /// How many pixels a length covers at the depth of the nearest point that is as far from `center` as half of it;
+    /// infinite where that is behind the near plane.
+    pub(super) fn size_px(&self, center: Vec3, length: f32) -> f64 {
+        let place = self.view_from_frame * (center.as_dvec3() - self.eye);
+        let half = self.view_from_frame.abs() * DVec3::splat(0.5 * f64::from(length));
+        let nearest = -place.z - half.z;
+        if nearest <= self.near {
+            return f64::INFINITY;
+        }
+        f64::from(length) / nearest * self.px_per_slope
+    }
+
+    /// False if nothing that is in a box, or reaches beyond it, comes nearer to the pixel than a radius.
+    pub(super) fn may_meet(&self, low: Vec3, high: Vec3, reach: f64, radius_px: f64) -> bool {
         let (low, high) = (low.as_dvec3(), high.as_dvec3());
         let middle = self.view_from_frame * (0.5 * (low + high) - self.eye);
         let half = self.view_from_frame.abs() * (0.5 * (high - low));
         let farthest = half.z - middle.z;
         // For rounding.
         let slack = 1e-9 * (middle.length() + half.length() + reach);
-        let widening = (radius_px + records.reach_px()) / self.px_per_slope * farthest;
+        let widening = radius_px / self.px_per_slope * farthest;
         let is_near = |axis: usize| {
             let slope = self.slope[axis];
             let aside = (middle[axis] + slope * middle.z).abs();

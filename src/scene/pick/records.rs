@@ -2,7 +2,7 @@
 
 use super::ray::{Drawn, Met, Ray};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
-use crate::scene::{Settings, Voxels};
+use crate::scene::{Style, Surfels, Voxels};
 use glam::{DVec3, Vec3};
 
 /// Points as squares of pixels.
@@ -61,16 +61,15 @@ pub(super) struct Disks<'a> {
 }
 
 impl<'a> Disks<'a> {
-    pub(super) fn new(
-        points: &'a [PointRecord],
-        shapes: &'a [ShapeRecord],
-        settings: &Settings,
-    ) -> Self {
-        let [visibility, _] = settings.splatting.scales(settings.enlargement);
+    pub(super) fn new(surfels: &'a Surfels, settings: &Style) -> Self {
+        let [visibility, _] = settings
+            .surfels
+            .splatting
+            .scales(settings.surfels.enlargement);
         Self {
-            points,
-            shapes,
-            scale: f64::from(settings.splat_scale) * f64::from(visibility),
+            points: &surfels.points,
+            shapes: &surfels.shapes,
+            scale: f64::from(settings.surfels.splat_scale) * f64::from(visibility),
             cull_back_faces: settings.culls_back_faces(),
         }
     }

@@ -3,7 +3,10 @@
 use super::oracle::Oracle;
 use super::*;
 use crate::cloud::{Frame, Positions, RawCloud, ScalarField};
-use crate::scene::{BackFaces, Camera, Projection, Scene, Settings, UpAxis};
+use crate::levels::{LevelsKey, LevelsKind, LevelsSet};
+use crate::scene::{
+    BackFaces, Camera, PointStyle, Primitive, Projection, Scene, Style, SurfelStyle, UpAxis,
+};
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
 use proptest::prelude::*;
@@ -16,7 +19,10 @@ const ECEF: DVec3 = DVec3::new(4_510_720.0, -3_911_168.0, 2_207_744.0);
 fn needs() -> Needs {
     Needs {
         shapes: true,
-        octree: Some(Settings::default().stop),
+        levels: Some(LevelsKey {
+            kind: LevelsKind::LitCubes,
+            stop: Style::default().levels.stop,
+        }),
         ..Needs::default()
     }
 }
@@ -68,7 +74,7 @@ fn packet_of(
     frame: &PreparedFrame,
     origin: DVec3,
     camera: &Camera,
-    settings: &Settings,
+    settings: &Style,
 ) -> ScenePacket {
     Scene::default().packet(frame, origin, camera, settings, SIZE)
 }
@@ -91,7 +97,7 @@ proptest! {
         let place_px = [f64::from(px.0) + 0.3, f64::from(px.1) + 0.9];
         let back_faces = if culled { BackFaces::Culled } else { BackFaces::Drawn };
         for &primitive in Primitive::ALL {
-            let settings = Settings { primitive, back_faces, point_size_px: size_px, ..Settings::default() };
+            let settings = Style { primitive, surfels: SurfelStyle { back_faces, ..SurfelStyle::default() }, points: PointStyle { size_px }, ..Style::default() };
             let packet = packet_of(&frame, origin, &camera, &settings);
             let oracle = Oracle { packet: &packet, px: DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5) };
             let found = pick(&packet, &frame, place_px, 0.0);
@@ -103,7 +109,7 @@ proptest! {
                         prop_assert_eq!(found, None);
                         continue;
                     };
-                    let voxels = packet.voxels.as_ref().unwrap();
+                    let voxels = packet.content.voxels().unwrap();
                     let cell = Cubes::new(voxels).cell(record);
                     let holds = |slot: usize| cell.contains(Vec3::from_array(frame.points[slot].position).as_dvec3());
                     // No point is inside of a gap between cells.
@@ -122,7 +128,7 @@ proptest! {
     ) {
         let frame = cloud(&places, 0.0, DVec3::ZERO);
         let camera = camera(3.0, 10.0, DVec3::ZERO);
-        let settings = Settings { primitive: Primitive::Point, ..Settings::default() };
+        let settings = Style { primitive: Primitive::Point, ..Style::default() };
         let packet = packet_of(&frame, DVec3::ZERO, &camera, &settings);
         let middle = DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5);
         let found = pick(&packet, &frame, middle.to_array(), radius_px);
@@ -147,10 +153,13 @@ fn nothing_is_picked_where_nothing_is() {
     let origin = DVec3::ZERO;
     let camera = camera(3.0, 0.0, origin);
     for &primitive in Primitive::ALL {
-        let settings = Settings {
+        let settings = Style {
             primitive,
-            back_faces: BackFaces::Drawn,
-            ..Settings::default()
+            surfels: SurfelStyle {
+                back_faces: BackFaces::Drawn,
+                ..SurfelStyle::default()
+            },
+            ..Style::default()
         };
         let empty = cloud(&[], 0.1, origin);
         let packet = packet_of(&empty, origin, &camera, &settings);
@@ -175,7 +184,7 @@ fn nothing_is_picked_where_nothing_is() {
         // A frame that was not prepared for the primitive draws nothing of it.
         let mut bare = cloud(&[[0.0; 3]], 0.1, origin);
         bare.shapes = None;
-        bare.octree = None;
+        bare.levels = LevelsSet::default();
         let packet = packet_of(&bare, origin, &camera, &settings);
         let expected = (primitive == Primitive::Point).then_some(0);
         assert_eq!(pick(&packet, &bare, [80.0, 60.0], 5.0), expected);
@@ -193,9 +202,9 @@ fn the_front_one_wins_and_of_equals_the_last() {
         elevation_deg: 0.0,
         ..camera(3.0, 0.0, origin)
     };
-    let settings = Settings {
+    let settings = Style {
         primitive: Primitive::Point,
-        ..Settings::default()
+        ..Style::default()
     };
     let line = [[0.0, 0.0, -1.0], [0.0, 0.0, 0.5], [0.0, 0.0, 0.0]];
     let frame = cloud(&line, 0.1, origin);
@@ -208,9 +217,12 @@ fn the_front_one_wins_and_of_equals_the_last() {
     raw.radii = Some(vec![0.1; 200]);
     let same = prepared(raw, origin);
     for &primitive in Primitive::ALL {
-        let settings = Settings {
+        let settings = Style {
             primitive,
-            back_faces: BackFaces::Drawn,
+            surfels: SurfelStyle {
+                back_faces: BackFaces::Drawn,
+                ..settings.surfels
+            },
             ..settings
         };
         let packet = packet_of(&same, origin, &camera, &settings);
@@ -234,9 +246,12 @@ fn back_faces_are_picked_only_where_they_are_drawn() {
         raw.normals = Some(vec![[0.0, 0.0, toward]]);
         raw.radii = Some(vec![0.5]);
         let frame = prepared(raw, origin);
-        let settings = Settings {
-            back_faces,
-            ..Settings::default()
+        let settings = Style {
+            surfels: SurfelStyle {
+                back_faces,
+                ..SurfelStyle::default()
+            },
+            ..Style::default()
         };
         let packet = packet_of(&frame, origin, &camera, &settings);
         assert_eq!(pick(&packet, &frame, [80.0, 60.0], 3.0), expected);
@@ -249,10 +264,13 @@ fn a_lone_point_is_picked_from_beside_it() {
     let frame = cloud(&[[0.0; 3]], 1e-6, origin);
     let camera = camera(2.0, 77.0, origin);
     for &primitive in Primitive::ALL {
-        let settings = Settings {
+        let settings = Style {
             primitive,
-            back_faces: BackFaces::Drawn,
-            ..Settings::default()
+            surfels: SurfelStyle {
+                back_faces: BackFaces::Drawn,
+                ..SurfelStyle::default()
+            },
+            ..Style::default()
         };
         let packet = packet_of(&frame, origin, &camera, &settings);
         assert_eq!(

@@ -51,12 +51,12 @@ impl Facts {
         if prepared.is_sample() && before.is_some() {
             return;
         }
-        let octree = prepared.octree.as_ref().filter(|_| !prepared.is_sample());
+        let octree = prepared.levels.octree().filter(|_| !prepared.is_sample());
         let (loss, voxel_error, stop) = match (octree, before) {
             (Some(octree), _) => (
                 Some(octree.loss()),
                 octree.position_error(prepared.frame.positions(), ERROR_POINTS),
-                prepared.octree_stop(),
+                prepared.levels.stop(),
             ),
             (None, Some(before)) => (before.facts.loss, before.facts.voxel_error, before.stop),
             (None, None) => (None, None, None),

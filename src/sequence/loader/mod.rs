@@ -314,7 +314,7 @@ impl Loader {
     /// [`Loader::facts_revision`] has changed.
     pub fn facts(&self) -> Vec<Option<FrameFacts>> {
         let queue = self.shared.queue();
-        let stop = queue.needs.and_then(|needs| needs.octree);
+        let stop = queue.needs.and_then(|needs| Some(needs.levels?.stop));
         queue.cache.facts.of(queue.cache.frame_count(), stop)
     }
 

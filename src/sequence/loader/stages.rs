@@ -24,9 +24,9 @@ pub(crate) const FEWEST_SAMPLED: usize = 1 << 19;
 
 /// Whether `frame` is shown with nothing but its points before `needs` are met, as these take long.
 pub(super) fn comes_in_stages(frame: &Frame, needs: &Needs) -> bool {
-    let wants_shapes = needs.shapes || needs.ellipses || needs_normals(frame, needs);
+    let wants_shapes = needs.shapes || needs_normals(frame, needs);
     frame.len() > STAGED_POINTS
-        && (needs.octree.is_some() || (wants_shapes && lacks_surface(frame)))
+        && (needs.levels.is_some() || (wants_shapes && lacks_surface(frame)))
 }
 
 /// What the points of `frame` take of `needs` alone.
@@ -44,7 +44,7 @@ pub(super) fn points_alone(frame: &Frame, needs: &Needs) -> Needs {
 
 /// Bytes that completing `frame` for `needs` takes at once, itself included.
 pub(super) fn completion_bytes(frame: &Frame, needs: &Needs) -> u64 {
-    let wants_shapes = needs.shapes || needs.ellipses || needs_normals(frame, needs);
+    let wants_shapes = needs.shapes || needs_normals(frame, needs);
     let shapes = if wants_shapes {
         size_of::<ShapeRecord>()
     } else {
@@ -55,7 +55,7 @@ pub(super) fn completion_bytes(frame: &Frame, needs: &Needs) -> u64 {
         0..=MOST_JOINED => ESTIMATED_BYTES[0],
         _ => ESTIMATED_BYTES[1],
     };
-    let octree = needs.octree.map_or(0, |_| OCTREE_BYTES);
+    let octree = needs.levels.map_or(0, |_| OCTREE_BYTES);
     let per_point = size_of::<PointRecord>() + shapes + estimated.max(octree);
     (frame.byte_size() + per_point * frame.len()) as u64
 }

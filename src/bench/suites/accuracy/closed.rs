@@ -10,17 +10,23 @@ use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::suites::{Run, Subject, mean, paper_voxel_settings};
 use crate::levels::octree::StopCriterion;
-use crate::scene::{BackFaces, Scene, Settings, VoxelLight};
+use crate::scene::{BackFaces, LevelStyle, Scene, Style, SurfelStyle, VoxelLight, VoxelStyle};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 
 /// The ways to draw voxels, and the words for them.
-fn ways() -> [(&'static str, Settings); 3] {
+fn ways() -> [(&'static str, Style); 3] {
     let paper = paper_voxel_settings();
     let stop = StopCriterion::Spacing;
-    let faces = Settings { stop, ..paper };
+    let faces = Style {
+        levels: LevelStyle {
+            stop,
+            ..paper.levels
+        },
+        ..paper
+    };
     let voxel_light = VoxelLight::Normals;
-    let normals = Settings {
-        voxel_light,
+    let normals = Style {
+        voxels: VoxelStyle { light: voxel_light },
         ..faces
     };
     [
@@ -50,9 +56,12 @@ impl Samples {
         subject: &Subject<'_>,
         frame: &PreparedFrame,
     ) -> Result<(), BenchError> {
-        let surfels = Settings {
-            back_faces: BackFaces::Drawn,
-            ..Settings::default()
+        let surfels = Style {
+            surfels: SurfelStyle {
+                back_faces: BackFaces::Drawn,
+                ..SurfelStyle::default()
+            },
+            ..Style::default()
         };
         let ways = ways().map(|(_, settings)| {
             let needs = Scene::needs(&settings);
@@ -83,8 +92,7 @@ impl Samples {
                     settings,
                     viewport_px,
                 );
-                let drawn = packet.voxels.map_or(0, |voxels| voxels.records.len());
-                samples.drawn.push(drawn as f64);
+                samples.drawn.push(packet.content.record_count() as f64);
             }
         }
         Ok(())

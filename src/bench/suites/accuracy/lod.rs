@@ -67,7 +67,7 @@ impl Samples {
             }
         }
         for (lod_px, samples) in LOD_PX.into_iter().zip(&mut self.0) {
-            if let Some(octree) = &frame.octree {
+            if let Some(octree) = frame.levels.octree() {
                 let traversals = &mut samples.traversals;
                 traversals.measure(run, subject, octree, &cameras, lod_px)?;
             }

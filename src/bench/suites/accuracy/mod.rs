@@ -18,7 +18,8 @@ mod pictures;
 use super::{Run, Subject, paper_voxel_settings};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Column, Row};
-use crate::scene::{Lod, Scene, Settings};
+use crate::levels::Lod;
+use crate::scene::{LevelStyle, Scene, Style};
 use crate::sequence::Needs;
 
 /// Names of the tables.
@@ -145,9 +146,12 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
 }
 
 /// Cells of the paper's δ, drawn down to `lod_px`.
-fn voxel_settings(lod_px: f32) -> Settings {
-    Settings {
-        lod: Lod::ThresholdPx(lod_px),
+fn voxel_settings(lod_px: f32) -> Style {
+    Style {
+        levels: LevelStyle {
+            lod: Lod::ThresholdPx(lod_px),
+            ..paper_voxel_settings().levels
+        },
         ..paper_voxel_settings()
     }
 }

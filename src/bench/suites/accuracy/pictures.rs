@@ -11,7 +11,7 @@ use crate::bench::BenchError;
 use crate::bench::suites::{Run, Subject};
 use crate::measure::{PIXELS_PER_DEGREE, Perceived, mean_squared_error};
 use crate::render::RenderError;
-use crate::scene::{Background, Camera, Scene, Settings};
+use crate::scene::{Backdrop, Background, Camera, Scene, Style};
 use crate::sequence::PreparedFrame;
 use image::RgbaImage;
 use std::ops::Range;
@@ -56,14 +56,17 @@ pub(super) fn draw(
     subject: &Subject<'_>,
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: Settings,
+    settings: Style,
 ) -> Result<Drawing, BenchError> {
     run.check_cancelled()?;
     // One traversal for both backgrounds.
     let mut scene = Scene::default();
     let mut on_background = |background| -> Result<RgbaImage, RenderError> {
-        let settings = Settings {
-            background: Background::solid(background),
+        let settings = Style {
+            backdrop: Backdrop {
+                background: Background::solid(background),
+                ..settings.backdrop
+            },
             ..settings
         };
         let origin = subject.sequence.origin();

@@ -18,12 +18,13 @@ use crate::bench::report::{Cell, Column, Row};
 use crate::bench::runner::{Runner, milliseconds_since};
 use crate::bench::truth_cache::TruthCache;
 use crate::bench::{BenchError, Quantiles};
+use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
 use crate::scene::{
-    Background, Lod, Primitive, RendererChoice, Scene, ScenePacket, Settings, Splatting,
+    Backdrop, Background, Primitive, RendererChoice, Scene, ScenePacket, Splatting, Style,
 };
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use image::RgbaImage;
@@ -98,7 +99,7 @@ struct Runners {
 pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let all = ways::ways(!run.runner.is_processor());
     let modes = &run.options.modes;
-    let ways: Vec<Settings> = all.into_iter().filter(|way| modes.admit(way)).collect();
+    let ways: Vec<Style> = all.into_iter().filter(|way| modes.admit(way)).collect();
     if ways.is_empty() {
         return Err(BenchError::Nothing(
             "no way to draw is among the modes that were asked for, on this machine".to_owned(),
@@ -121,11 +122,11 @@ fn measure_sequence(
     run: &mut Run<'_>,
     runners: &mut Runners,
     subject: &Subject<'_>,
-    ways: &[Settings],
+    ways: &[Style],
     steps_per_frame: usize,
 ) -> Result<(), BenchError> {
     // Surfels are the truth, and what viewpoints are placed by.
-    let needs = Scene::needs(&Settings::default());
+    let needs = Scene::needs(&Style::default());
     let mut samples: Vec<Samples> = ways.iter().map(|_| Samples::default()).collect();
     let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
     let mut first_failure = None;
@@ -139,7 +140,7 @@ fn measure_sequence(
         };
         point_counts.push(frame.points.len() as f64);
         run.begin_step(format!("{} frame {index}: the truth", subject.name))?;
-        let viewpoints = run.viewpoints(subject, &frame, &Settings::default())?;
+        let viewpoints = run.viewpoints(subject, &frame, &Style::default())?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         let mut views = Vec::new();
         for viewpoint in viewpoints {
@@ -183,7 +184,7 @@ fn measure_way(
     subject: &Subject<'_>,
     frame: &PreparedFrame,
     views: &[View],
-    way: &Settings,
+    way: &Style,
     samples: &mut Samples,
 ) -> Result<(), BenchError> {
     let mut frame = complete(frame, &Scene::needs(way), &PrepareCounters::default());
@@ -192,7 +193,7 @@ fn measure_way(
     frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
     let origin = subject.sequence.origin();
     let viewport_px = run.options.viewport_px;
-    let packet = |view: &View, settings: &Settings| {
+    let packet = |view: &View, settings: &Style| {
         // As when the camera has moved: cells are chosen anew.
         let mut scene = Scene::default();
         let packet = scene.packet(&frame, origin, &view.camera, settings, viewport_px);
@@ -210,8 +211,11 @@ fn measure_way(
         let (drawn_packet, visited_nodes) = packet(view, way);
         let image = runner.image(&drawn_packet)?;
         let uploaded_bytes = runner.stats().uploaded_bytes - uploaded_before;
-        let on_white = Settings {
-            background: Background::solid([255; 3]),
+        let on_white = Style {
+            backdrop: Backdrop {
+                background: Background::solid([255; 3]),
+                ..way.backdrop
+            },
             ..*way
         };
         let white_packet = ScenePacket {
@@ -246,9 +250,9 @@ fn measure_way(
 }
 
 /// Whether depths of what a way shows can be drawn: not of splats without depth, nor of byte codes.
-fn shows_known_surface(way: &Settings) -> bool {
+fn shows_known_surface(way: &Style) -> bool {
     let is_without_depth =
-        way.primitive == Primitive::Surfel && way.splatting == Splatting::NoDepth;
+        way.primitive == Primitive::Surfel && way.surfels.splatting == Splatting::NoDepth;
     !is_without_depth && !way.draws_codes()
 }
 
@@ -287,11 +291,8 @@ impl Samples {
         error: &PictureError,
     ) {
         self.drawn_px = packet.viewport_px;
-        let records = packet
-            .voxels
-            .as_ref()
-            .map_or(packet.points.len(), |voxels| voxels.records.len());
-        self.drawn_records.push(records as f64);
+        self.drawn_records
+            .push(packet.content.record_count() as f64);
         self.visited_nodes.push(visited_nodes as f64);
         self.uploaded_bytes.push(uploaded_bytes as f64);
         self.flip.push(error.map.mean());
@@ -301,7 +302,7 @@ impl Samples {
         self.surface += error.surface;
     }
 
-    fn point(&self, sequence: &str, way: &Settings) -> LabPoint {
+    fn point(&self, sequence: &str, way: &Style) -> LabPoint {
         let [picture, error_map] = self.thumbnails.clone().unwrap_or_default();
         LabPoint {
             sequence: sequence.to_owned(),
@@ -331,7 +332,7 @@ impl Samples {
         let number_if =
             |is_there: bool, number: f32| Cell::maybe(is_there.then_some(f64::from(number)));
         let has_depth = shows_known_surface(way);
-        let threshold = match way.lod {
+        let threshold = match way.levels.lod {
             Lod::ThresholdPx(threshold) if way.draws_cells() || way.draws_codes() => {
                 Some(f64::from(threshold))
             }
@@ -347,13 +348,13 @@ impl Samples {
             text_if(point.is_on_front, "yes"),
             Cell::Text(way.renderer.to_string()),
             Cell::Text(way.primitive.to_string()),
-            text_if(is_surfel, way.splatting.name()),
+            text_if(is_surfel, way.surfels.splatting.name()),
             text_if(is_gpu, way.strategy.name()),
-            text_if(way.primitive != Primitive::Point, way.lighting.name()),
+            text_if(way.primitive != Primitive::Point, way.light.lighting.name()),
             Cell::maybe(threshold),
             Cell::maybe(delta),
-            number_if(is_surfel, way.splat_scale),
-            number_if(way.primitive == Primitive::Point, way.point_size_px),
+            number_if(is_surfel, way.surfels.splat_scale),
+            number_if(way.primitive == Primitive::Point, way.points.size_px),
             Cell::Number(f64::from(self.drawn_px[0])),
             Cell::Number(f64::from(self.drawn_px[1])),
             Cell::maybe(draw.map(|q| q.median)),

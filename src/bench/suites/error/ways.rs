@@ -1,9 +1,10 @@
 //! The ways to draw that are compared: the default, and what it becomes when one choice after the other changes.
 
+use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::{
-    Background, Footprint, Lighting, Lod, Primitive, RendererChoice, Settings, Splatting, Strategy,
-    VoxelLight,
+    Backdrop, Background, CodeStyle, Footprint, LevelStyle, LightStyle, Lighting, PointStyle,
+    Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use std::fmt::Write as _;
 
@@ -20,16 +21,19 @@ const THRESHOLDS_PX: [f32; 3] = [2.0, 4.0, 8.0];
 const DELTAS: [f32; 4] = [0.02, 0.05, 0.2, 0.5];
 
 /// All ways, first those of the processor, then those of the adapter if there is one.
-pub(super) fn ways(has_adapter: bool) -> Vec<Settings> {
-    let base = Settings {
+pub(super) fn ways(has_adapter: bool) -> Vec<Style> {
+    let base = Style {
         renderer: RendererChoice::Cpu,
-        background: Background::solid(BACKGROUND),
         primitive: Primitive::Surfel,
-        ..Settings::default()
+        backdrop: Backdrop {
+            background: Background::solid(BACKGROUND),
+            ..Backdrop::default()
+        },
+        ..Style::default()
     };
     let mut ways = of_renderer(&base);
     if has_adapter {
-        let base = Settings {
+        let base = Style {
             renderer: RendererChoice::Gpu,
             ..base
         };
@@ -38,7 +42,7 @@ pub(super) fn ways(has_adapter: bool) -> Vec<Settings> {
             let others = Strategy::ALL
                 .iter()
                 .filter(|&&strategy| strategy != base.strategy);
-            ways.extend(others.map(|&strategy| Settings {
+            ways.extend(others.map(|&strategy| Style {
                 primitive,
                 strategy,
                 ..base
@@ -48,75 +52,118 @@ pub(super) fn ways(has_adapter: bool) -> Vec<Settings> {
     ways
 }
 
-fn of_renderer(base: &Settings) -> Vec<Settings> {
-    let point = Settings {
+fn of_renderer(base: &Style) -> Vec<Style> {
+    let point = Style {
         primitive: Primitive::Point,
         ..*base
     };
-    let voxel = Settings {
+    let voxel = Style {
         primitive: Primitive::Voxel,
         ..*base
     };
-    let detail = Settings {
-        surfel_lod: true,
+    let detail = Style {
+        levels: LevelStyle {
+            surfel_lod: true,
+            ..base.levels
+        },
         ..*base
     };
     let mut ways = Vec::new();
-    ways.extend([1.0, 2.0, 3.0].map(|point_size_px| Settings {
-        point_size_px,
+    ways.extend([1.0, 2.0, 3.0].map(|point_size_px| Style {
+        points: PointStyle {
+            size_px: point_size_px,
+        },
         ..point
     }));
     // A picture of depths is none of colours.
     let modes = Splatting::ALL
         .iter()
         .filter(|&&mode| mode != Splatting::Visibility);
-    ways.extend(modes.map(|&splatting| Settings { splatting, ..*base }));
-    ways.extend([0.7, 1.4].map(|splat_scale| Settings {
-        splat_scale,
+    ways.extend(modes.map(|&splatting| Style {
+        surfels: SurfelStyle {
+            splatting,
+            ..base.surfels
+        },
+        ..*base
+    }));
+    ways.extend([0.7, 1.4].map(|splat_scale| Style {
+        surfels: SurfelStyle {
+            splat_scale,
+            ..base.surfels
+        },
         ..*base
     }));
     ways.extend(
-        [Lighting::PerSurfel, Lighting::PerVertex].map(|lighting| Settings { lighting, ..*base }),
+        [Lighting::PerSurfel, Lighting::PerVertex].map(|lighting| Style {
+            light: LightStyle {
+                lighting,
+                ..base.light
+            },
+            ..*base
+        }),
     );
     for coarse in [detail, voxel] {
         ways.push(coarse);
-        ways.extend(THRESHOLDS_PX.map(|threshold| Settings {
-            lod: Lod::ThresholdPx(threshold),
+        ways.extend(THRESHOLDS_PX.map(|threshold| Style {
+            levels: LevelStyle {
+                lod: Lod::ThresholdPx(threshold),
+                ..coarse.levels
+            },
             ..coarse
         }));
     }
-    ways.push(Settings {
-        lod: Lod::ThresholdPx(0.0),
+    ways.push(Style {
+        levels: LevelStyle {
+            lod: Lod::ThresholdPx(0.0),
+            ..voxel.levels
+        },
         ..voxel
     });
-    ways.push(Settings {
-        voxel_light: VoxelLight::Faces,
+    ways.push(Style {
+        voxels: VoxelStyle {
+            light: VoxelLight::Faces,
+        },
         ..voxel
     });
-    ways.extend(DELTAS.map(|delta| Settings {
-        stop: StopCriterion::Loss(delta),
+    ways.extend(DELTAS.map(|delta| Style {
+        levels: LevelStyle {
+            stop: StopCriterion::Loss(delta),
+            ..voxel.levels
+        },
         ..voxel
     }));
-    let enlarged = Settings {
-        splatting: Splatting::TwoPassEnlarged,
+    let enlarged = Style {
+        surfels: SurfelStyle {
+            splatting: Splatting::TwoPassEnlarged,
+            ..base.surfels
+        },
         ..*base
     };
     if base.renderer == RendererChoice::Cpu {
         // The GPU draws exact disks whatever it says.
         ways.extend(
-            [Footprint::Masks, Footprint::Pixels].map(|footprint| Settings {
-                footprint,
-                lod: Lod::ThresholdPx(0.0),
+            [Footprint::Masks, Footprint::Pixels].map(|footprint| Style {
+                levels: LevelStyle {
+                    lod: Lod::ThresholdPx(0.0),
+                    ..base.levels
+                },
+                codes: CodeStyle {
+                    footprint,
+                    ..base.codes
+                },
                 ..*base
             }),
         );
-        ways.push(Settings {
-            footprint: Footprint::Masks,
+        ways.push(Style {
+            codes: CodeStyle {
+                footprint: Footprint::Masks,
+                ..base.codes
+            },
             ..*base
         });
     }
     for whole in [*base, enlarged, detail, voxel, point] {
-        ways.extend(RESOLUTIONS.map(|resolution| Settings {
+        ways.extend(RESOLUTIONS.map(|resolution| Style {
             resolution,
             ..whole
         }));
@@ -125,8 +172,8 @@ fn of_renderer(base: &Settings) -> Vec<Settings> {
 }
 
 /// A way in a few words: what differs from the default is said.
-pub(super) fn label(way: &Settings) -> String {
-    let default = Settings::default();
+pub(super) fn label(way: &Style) -> String {
+    let default = Style::default();
     let mut label = way.primitive.to_string();
     let mut say = |text: String| {
         // Writing to a String cannot fail.
@@ -134,26 +181,28 @@ pub(super) fn label(way: &Settings) -> String {
     };
     match way.primitive {
         Primitive::Auto | Primitive::Surfel => {
-            say(way.splatting.to_string());
-            if way.splat_scale != default.splat_scale {
-                say(format!("×{}", way.splat_scale));
+            say(way.surfels.splatting.to_string());
+            if way.surfels.splat_scale != default.surfels.splat_scale {
+                say(format!("×{}", way.surfels.splat_scale));
             }
-            if way.footprint != default.footprint {
-                say(format!("of {}", way.footprint));
+            if way.codes.footprint != default.codes.footprint {
+                say(format!("of {}", way.codes.footprint));
             }
-            if way.lighting != default.lighting {
-                say(format!("lit per {}", way.lighting));
+            if way.light.lighting != default.light.lighting {
+                say(format!("lit per {}", way.light.lighting));
             }
         }
         Primitive::Voxel => {
             say(stop(way));
-            if way.voxel_light != default.voxel_light {
-                say(format!("lit by {}", way.voxel_light));
+            if way.voxels.light != default.voxels.light {
+                say(format!("lit by {}", way.voxels.light));
             }
         }
-        Primitive::Point => say(format!("{} px", way.point_size_px)),
+        Primitive::Point => say(format!("{} px", way.points.size_px)),
     }
-    if let (true, Lod::ThresholdPx(threshold)) = (way.draws_cells() || way.draws_codes(), way.lod) {
+    if let (true, Lod::ThresholdPx(threshold)) =
+        (way.draws_cells() || way.draws_codes(), way.levels.lod)
+    {
         say(format!("τ {threshold}"));
     }
     if way.resolution < 1.0 {
@@ -167,7 +216,7 @@ pub(super) fn label(way: &Settings) -> String {
 }
 
 /// When the octree's cells are no longer divided.
-pub(super) fn stop(way: &Settings) -> String {
+pub(super) fn stop(way: &Style) -> String {
     match way.octree_stop() {
         StopCriterion::Spacing => "by spacing".to_owned(),
         StopCriterion::Loss(delta) => format!("δ {:.0} %", delta * 100.0),

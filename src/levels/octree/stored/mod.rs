@@ -56,7 +56,7 @@ mod write;
 pub use error::StoredOctreeError;
 
 use super::Octree;
-use super::voxels::color_of_sum;
+use super::color_sums::color_of_sum;
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::math::morton::LEVELS;
 

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
-use crate::levels::octree::{OctreeError, SelectView, StopCriterion};
+use crate::levels::SelectView;
+use crate::levels::octree::{OctreeError, StopCriterion};
 use glam::Vec3;
 use proptest::prelude::*;
 

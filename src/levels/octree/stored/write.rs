@@ -3,7 +3,8 @@
 use super::bits::BitWriter;
 use super::{MAGIC, Octree, SEVERAL_LEVELS, SHAPES, VERSION, columns};
 use crate::cloud::ShapeRecord;
-use crate::levels::octree::{NodeRange, stop::Leaves};
+use crate::levels::cut::NodeRange;
+use crate::levels::octree::stop::Leaves;
 use crate::math::morton::LEVELS;
 use std::io;
 

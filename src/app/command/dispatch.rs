@@ -1,0 +1,163 @@
+//! Keys become commands.
+
+use super::bindings::{BINDINGS, Binding};
+use super::kinds::Command;
+use egui::{Context, Event, Key, Modifiers};
+
+/// The keys of `command` as a person reads them, for menus and tooltips; empty without any.
+pub(in crate::app) fn keys_of(command: Command) -> &'static str {
+    BINDINGS
+        .iter()
+        .find(|binding| binding.command == command)
+        .map_or("", |binding| binding.keys)
+}
+
+/// The binding of a key by its letter, else by its place.
+fn find(key: Key, physical_key: Option<Key>, modifiers: Modifiers) -> Option<&'static Binding> {
+    let by_key = |key: Key| {
+        BINDINGS.iter().find(|binding| {
+            binding
+                .chords
+                .iter()
+                .any(|chord| chord.matches(key, modifiers))
+        })
+    };
+    by_key(key).or_else(|| physical_key.and_then(by_key))
+}
+
+/// Takes the keys that are commands out of egui's input and returns what they ask for.
+///
+/// Nothing is taken from a text field but what no text needs (F keys, Ctrl combinations). A button or slider that
+/// was reached with Tab keeps the keys that move or press it.
+pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
+    let focus = if ctx.text_edit_focused() {
+        Focus::TextField
+    } else if ctx.egui_wants_keyboard_input() {
+        Focus::Widget
+    } else {
+        Focus::None
+    };
+    let popup_is_open = ctx.any_popup_open();
+    let mut commands = Vec::new();
+    ctx.input_mut(|input| {
+        input.events.retain(|event| {
+            let Event::Key {
+                key,
+                physical_key,
+                pressed: true,
+                repeat,
+                modifiers,
+            } = *event
+            else {
+                return true;
+            };
+            let Some(binding) = find(key, physical_key, modifiers) else {
+                return true;
+            };
+            // An open menu is what Escape closes first.
+            let closes_popup = popup_is_open && key == Key::Escape;
+            if closes_popup || focus.keeps(key, modifiers) {
+                return true;
+            }
+            if !repeat || binding.repeats {
+                commands.push(binding.command);
+            }
+            false
+        });
+    });
+    commands
+}
+
+/// What has the keyboard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Focus {
+    None,
+    /// A button or slider, reached with Tab.
+    Widget,
+    TextField,
+}
+
+impl Focus {
+    /// True if what has the keyboard needs this key.
+    fn keeps(self, key: Key, modifiers: Modifiers) -> bool {
+        let function_key = key.name().len() > 1 && key.name().starts_with('F');
+        if modifiers.ctrl || modifiers.command || function_key {
+            // What is typed is undone where it is typed.
+            return self == Self::TextField && matches!(key, Key::Z | Key::Y);
+        }
+        match self {
+            Self::None => false,
+            Self::TextField => true,
+            Self::Widget => matches!(
+                key,
+                Key::Space | Key::Escape | Key::Home | Key::End | Key::ArrowLeft | Key::ArrowRight
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_combination_is_bound_twice() {
+        for (index, binding) in BINDINGS.iter().enumerate() {
+            for chord in binding.chords {
+                for shift in [false, true] {
+                    if chord.shift == Some(!shift) {
+                        continue;
+                    }
+                    let modifiers = Modifiers {
+                        shift,
+                        command: chord.command,
+                        ..Modifiers::NONE
+                    };
+                    let found = BINDINGS.iter().position(|other| {
+                        other
+                            .chords
+                            .iter()
+                            .any(|chord2| chord2.matches(chord.key, modifiers))
+                    });
+                    assert_eq!(found, Some(index), "{} with {modifiers:?}", binding.keys);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn letters_go_before_places() {
+        // On a German keyboard the key right of P is ü, which is bound by its place: the bracket of a US keyboard.
+        let found =
+            |key, place, modifiers| find(key, place, modifiers).map(|binding| binding.command);
+        assert_eq!(
+            found(Key::Backtick, Some(Key::OpenBracket), Modifiers::NONE),
+            Some(Command::Slower)
+        );
+        // Dvorak's P is where R is: the letter decides.
+        assert_eq!(
+            found(Key::P, Some(Key::R), Modifiers::NONE),
+            Some(Command::Screenshot)
+        );
+        assert_eq!(
+            found(Key::O, Some(Key::O), Modifiers::CTRL),
+            Some(Command::OpenFiles)
+        );
+        assert_eq!(found(Key::J, Some(Key::J), Modifiers::NONE), None);
+        assert_eq!(found(Key::Space, None, Modifiers::ALT), None);
+    }
+
+    #[test]
+    fn text_fields_keep_what_they_need() {
+        assert!(Focus::TextField.keeps(Key::L, Modifiers::NONE));
+        assert!(Focus::TextField.keeps(Key::F, Modifiers::NONE));
+        assert!(!Focus::None.keeps(Key::F, Modifiers::NONE));
+        assert!(!Focus::TextField.keeps(Key::F1, Modifiers::NONE));
+        assert!(!Focus::TextField.keeps(Key::O, Modifiers::CTRL));
+        assert!(Focus::TextField.keeps(Key::Z, Modifiers::CTRL));
+        assert!(!Focus::Widget.keeps(Key::Z, Modifiers::CTRL));
+        assert!(Focus::Widget.keeps(Key::Space, Modifiers::NONE));
+        assert!(!Focus::Widget.keeps(Key::L, Modifiers::NONE));
+        assert!(!Focus::None.keeps(Key::Space, Modifiers::NONE));
+    }
+}

@@ -1,0 +1,289 @@
+//! Surfels of what is in view, for a large cloud at rest whose own are not there: they are being estimated, or the
+//! machine has no memory for them.
+//!
+//! **How it works.** When camera and frame have been the same for a moment, a thread takes the points that the picture
+//! shows, no more than it has pixels ([`points_in_view`]), and estimates the surface of these alone. Their picture
+//! replaces that of all points until the view is another one, or the surfels of all points are there.
+
+use super::levels::REST;
+use crate::analysis::MOST_JOINED;
+use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::playback::can_draw;
+use crate::scene::{Camera, Clip, Primitive, Scene, Style, ViewTransform, points_in_view};
+use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare_part};
+use glam::DVec3;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What surfels in view depend on.
+#[derive(Debug, Clone, PartialEq)]
+struct Key {
+    /// [`PreparedFrame::id`].
+    frame: u64,
+    needs: Needs,
+    view: ViewTransform,
+    viewport_px: [u32; 2],
+    /// Relative to the origin of the sequence.
+    clip: Option<Clip>,
+}
+
+/// A frame whose surfels are wanted and not there.
+#[derive(Debug)]
+struct Wanted {
+    key: Key,
+    frame: Arc<PreparedFrame>,
+    since: Duration,
+}
+
+/// Surfels of a view that were estimated; `None` where nothing is seen.
+#[derive(Debug)]
+pub struct InView {
+    key: Key,
+    part: Option<Arc<PreparedFrame>>,
+}
+
+/// The surfels in view of one picture.
+#[derive(Debug)]
+pub(in crate::app) struct SurfelsInView {
+    /// Those of frames of fewer points are there before anybody misses them.
+    fewest_points: usize,
+    wanted: Option<Wanted>,
+    asked_for: Option<Key>,
+    made: Option<Arc<InView>>,
+}
+
+impl Default for SurfelsInView {
+    fn default() -> Self {
+        Self {
+            fewest_points: MOST_JOINED,
+            wanted: None,
+            asked_for: None,
+            made: None,
+        }
+    }
+}
+
+impl SurfelsInView {
+    /// The surfels to draw in place of `frame` at `now`, if these are wanted and there.
+    pub(in crate::app) fn choose(
+        &mut self,
+        frame: &Arc<PreparedFrame>,
+        (camera, origin): (&Camera, DVec3),
+        settings: &Style,
+        viewport_px: [u32; 2],
+        now: Duration,
+    ) -> Option<Arc<PreparedFrame>> {
+        let are_missing = matches!(settings.primitive, Primitive::Auto | Primitive::Surfel)
+            && !can_draw(frame, settings.primitive);
+        if !are_missing || frame.is_sample() || frame.points.len() < self.fewest_points {
+            self.wanted = None;
+            self.made = None;
+            return None;
+        }
+        let viewport_px = settings.drawn_px(viewport_px);
+        let clip = settings.of_sequence.clip.filter(|clip| clip.is_on);
+        let key = Key {
+            frame: frame.id,
+            needs: Scene::needs(settings),
+            view: camera.transform(origin, viewport_px),
+            viewport_px,
+            clip: clip.map(|clip| clip.relative_to(origin)),
+        };
+        if self.wanted.as_ref().is_none_or(|wanted| wanted.key != key) {
+            self.wanted = Some(Wanted {
+                key,
+                frame: Arc::clone(frame),
+                since: now,
+            });
+        }
+        self.made_as_wanted()?.part.clone()
+    }
+
+    fn made_as_wanted(&self) -> Option<&InView> {
+        let wanted = self.wanted.as_ref()?;
+        let made = self.made.as_deref();
+        made.filter(|made| made.key == wanted.key)
+    }
+
+    /// Has what is wanted made, once the view rests.
+    pub(in crate::app) fn prepare<T: TaskOutcome + From<Arc<InView>>>(
+        &mut self,
+        tasks: &Tasks<T>,
+        now: Duration,
+    ) {
+        if self.next_deadline().is_none_or(|deadline| now < deadline) {
+            return;
+        }
+        let Some(wanted) = &self.wanted else { return };
+        let (key, frame) = (wanted.key.clone(), Arc::clone(&wanted.frame));
+        self.asked_for = Some(key.clone());
+        tasks.start("surfels in view", move || Arc::new(InView::of(key, &frame)));
+    }
+
+    /// Takes what was made.
+    pub(in crate::app) fn take(&mut self, made: &Arc<InView>) {
+        if self.asked_for.as_ref() == Some(&made.key) {
+            self.asked_for = None;
+            self.made = Some(Arc::clone(made));
+        }
+    }
+
+    /// When the view rests and what it shows is to be made. One view is made at a time: who turns the camera waits for
+    /// no other.
+    pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
+        let is_due = self.asked_for.is_none() && self.made_as_wanted().is_none();
+        let wanted = self.wanted.as_ref().filter(|_| is_due)?;
+        Some(wanted.since + REST)
+    }
+}
+
+impl InView {
+    fn of(key: Key, frame: &PreparedFrame) -> Self {
+        let positions = frame.frame.positions();
+        let slots = points_in_view(positions, &key.view, key.viewport_px, key.clip.as_ref());
+        let counters = PrepareCounters::default();
+        let part = prepare_part(frame, &slots, &key.needs, &counters);
+        let part = part.map(Arc::new).ok().filter(|_| !slots.is_empty());
+        Self { key, part }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::Outcome;
+    use crate::cloud::{Frame, Positions, RawCloud};
+    use crate::math::Aabb;
+    use crate::scene::UpAxis;
+    use crate::sequence::prepare;
+    use glam::Vec3;
+    use std::sync::mpsc::sync_channel;
+
+    const VIEWPORT_PX: [u32; 2] = [64, 48];
+
+    /// A square of points, without what surfels need.
+    fn square() -> Arc<PreparedFrame> {
+        let positions = (0..10_000_u16).map(|index| [index % 100, index / 100, 0].map(f32::from));
+        let raw = RawCloud::from_positions(Positions::F32(positions.collect()));
+        let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO).unwrap());
+        let counters = PrepareCounters::default();
+        Arc::new(prepare(0, frame, 0.0, &Needs::default(), &counters))
+    }
+
+    fn camera(edge: f32) -> Camera {
+        let bounds = Aabb::from_points(&[Vec3::ZERO, Vec3::splat(edge)]);
+        Camera::framing(&bounds, DVec3::ZERO, UpAxis::Z)
+    }
+
+    fn for_all_clouds() -> SurfelsInView {
+        SurfelsInView {
+            fewest_points: 0,
+            ..SurfelsInView::default()
+        }
+    }
+
+    fn ms(time_ms: u64) -> Duration {
+        Duration::from_millis(time_ms)
+    }
+
+    fn choose(
+        surfels: &mut SurfelsInView,
+        frame: &Arc<PreparedFrame>,
+        camera: &Camera,
+        time_ms: u64,
+    ) -> Option<Arc<PreparedFrame>> {
+        let (settings, from) = (Style::default(), (camera, DVec3::ZERO));
+        surfels.choose(frame, from, &settings, VIEWPORT_PX, ms(time_ms))
+    }
+
+    /// Has made at `time_ms` what is due then; `None` if nothing is.
+    fn make(surfels: &mut SurfelsInView, time_ms: u64) -> Option<Arc<InView>> {
+        let (woken, wakes) = sync_channel(1);
+        let mut tasks = Tasks::<Outcome>::new(Arc::new(move || woken.send(()).unwrap()));
+        surfels.prepare(&tasks, ms(time_ms));
+        surfels.asked_for.as_ref()?;
+        wakes.recv_timeout(Duration::from_secs(30)).unwrap();
+        match tasks.take().pop() {
+            Some(Outcome::InView(made)) => Some(made),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_view_that_rests_gets_surfels_and_another_one_its_own() {
+        let (frame, mut surfels) = (square(), for_all_clouds());
+        let [near, far] = [camera(100.0), camera(400.0)];
+        assert!(choose(&mut surfels, &frame, &near, 0).is_none());
+        assert_eq!(surfels.next_deadline(), Some(REST));
+        assert!(make(&mut surfels, 49).is_none());
+        let made = make(&mut surfels, 50).unwrap();
+        // Nothing else is begun meanwhile.
+        assert_eq!(surfels.next_deadline(), None);
+        surfels.take(&made);
+        assert_eq!(surfels.next_deadline(), None);
+        let part = choose(&mut surfels, &frame, &near, 60).unwrap();
+        assert!(can_draw(&part, Primitive::Surfel) && part.is_sample());
+        assert!(part.points.len() < frame.points.len());
+
+        assert!(choose(&mut surfels, &frame, &far, 70).is_none());
+        assert_eq!(surfels.next_deadline(), Some(ms(70) + REST));
+        let made = make(&mut surfels, 120).unwrap();
+        surfels.take(&made);
+        let farther = choose(&mut surfels, &frame, &far, 121).unwrap();
+        assert!(farther.points.len() < part.points.len());
+    }
+
+    #[test]
+    fn what_came_too_late_is_not_drawn() {
+        let (frame, mut surfels) = (square(), for_all_clouds());
+        let [before, after] = [camera(100.0), camera(400.0)];
+        choose(&mut surfels, &frame, &before, 0);
+        let made = make(&mut surfels, 50).unwrap();
+        assert!(choose(&mut surfels, &frame, &after, 55).is_none());
+        surfels.take(&made);
+        assert!(choose(&mut surfels, &frame, &after, 60).is_none());
+        assert_eq!(surfels.next_deadline(), Some(ms(55) + REST));
+        // Nor what another picture has asked for.
+        let mut other = for_all_clouds();
+        choose(&mut other, &frame, &before, 0);
+        other.take(&made);
+        assert!(choose(&mut other, &frame, &before, 60).is_none());
+    }
+
+    #[test]
+    fn surfels_of_all_points_take_their_place_and_points_have_none() {
+        let (frame, mut surfels) = (square(), for_all_clouds());
+        let camera = camera(100.0);
+        choose(&mut surfels, &frame, &camera, 0);
+        let made = make(&mut surfels, 50).unwrap();
+        surfels.take(&made);
+        let needs = Scene::needs(&Style::default());
+        let whole = crate::sequence::complete(&frame, &needs, &PrepareCounters::default());
+        assert!(choose(&mut surfels, &Arc::new(whole), &camera, 60).is_none());
+        assert!(surfels.made.is_none() && surfels.next_deadline().is_none());
+
+        let points = Style {
+            primitive: Primitive::Point,
+            ..Style::default()
+        };
+        let from = (&camera, DVec3::ZERO);
+        let chosen = surfels.choose(&frame, from, &points, VIEWPORT_PX, ms(70));
+        assert!(chosen.is_none() && surfels.next_deadline().is_none());
+        // Nor have clouds whose own surfels are there soon.
+        let mut surfels = SurfelsInView::default();
+        assert!(choose(&mut surfels, &frame, &camera, 0).is_none());
+        assert_eq!(surfels.next_deadline(), None);
+    }
+
+    #[test]
+    fn where_nothing_is_seen_nothing_is_made_again_and_again() {
+        let (frame, mut surfels) = (square(), for_all_clouds());
+        let mut beside = camera(100.0);
+        beside.target_in_world.x += 1e6;
+        choose(&mut surfels, &frame, &beside, 0);
+        let made = make(&mut surfels, 50).unwrap();
+        surfels.take(&made);
+        assert!(choose(&mut surfels, &frame, &beside, 60).is_none());
+        assert_eq!(surfels.next_deadline(), None);
+    }
+}

@@ -1,0 +1,264 @@
+//! Levels of detail while the camera moves, for frames at rest that take long to draw.
+//!
+//! **How it works.** A picture of all points that took longer than a smooth motion allows is remembered with its frame,
+//! which then gets an octree on a thread if it has none. While the camera moves, as many cells are drawn as there is
+//! time for ([`Lod::FrameTimeMs`]); once it has rested, all points. Frames that play have fewer points instead
+//! (`sequence/effort.rs`): an octree for each would take the time of the points that it saves.
+
+use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::levels::Lod;
+use crate::playback::can_draw;
+use crate::scene::{Camera, LevelStyle, Primitive, Scene, Style};
+use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A moving picture takes no longer, panels included: 30 a second, and some time to spare.
+const SMOOTH_MS: f32 = 28.0;
+
+/// A camera that has not moved for so long rests: longer than the pauses in a slow drag, short enough to be waited for.
+pub(in crate::app) const REST: Duration = Duration::from_millis(50);
+
+/// What makes the pictures of one frame coarser while the camera moves.
+#[derive(Debug, Default)]
+pub(in crate::app) struct Levels {
+    /// The frame whose picture took so long, and how long.
+    whole_ms: Option<(u64, f64)>,
+    /// The frame for which levels are being made.
+    asked_for: Option<u64>,
+    made: Option<Arc<PreparedFrame>>,
+    camera: Option<Camera>,
+    /// When the camera moved last.
+    moved_at: Option<Duration>,
+    /// The last picture was a coarse one.
+    are_drawn: bool,
+}
+
+/// A frame that has got levels of detail.
+#[derive(Debug)]
+pub struct FrameWithLevels(pub(in crate::app) Arc<PreparedFrame>);
+
+impl Levels {
+    /// Whether the last picture was a coarse one.
+    pub(in crate::app) fn are_drawn(&self) -> bool {
+        self.are_drawn
+    }
+
+    /// Takes notice of how long the picture of all points of `frame` took.
+    pub(in crate::app) fn note_whole_picture(&mut self, frame: &PreparedFrame, draw_ms: f64) {
+        self.whole_ms = Some((frame.id, draw_ms));
+    }
+
+    /// Has levels made for `frame`, if its picture takes long and it has none.
+    pub(in crate::app) fn prepare<T: TaskOutcome + From<FrameWithLevels>>(
+        &mut self,
+        frame: &Arc<PreparedFrame>,
+        settings: &Style,
+        tasks: &Tasks<T>,
+    ) {
+        let needs = Scene::needs(&in_cells(settings));
+        let has_levels = frame.satisfies(&needs) || self.made_for(frame, &needs).is_some();
+        if !self.is_slow(frame)
+            || has_levels
+            || self.asked_for == Some(frame.id)
+            || settings.primitive == Primitive::Point
+            || settings.draws_codes()
+            // What it lacks is on its way, or not wanted.
+            || !can_draw(frame, settings.primitive)
+        {
+            return;
+        }
+        self.asked_for = Some(frame.id);
+        let frame = Arc::clone(frame);
+        tasks.start("levels", move || {
+            let made = complete(&frame, &needs, &PrepareCounters::default());
+            FrameWithLevels(Arc::new(made))
+        });
+    }
+
+    /// Takes levels that were made.
+    pub(in crate::app) fn take(&mut self, made: &Arc<PreparedFrame>) {
+        if self.asked_for == Some(made.id) {
+            self.asked_for = None;
+            self.made = Some(Arc::clone(made));
+        }
+    }
+
+    /// When the camera will have rested and the whole picture is due.
+    pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
+        self.moved_at
+            .filter(|_| self.are_drawn)
+            .map(|moved_at| moved_at + REST)
+    }
+
+    /// The frame and the settings to draw with from `camera` at `now`: those that are given, or coarser ones while it
+    /// moves.
+    pub(in crate::app) fn choose(
+        &mut self,
+        frame: &Arc<PreparedFrame>,
+        camera: &Camera,
+        settings: &Style,
+        now: Duration,
+    ) -> (Arc<PreparedFrame>, Style) {
+        if self
+            .camera
+            .replace(*camera)
+            .is_some_and(|before| before != *camera)
+        {
+            self.moved_at = Some(now);
+        }
+        let is_moving = self
+            .moved_at
+            .is_some_and(|moved_at| now.saturating_sub(moved_at) < REST);
+        self.are_drawn = false;
+        if is_moving && self.is_slow(frame) && settings.primitive != Primitive::Point {
+            let coarse = in_cells(settings);
+            let needs = Scene::needs(&coarse);
+            let made = self.made_for(frame, &needs);
+            let made = made.or_else(|| frame.satisfies(&needs).then_some(frame));
+            if let Some(made) = made {
+                let made = Arc::clone(made);
+                self.are_drawn = true;
+                return (made, coarse);
+            }
+        }
+        (Arc::clone(frame), *settings)
+    }
+
+    /// Whether the whole picture of a frame takes longer than a smooth motion allows.
+    fn is_slow(&self, frame: &PreparedFrame) -> bool {
+        self.whole_ms
+            .is_some_and(|(id, whole_ms)| id == frame.id && whole_ms > f64::from(SMOOTH_MS))
+    }
+
+    fn made_for(&self, frame: &PreparedFrame, needs: &Needs) -> Option<&Arc<PreparedFrame>> {
+        self.made
+            .as_ref()
+            .filter(|made| made.id == frame.id && made.satisfies(needs))
+    }
+}
+
+/// The same settings, by as many cells of the octree as can be drawn in time.
+fn in_cells(settings: &Style) -> Style {
+    Style {
+        levels: LevelStyle {
+            surfel_lod: true,
+            lod: Lod::FrameTimeMs(SMOOTH_MS),
+            ..settings.levels
+        },
+        ..*settings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::Outcome;
+    use crate::cloud::{Frame, Positions, RawCloud};
+    use crate::math::Aabb;
+    use crate::scene::UpAxis;
+    use crate::sequence::prepare;
+    use glam::{DVec3, Vec3};
+    use std::sync::mpsc::sync_channel;
+
+    /// A square of points with what surfels need, and no octree.
+    fn square() -> Arc<PreparedFrame> {
+        let positions = (0..400_u16).map(|index| [index % 20, index / 20, 0].map(f32::from));
+        let raw = RawCloud::from_positions(Positions::F32(positions.collect()));
+        let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO).unwrap());
+        let needs = Scene::needs(&Style::default());
+        let counters = PrepareCounters::default();
+        Arc::new(prepare(0, frame, 0.0, &needs, &counters))
+    }
+
+    /// The camera at step `step` of a motion.
+    fn camera(step: u32) -> Camera {
+        let edge = Vec3::splat(20.0 + step as f32);
+        Camera::framing(
+            &Aabb::from_points(&[Vec3::ZERO, edge]),
+            DVec3::ZERO,
+            UpAxis::Z,
+        )
+    }
+
+    /// Starts the making of levels, if they are wanted, and takes them.
+    fn make(levels: &mut Levels, frame: &Arc<PreparedFrame>, settings: &Style) -> bool {
+        let (woken, wakes) = sync_channel(1);
+        let mut tasks = Tasks::<Outcome>::new(Arc::new(move || woken.send(()).unwrap()));
+        levels.prepare(frame, settings, &tasks);
+        if levels.asked_for.is_none() {
+            return false;
+        }
+        wakes.recv_timeout(Duration::from_secs(30)).unwrap();
+        for outcome in tasks.take() {
+            let Outcome::Levels(FrameWithLevels(made)) = outcome else {
+                panic!("{outcome:?}");
+            };
+            levels.take(&made);
+        }
+        true
+    }
+
+    #[test]
+    fn a_slow_frame_is_coarse_while_the_camera_moves_and_whole_once_it_rests() {
+        let frame = square();
+        let settings = Style::default();
+        let mut levels = Levels::default();
+        let ms = Duration::from_millis;
+        let (drawn, same) = levels.choose(&frame, &camera(0), &settings, ms(0));
+        assert!(Arc::ptr_eq(&drawn, &frame) && same == settings);
+        levels.note_whole_picture(&frame, 60.0);
+        // Levels are made once.
+        assert!(make(&mut levels, &frame, &settings));
+        assert!(!make(&mut levels, &frame, &settings));
+
+        let (drawn, coarse) = levels.choose(&frame, &camera(1), &settings, ms(100));
+        assert!(drawn.levels.octree().is_some() && drawn.id == frame.id);
+        assert_eq!(coarse, in_cells(&settings));
+        assert!(levels.are_drawn());
+        // The picture of all points is due once the camera has rested, and no sooner.
+        assert_eq!(levels.next_deadline(), Some(ms(100) + REST));
+        let (_, still_coarse) = levels.choose(&frame, &camera(1), &settings, ms(149));
+        assert_eq!(still_coarse, in_cells(&settings));
+        let (drawn, whole) = levels.choose(&frame, &camera(1), &settings, ms(150));
+        assert!(Arc::ptr_eq(&drawn, &frame) && whole == settings);
+        assert_eq!(levels.next_deadline(), None);
+    }
+
+    #[test]
+    fn what_is_drawn_in_time_stays_as_it_is() {
+        let frame = square();
+        let points = Style {
+            primitive: Primitive::Point,
+            ..Style::default()
+        };
+        let cases = [
+            ("fast", Style::default(), 27.0),
+            // They have no levels of detail.
+            ("points", points, 60.0),
+        ];
+        for (name, settings, whole_ms) in cases {
+            let mut levels = Levels::default();
+            levels.note_whole_picture(&frame, whole_ms);
+            assert!(!make(&mut levels, &frame, &settings), "{name}");
+            for step in 0..3 {
+                let now = Duration::from_millis(10 * u64::from(step));
+                let (drawn, same) = levels.choose(&frame, &camera(step), &settings, now);
+                assert!(Arc::ptr_eq(&drawn, &frame) && same == settings, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn levels_of_a_frame_before_are_not_taken_for_those_of_the_next() {
+        let [before, next] = [square(), square()];
+        let settings = Style::default();
+        let mut levels = Levels::default();
+        levels.note_whole_picture(&before, 60.0);
+        assert!(make(&mut levels, &before, &settings));
+        levels.note_whole_picture(&next, 60.0);
+        levels.choose(&next, &camera(0), &settings, Duration::ZERO);
+        let (drawn, same) = levels.choose(&next, &camera(1), &settings, Duration::ZERO);
+        assert!(Arc::ptr_eq(&drawn, &next) && same == settings);
+    }
+}

@@ -1,0 +1,211 @@
+//! A picture of a pose in the window: the packet that it is drawn from, and what that was made of.
+
+pub(super) mod in_view;
+pub(super) mod levels;
+
+use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::playback::can_draw;
+use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, Style, pick};
+use crate::sequence::PreparedFrame;
+use egui::{Pos2, Rect, Vec2};
+use glam::DVec3;
+use in_view::{InView, SurfelsInView};
+use levels::{FrameWithLevels, Levels};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A click may be so far beside what it is meant for, points.
+const PICK_RADIUS: f32 = 6.0;
+
+/// A picture that follows frame, camera and settings.
+#[derive(Debug)]
+pub(in crate::app) struct Drawing {
+    scene: Scene,
+    packet: Option<ScenePacket>,
+    frame: Option<DrawnFrame>,
+    primitive: Primitive,
+    /// What makes pictures coarser while the camera moves.
+    levels: Levels,
+    /// What stands for surfels that are not there.
+    surfels_in_view: SurfelsInView,
+    /// The last redraw had a new picture, whose time has not been looked at.
+    is_new: bool,
+}
+
+/// What a packet is made of.
+#[derive(Debug, Clone)]
+pub(in crate::app) struct DrawnFrame {
+    pub(in crate::app) frame: Arc<PreparedFrame>,
+    /// The pose in it: the same, or what it was made from.
+    pub(in crate::app) pose: Arc<PreparedFrame>,
+    /// Of their positions.
+    pub(in crate::app) origin: DVec3,
+}
+
+impl DrawnFrame {
+    /// The slot in the pose of a point of the frame; `None` for points of ghosts.
+    fn slot_in_pose(&self, slot: usize) -> Option<usize> {
+        if Arc::ptr_eq(&self.frame.frame, &self.pose.frame) {
+            return Some(slot);
+        }
+        let index = *self.frame.frame.file_index().get(slot)? as usize;
+        (index < self.pose.points.len()).then_some(index)
+    }
+}
+
+impl Default for Drawing {
+    fn default() -> Self {
+        Self {
+            scene: Scene::that_remembers(),
+            packet: None,
+            frame: None,
+            primitive: Primitive::Point,
+            levels: Levels::default(),
+            surfels_in_view: SurfelsInView::default(),
+            is_new: false,
+        }
+    }
+}
+
+impl Drawing {
+    /// Counters of the traversal.
+    pub(in crate::app) fn stats(&self) -> SceneStats {
+        self.scene.stats()
+    }
+
+    /// Takes notice of how long the last picture took, if that was not said yet. The points of the frame in it then, if
+    /// the picture was of all of them.
+    pub(in crate::app) fn note_draw_ms(&mut self, draw_ms: f64) -> Option<usize> {
+        if !std::mem::take(&mut self.is_new) {
+            return None;
+        }
+        let (packet, drawn) = self.packet.as_ref().zip(self.frame.as_ref())?;
+        self.scene.note_draw_ms(&packet.settings, draw_ms);
+        if self.levels.are_drawn() {
+            return None;
+        }
+        self.levels.note_whole_picture(&drawn.frame, draw_ms);
+        Some(drawn.frame.frame.len())
+    }
+
+    /// Has made what the next pictures lack: levels of detail for a frame at rest that takes long to draw, so that the
+    /// camera moves smoothly; surfels of what is in view at `now`, where those of the frame are not there.
+    pub(in crate::app) fn prepare<T>(
+        &mut self,
+        settings: &Style,
+        is_at_rest: bool,
+        tasks: &Tasks<T>,
+        now: Duration,
+    ) where
+        T: TaskOutcome + From<FrameWithLevels> + From<Arc<InView>>,
+    {
+        if let Some(drawn) = self.frame.as_ref().filter(|_| is_at_rest) {
+            self.levels.prepare(&drawn.frame, settings, tasks);
+        }
+        self.surfels_in_view.prepare(tasks, now);
+    }
+
+    /// Takes surfels in view that were made.
+    pub(in crate::app) fn take_surfels_in_view(&mut self, made: &Arc<InView>) {
+        self.surfels_in_view.take(made);
+    }
+
+    /// Whether the last picture is of surfels, be it of those in view alone.
+    pub(in crate::app) fn has_surfels(&self) -> bool {
+        self.packet
+            .as_ref()
+            .is_some_and(|packet| packet.content.shapes().is_some())
+    }
+
+    /// Takes levels of detail that were made.
+    pub(in crate::app) fn take_levels(&mut self, frame: &Arc<PreparedFrame>) {
+        self.levels.take(frame);
+    }
+
+    /// When a picture that is coarse because the camera moved is to be drawn as a whole, or one of points to become
+    /// surfels.
+    pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
+        let levels = self.levels.next_deadline().into_iter();
+        levels.chain(self.surfels_in_view.next_deadline()).min()
+    }
+
+    /// The packet to draw at `now`, if it differs from the last one. Until the frame has what the primitive needs, it
+    /// is shown as before.
+    pub(in crate::app) fn next_packet(
+        &mut self,
+        mut drawn: DrawnFrame,
+        camera: &Camera,
+        settings: &Style,
+        viewport_px: [u32; 2],
+        now: Duration,
+    ) -> Option<ScenePacket> {
+        let seen_from = (camera, drawn.origin);
+        let part = self
+            .surfels_in_view
+            .choose(&drawn.frame, seen_from, settings, viewport_px, now);
+        if let Some(part) = part {
+            drawn.frame = Arc::clone(&part);
+            drawn.pose = part;
+        }
+        let (frame, mut settings) = self.levels.choose(&drawn.frame, camera, settings, now);
+        if !can_draw(&drawn.frame, settings.primitive) {
+            settings.primitive = if can_draw(&drawn.frame, self.primitive) {
+                self.primitive
+            } else {
+                Primitive::Point
+            };
+        }
+        let packet = self
+            .scene
+            .packet(&frame, drawn.origin, camera, &settings, viewport_px);
+        if self.packet.as_ref() == Some(&packet) {
+            return None;
+        }
+        self.primitive = settings.primitive;
+        self.frame = Some(drawn);
+        self.packet = Some(packet.clone());
+        self.is_new = true;
+        Some(packet)
+    }
+
+    /// Whether there is a picture.
+    pub(in crate::app) fn is_drawn(&self) -> bool {
+        self.packet.is_some()
+    }
+
+    /// Forgets what was drawn: it is drawn again.
+    pub(in crate::app) fn forget_picture(&mut self) {
+        self.packet = None;
+    }
+
+    /// Forgets what can be picked.
+    pub(in crate::app) fn forget_frame(&mut self) {
+        self.frame = None;
+        self.surfels_in_view = SurfelsInView::default();
+    }
+
+    /// The point under `place` of the picture over `rect`, and the pose that it is of, as they were drawn last.
+    pub(in crate::app) fn point_at(
+        &self,
+        place: Pos2,
+        rect: Rect,
+    ) -> Option<(Pick, Arc<PreparedFrame>)> {
+        let (packet, drawn) = self.packet.as_ref().zip(self.frame.as_ref())?;
+        if !rect.contains(place) || rect.area() == 0.0 {
+            return None;
+        }
+        let [width, height] = packet.viewport_px.map(|edge| edge as f32);
+        let px_per_point = Vec2::new(width, height) / rect.size();
+        let place_px = (place - rect.min) * px_per_point;
+        let radius_px = f64::from(PICK_RADIUS * px_per_point.y);
+        let place_px = [place_px.x, place_px.y].map(f64::from);
+        let slot = pick(packet, &drawn.frame, place_px, radius_px)?;
+        let [red, green, blue, _] = drawn.frame.points[slot].color;
+        let slot = drawn.slot_in_pose(slot)?;
+        let pick = Pick {
+            drawn_color: [red, green, blue],
+            ..Pick::of(&drawn.pose, drawn.origin, slot)?
+        };
+        Some((pick, Arc::clone(&drawn.pose)))
+    }
+}

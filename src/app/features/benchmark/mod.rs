@@ -1,0 +1,289 @@
+//! A benchmark on a thread of its own, with its progress and its result as plain data for the panel.
+
+mod lab;
+pub(in crate::app) mod panel;
+
+use crate::app::work::tasks::{TaskOutcome, Tasks, Wake};
+use crate::app::work::works::{Work, WorkKind};
+use crate::bench::{self, LabPoint, Step};
+use crate::locks::lock;
+use crate::progress::Progress;
+use crate::render::gpu::{Context, ContextOptions};
+use crate::scene::RendererChoice;
+use crate::sequence::Sequence;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+/// How often is looked whether the other window has measured itself.
+const LOOK_INTERVAL: Duration = Duration::from_millis(100);
+
+/// As what a benchmark is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReportFormat {
+    /// For programs.
+    Json,
+    /// For spreadsheets.
+    Csv,
+    /// For browsers.
+    Html,
+}
+
+impl ReportFormat {
+    /// Its name for people.
+    pub(in crate::app) fn name(self) -> &'static str {
+        match self {
+            Self::Json => "JSON",
+            Self::Csv => "CSV",
+            Self::Html => "HTML page",
+        }
+    }
+
+    /// What its files end in.
+    pub(in crate::app) fn extension(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::Csv => "csv",
+            Self::Html => "html",
+        }
+    }
+}
+
+/// A finished benchmark as the panel shows and exports it.
+#[derive(Debug, Clone, Default)]
+pub struct BenchmarkTable {
+    /// Name of the suite.
+    pub suite: String,
+    /// What it was measured on.
+    pub adapter: String,
+    /// What was measured; most suites have one table.
+    pub tables: Vec<bench::Table>,
+    /// What a reader must know, such as frames that were skipped.
+    pub notes: Vec<String>,
+    /// What the bars are.
+    pub bars_title: String,
+    /// Label and length of each bar of the chart.
+    pub bars: Vec<(String, f64)>,
+    /// The report for programs.
+    pub json: String,
+    /// The report for spreadsheets.
+    pub csv: String,
+    /// The report as a page; empty where there is none.
+    pub html: String,
+    /// Ways to draw by time and error; most suites have none.
+    pub points: Vec<Arc<LabPoint>>,
+}
+
+/// The work of a benchmark: reports its steps, stops soon after it was cancelled. `Err` is a text for the person.
+pub type BenchmarkJob =
+    Box<dyn FnOnce(&dyn Fn(Step), &Progress) -> Result<BenchmarkTable, String> + Send>;
+
+/// What a benchmark came to; `Err` is a text for the person.
+#[derive(Debug)]
+pub struct BenchmarkEnded(Result<BenchmarkTable, String>);
+
+/// What the benchmark window shows.
+#[derive(Debug, Default)]
+pub enum Benchmark {
+    /// Nothing was started.
+    #[default]
+    Idle,
+    /// One is running.
+    Running(RunningBenchmark),
+    /// It was cancelled.
+    Cancelled,
+    /// It could not be finished.
+    Failed(String),
+    /// It is finished.
+    Done(Box<BenchmarkTable>),
+}
+
+/// A benchmark that runs.
+#[derive(Debug)]
+pub struct RunningBenchmark {
+    /// Name of the suite.
+    pub suite: String,
+    /// How far it is.
+    pub work: Work,
+    label: Arc<Mutex<String>>,
+    points: Arc<Mutex<Vec<Arc<LabPoint>>>>,
+}
+
+impl RunningBenchmark {
+    /// What is measured now.
+    pub fn label(&self) -> String {
+        lock(&self.label).clone()
+    }
+
+    /// The ways to draw whose time and error are known.
+    pub fn points(&self) -> Vec<Arc<LabPoint>> {
+        lock(&self.points).clone()
+    }
+}
+
+impl Benchmark {
+    /// The ways to draw whose time and error are known.
+    pub fn points(&self) -> Vec<Arc<LabPoint>> {
+        match self {
+            Self::Running(running) => running.points(),
+            Self::Done(table) => table.points.clone(),
+            Self::Idle | Self::Cancelled | Self::Failed(_) => Vec::new(),
+        }
+    }
+
+    /// Starts `job` at `now` unless one is running. `wake` is called whenever there is progress.
+    pub(in crate::app) fn start<T: TaskOutcome + From<BenchmarkEnded>>(
+        &mut self,
+        suite: &str,
+        job: BenchmarkJob,
+        tasks: &Tasks<T>,
+        (wake, now): (Wake, Duration),
+    ) {
+        if matches!(self, Self::Running(_)) {
+            return;
+        }
+        let name = format!("Benchmark {suite}");
+        let (work, progress) = Work::begin(WorkKind::Benchmark, name, now);
+        let label = Arc::new(Mutex::new(String::new()));
+        let points = Arc::new(Mutex::new(Vec::new()));
+        let reported_label = Arc::clone(&label);
+        let reported_points = Arc::clone(&points);
+        tasks.start("benchmark", move || {
+            let report = |step: Step| {
+                lock(&reported_points).extend(step.measured);
+                *lock(&reported_label) = step.label;
+                progress.set(step.done, step.total);
+                wake();
+            };
+            BenchmarkEnded(job(&report, &progress))
+        });
+        *self = Self::Running(RunningBenchmark {
+            suite: suite.to_owned(),
+            work,
+            label,
+            points,
+        });
+    }
+
+    /// Takes what the thread came to.
+    pub(in crate::app) fn finish(&mut self, BenchmarkEnded(result): BenchmarkEnded) {
+        let cancelled =
+            matches!(self, Self::Running(running) if running.work.progress().is_cancelled());
+        *self = match result {
+            _ if cancelled => Self::Cancelled,
+            Ok(table) => Self::Done(Box::new(table)),
+            Err(text) => Self::Failed(text),
+        };
+    }
+}
+
+/// The job that runs `suite` on `sequence`: with a GPU context of its own, or in a window of its own.
+pub(in crate::app) fn benchmark_job(
+    suite: bench::Suite,
+    name: String,
+    sequence: Arc<Sequence>,
+) -> BenchmarkJob {
+    if suite == bench::Suite::Window {
+        return Box::new(move |report, progress| {
+            report(Step {
+                label: format!("{name}: another window plays, turns and scrubs it"),
+                ..Step::default()
+            });
+            window_job(&sequence, progress)
+        });
+    }
+    Box::new(move |report, progress| {
+        let context =
+            Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
+        let options = bench::BenchOptions {
+            // What a software adapter draws nobody would choose.
+            modes: if context.is_software() {
+                bench::Modes::of_renderer(RendererChoice::Cpu)
+            } else {
+                bench::Modes::default()
+            },
+            truth_folder: bench::BenchOptions::truth_folder_of_person(),
+            ..bench::BenchOptions::new(suite)
+        };
+        let input = bench::Input {
+            name,
+            sequence,
+            shape: None,
+        };
+        let measured = bench::run(&[input], &options, Some(&context), report, progress)
+            .map_err(|error| error.to_string())?;
+        Ok(BenchmarkTable::of(measured))
+    })
+}
+
+impl BenchmarkTable {
+    /// The report in a format.
+    pub(in crate::app) fn text_as(&self, format: ReportFormat) -> &str {
+        match format {
+            ReportFormat::Json => &self.json,
+            ReportFormat::Csv => &self.csv,
+            ReportFormat::Html => &self.html,
+        }
+    }
+
+    fn of(measured: bench::Report) -> Self {
+        Self {
+            suite: measured.suite().name().to_owned(),
+            adapter: measured.environment.adapter.clone(),
+            tables: measured.tables(),
+            notes: measured.notes.clone(),
+            bars_title: measured.bars_title().to_owned(),
+            bars: measured.bars(),
+            json: measured.to_json(),
+            csv: measured.to_csv(),
+            html: if measured.points.is_empty() {
+                String::new()
+            } else {
+                measured.to_html()
+            },
+            points: measured.points.into_iter().map(Arc::new).collect(),
+        }
+    }
+}
+
+/// Has this program measure another window of its own: one process has one event loop, and this window's would be
+/// measured with the benchmark's panel in it.
+fn window_job(sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable, String> {
+    let say = |error: std::io::Error| format!("the other window cannot be opened: {error}");
+    let folder = std::env::temp_dir().join(format!("pointreel-window-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).map_err(say)?;
+    let file = folder.join("report.json");
+    let inputs = match sequence.source().inputs() {
+        [] => vec![PathBuf::from("demo:")],
+        inputs => inputs.to_vec(),
+    };
+    let fps = sequence.fps().to_string();
+    let mut program = Command::new(std::env::current_exe().map_err(say)?)
+        .args(["bench", "window"])
+        .args(inputs)
+        .args(["--fps", &fps, "--json"])
+        .arg(&file)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .spawn()
+        .map_err(say)?;
+    let ended = loop {
+        if progress.is_cancelled() {
+            // One that has just ended by itself needs no end.
+            let _ = program.kill();
+        }
+        match program.try_wait().map_err(say)? {
+            Some(status) => break status,
+            None => std::thread::sleep(LOOK_INTERVAL),
+        }
+    };
+    let json = std::fs::read_to_string(&file);
+    // What is left there is cleaned up by the system.
+    let _ = std::fs::remove_dir_all(&folder);
+    if !ended.success() {
+        return Err("the other window was closed before all was measured".to_owned());
+    }
+    let report = bench::window_report_of_json(&json.map_err(say)?)?;
+    Ok(BenchmarkTable::of(report))
+}

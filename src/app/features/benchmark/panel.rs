@@ -1,0 +1,193 @@
+//! The benchmark window: progress and cancel while it runs, then the table and a bar chart.
+
+use super::lab::lab_ui;
+use crate::app::theme::ACCENT;
+use crate::app::work::panel::{bar, cancel_button};
+use crate::app::{Benchmark, BenchmarkTable, ReportFormat, State};
+use crate::bench::Table;
+use egui::{Align2, Grid, RichText, ScrollArea, Ui, Window};
+use egui_plot::{Bar, BarChart, Plot};
+
+/// Height of a bar in the chart, points.
+const BAR_HEIGHT: f32 = 22.0;
+
+/// What the window's frame and the menu above it take of a low screen, points.
+const MARGIN: f32 = 90.0;
+
+/// The window while it is open.
+pub(in crate::app) fn benchmark_ui(ui: &mut Ui, state: &mut State) {
+    let mut open = state.panels.benchmark;
+    let mut export = None;
+    let screen = ui.ctx().content_rect();
+    Window::new("Benchmark")
+        .open(&mut open)
+        .collapsible(false)
+        .default_width(820.0)
+        .pivot(Align2::CENTER_CENTER)
+        .default_pos(screen.center())
+        .show(ui, |ui| {
+            // As high as what is in it, as long as the screen has room.
+            ScrollArea::vertical()
+                .id_salt("all")
+                .max_height(screen.height() - MARGIN)
+                .min_scrolled_height(screen.height() - MARGIN)
+                .auto_shrink([false, true])
+                .show(ui, |ui| export = contents(ui, state));
+        });
+    state.panels.benchmark = open;
+    if let Some(format) = export {
+        state.ask_for_report(format);
+    }
+}
+
+/// What the window shows; returns what the person wants to export.
+fn contents(ui: &mut Ui, state: &mut State) -> Option<ReportFormat> {
+    let mut export = None;
+    let points = state.benchmark.points();
+    match &state.benchmark {
+        Benchmark::Idle => {
+            ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused meanwhile.");
+        }
+        Benchmark::Running(running) => {
+            ui.strong(format!("Suite {}", running.suite));
+            bar(ui, &running.work, state.now());
+            ui.label(running.label());
+            cancel_button(ui, running.work.progress());
+        }
+        Benchmark::Cancelled => {
+            ui.label("The benchmark was cancelled.");
+        }
+        Benchmark::Failed(text) => {
+            ui.label(RichText::new(text).color(ui.visuals().error_fg_color));
+            if ui.button("Copy").clicked() {
+                ui.ctx().copy_text(text.clone());
+            }
+        }
+        Benchmark::Done(table) => export = done(ui, table),
+    }
+    if !points.is_empty() {
+        ui.separator();
+        lab_ui(ui, state, &points);
+    }
+    export
+}
+
+fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<ReportFormat> {
+    ui.strong(format!("Suite {}", table.suite));
+    ui.weak(&table.adapter);
+    ui.separator();
+    ScrollArea::both()
+        .id_salt("table")
+        .max_height(260.0)
+        .show(ui, |ui| {
+            for table in &table.tables {
+                if !table.name.is_empty() {
+                    ui.strong(&table.name);
+                }
+                cells(ui, table);
+            }
+        });
+    for note in &table.notes {
+        ui.label(RichText::new(note).color(ui.visuals().warn_fg_color));
+    }
+    // Ways by time and error have a plot of their own.
+    if !table.bars.is_empty() && table.points.is_empty() {
+        ui.add_space(8.0);
+        ui.label(&table.bars_title);
+        chart(ui, table);
+    }
+    ui.separator();
+    ui.horizontal(|ui| {
+        let json = ui
+            .button("Export JSON…")
+            .on_hover_text("Everything measured, for programs");
+        let csv = ui
+            .button("Export CSV…")
+            .on_hover_text("The table, for spreadsheets");
+        let html = (!table.html.is_empty()).then(|| {
+            ui.button("Export page…")
+                .on_hover_text("A page with the plot and the pictures, for browsers")
+        });
+        if json.clicked() {
+            Some(ReportFormat::Json)
+        } else if csv.clicked() {
+            Some(ReportFormat::Csv)
+        } else if html.is_some_and(|html| html.clicked()) {
+            Some(ReportFormat::Html)
+        } else {
+            None
+        }
+    })
+    .inner
+}
+
+fn cells(ui: &mut Ui, table: &Table) {
+    Grid::new(("cells", &table.name))
+        .striped(true)
+        .spacing([18.0, 4.0])
+        .show(ui, |ui| {
+            for column in &table.columns {
+                ui.strong(column);
+            }
+            ui.end_row();
+            for row in &table.rows {
+                for cell in row {
+                    ui.label(RichText::new(cell).monospace());
+                }
+                ui.end_row();
+            }
+        });
+}
+
+fn chart(ui: &mut Ui, table: &BenchmarkTable) {
+    // The first row of the table at the top.
+    let bars: Vec<Bar> = (0..)
+        .zip(table.bars.iter().rev())
+        .map(|(place, (label, median_ms))| {
+            Bar::new(f64::from(place), *median_ms)
+                .name(label)
+                .width(0.7)
+                .fill(ACCENT)
+        })
+        .collect();
+    let labels: Vec<String> = table
+        .bars
+        .iter()
+        .rev()
+        .map(|(label, _)| label.clone())
+        .collect();
+    let longest = labels
+        .iter()
+        .map(|label| label.chars().count())
+        .max()
+        .unwrap_or(0);
+    Plot::new("bars")
+        .height(BAR_HEIGHT * (bars.len() as f32 + 2.0))
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .include_x(0.0)
+        .y_axis_min_width(7.0 * longest as f32)
+        .y_grid_spacer(|input| {
+            let (from, to) = input.bounds;
+            (from.ceil() as i64..=to.floor() as i64)
+                .map(|place| egui_plot::GridMark {
+                    value: place as f64,
+                    step_size: 1.0,
+                })
+                .collect()
+        })
+        .y_axis_formatter(move |mark, _| {
+            let place = mark.value.round();
+            let label = (place >= 0.0).then(|| labels.get(place as usize)).flatten();
+            label.cloned().unwrap_or_default()
+        })
+        .show(ui, |plot| {
+            plot.bar_chart(
+                BarChart::new(&table.bars_title, bars)
+                    .horizontal()
+                    .color(ACCENT),
+            );
+        });
+}

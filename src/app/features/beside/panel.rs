@@ -1,0 +1,147 @@
+//! The bar of a second sequence: how it is laid out, which of its frames are shown, and how far it is from the first.
+
+use crate::app::features::comparison::panel::{difference_ui, error_map_ui};
+use crate::app::widgets::numbers::rounded_to;
+use crate::app::{Beside, Command, FrameDistances, Layout, OneWay, State};
+use crate::playback::PairBy;
+use egui::{Button, DragValue, RichText, Ui};
+
+/// Offsets that can be dragged to.
+const MAX_OFFSET: i64 = 1_000_000;
+
+/// The bar while two sequences are compared.
+pub(in crate::app) fn beside_ui(ui: &mut Ui, state: &mut State) {
+    let (Some(beside), Some(player)) = (&mut state.beside, &state.player) else {
+        return;
+    };
+    let mut command = None;
+    let mut measures = false;
+    ui.horizontal_wrapped(|ui| {
+        layout_ui(ui, beside);
+        ui.separator();
+        pairing_ui(ui, beside);
+        ui.separator();
+        let close = ui.button("Close comparison");
+        if close.on_hover_text("Back to one sequence").clicked() {
+            command = Some(Command::CloseComparison);
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        if beside.layout == Layout::Wipe {
+            error_map_ui(ui, &mut beside.pictures);
+            if beside.companion.shown().is_some() {
+                difference_ui(ui, &beside.pictures);
+            }
+            ui.separator();
+        }
+        let distances = beside.distances(player);
+        if beside.is_measuring() {
+            ui.weak("Measuring distances…");
+        } else if distances.is_none() {
+            let button = Button::new("Measure distances");
+            let is_possible = beside.whole_frames(player).is_some();
+            measures = ui
+                .add_enabled(is_possible, button)
+                .on_hover_text("From each point to the nearest of the other frame, both ways")
+                .on_disabled_hover_text("Both frames have to be here with all their points: pause")
+                .clicked();
+        }
+        if let Some(distances) = distances {
+            distances_ui(ui, distances);
+        }
+    });
+    if measures {
+        state.measure_distances();
+    }
+    if let Some(command) = command {
+        state.run(command);
+    }
+}
+
+fn layout_ui(ui: &mut Ui, beside: &mut Beside) {
+    let mut layout = beside.layout;
+    for (value, text, tooltip) in [
+        (
+            Layout::SideBySide,
+            "Side by side",
+            "A half each, by one camera (Shift+C)",
+        ),
+        (
+            Layout::Wipe,
+            "Line",
+            "One over the other, with a line between them that can be dragged (Shift+C)",
+        ),
+    ] {
+        ui.selectable_value(&mut layout, value, text)
+            .on_hover_text(tooltip);
+    }
+    if layout != beside.layout {
+        beside.lay_out(layout);
+    }
+}
+
+/// Which frames belong together.
+fn pairing_ui(ui: &mut Ui, beside: &mut Beside) {
+    let companion = &mut beside.companion;
+    ui.label("Frames by");
+    let mut by = companion.paired_by();
+    ui.selectable_value(&mut by, PairBy::Index, "Index")
+        .on_hover_text("Frames of the same number belong together");
+    let tooltip = match companion.times() {
+        Some(times) if times.counts_from_first() => {
+            "The frames taken at the same time belong together, counted from the first frame of each: their clocks never meet"
+        }
+        _ => "The frames taken at the same time belong together",
+    };
+    let has_times = companion.times().is_some();
+    let time = ui
+        .add_enabled(has_times, Button::selectable(by == PairBy::Time, "Time"))
+        .on_hover_text(tooltip)
+        .on_disabled_hover_text("Not all frames of both have a time stamp");
+    if time.clicked() {
+        by = PairBy::Time;
+    }
+    if by != companion.paired_by() {
+        companion.pair_by(by);
+        // Other frames are shown from the next pass on.
+        ui.ctx().request_repaint();
+    }
+    let mut offset = companion.offset_frames();
+    let tooltip = "So many frames later are those of B; negative for earlier";
+    let label = ui.label("Offset").on_hover_text(tooltip);
+    let drag = DragValue::new(&mut offset)
+        .range(-MAX_OFFSET..=MAX_OFFSET)
+        .speed(0.1)
+        .suffix(" frames");
+    let is_changed = ui
+        .add(drag)
+        .labelled_by(label.id)
+        .on_hover_text(tooltip)
+        .changed();
+    if is_changed {
+        companion.set_offset_frames(offset);
+        ui.ctx().request_repaint();
+    }
+}
+
+fn distances_ui(ui: &mut Ui, distances: &FrameDistances) {
+    let shown = text_of(distances, |value| rounded_to(value, 4));
+    ui.label(RichText::new(shown).monospace()).on_hover_text(
+        "From each point of one frame to the nearest of the other, scene units. Hausdorff: the larger of both largest",
+    );
+    let copy = ui.small_button("Copy numbers");
+    if copy.on_hover_text("With all digits").clicked() {
+        ui.copy_text(text_of(distances, |value| value.to_string()));
+    }
+}
+
+/// All distances in a line.
+fn text_of(distances: &FrameDistances, number: impl Fn(f64) -> String) -> String {
+    let way = |way: &OneWay| {
+        let [mean, rms, largest] = [way.mean, way.root_mean_squared, way.largest].map(&number);
+        format!("mean {mean}  RMS {rms}  largest {largest}")
+    };
+    let (a, b) = (way(&distances.from_a), way(&distances.from_b));
+    let hausdorff = number(distances.hausdorff());
+    format!("A→B  {a}   B→A  {b}   Hausdorff {hausdorff}")
+}

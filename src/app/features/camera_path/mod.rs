@@ -1,0 +1,166 @@
+//! The camera path that is being made: its keyframes ([`Draft`]), the time at which the next one is set, and its file.
+//!
+//! A path belongs to no sequence and stays when another one is opened. What is not in a file is never lost without a
+//! question.
+
+mod keyframes;
+pub(in crate::app) mod marks;
+pub(in crate::app) mod panel;
+
+mod draft;
+mod file;
+mod preview;
+
+pub use draft::Draft;
+pub use file::PathFile;
+pub(in crate::app) use file::{read_path, save_path};
+
+use crate::scene::{Camera, Keyframe, PathError};
+use preview::{Moment, Preview};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// From one keyframe to the next, unless a person says otherwise, seconds.
+const DEFAULT_STEP_S: f64 = 2.0;
+
+/// The camera path of the window.
+#[derive(Debug)]
+pub struct PathEditor {
+    /// What there is of it; undo knows its states.
+    pub draft: Arc<Draft>,
+    /// Where in the video the next keyframe is set, seconds.
+    pub(in crate::app) time_s: f64,
+    /// The time moves on by so much after a keyframe at the end, seconds.
+    pub(in crate::app) step_s: f64,
+    /// What its file has.
+    saved: Arc<Draft>,
+    file: Option<PathBuf>,
+    preview: Option<Preview>,
+    /// What waits for an answer.
+    pub(in crate::app) question: Option<Question>,
+}
+
+/// What would lose something.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::app) enum Question {
+    /// Another path is to be opened.
+    Open,
+    /// A new path is to be begun.
+    New,
+    /// The program is to end.
+    Quit,
+}
+
+impl Default for PathEditor {
+    fn default() -> Self {
+        Self {
+            draft: Arc::default(),
+            time_s: 0.0,
+            step_s: DEFAULT_STEP_S,
+            saved: Arc::default(),
+            file: None,
+            preview: None,
+            question: None,
+        }
+    }
+}
+
+impl PathEditor {
+    /// True if the path is not as in its file.
+    pub fn is_unsaved(&self) -> bool {
+        !Arc::ptr_eq(&self.draft, &self.saved) && self.draft != self.saved
+    }
+
+    /// True while it plays in the window.
+    pub fn is_playing(&self) -> bool {
+        self.preview.is_some()
+    }
+
+    /// Its file, if it has one.
+    pub fn file(&self) -> Option<&PathBuf> {
+        self.file.as_ref()
+    }
+
+    /// Changes the path as one step of undo.
+    pub(in crate::app) fn edit(&mut self, change: impl FnOnce(&mut Draft)) {
+        change(Arc::make_mut(&mut self.draft));
+    }
+
+    /// Sets a keyframe at its time, or does so in place of the one that is there. At the end the time moves on.
+    pub(in crate::app) fn set_keyframe(
+        &mut self,
+        camera: Camera,
+        frame: f64,
+    ) -> Result<(), PathError> {
+        let key = Keyframe {
+            time_s: self.time_s,
+            camera,
+            frame,
+        };
+        let mut draft = (*self.draft).clone();
+        draft.put(key)?;
+        let is_last = draft
+            .times_s()
+            .is_some_and(|times| key.time_s >= *times.end());
+        if is_last && self.draft.key_at(key.time_s).is_none() {
+            self.time_s += self.step_s;
+        }
+        self.draft = Arc::new(draft);
+        Ok(())
+    }
+
+    /// Gives keyframe `index` another view and frame.
+    pub(in crate::app) fn replace_keyframe(
+        &mut self,
+        index: usize,
+        camera: Camera,
+        frame: f64,
+    ) -> Result<(), PathError> {
+        let mut draft = (*self.draft).clone();
+        draft.replace(index, camera, frame)?;
+        self.draft = Arc::new(draft);
+        Ok(())
+    }
+
+    /// What is seen at its time, if that is within the path.
+    pub(in crate::app) fn at_time(&self) -> Option<(Camera, usize)> {
+        let (path, times_s) = (self.draft.path()?, self.draft.times_s()?);
+        times_s
+            .contains(&self.time_s)
+            .then(|| path.at(self.time_s - times_s.start()))
+    }
+
+    /// Plays it from its time on. `resumes`: the sequence was playing before. False without keyframes.
+    pub(in crate::app) fn play(&mut self, at: (Camera, Duration), resumes: bool) -> bool {
+        let preview = self.draft.path().cloned();
+        self.preview = preview.map(|path| Preview::new(path, self.time_s, at, resumes));
+        self.is_playing()
+    }
+
+    /// Stops it; whether the sequence was playing before, if the path was playing.
+    pub(in crate::app) fn stop(&mut self) -> Option<bool> {
+        self.preview.take().map(|preview| preview.resumes)
+    }
+
+    /// Where a path that plays is at `now`; `None` if somebody else has moved the camera.
+    pub(in crate::app) fn step(&mut self, camera: &Camera, now: Duration) -> Option<Moment> {
+        let moment = self.preview.as_mut()?.step(camera, now)?;
+        self.time_s = moment.time_s;
+        Some(moment)
+    }
+
+    /// Takes another path in place of the one there is.
+    pub(in crate::app) fn take(&mut self, draft: Arc<Draft>, file: Option<PathBuf>) {
+        self.saved = Arc::clone(&draft);
+        self.time_s = draft.times_s().map_or(0.0, |times| *times.start());
+        self.draft = draft;
+        self.file = file;
+    }
+
+    /// Takes notice that `draft` is in `file` now.
+    pub(in crate::app) fn note_saved(&mut self, file: PathBuf, draft: Arc<Draft>) {
+        self.saved = draft;
+        self.file = Some(file);
+    }
+}

@@ -1,0 +1,162 @@
+//! The camera path: its time, its keyframes, its file.
+
+use super::keyframes::{keyframes_ui, seconds};
+use crate::app::State;
+use crate::app::command::{Command, keys_of};
+use crate::app::widgets::names::named;
+use crate::app::widgets::settle::settle;
+use egui::{Align2, Button, Checkbox, RichText, Slider, Ui, Window, vec2};
+
+/// Times that are offered, seconds.
+const TIMES_S: std::ops::RangeInclusive<f64> = 0.0..=1e6;
+
+/// The window while it is open.
+pub(in crate::app) fn camera_path_ui(ui: &mut Ui, state: &mut State) {
+    let mut open = state.panels.path;
+    let corner = state.viewport.rect.left_top() + vec2(12.0, 12.0);
+    let shown = Window::new("Camera path")
+        .open(&mut open)
+        .resizable(false)
+        .pivot(Align2::LEFT_TOP)
+        .default_pos(corner)
+        .show(ui, |ui| {
+            time_ui(ui, state);
+            ui.separator();
+            keyframes_ui(ui, state);
+            ui.separator();
+            file_ui(ui, state);
+        });
+    settle(ui, "Camera path", shown);
+    state.panels.path = open;
+}
+
+fn time_ui(ui: &mut Ui, state: &mut State) {
+    let mut time_s = state.path.time_s;
+    ui.horizontal(|ui| {
+        let label = ui.label("Time");
+        let tooltip =
+            "Where in the video the next keyframe is set; within the path its view is shown";
+        ui.add(seconds(&mut time_s).range(TIMES_S))
+            .labelled_by(label.id)
+            .on_hover_text(tooltip);
+        let label = ui.label("Step");
+        let tooltip = "How far the time moves on after a keyframe at the end";
+        ui.add(seconds(&mut state.path.step_s).range(0.001..=1e5))
+            .labelled_by(label.id)
+            .on_hover_text(tooltip);
+    });
+    if let Some(times_s) = state.path.draft.times_s()
+        && times_s.start() < times_s.end()
+    {
+        ui.spacing_mut().slider_width = ui.available_width();
+        // The time may be after the path, where the next keyframe comes.
+        let mut along_s = time_s.clamp(*times_s.start(), *times_s.end());
+        let slider = Slider::new(&mut along_s, times_s).show_value(false);
+        let slider = ui.add(slider).on_hover_text("Shows the path at any time");
+        named(&slider, "Along the path");
+        if slider.changed() {
+            time_s = along_s;
+        }
+    }
+    if time_s != state.path.time_s {
+        state.set_path_time(time_s);
+    }
+    ui.horizontal(|ui| {
+        for (text, tooltip, command) in [
+            (
+                "Add keyframe",
+                "What is shown becomes the view of the path at this time",
+                Command::AddKeyframe,
+            ),
+            if state.path.is_playing() {
+                ("Stop", "Stops where it is (Esc)", Command::TogglePreview)
+            } else {
+                (
+                    "Preview",
+                    "Plays the path in the window at its speed; Esc stops it",
+                    Command::TogglePreview,
+                )
+            },
+        ] {
+            let button = Button::new(text).shortcut_text(keys_of(command));
+            let response = ui.add(button).on_hover_text(tooltip);
+            named(&response, text);
+            if response.clicked() {
+                state.run(command);
+            }
+        }
+    });
+}
+
+fn file_ui(ui: &mut Ui, state: &mut State) {
+    let draft = &state.path.draft;
+    let mut eases = draft.eases();
+    let ease = ui.add(Checkbox::new(&mut eases, "Ease in and out"));
+    if ease
+        .on_hover_text("The camera starts and ends at rest")
+        .changed()
+    {
+        state.path.edit(|draft| draft.set_eases(eases));
+    }
+    let draft = &state.path.draft;
+    let count = draft.keyframes().len();
+    let duration_s = draft
+        .times_s()
+        .map_or(0.0, |times| times.end() - times.start());
+    let name = state.path.file().and_then(|file| file.file_name());
+    let name = name.map_or("no file yet".into(), |name| name.to_string_lossy());
+    ui.horizontal(|ui| {
+        ui.weak(format!("{count} keyframes, {duration_s:.2} s, {name}"));
+        if state.path.is_unsaved() {
+            ui.label(RichText::new("not saved").color(ui.visuals().warn_fg_color));
+        }
+    });
+    let has_path = draft.path().is_some();
+    ui.horizontal(|ui| {
+        for (text, name, is_offered, tooltip, command) in [
+            (
+                "New",
+                "New camera path",
+                true,
+                "Begins an empty path",
+                Command::NewPath,
+            ),
+            (
+                "Open…",
+                "Open a camera path",
+                true,
+                "A JSON file, as `render --path` reads it",
+                Command::OpenPath,
+            ),
+            (
+                "Save",
+                "Save the camera path",
+                has_path,
+                "To its file; the first time asks for one",
+                Command::SavePath,
+            ),
+            (
+                "Save as…",
+                "Save the camera path as",
+                has_path,
+                "To another file",
+                Command::SavePathAs,
+            ),
+            (
+                "Export…",
+                "Export the camera path",
+                has_path,
+                "Writes a video of the path",
+                Command::ExportPath,
+            ),
+        ] {
+            let button = ui.add_enabled(is_offered, Button::new(text));
+            let button = button.on_hover_text(tooltip);
+            let button = button.on_disabled_hover_text("There are no keyframes yet");
+            named(&button, name);
+            if button.clicked() {
+                state.run(command);
+            }
+        }
+    });
+}

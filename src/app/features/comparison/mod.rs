@@ -1,0 +1,81 @@
+//! Two ways to draw one pose side by side, and how far apart their pictures are.
+//!
+//! How it works: the settings of the window are those of the side that is edited; the other side's are here, with a
+//! scene, a packet and what its pictures need of the frame beyond what is prepared. That is completed when it is drawn:
+//! it is a way to look at a pose, not to play. Once both pictures have rested for a moment they are read back and
+//! compared on a thread.
+
+mod pair;
+pub(in crate::app) mod panel;
+
+pub use pair::{PictureDifference, PicturePair};
+
+use crate::app::side::Side;
+use crate::scene::{Camera, Scene, ScenePacket, Style};
+use crate::sequence::{PrepareCounters, PreparedFrame, complete};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Another way to draw beside that of the window.
+#[derive(Debug)]
+pub struct Comparison {
+    /// How the side draws that is not edited.
+    pub other: Style,
+    /// The side that the settings of the window are of.
+    pub edited: Side,
+    /// Both pictures.
+    pub pictures: PicturePair,
+    scene: Scene,
+    /// Completed for the other side.
+    frame: Option<PreparedFrame>,
+    packet: Option<ScenePacket>,
+}
+
+impl Comparison {
+    /// The same settings on both sides; the right one is edited.
+    pub(in crate::app) fn new(settings: Style) -> Self {
+        Self {
+            other: settings,
+            edited: Side::B,
+            pictures: PicturePair::default(),
+            scene: Scene::that_remembers(),
+            frame: None,
+            packet: None,
+        }
+    }
+
+    /// The packet of the side that is not edited, if it differs from the last one.
+    pub(in crate::app) fn next_packet(
+        &mut self,
+        frame: &PreparedFrame,
+        origin: DVec3,
+        camera: &Camera,
+        style: &Style,
+        viewport_px: [u32; 2],
+    ) -> Option<ScenePacket> {
+        let known = self
+            .frame
+            .take()
+            .filter(|known| Arc::ptr_eq(&known.frame, &frame.frame));
+        let needs = Scene::needs(style);
+        let frame = complete(
+            known.as_ref().unwrap_or(frame),
+            &needs,
+            &PrepareCounters::default(),
+        );
+        let packet = self
+            .scene
+            .packet(&frame, origin, camera, style, viewport_px);
+        self.frame = Some(frame);
+        if self.packet.as_ref() == Some(&packet) {
+            return None;
+        }
+        self.packet = Some(packet.clone());
+        Some(packet)
+    }
+
+    /// Forgets what was drawn.
+    pub(in crate::app) fn forget_picture(&mut self) {
+        self.packet = None;
+    }
+}

@@ -1,0 +1,153 @@
+//! Two pictures, and how far they are from each other.
+
+use crate::app::work::tasks::{TaskFailed, TaskOutcome, Tasks};
+use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db, ssim};
+use crate::render::scaled_to;
+use image::RgbaImage;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+/// How long both pictures must have been the same before they are compared.
+const REST: Duration = Duration::from_millis(250);
+
+/// Pairs of pictures so far, so that the answer for one that has gone is known as such.
+static PAIRS: AtomicU64 = AtomicU64::new(0);
+
+/// Two pictures beside each other.
+#[derive(Debug)]
+pub struct PicturePair {
+    /// Where the line between them is, as a share of the width from the left.
+    pub split: f32,
+    /// Shows where the pictures differ instead of them.
+    pub shows_difference: bool,
+    /// How far apart the pictures are, once they have been compared.
+    pub difference: Option<PictureDifference>,
+    /// When the pictures are to be compared.
+    due: Option<Duration>,
+    /// Which pair of pictures it is.
+    pair: u64,
+}
+
+impl Default for PicturePair {
+    fn default() -> Self {
+        Self {
+            split: 0.5,
+            shows_difference: false,
+            difference: None,
+            due: None,
+            pair: 0,
+        }
+    }
+}
+
+/// How far B is from A.
+#[derive(Debug, Clone)]
+pub struct PictureDifference {
+    /// Mean FLIP, 0 to 1.
+    pub flip: f64,
+    /// Infinite for equal pictures.
+    pub psnr_db: f64,
+    /// `None` for pictures too small for it.
+    pub ssim: Option<f64>,
+    /// The FLIP error of each pixel in colours.
+    pub map: Arc<RgbaImage>,
+    pair: u64,
+}
+
+impl PicturePair {
+    /// Takes notice that one of the pictures is another one at `now`.
+    pub(in crate::app) fn note_change(&mut self, now: Duration) {
+        self.pair = 1 + PAIRS.fetch_add(1, Ordering::Relaxed);
+        self.difference = None;
+        self.due = Some(now + REST);
+    }
+
+    /// Knows no difference any more: the pictures are of different places, or there is only one.
+    pub(in crate::app) fn forget_difference(&mut self) {
+        self.pair = 1 + PAIRS.fetch_add(1, Ordering::Relaxed);
+        self.difference = None;
+        self.due = None;
+    }
+
+    /// When the pictures are to be compared.
+    pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
+        self.due
+    }
+
+    /// True once, when the pictures have rested.
+    pub(in crate::app) fn is_due(&mut self, now: Duration) -> bool {
+        let is_due = self.due.is_some_and(|due| due <= now);
+        if is_due {
+            self.due = None;
+        }
+        is_due
+    }
+
+    /// Compares both pictures on a thread. They may be of different sizes.
+    pub(in crate::app) fn compare<T: TaskOutcome + From<PictureDifference>>(
+        &self,
+        [a, b]: [RgbaImage; 2],
+        tasks: &Tasks<T>,
+    ) {
+        let pair = self.pair;
+        tasks.try_start("comparison", move || {
+            difference(&a, b, pair).map_err(|error| TaskFailed(error.to_string()))
+        });
+    }
+
+    /// Takes the answer, unless one of the pictures has changed since.
+    pub(in crate::app) fn take_in(&mut self, difference: PictureDifference) {
+        if difference.pair == self.pair {
+            self.difference = Some(difference);
+        }
+    }
+}
+
+fn difference(a: &RgbaImage, b: RgbaImage, pair: u64) -> Result<PictureDifference, SizeMismatch> {
+    let b = scaled_to(b, [a.width(), a.height()]);
+    let map = flip(a, &b)?;
+    Ok(PictureDifference {
+        flip: map.mean(),
+        psnr_db: psnr_db(mean_squared_error(a, &b)?),
+        ssim: ssim(a, &b).ok(),
+        map: Arc::new(map.to_heatmap()),
+        pair,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_compared_once_they_rest() {
+        let mut pictures = PicturePair::default();
+        let at = Duration::from_millis;
+        assert!(!pictures.is_due(at(0)));
+        pictures.note_change(at(100));
+        pictures.note_change(at(200));
+        assert_eq!(pictures.next_deadline(), Some(at(450)));
+        assert!(!pictures.is_due(at(449)));
+        assert!(pictures.is_due(at(450)));
+        assert!(!pictures.is_due(at(900)), "once");
+    }
+
+    #[test]
+    fn the_answer_for_a_picture_that_has_gone_is_not_taken() {
+        let mut pictures = PicturePair::default();
+        pictures.note_change(Duration::ZERO);
+        let picture = RgbaImage::from_pixel(16, 16, image::Rgba([10, 20, 30, 255]));
+        let answer = difference(&picture, picture.clone(), pictures.pair).unwrap();
+        assert_eq!(
+            (answer.flip, answer.psnr_db, answer.ssim),
+            (0.0, f64::INFINITY, Some(1.0))
+        );
+        pictures.take_in(answer.clone());
+        assert!(pictures.difference.is_some());
+        pictures.note_change(Duration::ZERO);
+        assert!(pictures.difference.is_none());
+        pictures.take_in(answer);
+        assert!(pictures.difference.is_none());
+    }
+}

@@ -1,0 +1,99 @@
+//! The bar of an A/B view: which side the settings are of, the numbers, and where the pictures differ.
+
+use crate::app::State;
+use crate::app::features::comparison::PicturePair;
+use crate::app::side::Side;
+use egui::{Checkbox, Ui};
+
+/// The bar while two ways to draw are compared.
+pub(in crate::app) fn comparison_ui(ui: &mut Ui, state: &mut State) {
+    let Some(comparison) = &mut state.comparison else {
+        return;
+    };
+    let mut edited = comparison.edited;
+    let mut close = false;
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Settings of");
+        for (side, text, tooltip) in [
+            (
+                Side::A,
+                "A (left)",
+                "The panel shows and changes the settings of the left side",
+            ),
+            (
+                Side::B,
+                "B (right)",
+                "The panel shows and changes the settings of the right side",
+            ),
+        ] {
+            ui.selectable_value(&mut edited, side, text)
+                .on_hover_text(tooltip);
+        }
+        ui.separator();
+        error_map_ui(ui, &mut comparison.pictures);
+        difference_ui(ui, &comparison.pictures);
+        ui.separator();
+        close = ui
+            .button("Close")
+            .on_hover_text("Back to one picture (C)")
+            .clicked();
+    });
+    if edited != comparison.edited {
+        comparison.edited = edited;
+        std::mem::swap(&mut comparison.other, &mut state.settings);
+    }
+    if close {
+        state.comparison = None;
+    }
+}
+
+/// Whether the pictures are shown, or where they differ.
+pub(in crate::app) fn error_map_ui(ui: &mut Ui, pictures: &mut PicturePair) {
+    ui.add(Checkbox::new(&mut pictures.shows_difference, "Error map")).on_hover_text(
+        "FLIP of each pixel, A being the truth: black where nobody sees a difference, pale where it is largest",
+    );
+}
+
+/// How far the pictures are from each other.
+pub(in crate::app) fn difference_ui(ui: &mut Ui, pictures: &PicturePair) {
+    ui.separator();
+    match &pictures.difference {
+        Some(difference) => {
+            let numbers = numbers(difference.flip, difference.psnr_db, difference.ssim);
+            ui.monospace(numbers).on_hover_text(
+                "Of the whole pictures. FLIP: 0 equal, 1 as different as can be. PSNR: infinite for equal pictures. SSIM: 1 for \
+                 equal pictures",
+            );
+        }
+        None => {
+            ui.weak("Compared when the pictures rest");
+        }
+    }
+}
+
+fn numbers(flip: f64, psnr_db: f64, ssim: Option<f64>) -> String {
+    let psnr = if psnr_db.is_finite() {
+        format!("{psnr_db:.1} dB")
+    } else {
+        "∞".to_owned()
+    };
+    let ssim = ssim.map_or_else(|| "–".to_owned(), |ssim| format!("{ssim:.4}"));
+    format!("FLIP {flip:.4}   PSNR {psnr}   SSIM {ssim}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::numbers;
+
+    #[test]
+    fn equal_and_small_pictures_have_numbers_too() {
+        assert_eq!(
+            numbers(0.0, f64::INFINITY, None),
+            "FLIP 0.0000   PSNR ∞   SSIM –"
+        );
+        assert_eq!(
+            numbers(0.125, 31.26, Some(0.95)),
+            "FLIP 0.1250   PSNR 31.3 dB   SSIM 0.9500"
+        );
+    }
+}

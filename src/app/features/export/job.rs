@@ -1,0 +1,128 @@
+//! An export on a thread of its own: all that it needs is taken when it begins, so the window goes on living.
+
+use super::plan;
+use crate::app::work::works::Progress;
+use crate::export::{ExportError, PictureSize, Poses, Video, export_video, write_picture_observed};
+use crate::headless::{Headless, HeadlessError};
+use crate::render::AnyRenderer;
+use crate::scene::{Camera, CameraPath, Style};
+use crate::sequence::{Loader, LoaderOptions, Sequence};
+use crate::timeline::Clock;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What is written.
+#[derive(Debug)]
+pub(in crate::app) enum Shows {
+    /// A frame as a picture.
+    Picture { camera: Camera, frame: usize },
+    /// A path with a frame of the sequence at each time.
+    Path(CameraPath),
+    /// Turns about the up axis in so many pictures while the sequence plays.
+    Turntable {
+        camera: Camera,
+        turns: f64,
+        pictures: usize,
+        clock: Clock,
+    },
+    /// The sequence as it plays.
+    Sequence { camera: Camera, clock: Clock },
+}
+
+/// All that an export needs.
+#[derive(Debug)]
+pub(in crate::app) struct Job {
+    pub(in crate::app) sequence: Arc<Sequence>,
+    pub(in crate::app) settings: Style,
+    /// What other poses add to each picture.
+    pub(in crate::app) poses: Poses,
+    pub(in crate::app) shows: Shows,
+    pub(in crate::app) per_second: f64,
+    pub(in crate::app) size: PictureSize,
+    pub(in crate::app) output: PathBuf,
+    /// The window's time when it began, for its clock.
+    pub(in crate::app) now: Duration,
+    /// Memory for its frames.
+    pub(in crate::app) budget_bytes: usize,
+}
+
+/// What was written.
+#[derive(Debug)]
+pub struct Exported {
+    /// The file, or with `{frame}` the files.
+    pub(in crate::app) output: PathBuf,
+    /// How many pictures are in it.
+    pub(in crate::app) pictures: usize,
+    /// Why frames are not shown in it.
+    pub(in crate::app) failed: Vec<String>,
+}
+
+/// What an export came to.
+#[derive(Debug)]
+pub struct ExportEnded(pub(in crate::app) Result<Exported, ExportError>);
+
+/// Does `job`, tells `progress` of each picture or part of one, and stops soon after that was cancelled.
+pub(in crate::app) fn run(job: Job, progress: &Progress) -> Result<Exported, ExportError> {
+    let Job {
+        sequence,
+        settings,
+        poses,
+        shows,
+        per_second,
+        size,
+        output,
+        now,
+        budget_bytes,
+    } = job;
+    let defaults = LoaderOptions::default();
+    let options = LoaderOptions {
+        // The other half is the window's.
+        workers: defaults.workers.div_ceil(2),
+        budget_bytes,
+        ..defaults
+    };
+    let loader = Loader::new(Arc::clone(&sequence), options)?;
+    let renderer = AnyRenderer::open(settings.renderer)?;
+    let mut headless = Headless::new(sequence, loader, renderer);
+    let path = match shows {
+        Shows::Picture { camera, frame } => {
+            let pose = headless.frame(frame, &settings);
+            let dressed = pose.and_then(|pose| poses.dress(&pose, &headless, &settings));
+            let shown = dressed.map_err(HeadlessError::from)?.frame;
+            let file = (output.as_path(), progress);
+            write_picture_observed(&mut headless, &shown, &camera, &settings, size, file)?;
+            return Ok(Exported {
+                output,
+                pictures: 1,
+                failed: Vec::new(),
+            });
+        }
+        Shows::Path(path) => path,
+        Shows::Turntable {
+            camera,
+            turns,
+            pictures,
+            clock,
+        } => plan::turntable(camera, (turns, pictures), &clock, now, per_second)?,
+        Shows::Sequence { camera, clock } => plan::sequence(camera, &clock, now, per_second)?,
+    };
+    let video = Video {
+        path: &path,
+        settings: &settings,
+        poses: &poses,
+        size,
+        per_second,
+        speed: 1.0,
+    };
+    let pictures = video.picture_count();
+    let failed = export_video(&mut headless, &video, &output, progress, &mut |_| {})?;
+    let failed = failed
+        .into_iter()
+        .map(|(frame, reason)| format!("Frame {} is not shown in it: {reason}", frame + 1));
+    Ok(Exported {
+        output,
+        pictures,
+        failed: failed.collect(),
+    })
+}

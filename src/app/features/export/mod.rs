@@ -1,0 +1,11 @@
+//! Pictures and videos out of the window: what a person chose, whether that can be done, and the work itself.
+
+mod choices;
+mod exportable;
+pub(in crate::app) mod job;
+pub(in crate::app) mod panel;
+mod plan;
+
+pub use choices::{Export, Subject};
+pub(in crate::app) use exportable::Exportable;
+pub use job::{ExportEnded, Exported};

@@ -1,0 +1,50 @@
+//! A point as it moves through the frames.
+
+use crate::app::side::Side;
+use crate::scene::Pick;
+use crate::sequence::PreparedFrame;
+use glam::DVec3;
+
+/// A point that was clicked on. In frames of as many points it is the one with the same index in the file; in others,
+/// the place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Anchor {
+    /// Which of two sequences it is of.
+    pub side: Side,
+    /// Index in the file.
+    pub index_in_file: u32,
+    /// Index of the frame that it was last found in.
+    pub frame: usize,
+    /// Where it is, in the coordinates of the file.
+    pub place: DVec3,
+    /// Index of the frame in which it was clicked on.
+    pub(in crate::app) clicked_in: usize,
+    pub(in crate::app) points_in_file: usize,
+}
+
+impl Anchor {
+    pub(super) fn new(side: Side, pick: &Pick, frame: &PreparedFrame) -> Self {
+        Self {
+            side,
+            index_in_file: pick.index_in_file,
+            frame: pick.frame,
+            place: pick.position,
+            clicked_in: pick.frame,
+            points_in_file: frame.frame.points_in_file(),
+        }
+    }
+
+    /// Moves to where the point is in `frame`; its slot there, if there is one.
+    pub(super) fn follow(&mut self, frame: &PreparedFrame, origin: DVec3) -> Option<usize> {
+        if frame.frame.points_in_file() != self.points_in_file {
+            return None;
+        }
+        let index = frame.frame.file_index();
+        let slot = index
+            .iter()
+            .position(|&index| index == self.index_in_file)?;
+        self.place = origin + frame.frame.positions()[slot].as_dvec3();
+        self.frame = frame.index;
+        Some(slot)
+    }
+}

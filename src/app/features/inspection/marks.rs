@@ -1,0 +1,44 @@
+//! What was clicked on, over the picture: rings, lines and values.
+
+use super::measuring::Gauge;
+use super::{Anchor, Inspection};
+use crate::app::theme::{ACCENT, ODD};
+use crate::app::widgets::canvas::{Canvas, RING};
+use egui::{Color32, Stroke, vec2};
+
+/// Paints measurements, what is begun of one, and the point whose values are shown.
+pub(in crate::app) fn paint_inspection(canvas: &Canvas<'_>, inspection: &Inspection) {
+    for measurement in &inspection.measurements {
+        let text = measurement.gauge.text(measurement.value(canvas.up()));
+        paint_measurement(canvas, measurement.gauge, &measurement.points, &text);
+    }
+    paint_measurement(canvas, inspection.gauge, &inspection.begun, "");
+    if let Some(point) = &inspection.point {
+        canvas.ring(point.anchor.place, ACCENT);
+    }
+}
+
+fn paint_measurement(canvas: &Canvas<'_>, gauge: Gauge, points: &[Anchor], text: &str) {
+    for pair in points.windows(2) {
+        let [from, to] = [pair[0].place, pair[1].place];
+        canvas.line([from, to], Stroke::new(1.5, ODD));
+        if gauge == Gauge::Height {
+            // The height itself, from the first point upwards, and level from there.
+            let up = canvas.up();
+            let corner = from + up * (to - from).dot(up);
+            canvas.line([from, corner], Stroke::new(1.5, Color32::WHITE));
+            canvas.line([corner, to], Stroke::new(1.0, Color32::GRAY));
+        }
+    }
+    for point in points {
+        canvas.ring(point.place, ODD);
+    }
+    let label = match (gauge, points) {
+        (Gauge::Angle, &[_, corner, ..]) => corner.place,
+        (_, &[from, to, ..]) => from.place.midpoint(to.place),
+        _ => return,
+    };
+    if let Some(place) = canvas.place(label).filter(|_| !text.is_empty()) {
+        canvas.label(place + vec2(0.0, -RING - 8.0), text);
+    }
+}

@@ -1,0 +1,90 @@
+//! What is measured, and the list of what was.
+
+use crate::app::{Gauge, State, Tool};
+use egui::{Align2, Button, Grid, RichText, ScrollArea, Ui, Window, vec2};
+
+/// The window while the tool is chosen.
+pub(in crate::app) fn measuring_ui(ui: &mut Ui, state: &mut State) {
+    if state.inspection.tool != Tool::Measure {
+        return;
+    }
+    let mut open = true;
+    let corner = state.viewport.rect.left_bottom() + vec2(12.0, -12.0);
+    Window::new("Measuring")
+        .open(&mut open)
+        .resizable(false)
+        .pivot(Align2::LEFT_BOTTOM)
+        .default_pos(corner)
+        .show(ui, |ui| {
+            gauges(ui, state);
+            if !state.inspection.measurements.is_empty() {
+                list(ui, state);
+            }
+        });
+    if !open {
+        state.inspection.toggle(Tool::Measure);
+    }
+}
+
+fn gauges(ui: &mut Ui, state: &mut State) {
+    let inspection = &mut state.inspection;
+    ui.horizontal(|ui| {
+        for (gauge, name, tooltip) in Gauge::ALL {
+            let button = Button::selectable(inspection.gauge == gauge, name);
+            if ui.add(button).on_hover_text(tooltip).clicked() {
+                inspection.measure(gauge);
+            }
+        }
+    });
+    let begun = inspection.begun.len();
+    let count = inspection.gauge.point_count();
+    ui.weak(format!(
+        "Click on point {} of {count}. Esc ends.",
+        begun + 1
+    ));
+}
+
+fn list(ui: &mut Ui, state: &mut State) {
+    let up = state.camera.up.direction();
+    let measurements = &mut state.inspection.measurements;
+    let mut deleted = None;
+    let height = 0.4 * ui.ctx().content_rect().height();
+    ScrollArea::vertical().max_height(height).show(ui, |ui| {
+        Grid::new("measurements").num_columns(3).striped(true).show(ui, |ui| {
+            for (index, measurement) in measurements.iter().enumerate() {
+                let value = measurement.gauge.text(measurement.value(up));
+                ui.label(measurement.gauge.name());
+                ui.label(RichText::new(value).monospace())
+                    .on_hover_text("Scene units, angles in degrees; points are followed through frames of as many points");
+                let delete = ui
+                    .add(Button::new("Delete").small())
+                    .on_hover_text("Delete this measurement");
+                delete.widget_info(|| {
+                    let name = format!("Delete measurement {}", index + 1);
+                    egui::WidgetInfo::labeled(egui::Role::Button, true, name)
+                });
+                if delete.clicked() {
+                    deleted = Some(index);
+                }
+                ui.end_row();
+            }
+        });
+    });
+    ui.horizontal(|ui| {
+        let copy = ui.button("Copy as text");
+        let tooltip = "Every measurement as a line: its value and its points, with all digits";
+        if copy.on_hover_text(tooltip).clicked() {
+            let lines = measurements
+                .iter()
+                .map(|measurement| measurement.line(up) + "\n");
+            ui.copy_text(lines.collect());
+        }
+        let clear = ui.button("Delete all");
+        if clear.on_hover_text("Delete every measurement").clicked() {
+            measurements.clear();
+        }
+    });
+    if let Some(index) = deleted.filter(|&index| index < measurements.len()) {
+        measurements.remove(index);
+    }
+}

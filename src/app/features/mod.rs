@@ -1,0 +1,19 @@
+//! What a person can do beside looking and playing, a folder each: the model in `mod.rs`, its work on threads, its
+//! panel.
+//!
+//! A feature knows neither [`super::State`] nor the other features, but for the few whose data it is about (trails of
+//! inspected points, an exported camera path). The window's state is composed of features and carries out what their
+//! panels ask for.
+
+pub(super) mod benchmark;
+pub(super) mod beside;
+pub(super) mod camera_path;
+pub(super) mod comparison;
+pub(super) mod export;
+pub(super) mod inspection;
+pub(super) mod palette;
+pub(super) mod quality;
+pub(super) mod temporal;
+pub(super) mod thumbnails;
+pub(super) mod timeline;
+pub(super) mod trails;

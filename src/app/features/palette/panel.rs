@@ -1,0 +1,78 @@
+//! The window that finds commands by their names.
+
+use crate::app::State;
+use crate::app::features::palette::{Entry, find};
+use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, Window};
+
+/// Size of the window, points.
+const SIZE: [f32; 2] = [460.0, 320.0];
+
+/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes.
+pub(in crate::app) fn palette_ui(ui: &Ui, state: &mut State) {
+    let Some(palette) = &mut state.palette else {
+        return;
+    };
+    let ctx = ui.ctx();
+    // Taken before the field sees them: it would move its cursor or lose its focus by them.
+    let pressed = |key| ctx.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+    let (is_run, is_closed) = (pressed(Key::Enter), pressed(Key::Escape));
+    let (up, down) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown));
+    let mut clicked = None;
+    let mut chosen = None;
+    let screen = ctx.content_rect();
+    Window::new("Commands")
+        .collapsible(false)
+        .resizable(false)
+        .title_bar(false)
+        .pivot(Align2::CENTER_TOP)
+        .fixed_pos([screen.center().x, screen.top() + 60.0])
+        .show(ctx, |ui| {
+            ui.set_width(SIZE[0]);
+            let field = TextEdit::singleline(&mut palette.query)
+                .hint_text("Command")
+                .desired_width(f32::INFINITY);
+            let field = ui.add(field);
+            let label = "Find a command";
+            ctx.accesskit_node_builder(field.id, |node| node.set_label(label));
+            field.request_focus();
+            if field.changed() {
+                palette.chosen = 0;
+            }
+            field.on_hover_text("Some letters of each word. Enter runs, arrows choose, Esc closes");
+            let found = find(&palette.query);
+            let last = found.len().saturating_sub(1);
+            let place = (palette.chosen + usize::from(down)).saturating_sub(usize::from(up));
+            palette.chosen = place.min(last);
+            chosen = found.get(palette.chosen).map(|entry| entry.command);
+            if found.is_empty() {
+                ui.weak("No command has these words");
+            }
+            ScrollArea::vertical().max_height(SIZE[1]).show(ui, |ui| {
+                for (place, entry) in found.iter().enumerate() {
+                    let is_chosen = place == palette.chosen;
+                    let response = row(ui, entry, is_chosen);
+                    if is_chosen && (up || down) {
+                        response.scroll_to_me(None);
+                    }
+                    if response.clicked() {
+                        clicked = Some(entry.command);
+                    }
+                }
+            });
+        });
+    let command = clicked.or(chosen.filter(|_| is_run));
+    if is_closed || command.is_some() {
+        state.palette = None;
+    }
+    if let Some(command) = command {
+        state.run(command);
+    }
+}
+
+/// One command.
+fn row(ui: &mut Ui, entry: &Entry, is_chosen: bool) -> Response {
+    let button = Button::selectable(is_chosen, entry.text)
+        .shortcut_text(entry.keys)
+        .min_size([ui.available_width(), 0.0].into());
+    ui.add(button)
+}

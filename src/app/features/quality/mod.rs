@@ -1,0 +1,68 @@
+//! What was measured of the ways to draw the open sequence, from fast to exact, and what a person would spend at most.
+
+use crate::bench::{LabPoint, Quality, QualityKey};
+use crate::sequence::Sequence;
+
+/// What a person would spend at most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QualityLimits {
+    /// Largest FLIP of the object, 0 to 1.
+    pub flip: f64,
+    /// Longest time of a picture, milliseconds.
+    pub draw_ms: f64,
+}
+
+impl Default for QualityLimits {
+    fn default() -> Self {
+        // A tenth is seen when one looks for it; 16 ms are a picture of a screen of 60 Hz.
+        Self {
+            flip: 0.1,
+            draw_ms: 16.0,
+        }
+    }
+}
+
+/// What is known of the open sequence's ways to draw.
+#[derive(Debug, Default)]
+pub struct MeasuredQuality {
+    /// The ways that no other beats, once they were measured.
+    pub known: Option<Quality>,
+    /// What a person would spend at most.
+    pub limits: QualityLimits,
+    /// Where it is kept; known once sequence and adapter are.
+    key: Option<QualityKey>,
+}
+
+impl MeasuredQuality {
+    /// Reads what was measured before, once it is known what it would be kept by. True if there is something.
+    pub(in crate::app) fn look(&mut self, adapter: &str, sequence: &Sequence) -> bool {
+        if adapter.is_empty() || self.key.is_some() {
+            return false;
+        }
+        let key = QualityKey::new(adapter, sequence);
+        self.known = Quality::read(&key);
+        self.key = Some(key);
+        self.known.is_some()
+    }
+
+    /// Takes over what a benchmark has found, and keeps it.
+    pub(in crate::app) fn learn(&mut self, points: &[LabPoint]) {
+        let Some(quality) = Quality::of(points) else {
+            return;
+        };
+        if let Some(key) = &self.key
+            && let Err(reason) = quality.write(key)
+        {
+            log::warn!("what was measured is not kept: {reason}");
+        }
+        self.known = Some(quality);
+    }
+
+    /// Another sequence is opened; the limits stay.
+    pub(in crate::app) fn forget(&mut self) {
+        *self = Self {
+            limits: self.limits,
+            ..Self::default()
+        };
+    }
+}

@@ -1,0 +1,383 @@
+//! What other poses say of the shown one: how far it is from one of them in colours, and ghosts of its neighbours.
+//!
+//! How it works. Both make another frame from the one that the player shows, on a thread: the same points in other
+//! colours ([`PreparedFrame::in_colors`]), then with others around them ([`with_ghosts`]). Until it is there the pose
+//! is shown as it is, but for a moment the frame that was made of the pose before stays, so that the picture does not
+//! flicker while playing. What is under way for a pose that the playhead has left is cancelled. Distances are kept, as
+//! they take longest; colours follow from them.
+
+pub(in crate::app) mod panel;
+
+use crate::analysis::ColorMap;
+use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::app::work::works::Progress;
+use crate::measure::Change;
+use crate::playback::Player;
+use crate::scene::{Scene, Style};
+pub use crate::sequence::OnionSkin;
+use crate::sequence::{Ghost, Needs, Paint, PreparedFrame, Sequence, Slot, with_ghosts};
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Bytes of distances that are kept.
+const MAX_KEPT_BYTES: usize = 256 << 20;
+
+/// So long the picture of a pose that the playhead has left stays in place of one that is being made.
+const HOLD: Duration = Duration::from_millis(120);
+
+/// The colours of a pose by how far each point is from another pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChangeMap {
+    /// Whether they are shown.
+    pub is_on: bool,
+    /// How many frames later the other pose is; negative for earlier.
+    pub step: i64,
+    /// The distance in the last colour, scene units; that which 99 % of the points do not exceed if `None`.
+    pub range: Option<f64>,
+    /// The distance above which points are counted, scene units.
+    pub threshold: f64,
+}
+
+/// All that a frame is made from.
+#[derive(Debug, Clone)]
+struct Request {
+    pose: Arc<PreparedFrame>,
+    change: Option<ChangeRequest>,
+    ghosts: Vec<Ghost>,
+    needs: Needs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct ChangeRequest {
+    to: usize,
+    range: Option<f64>,
+    map: ColorMap,
+}
+
+impl PartialEq for Request {
+    /// Poses are compared by identity.
+    fn eq(&self, other: &Self) -> bool {
+        let same_ghosts = |(a, b): (&Ghost, &Ghost)| {
+            Arc::ptr_eq(&a.frame, &b.frame) && a.share == b.share && a.tint == b.tint
+        };
+        Arc::ptr_eq(&self.pose, &other.pose)
+            && self.change == other.change
+            && self.needs == other.needs
+            && self.ghosts.len() == other.ghosts.len()
+            && self.ghosts.iter().zip(&other.ghosts).all(same_ghosts)
+    }
+}
+
+/// A frame that was made from a pose and others.
+#[derive(Debug)]
+pub struct Made {
+    request: Request,
+    frame: Arc<PreparedFrame>,
+    change: Option<Arc<Change>>,
+    /// Why there is no change.
+    problem: Option<String>,
+}
+
+impl Made {
+    /// What is drawn.
+    pub(in crate::app) fn frame(&self) -> &Arc<PreparedFrame> {
+        &self.frame
+    }
+
+    /// The pose that it was made from.
+    pub(in crate::app) fn pose(&self) -> &Arc<PreparedFrame> {
+        &self.request.pose
+    }
+}
+
+/// The distances of one pose to another: the frames, and how many points of the first there are.
+type ChangeKey = (usize, usize, usize);
+
+/// Makes frames of what is chosen.
+#[derive(Debug)]
+pub struct Temporal {
+    /// Colours by change.
+    pub change: ChangeMap,
+    /// Ghosts.
+    pub onion: OnionSkin,
+    /// Oldest first.
+    known: VecDeque<(ChangeKey, Arc<Change>)>,
+    running: Option<(Request, Progress)>,
+    made: Option<Made>,
+    /// Since when the pose of `made` is not that of the playhead.
+    left_at: Option<Duration>,
+}
+
+impl Default for Temporal {
+    fn default() -> Self {
+        Self {
+            change: ChangeMap {
+                is_on: false,
+                step: 1,
+                range: None,
+                threshold: 0.0,
+            },
+            onion: OnionSkin::default(),
+            known: VecDeque::new(),
+            running: None,
+            made: None,
+            left_at: None,
+        }
+    }
+}
+
+impl Temporal {
+    /// What is drawn in place of the shown pose, if there is something.
+    pub(in crate::app) fn shown(&self) -> Option<&Made> {
+        self.made.as_ref()
+    }
+
+    /// The frame that the shown one is compared with; `None` where the sequence has no such frame.
+    pub fn other_frame(&self, index: usize, frame_count: usize) -> Option<usize> {
+        let other = i64::try_from(index).ok()?.checked_add(self.change.step)?;
+        usize::try_from(other)
+            .ok()
+            .filter(|&other| other < frame_count)
+    }
+
+    /// The change of the shown pose, once it is known, and the distance in its last colour, scene units.
+    pub fn measured(&self, pose: &Arc<PreparedFrame>) -> Option<(&Change, f64)> {
+        let made = self.made.as_ref()?;
+        let change = made.change.as_ref()?;
+        let asked = made.request.change?;
+        (Arc::ptr_eq(&made.request.pose, pose)
+            && asked.to as i64 - pose.index as i64 == self.change.step)
+            .then(|| (change.as_ref(), asked.range.unwrap_or(change.usual_range())))
+    }
+
+    /// Why the change cannot be shown, if it cannot.
+    pub fn problem(&self) -> Option<&str> {
+        self.made.as_ref()?.problem.as_deref()
+    }
+
+    /// Forgets all frames, as another sequence is opened; what is chosen stays.
+    pub(in crate::app) fn forget_frames(&mut self) {
+        self.cancel();
+        *self = Self {
+            change: self.change,
+            onion: self.onion,
+            ..Self::default()
+        };
+    }
+
+    /// Starts what the shown pose lacks, and cancels what nobody waits for any more. True if another frame is to be
+    /// drawn.
+    pub(in crate::app) fn follow<T: TaskOutcome + From<Option<Box<Made>>>>(
+        &mut self,
+        player: &Player,
+        settings: &Style,
+        tasks: &Tasks<T>,
+        now: Duration,
+    ) -> bool {
+        let Some(request) = self.request(player, settings) else {
+            self.cancel();
+            self.left_at = None;
+            return self.made.take().is_some();
+        };
+        let made = self.made.as_ref();
+        let is_left = made.is_some_and(|made| !Arc::ptr_eq(&made.request.pose, &request.pose));
+        self.left_at = is_left.then(|| self.left_at.unwrap_or(now));
+        if made.is_some_and(|made| made.request == request) {
+            self.cancel();
+        } else if self
+            .running
+            .as_ref()
+            .is_none_or(|(running, _)| *running != request)
+        {
+            self.cancel();
+            self.start(request, player, tasks);
+        }
+        let is_gone = self.left_at.is_some_and(|left| now >= left + HOLD);
+        if is_gone {
+            self.made = None;
+            self.left_at = None;
+        }
+        is_gone
+    }
+
+    fn start<T: TaskOutcome + From<Option<Box<Made>>>>(
+        &mut self,
+        request: Request,
+        player: &Player,
+        tasks: &Tasks<T>,
+    ) {
+        let progress = Progress::default();
+        self.running = Some((request.clone(), progress.clone()));
+        let known = self.known_change(&request);
+        let sequence = Arc::clone(player.sequence());
+        // The pose to compare with may be in memory; if not, the task reads it.
+        let other = request.change.and_then(|change| {
+            match player.loader().get(change.to, &Needs::default()) {
+                Slot::Ready(frame) | Slot::Partial(frame) | Slot::Stale(frame)
+                    if !frame.is_sample() =>
+                {
+                    Some(frame)
+                }
+                _ => None,
+            }
+        });
+        tasks.start("poses", move || {
+            make(request, known, other.as_deref(), &sequence, &progress).map(Box::new)
+        });
+    }
+
+    /// Takes what a task has made, unless something else is wanted by now.
+    pub(in crate::app) fn take_in(&mut self, made: Made) {
+        if let (Some(change), Some(key)) = (&made.change, key(&made.request))
+            && self.known_change(&made.request).is_none()
+        {
+            self.known.push_back((key, Arc::clone(change)));
+            while self.known.len() > 1 && self.kept_bytes() > MAX_KEPT_BYTES {
+                self.known.pop_front();
+            }
+        }
+        if self
+            .running
+            .take_if(|(request, _)| *request == made.request)
+            .is_some()
+        {
+            self.made = Some(made);
+            self.left_at = None;
+        }
+    }
+
+    /// When a picture that is held has to go.
+    pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
+        self.left_at.map(|left| left + HOLD)
+    }
+
+    fn kept_bytes(&self) -> usize {
+        let changes = self.known.iter().map(|(_, change)| change.byte_size());
+        changes.sum()
+    }
+
+    fn known_change(&self, request: &Request) -> Option<Arc<Change>> {
+        let key = key(request)?;
+        let known = self.known.iter().find(|(known, _)| *known == key);
+        known.map(|(_, change)| Arc::clone(change))
+    }
+
+    fn cancel(&mut self) {
+        if let Some((_, progress)) = self.running.take() {
+            progress.cancel();
+        }
+    }
+
+    /// What is to be made of the shown pose; `None` if it is shown as it is.
+    fn request(&self, player: &Player, settings: &Style) -> Option<Request> {
+        let pose = player.shown()?;
+        let needs = Scene::needs(settings);
+        let frame_count = player.sequence().len();
+        let change = self.other_frame(pose.index, frame_count);
+        let change = change.filter(|_| self.change.is_on);
+        let ghost = |(index, share, tint)| match player.loader().get(index, &needs) {
+            Slot::Ready(frame)
+            | Slot::Coarse(frame)
+            | Slot::Partial(frame)
+            | Slot::Stale(frame) => Some(Ghost { frame, share, tint }),
+            Slot::Pending | Slot::Failed(_) => None,
+        };
+        let ghosts = Some(self.onion).filter(|onion| onion.is_on);
+        let ghosts = ghosts.map_or_else(Vec::new, |onion| onion.around(pose.index, frame_count));
+        let request = Request {
+            pose: Arc::clone(pose),
+            change: change.map(|to| ChangeRequest {
+                to,
+                range: self.change.range,
+                map: settings.colors.map,
+            }),
+            ghosts: ghosts.into_iter().filter_map(ghost).collect(),
+            needs,
+        };
+        (request.change.is_some() || !request.ghosts.is_empty()).then_some(request)
+    }
+}
+
+fn key(request: &Request) -> Option<ChangeKey> {
+    let pose = &request.pose;
+    Some((pose.index, request.change?.to, pose.frame.len()))
+}
+
+/// `None` once nobody waits for it.
+fn make(
+    request: Request,
+    known: Option<Arc<Change>>,
+    other: Option<&PreparedFrame>,
+    sequence: &Sequence,
+    progress: &Progress,
+) -> Option<Made> {
+    let is_wanted = || !progress.is_cancelled();
+    let (mut frame, mut change, mut problem) = (Arc::clone(&request.pose), known, None);
+    if let Some(ChangeRequest { to, range, map }) = request.change {
+        if change.is_none() {
+            let positions = request.pose.frame.positions();
+            let measured = match other {
+                Some(other) => Ok(Change::between(
+                    positions,
+                    other.frame.positions(),
+                    is_wanted,
+                )),
+                None => sequence
+                    .frame(to)
+                    .map(|other| Change::between(positions, other.positions(), is_wanted)),
+            };
+            match measured {
+                Ok(measured) => change = measured.map(Arc::new),
+                Err(error) => problem = Some(error.to_string()),
+            }
+        }
+        if !is_wanted() {
+            return None;
+        }
+        match &change {
+            Some(change) => {
+                let range = range.unwrap_or(change.usual_range());
+                let paint = Paint::change(range, map);
+                frame = Arc::new(frame.in_colors(&change.colors(range, map), paint));
+            }
+            None if problem.is_none() => {
+                problem = Some(format!("Frame {} has no points", to + 1));
+            }
+            None => {}
+        }
+    }
+    if !request.ghosts.is_empty() {
+        match with_ghosts(&frame, &request.ghosts, &request.needs) {
+            Ok(merged) => frame = Arc::new(merged),
+            Err(error) => problem = Some(format!("There are too many ghosts: {error}")),
+        }
+    }
+    is_wanted().then_some(Made {
+        request,
+        frame,
+        change,
+        problem,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_other_frame_is_one_of_the_sequence() {
+        let with = |step| Temporal {
+            change: ChangeMap {
+                step,
+                ..Temporal::default().change
+            },
+            ..Temporal::default()
+        };
+        assert_eq!(with(1).other_frame(3, 5), Some(4));
+        assert_eq!(with(2).other_frame(3, 5), None);
+        assert_eq!(with(-3).other_frame(3, 5), Some(0));
+        assert_eq!(with(-4).other_frame(3, 5), None);
+        assert_eq!(with(i64::MAX).other_frame(3, 5), None);
+    }
+}

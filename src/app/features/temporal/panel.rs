@@ -1,0 +1,246 @@
+//! What other poses say of the shown one: the choices, and the numbers of the change with its legend.
+
+use crate::analysis::ColorMap;
+use crate::app::features::trails;
+use crate::app::widgets::numbers::significant;
+use crate::app::widgets::ramp::paint_ramp;
+use crate::app::widgets::rows::{heading, row, rows};
+use crate::app::{ChangeMap, OnionSkin, State};
+use crate::measure::Change;
+use egui::{Align2, Checkbox, DragValue, Grid, RichText, Sense, Slider, Ui, Window, vec2};
+use std::fmt::Write as _;
+
+/// How far away the other pose may be, frames.
+const STEPS: std::ops::RangeInclusive<i64> = -1000..=1000;
+
+/// The section of the settings.
+pub(in crate::app) fn temporal_settings_ui(ui: &mut Ui, state: &mut State) {
+    heading(ui, "Time");
+    rows(ui, "thumbnails", |ui| {
+        row(
+            ui,
+            "Thumbnails",
+            "Small pictures of the frames over the timeline and in its tooltips, all from one view. They are made while there is time for them",
+            Checkbox::new(&mut state.thumbnails.is_on, "Shown"),
+        );
+    });
+    trails::panel::field_ui(ui, state);
+    let OnionSkin {
+        is_on,
+        before,
+        after,
+        step,
+        strength,
+    } = &mut state.temporal.onion;
+    rows(ui, "time", |ui| {
+        row(
+            ui,
+            "Change map",
+            "Colours each point by its distance to the nearest point of another frame, and shows the numbers. Without light the \
+             colours are those of the legend",
+            Checkbox::new(&mut state.temporal.change.is_on, "Shown"),
+        );
+        row(
+            ui,
+            "Onion skin",
+            "Ghosts of neighbouring poses, as far as they are in memory: a part of their points, past ones warm, later ones cool",
+            Checkbox::new(is_on, "Shown"),
+        );
+        if !*is_on {
+            return;
+        }
+        let poses = 0..=OnionSkin::MAX_GHOSTS;
+        row(
+            ui,
+            "Poses before",
+            "How many earlier poses are shown",
+            Slider::new(before, poses.clone()),
+        );
+        row(
+            ui,
+            "Poses after",
+            "How many later poses are shown",
+            Slider::new(after, poses),
+        );
+        row(
+            ui,
+            "Pose step",
+            "Frames from one ghost to the next",
+            Slider::new(step, 1..=50)
+                .logarithmic(true)
+                .suffix(" frames"),
+        );
+        let percent =
+            |share: f64, _: std::ops::RangeInclusive<usize>| format!("{:.0} %", share * 100.0);
+        row(
+            ui,
+            "Ghost strength",
+            "The share of their points that is drawn of the nearest ghosts; it falls off to the farthest",
+            Slider::new(strength, 0.05..=1.0).custom_formatter(percent),
+        );
+    });
+}
+
+/// The window while changes are shown.
+pub(in crate::app) fn change_ui(ui: &mut Ui, state: &mut State) {
+    if !state.temporal.change.is_on {
+        return;
+    }
+    let mut open = true;
+    let corner = state.viewport.rect.right_top() + vec2(-12.0, 12.0);
+    Window::new("Change")
+        .open(&mut open)
+        .resizable(false)
+        .pivot(Align2::RIGHT_TOP)
+        .default_pos(corner)
+        .show(ui, |ui| content(ui, state));
+    state.temporal.change.is_on &= open;
+}
+
+fn content(ui: &mut Ui, state: &mut State) {
+    let shown = state.player.as_ref().and_then(|player| {
+        let pose = player.shown()?;
+        Some((pose.clone(), player.sequence().len()))
+    });
+    let Some((pose, frame_count)) = shown else {
+        ui.weak("Nothing is shown yet");
+        return;
+    };
+    let mut map = state.temporal.change;
+    let measured = state.temporal.measured(&pose);
+    let range = measured.map_or(0.0, |(_, range)| range);
+    rows(ui, "change", |ui| choices(ui, &mut map, range));
+    match (
+        state.temporal.other_frame(pose.index, frame_count),
+        measured,
+    ) {
+        (None, _) => {
+            ui.weak("The sequence has no such frame");
+        }
+        (Some(_), None) => {
+            ui.weak(state.temporal.problem().unwrap_or("Being measured…"));
+        }
+        (Some(other), Some((change, range))) => {
+            legend(ui, range, state.settings.colors.map);
+            numbers(ui, change, [pose.index, other], map.threshold);
+        }
+    }
+    state.temporal.change = map;
+}
+
+fn choices(ui: &mut Ui, map: &mut ChangeMap, range: f64) {
+    row(
+        ui,
+        "Compared with",
+        "How many frames later the other pose is; negative for earlier ones",
+        DragValue::new(&mut map.step)
+            .range(STEPS)
+            .speed(0.1)
+            .suffix(" frames"),
+    );
+    let mut is_automatic = map.range.is_none();
+    row(
+        ui,
+        "Range",
+        "The distance in the last colour: that which 99 % of the points do not exceed, or a fixed one, with which poses can be compared",
+        Checkbox::new(&mut is_automatic, "Automatic"),
+    );
+    if is_automatic {
+        map.range = None;
+    } else {
+        let speed = (range / 100.0).max(f64::from(f32::MIN_POSITIVE));
+        let fixed = map.range.get_or_insert(range);
+        row(
+            ui,
+            "Largest",
+            "The distance in the last colour, scene units",
+            DragValue::new(fixed)
+                .range(0.0..=f64::MAX)
+                .speed(speed)
+                .max_decimals(6),
+        );
+    }
+    let speed = (range / 100.0).max(f64::from(f32::MIN_POSITIVE));
+    row(
+        ui,
+        "Threshold",
+        "Points that are farther away than this are counted, scene units",
+        DragValue::new(&mut map.threshold)
+            .range(0.0..=f64::MAX)
+            .speed(speed)
+            .max_decimals(6),
+    );
+}
+
+/// The colours of `map` from 0 to `range`, scene units.
+fn legend(ui: &mut Ui, range: f64, map: ColorMap) {
+    let size = vec2(ui.available_width().max(220.0), 12.0);
+    let (bar, response) = ui.allocate_exact_size(size, Sense::hover());
+    response.on_hover_text("Distances to the nearest point of the other frame, scene units");
+    paint_ramp(ui.painter(), bar, map, false);
+    ui.horizontal(|ui| {
+        ui.monospace("0");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.monospace(format!("≥ {}", rounded(range)));
+        });
+    });
+}
+
+fn numbers(ui: &mut Ui, change: &Change, [from, to]: [usize; 2], threshold: f64) {
+    let rows = [
+        (
+            "Mean",
+            change.mean,
+            "The mean distance to the nearest point of the other frame, scene units",
+        ),
+        (
+            "95 %",
+            f64::from(change.quantile(0.95)),
+            "The distance that 95 % of the points do not exceed, scene units",
+        ),
+        (
+            "Maximum",
+            f64::from(change.largest()),
+            "The largest distance (one-sided Hausdorff distance), scene units",
+        ),
+    ];
+    let share = change.share_above(threshold);
+    Grid::new("change numbers")
+        .num_columns(2)
+        .striped(true)
+        .show(ui, |ui| {
+            ui.label("Frames");
+            ui.label(RichText::new(format!("{} → {}", from + 1, to + 1)).monospace());
+            ui.end_row();
+            for (name, value, tooltip) in rows {
+                ui.label(name).on_hover_text(tooltip);
+                ui.label(RichText::new(rounded(value)).monospace())
+                    .on_hover_text(tooltip);
+                ui.end_row();
+            }
+            let tooltip = "The share of the points that are farther away than the threshold";
+            ui.label("Above threshold").on_hover_text(tooltip);
+            ui.label(RichText::new(format!("{:.2} %", 100.0 * share)).monospace())
+                .on_hover_text(tooltip);
+            ui.end_row();
+        });
+    let copy = ui.button("Copy numbers");
+    let tooltip = "All numbers with all digits, a line each";
+    if copy.on_hover_text(tooltip).clicked() {
+        let mut text = format!("frames\t{from}\t{to}\npoints\t{}\n", change.distances.len());
+        for (name, value, _) in rows {
+            _ = writeln!(text, "{}\t{value}", name.to_lowercase());
+        }
+        _ = writeln!(text, "share above {threshold}\t{share}");
+        ui.copy_text(text);
+    }
+}
+
+/// Four digits are more than a change means.
+fn rounded(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let step = 10f64.powf(value.abs().log10().floor() - 3.0);
+    significant((value / step).round() * step)
+}

@@ -1,0 +1,205 @@
+//! One picture of a frame, by the software renderer, from some of its points.
+
+use super::store::PICTURE_PX;
+use crate::cloud::{PointRecord, even_places};
+use crate::progress::Progress;
+use crate::render::cpu::CpuRenderer;
+use crate::render::{RenderError, Renderer as _};
+use crate::scene::{
+    Backdrop, Background, Camera, Content, PointStyle, Primitive, ScenePacket, Style,
+};
+use crate::sequence::{
+    ColorHints, Coloring, Detail, FrameError, Needs, PrepareCounters, PreparedFrame, Sequence,
+    prepare,
+};
+use egui::ColorImage;
+use glam::DVec3;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+/// Points that a picture is drawn from, at most: about one a pixel.
+const MAX_POINTS: usize = 1 << 14;
+
+/// Behind the points.
+const BACKGROUND: Background = Background {
+    top: [24, 27, 34],
+    bottom: [24, 27, 34],
+};
+
+/// From where pictures are made.
+#[derive(Debug)]
+pub(super) enum Material {
+    /// A frame in memory, in full or not.
+    Resident(Arc<PreparedFrame>),
+    /// The file of this frame.
+    File(usize),
+}
+
+/// One piece of work.
+#[derive(Debug)]
+pub(super) struct Job {
+    pub(super) material: Material,
+    /// From where it is seen.
+    pub(super) view: Camera,
+    pub(super) colors: (Coloring, ColorHints),
+    pub(super) sequence: Arc<Sequence>,
+}
+
+/// What came of it.
+#[derive(Debug)]
+pub(super) enum Made {
+    /// The picture.
+    Picture(ColorImage),
+    /// The frame cannot be read or drawn.
+    Broken,
+}
+
+impl Job {
+    /// Does it. Whatever goes wrong is told of by whoever shows the frame; here it is a mark.
+    pub(super) fn run(self) -> Made {
+        let made = catch_unwind(AssertUnwindSafe(|| self.made()));
+        made.ok().flatten().unwrap_or(Made::Broken)
+    }
+
+    fn made(&self) -> Option<Made> {
+        let frame = match &self.material {
+            Material::Resident(frame) => Arc::clone(frame),
+            Material::File(index) => Arc::new(self.read(*index).ok()?),
+        };
+        let picture = draw(&frame, &self.view, self.sequence.origin()).ok()?;
+        Some(Made::Picture(picture))
+    }
+
+    /// As many points as a picture needs.
+    fn read(&self, index: usize) -> Result<PreparedFrame, FrameError> {
+        let loaded = self.sequence.load(
+            index,
+            Detail::at_most(MAX_POINTS as u32),
+            &Progress::default(),
+        )?;
+        let needs = Needs {
+            colors: self.colors.0,
+            hints: self.colors.1,
+            ..Needs::default()
+        };
+        let frame = Arc::new(loaded.frame);
+        Ok(prepare(
+            index,
+            frame,
+            loaded.decode_ms,
+            &needs,
+            &PrepareCounters::default(),
+        ))
+    }
+}
+
+fn draw(frame: &PreparedFrame, camera: &Camera, origin: DVec3) -> Result<ColorImage, RenderError> {
+    let points = some_points(&frame.points);
+    let packet = ScenePacket {
+        viewport_px: PICTURE_PX,
+        view: camera.transform(origin, PICTURE_PX),
+        settings: Style {
+            primitive: Primitive::Point,
+            points: PointStyle {
+                size_px: point_size_px(points.len()),
+            },
+            backdrop: Backdrop {
+                background: BACKGROUND,
+                ..Backdrop::default()
+            },
+            ..Style::default()
+        },
+        content: Content::Points(points),
+        ground: None,
+        bounds: frame.frame.bounds(),
+    };
+    let mut renderer = CpuRenderer::new();
+    renderer.prepare(&packet)?;
+    renderer.render()?;
+    let size = PICTURE_PX.map(|edge| edge as usize);
+    Ok(ColorImage::from_rgba_unmultiplied(size, renderer.image()))
+}
+
+fn some_points(points: &Arc<Vec<PointRecord>>) -> Arc<Vec<PointRecord>> {
+    if points.len() <= MAX_POINTS {
+        return Arc::clone(points);
+    }
+    let places = even_places(points.len(), MAX_POINTS);
+    Arc::new(places.into_iter().map(|place| points[place]).collect())
+}
+
+/// Few points are larger, so that they are seen.
+fn point_size_px(count: usize) -> f32 {
+    let pixels = PICTURE_PX[0] * PICTURE_PX[1];
+    (pixels as f32 / count.max(1) as f32).sqrt().clamp(2.0, 9.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloud::{Positions, RawCloud};
+    use crate::math::Aabb;
+    use crate::scene::UpAxis;
+    use crate::sequence::{ColorSource, FrameEntry};
+    use bytemuck::Zeroable as _;
+    use glam::Vec3;
+
+    /// Of a cube from zero to one, or of what cannot be read.
+    fn job(index: usize) -> Job {
+        let decode = |source: &FrameEntry| match source.number {
+            Some(0) => {
+                let corners =
+                    (0..8).map(|corner| [0, 1, 2].map(|axis| (corner >> axis & 1) as f32));
+                let mut raw = RawCloud::from_positions(Positions::F32(corners.collect()));
+                raw.colors = Some(vec![[255, 0, 0, 255]; 8]);
+                Ok(raw)
+            }
+            Some(1) => Err("unread".into()),
+            _ => panic!("a decoder that fails"),
+        };
+        let sources = (0..3).map(|number| FrameEntry {
+            number: Some(number),
+            ..FrameEntry::file(format!("{number}.ply"))
+        });
+        let cube = Aabb {
+            min: Vec3::ZERO,
+            max: Vec3::ONE,
+        };
+        Job {
+            material: Material::File(index),
+            view: Camera::framing(&cube, DVec3::ZERO, UpAxis::Y),
+            colors: (Coloring::of(ColorSource::File), ColorHints::NONE),
+            sequence: Arc::new(Sequence::with_decoder(sources.collect(), decode)),
+        }
+    }
+
+    #[test]
+    fn a_frame_is_drawn_from_its_file_and_broken_ones_are_marks() {
+        let Made::Picture(picture) = job(0).run() else {
+            panic!("no picture");
+        };
+        let [red, behind] = [egui::Color32::RED, egui::Color32::from_rgb(24, 27, 34)];
+        let count = |color| {
+            picture
+                .pixels
+                .iter()
+                .filter(|&&pixel| pixel == color)
+                .count()
+        };
+        // Eight squares of nine pixels, those at the edge cut.
+        assert!((300..=8 * 81).contains(&count(red)), "{}", count(red));
+        assert_eq!(count(red) + count(behind), picture.pixels.len());
+        for broken in [1, 2] {
+            assert!(matches!(job(broken).run(), Made::Broken));
+        }
+    }
+
+    #[test]
+    fn of_many_points_some_are_drawn() {
+        let points = Arc::new(vec![PointRecord::zeroed(); MAX_POINTS + 5]);
+        assert_eq!(some_points(&points).len(), MAX_POINTS);
+        let few = Arc::new(vec![PointRecord::zeroed(); 5]);
+        assert!(Arc::ptr_eq(&some_points(&few), &few));
+        assert_eq!(point_size_px(MAX_POINTS), 2.0);
+    }
+}

@@ -1,0 +1,268 @@
+//! Small pictures of frames, on a strip over the timeline and in its tooltips.
+//!
+//! **How it works.** One picture at a time is made on a thread of its own, from points that are in memory where they
+//! are, else from the file. [`schedule`] says which frame is next and when there is time for it: while frames are
+//! played only what is in memory is drawn, at most ten pictures a second, and nothing while playing falls behind or a
+//! benchmark runs; files are read when nothing is played and no frame is being prepared. Pictures are kept in 16 MiB
+//! ([`store`]).
+//!
+//! All are seen from one view, so that motion is seen: the first view of the sequence ([`FirstLook`]). It stays until
+//! the up axis or the source of the colours changes, or somebody asks for new pictures.
+
+mod draw;
+mod schedule;
+mod store;
+
+pub(in crate::app) use schedule::strip_frames;
+pub(in crate::app) use store::{Look, MAX_CELLS, PICTURE_PX};
+
+use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::playback::Player;
+use crate::priority;
+use crate::scene::{Camera, FirstLook, UpAxis};
+use crate::sequence::{ColorHints, Coloring, FrameError, Needs, Slot};
+use draw::{Job, Made, Material};
+use egui::Context;
+use schedule::{Bustle, Leisure, Wanted};
+use std::sync::Arc;
+use std::time::Duration;
+use store::Store;
+
+/// While playing there is at most one picture in this time.
+const INTERVAL: Duration = Duration::from_millis(100);
+
+/// Frames shown at less than this share of the rate that was asked for are not in time.
+const IN_TIME: f64 = 0.9;
+
+/// Up axis and colours: what all pictures have in common.
+type Key = (UpAxis, Coloring, ColorHints);
+
+/// The pictures of the open sequence.
+#[derive(Debug)]
+pub struct Thumbnails {
+    /// Whether they are shown and made.
+    pub is_on: bool,
+    wanted: Wanted,
+    store: Store,
+    key: Option<Key>,
+    view: Option<Camera>,
+    /// Counts the sets of pictures, so that one of a set that has gone is known as such.
+    generation: u64,
+    is_busy: bool,
+    /// When the last picture was begun.
+    begun: Option<Duration>,
+    pool: Option<rayon::ThreadPool>,
+}
+
+/// What the thread has made of a frame.
+#[derive(Debug)]
+pub struct Delivery {
+    generation: u64,
+    frame: usize,
+    made: Made,
+}
+
+impl Thumbnails {
+    pub(in crate::app) fn new(is_on: bool) -> Self {
+        Self {
+            is_on,
+            wanted: Wanted::default(),
+            store: Store::default(),
+            key: None,
+            view: None,
+            generation: 0,
+            is_busy: false,
+            begun: None,
+            pool: None,
+        }
+    }
+
+    /// Number of frames of the strip that have their picture or mark, and of all frames of the strip.
+    pub fn progress(&self) -> [usize; 2] {
+        let strip = &self.wanted.strip;
+        let made = strip.iter().filter(|&&frame| self.store.has(frame));
+        [made.count(), strip.len()]
+    }
+
+    /// Bytes of all pictures that are kept.
+    pub fn byte_size(&self) -> usize {
+        self.store.bytes()
+    }
+
+    /// Forgets all pictures, so that they are made anew, from a view of what is known by now.
+    pub fn redo(&mut self) {
+        self.store = Store::default();
+        self.view = None;
+        self.generation += 1;
+    }
+
+    /// Another sequence was opened.
+    pub(in crate::app) fn forget_frames(&mut self) {
+        self.wanted = Wanted::default();
+        self.redo();
+    }
+
+    /// The window is another one.
+    pub(in crate::app) fn forget_textures(&mut self) {
+        self.store.forget_textures();
+    }
+
+    /// Says which frames the strip shows.
+    pub(in crate::app) fn want(&mut self, strip: Vec<usize>) {
+        self.wanted.strip = strip;
+    }
+
+    /// Says which frame is under the pointer: its picture is made first.
+    pub(in crate::app) fn hover(&mut self, frame: Option<usize>) {
+        self.wanted.hovered = frame;
+    }
+
+    /// How `frame` is shown in the window of `ctx`.
+    pub(in crate::app) fn look(&mut self, ctx: &Context, frame: usize) -> Look {
+        self.store.look(ctx, frame)
+    }
+
+    /// Begins the next picture, if one is missing and there is time for it.
+    pub(in crate::app) fn follow<T: TaskOutcome + From<Box<Delivery>>>(
+        &mut self,
+        player: &Player,
+        look: &FirstLook,
+        key: Key,
+        is_measured: bool,
+        tasks: &Tasks<T>,
+        now: Duration,
+    ) {
+        if !self.is_on || self.is_busy || self.wanted.strip.is_empty() {
+            return;
+        }
+        if self.key.replace(key) != Some(key) {
+            self.redo();
+        }
+        let [made, all] = self.progress();
+        if made == all
+            && self
+                .wanted
+                .hovered
+                .is_none_or(|frame| self.store.has(frame))
+        {
+            return;
+        }
+        let leisure = bustle(player, is_measured).leisure();
+        let is_early = self.begun.is_some_and(|begun| now < begun + INTERVAL);
+        if leisure == Leisure::None || (player.is_playing() && is_early) {
+            return;
+        }
+        let Some((frame, material)) = self.next(player, key, leisure) else {
+            return;
+        };
+        let view = *self.view.get_or_insert_with(|| {
+            let [width, height] = PICTURE_PX.map(f64::from);
+            look.camera_with_up(key.0, player.sequence().origin(), width / height)
+        });
+        self.begun = Some(now);
+        let job = Job {
+            material,
+            view,
+            colors: (key.1, key.2),
+            sequence: Arc::clone(player.sequence()),
+        };
+        self.start(frame, job, tasks);
+    }
+
+    /// The next frame there is time for.
+    fn next(&mut self, player: &Player, key: Key, leisure: Leisure) -> Option<(usize, Material)> {
+        let loader = player.loader();
+        let needs = Needs {
+            colors: key.1,
+            hints: key.2,
+            ..Needs::default()
+        };
+        let mut material = None;
+        let mut broken = Vec::new();
+        let frame = self.wanted.next(
+            player.clock().frame(),
+            |frame| self.store.has(frame),
+            |&frame| {
+                material = match loader.get(frame, &needs) {
+                    Slot::Ready(frame) | Slot::Coarse(frame) => Some(Material::Resident(frame)),
+                    // It is not broken; nobody can make a picture of it any more.
+                    Slot::Failed(error) if matches!(*error, FrameError::Gone { .. }) => None,
+                    Slot::Failed(_) => {
+                        broken.push(frame);
+                        None
+                    }
+                    // What is in other colours will be in these before long.
+                    Slot::Partial(_) | Slot::Stale(_) | Slot::Pending => {
+                        let is_there = player.sequence().frames().contains(&frame);
+                        let may_be_read = is_there && leisure == Leisure::Reading;
+                        may_be_read.then_some(Material::File(frame))
+                    }
+                };
+                material.is_some()
+            },
+        );
+        for frame in broken {
+            self.store.mark_broken(frame);
+        }
+        Some((frame?, material?))
+    }
+
+    fn start<T: TaskOutcome + From<Box<Delivery>>>(
+        &mut self,
+        frame: usize,
+        job: Job,
+        tasks: &Tasks<T>,
+    ) {
+        if self.pool.is_none() {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(1)
+                .thread_name(|_| "thumbnails".to_owned())
+                .start_handler(|_| priority::go_behind_drawing())
+                .build();
+            match pool {
+                Ok(pool) => self.pool = Some(pool),
+                Err(reason) => log::warn!("no thread for thumbnails: {reason}"),
+            }
+        }
+        let Some(pool) = &self.pool else {
+            self.is_on = false;
+            return;
+        };
+        self.is_busy = true;
+        let generation = self.generation;
+        tasks.start_in(pool, move || {
+            Box::new(Delivery {
+                generation,
+                frame,
+                made: job.run(),
+            })
+        });
+    }
+
+    /// Takes what the thread has made, unless it is of a set that has gone.
+    pub(in crate::app) fn take_in(&mut self, delivery: Delivery) {
+        self.is_busy = false;
+        if delivery.generation != self.generation {
+            return;
+        }
+        let frame = delivery.frame;
+        match delivery.made {
+            Made::Picture(image) => self.store.insert(frame, image, &self.wanted.all()),
+            Made::Broken => self.store.mark_broken(frame),
+        }
+    }
+}
+
+fn bustle(player: &Player, is_measured: bool) -> Bustle {
+    let asked = player.clock().fps() * player.clock().speed().abs();
+    let is_whole = player.shown().is_some_and(|frame| !frame.is_sample());
+    let is_held = player
+        .fps_held()
+        .is_some_and(|held| held >= IN_TIME * asked);
+    Bustle {
+        is_measured,
+        is_playing: player.is_playing(),
+        keeps_up: is_whole && is_held && player.waiting_for().is_none(),
+        is_loading: player.loader().is_busy(),
+    }
+}

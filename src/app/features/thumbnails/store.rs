@@ -1,0 +1,167 @@
+//! The pictures that are kept, within a budget.
+
+use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::Arc;
+
+/// Bytes of all pictures; as textures those that were shown take as much again.
+pub(super) const BUDGET_BYTES: usize = 16 << 20;
+
+/// Size of a picture in pixels; the strip shows it smaller.
+pub(in crate::app) const PICTURE_PX: [u32; 2] = [160, 120];
+
+/// Bytes of a picture.
+pub(super) const PICTURE_BYTES: usize = 4 * PICTURE_PX[0] as usize * PICTURE_PX[1] as usize;
+
+/// So many cells of a strip fit into the budget, and some pictures under the pointer beside them.
+pub(in crate::app) const MAX_CELLS: usize = BUDGET_BYTES / PICTURE_BYTES * 3 / 4;
+
+/// What is known of a frame.
+enum Entry {
+    Picture(Arc<ColorImage>, Option<TextureHandle>),
+    /// It cannot be read.
+    Broken,
+}
+
+/// How a frame is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::app) enum Look {
+    /// Not made yet.
+    Unknown,
+    /// It cannot be read.
+    Broken,
+    /// By this picture.
+    Picture(TextureId),
+}
+
+/// Pictures by frame.
+#[derive(Default)]
+pub(super) struct Store {
+    entries: BTreeMap<usize, Entry>,
+    /// Frames with pictures, the one that was made first at the front.
+    order: VecDeque<usize>,
+}
+
+impl std::fmt::Debug for Store {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Store")
+            .field("frames", &self.entries.len())
+            .field("bytes", &self.bytes())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Store {
+    /// Bytes of all pictures.
+    pub(super) fn bytes(&self) -> usize {
+        PICTURE_BYTES * self.order.len()
+    }
+
+    /// Whether it is known how `frame` looks.
+    pub(super) fn has(&self, frame: usize) -> bool {
+        self.entries.contains_key(&frame)
+    }
+
+    /// Remembers that `frame` cannot be read.
+    pub(super) fn mark_broken(&mut self, frame: usize) {
+        self.entries.entry(frame).or_insert(Entry::Broken);
+    }
+
+    /// Keeps the picture of `frame`. Where there is no room, the oldest that is not among `wanted` goes, else the
+    /// oldest.
+    pub(super) fn insert(&mut self, frame: usize, image: ColorImage, wanted: &BTreeSet<usize>) {
+        self.order.retain(|&other| other != frame);
+        while self.bytes() + PICTURE_BYTES > BUDGET_BYTES {
+            let unwanted = self.order.iter().position(|other| !wanted.contains(other));
+            let Some(oldest) = self.order.remove(unwanted.unwrap_or(0)) else {
+                break;
+            };
+            self.entries.remove(&oldest);
+        }
+        self.order.push_back(frame);
+        self.entries
+            .insert(frame, Entry::Picture(Arc::new(image), None));
+    }
+
+    /// How `frame` is shown in the window of `ctx`; its texture is made when it is first asked for.
+    pub(super) fn look(&mut self, ctx: &Context, frame: usize) -> Look {
+        match self.entries.get_mut(&frame) {
+            None => Look::Unknown,
+            Some(Entry::Broken) => Look::Broken,
+            Some(Entry::Picture(image, texture)) => {
+                let load = || {
+                    let name = format!("thumbnail {frame}");
+                    ctx.load_texture(name, Arc::clone(image), TextureOptions::LINEAR)
+                };
+                Look::Picture(texture.get_or_insert_with(load).id())
+            }
+        }
+    }
+
+    /// Textures are made anew: they were those of another window.
+    pub(super) fn forget_textures(&mut self) {
+        for entry in self.entries.values_mut() {
+            if let Entry::Picture(_, texture) = entry {
+                *texture = None;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn picture() -> ColorImage {
+        ColorImage::filled(PICTURE_PX.map(|edge| edge as usize), egui::Color32::RED)
+    }
+
+    // A strip wider than any screen at 50 points a cell, and what is hovered, fit into the budget.
+    const _: () = assert!(MAX_CELLS >= 150);
+    const _: () = assert!((MAX_CELLS + 1) * PICTURE_BYTES <= BUDGET_BYTES);
+
+    #[test]
+    fn bytes_are_those_of_the_pixels() {
+        assert_eq!(PICTURE_BYTES, picture().pixels.len() * 4);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(8))]
+
+        #[test]
+        fn pictures_never_take_more_than_the_budget_and_wanted_ones_stay(
+            frames in prop::collection::vec(0usize..2000, 300..700), wanted in prop::collection::btree_set(0usize..2000, 0..MAX_CELLS),
+        ) {
+            let mut store = Store::default();
+            let mut inserted = BTreeSet::new();
+            for frame in frames {
+                store.insert(frame, picture(), &wanted);
+                inserted.insert(frame);
+                prop_assert!(store.bytes() <= BUDGET_BYTES);
+                prop_assert!(store.has(frame));
+                prop_assert_eq!(store.order.len(), store.entries.len());
+            }
+            for frame in wanted.intersection(&inserted) {
+                prop_assert!(store.has(*frame), "{}", frame);
+            }
+        }
+    }
+
+    #[test]
+    fn textures_are_made_once_for_a_window() {
+        let mut store = Store::default();
+        let ctx = Context::default();
+        store.insert(3, picture(), &BTreeSet::new());
+        store.mark_broken(4);
+        store.mark_broken(3);
+        let look = store.look(&ctx, 3);
+        assert!(matches!(look, Look::Picture(_)));
+        assert_eq!(store.look(&ctx, 3), look);
+        assert_eq!(store.look(&ctx, 4), Look::Broken);
+        assert_eq!(store.look(&ctx, 5), Look::Unknown);
+        store.forget_textures();
+        assert_ne!(store.look(&ctx, 3), look);
+    }
+}

@@ -1,0 +1,79 @@
+//! What a person puts on the timeline: in and out point, markers, a curve. The playhead and the range are the player's;
+//! here is what is kept of them.
+
+pub(in crate::app) mod panel;
+
+mod curve;
+mod file;
+mod markers;
+
+pub(in crate::app) use curve::Curve;
+pub use curve::Quantity;
+pub use markers::{Marker, Markers};
+
+use crate::app::first_look::Chosen;
+use crate::sequence::Sequence;
+use crate::timeline::PlayRange;
+use std::path::PathBuf;
+
+/// The marks of the open sequence.
+#[derive(Debug)]
+pub struct Timeline {
+    /// Named frames.
+    pub markers: Markers,
+    /// What the curve under the bar shows.
+    pub quantity: Option<Quantity>,
+    /// The marker whose name is being written, and the name so far.
+    pub(in crate::app) renaming: Option<(usize, String)>,
+    pub(in crate::app) curve: Curve,
+    /// Where the bar is in the window, points.
+    pub(in crate::app) bar_rect: egui::Rect,
+    /// What was chosen for the sequence in place of what is guessed.
+    pub(in crate::app) chosen: Chosen,
+    /// Where they are kept, if they may be.
+    file: Option<PathBuf>,
+}
+
+impl Default for Timeline {
+    fn default() -> Self {
+        Self {
+            markers: Markers::default(),
+            quantity: None,
+            renaming: None,
+            curve: Curve::default(),
+            bar_rect: egui::Rect::ZERO,
+            chosen: Chosen::default(),
+            file: None,
+        }
+    }
+}
+
+impl Timeline {
+    /// Takes what was kept of `sequence`, which was just opened: its range and what was chosen for it. What could not
+    /// be read is said.
+    pub(in crate::app) fn read(
+        &mut self,
+        folder: Option<&PathBuf>,
+        sequence: &Sequence,
+    ) -> (PlayRange, Chosen, Option<String>) {
+        self.renaming = None;
+        self.curve.forget();
+        let file = folder.and_then(|folder| file::file_of(folder, sequence));
+        let kept = file.map(|file| file::read(&file));
+        let (file, problem, (range, markers, chosen)) = kept
+            .map_or_else(Default::default, |kept| {
+                (kept.file, kept.problem, kept.value)
+            });
+        self.file = file;
+        self.markers = markers;
+        (range, chosen, problem)
+    }
+
+    /// Keeps the marks and `range`, if they may be kept.
+    pub(in crate::app) fn keep(&self, range: PlayRange) -> Result<(), String> {
+        match &self.file {
+            Some(file) => file::write(file, range, &self.markers, self.chosen),
+            None => Ok(()),
+        }
+    }
+}

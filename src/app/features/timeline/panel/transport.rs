@@ -1,0 +1,254 @@
+//! The row under the bar: transport, place, pace.
+
+use crate::app::State;
+use crate::app::command::{Command, keys_of};
+use crate::app::features::timeline::Quantity;
+use crate::app::theme::{BAD, Icon, paint_icon};
+use crate::app::widgets::numbers::grouped;
+use crate::playback::Player;
+use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED};
+use egui::{
+    Align, ComboBox, DragValue, Label, Layout, Response, RichText, Role, Sense, Ui, WidgetInfo,
+    vec2,
+};
+use std::time::Duration;
+
+/// Size of a transport icon, points.
+const ICON_SIZE: f32 = 13.0;
+
+/// Transport and place from the left, pace from the right.
+pub(super) fn row_ui(ui: &mut Ui, state: &mut State) {
+    ui.horizontal(|ui| {
+        // From the right, so that a narrow window cuts the name of the file and nothing else.
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            pace(ui, state);
+            curve_choice(ui, state);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                transport(ui, state);
+                ui.add_space(6.0);
+                place(ui, state);
+            });
+        });
+    });
+}
+
+/// Which number of every frame the curve under the bar shows.
+fn curve_choice(ui: &mut Ui, state: &mut State) {
+    let name = |quantity: Option<Quantity>| quantity.map_or("No curve", Quantity::name);
+    let mut quantity = state.timeline.quantity;
+    ComboBox::from_id_salt("curve")
+        .width(84.0)
+        .selected_text(name(quantity))
+        .show_ui(ui, |ui| {
+            ui.selectable_value(&mut quantity, None, name(None))
+                .on_hover_text("The bar alone");
+            for choice in Quantity::ALL {
+                ui.selectable_value(&mut quantity, Some(choice), choice.name())
+                    .on_hover_text(choice.tooltip());
+            }
+        })
+        .response
+        .on_hover_text("Curve under the bar: a number of every frame that was prepared so far");
+    state.timeline.quantity = quantity;
+}
+
+fn transport(ui: &mut Ui, state: &mut State) {
+    let playing = state.player.as_ref().is_some_and(Player::is_playing);
+    let (play_icon, play_text) = if playing {
+        (Icon::Pause, "Pause")
+    } else {
+        (Icon::Play, "Play")
+    };
+    for (icon, text, command) in [
+        (Icon::First, "First frame", Command::First),
+        (Icon::Back, "Previous frame", Command::Step(-1)),
+        (play_icon, play_text, Command::TogglePlay),
+        (Icon::Forward, "Next frame", Command::Step(1)),
+        (Icon::Last, "Last frame", Command::Last),
+    ] {
+        if icon_button(ui, icon, text, command, state.player.is_some()).clicked() {
+            state.run(command);
+        }
+    }
+}
+
+fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: bool) -> Response {
+    let wide = if command == Command::TogglePlay {
+        40.0
+    } else {
+        30.0
+    };
+    let sense = if enabled {
+        Sense::click()
+    } else {
+        Sense::hover()
+    };
+    let (rect, response) = ui.allocate_exact_size(vec2(wide, 26.0), sense);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
+    let visuals = ui.style().interact(&response);
+    let fill = if command == Command::TogglePlay && enabled {
+        ui.visuals().selection.bg_fill
+    } else {
+        visuals.weak_bg_fill
+    };
+    ui.painter().rect(
+        rect,
+        visuals.corner_radius,
+        fill,
+        visuals.bg_stroke,
+        egui::StrokeKind::Inside,
+    );
+    let color = if enabled {
+        visuals.text_color()
+    } else {
+        ui.visuals().weak_text_color()
+    };
+    paint_icon(ui.painter(), icon, rect.center(), ICON_SIZE, color);
+    response.on_hover_text(format!("{text} ({})", keys_of(command)))
+}
+
+fn place(ui: &mut Ui, state: &State) {
+    let Some(player) = &state.player else { return };
+    let sequence = player.sequence();
+    let frame = player.waiting_for().unwrap_or(player.clock().frame());
+    let digits = sequence.len().to_string().len();
+    let text = format!("frame {:>digits$}/{}", frame + 1, sequence.len());
+    ui.label(RichText::new(text).monospace().strong());
+    if player.waiting_for().is_some() {
+        ui.weak("loading…");
+    }
+    if let Some(frame) = player.shown().filter(|frame| frame.is_sample()) {
+        let share = frame.frame.points_in_file() as f64 / frame.frame.len().max(1) as f64;
+        let why = if player.is_partial() {
+            "the others are being read"
+        } else {
+            "there is no time for more at this frame rate. All are, when paused"
+        };
+        ui.label(
+            RichText::new(format!("1/{share:.0} of points")).color(ui.visuals().warn_fg_color),
+        )
+        .on_hover_text(format!(
+            "{} of {} points are shown: {why}.",
+            grouped(frame.frame.len() as u64),
+            grouped(frame.frame.points_in_file() as u64),
+        ));
+    }
+    if !sequence.is_empty() {
+        let entry = sequence.entry(frame);
+        ui.add(Label::new(&entry.name).truncate())
+            .on_hover_text(entry.path.display().to_string());
+    }
+}
+
+/// From the right: fps asked and held, rate, speed, loop mode.
+fn pace(ui: &mut Ui, state: &mut State) {
+    let now = state.now();
+    let Some(player) = &mut state.player else {
+        return;
+    };
+    let held = player.fps_held();
+    let asked = player.clock().fps() * player.clock().speed().abs();
+    let text = held.map_or_else(|| "—".to_owned(), |fps| format!("{fps:.1}"));
+    let color = match held {
+        Some(fps) if fps < 0.9 * asked => BAD,
+        _ => ui.visuals().text_color(),
+    };
+    ui.label(
+        RichText::new(format!("{text:>5} held"))
+            .monospace()
+            .color(color),
+    )
+    .on_hover_text(format!(
+        "Frames a second shown in the last second; {asked:.1} are asked for.\n\
+         Since opening: {} shown, {} of them with fewer points, {} late, {} skipped",
+        player.frames_shown(),
+        player.coarse_frames_shown(),
+        player.late_frames(),
+        player.clock().skipped()
+    ));
+
+    let mut fps = player.clock().fps();
+    let rate = DragValue::new(&mut fps)
+        .range(0.1..=1000.0)
+        .speed(0.2)
+        .max_decimals(2)
+        .suffix(" fps");
+    if named(ui.add(rate), "Frame rate")
+        .on_hover_text("Frames a second at speed 1 (fps)")
+        .changed()
+    {
+        player.set_fps(fps, now);
+    }
+
+    let mut speed = player.clock().speed();
+    let mut size = speed.abs();
+    let drag = DragValue::new(&mut size)
+        .range(MIN_SPEED..=MAX_SPEED)
+        .speed(0.02)
+        .max_decimals(2)
+        .suffix(" ×");
+    if named(ui.add(drag), "Speed")
+        .on_hover_text("Speed, a factor of the frame rate ([ and ])")
+        .changed()
+    {
+        speed = size.copysign(speed);
+        player.set_speed(speed, now);
+    }
+    let reverse = speed < 0.0;
+    let button = egui::Button::selectable(reverse, "Reverse");
+    if ui
+        .add(button)
+        .on_hover_text("Play backward (Backspace)")
+        .clicked()
+    {
+        player.set_speed(-speed, now);
+    }
+
+    let mut mode = player.clock().loop_mode();
+    ComboBox::from_id_salt("loop mode")
+        .width(92.0)
+        .selected_text(loop_name(mode))
+        .show_ui(ui, |ui| {
+            for other in LoopMode::ALL {
+                ui.selectable_value(&mut mode, other, loop_name(other));
+            }
+        })
+        .response
+        .on_hover_text("What happens at the ends of the sequence (L)");
+    if mode != player.clock().loop_mode() {
+        player.set_loop_mode(mode, now);
+    }
+    follow(ui, player, now);
+}
+
+/// Whether the newest frame of a folder that may grow is shown as it comes.
+fn follow(ui: &mut Ui, player: &mut Player, now: Duration) {
+    if !player.sequence().source().may_grow() {
+        return;
+    }
+    let follows = player.follows_newest();
+    let button = egui::Button::selectable(follows, "Follow");
+    if ui
+        .add(button)
+        .on_hover_text("Show the newest frame of this folder as it comes (Shift+End)")
+        .clicked()
+    {
+        player.follow_newest(!follows, now);
+    }
+}
+
+fn loop_name(mode: LoopMode) -> &'static str {
+    match mode {
+        LoopMode::Off => "Play once",
+        LoopMode::Loop => "Loop",
+        LoopMode::PingPong => "Ping-pong",
+    }
+}
+
+/// Gives a control without a text of its own a name for screen readers and tests.
+fn named(response: Response, name: &str) -> Response {
+    response
+        .ctx
+        .accesskit_node_builder(response.id, |node| node.set_label(name));
+    response
+}

@@ -1,0 +1,343 @@
+//! Trails: the ways that picked points, or points spread over the frame, take through time.
+//!
+//! How it works. All of them are found together by one task, which looks at every frame from in to out point
+//! ([`crate::sequence::Trails`]) and can be cancelled between two. Another task begins only when the one before has
+//! ended, so that no more than one frame is being read for it.
+
+pub(in crate::app) mod panel;
+
+use super::inspection::{Anchor, Inspection};
+use crate::analysis::ColorMap;
+use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::export::TrailLook;
+use crate::playback::Player;
+use crate::progress::Progress;
+use crate::sequence::{self, Needs, PreparedFrame, Slot, TrailMeasure, TrailRequest};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::{Arc, Weak};
+
+/// Trails of points that are spread evenly over the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TrailField {
+    /// Whether they are shown.
+    pub is_on: bool,
+    /// How many.
+    pub points: usize,
+    /// Over so many frames before the shown one.
+    pub length: usize,
+}
+
+impl TrailField {
+    /// Most trails.
+    pub const MAX_POINTS: usize = 500;
+    /// Longest trails, frames.
+    pub const MAX_LENGTH: usize = 240;
+}
+
+/// What is to be found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Wish {
+    request: TrailRequest,
+    /// So many of the first points are those that were picked.
+    picked: usize,
+}
+
+/// A task on its way.
+#[derive(Debug)]
+struct Running {
+    wish: Wish,
+    /// Of the frames that are looked at.
+    progress: Progress,
+}
+
+/// What a task has found; `None` if it was cancelled.
+#[derive(Debug)]
+pub struct Traced(Option<sequence::Trails>);
+
+/// Which trails are shown, and what is known of them.
+#[derive(Debug)]
+pub struct Trails {
+    /// Those of the picked points are shown.
+    pub is_on: bool,
+    /// Points whose trails stay when others are picked.
+    pub kept: Vec<Anchor>,
+    /// Those of other points.
+    pub field: TrailField,
+    /// The frame whose points [`Trails::field`] is of, and how many its file has.
+    field_of: Option<(usize, usize)>,
+    running: Option<Running>,
+    found: Option<(Wish, sequence::Trails)>,
+}
+
+impl Default for Trails {
+    fn default() -> Self {
+        Self {
+            is_on: false,
+            kept: Vec::new(),
+            field: TrailField {
+                is_on: false,
+                points: 100,
+                length: 24,
+            },
+            field_of: None,
+            running: None,
+            found: None,
+        }
+    }
+}
+
+impl Trails {
+    /// What was found, if that is known for what is asked now.
+    pub fn found(&self) -> Option<&sequence::Trails> {
+        self.found.as_ref().map(|(_, trails)| trails)
+    }
+
+    /// Whether trails are drawn, or are to be.
+    pub(in crate::app) fn are_shown(&self) -> bool {
+        self.is_on || self.field.is_on || !self.kept.is_empty()
+    }
+
+    /// Frames that were looked at, of how many, while trails are being found.
+    pub fn progress(&self) -> Option<(usize, usize)> {
+        let running = self.running.as_ref()?;
+        let progress = &running.progress;
+        (!progress.is_cancelled()).then(|| (progress.done(), running.wish.request.frames.len()))
+    }
+
+    /// Length and speeds of the trail of the point of this index in the file, if it is among the picked ones.
+    pub fn measure(
+        &self,
+        index_in_file: u32,
+        time_s: impl Fn(usize) -> f64,
+    ) -> Option<TrailMeasure> {
+        let (wish, trails) = self.found.as_ref()?;
+        let picked = &wish.request.indices[..wish.picked];
+        let trail = picked.iter().position(|&index| index == index_in_file)?;
+        trails.measure(trail, time_s)
+    }
+
+    /// The trails of picked points, and those of others.
+    pub(in crate::app) fn parts(&self) -> [Range<usize>; 2] {
+        let Some((wish, trails)) = &self.found else {
+            return [0..0, 0..0];
+        };
+        let count = trails.trail_count();
+        let picked = wish.picked.min(count);
+        [0..picked, picked..count]
+    }
+
+    /// How all of them are drawn.
+    pub(in crate::app) fn looks(&self) -> Vec<TrailLook> {
+        let [picked, others] = self.parts();
+        let count = others.len();
+        let other = |(number, trail): (usize, usize)| {
+            let [red, green, blue, _] = ColorMap::Viridis.color(field_place(number, count));
+            TrailLook {
+                trail,
+                tint: [red, green, blue],
+                length: Some(self.field.length),
+            }
+        };
+        let others = others.enumerate().map(other);
+        picked.map(TrailLook::picked).chain(others).collect()
+    }
+
+    /// Keeps the trail of a point, or lets it go.
+    pub fn toggle_kept(&mut self, anchor: Anchor) {
+        let is_same = |kept: &Anchor| kept.index_in_file == anchor.index_in_file;
+        match self.kept.iter().position(is_same) {
+            Some(place) => _ = self.kept.remove(place),
+            None => self.kept.push(anchor),
+        }
+    }
+
+    /// Ends what is being found: no trails are shown.
+    pub fn cancel(&mut self) {
+        self.is_on = false;
+        self.field.is_on = false;
+        self.stop();
+    }
+
+    fn stop(&mut self) {
+        if let Some(running) = &self.running {
+            running.progress.cancel();
+        }
+    }
+
+    /// Forgets the points, as another sequence is opened.
+    pub(in crate::app) fn forget_points(&mut self) {
+        self.stop();
+        self.kept.clear();
+        self.field_of = None;
+        self.found = None;
+    }
+
+    /// Starts to find what is asked for and not known. True if other trails are to be drawn.
+    pub(in crate::app) fn follow<T: TaskOutcome + From<Traced>>(
+        &mut self,
+        player: &Player,
+        inspection: &Inspection,
+        tasks: &Tasks<T>,
+    ) -> bool {
+        let wish = self.wish(player, inspection);
+        let is_known = self.found.as_ref().map(|(known, _)| known) == wish.as_ref();
+        let had_some = self.found.is_some();
+        if !is_known {
+            self.found = None;
+        }
+        match wish.filter(|_| !is_known) {
+            None => self.stop(),
+            Some(wish) => match &self.running {
+                Some(running) if running.wish == wish && self.progress().is_some() => {}
+                Some(_) => self.stop(),
+                None => self.start(wish, player, tasks),
+            },
+        }
+        had_some && self.found.is_none()
+    }
+
+    /// The points that are followed, and through which frames; `None` if there are none.
+    fn wish(&mut self, player: &Player, inspection: &Inspection) -> Option<Wish> {
+        let shown = player.shown()?;
+        if !self.field.is_on {
+            self.field_of = None;
+        } else if self.field_of.is_none() {
+            self.field_of = Some((shown.index, shown.frame.points_in_file()));
+        }
+        let picked: Vec<Anchor> = if self.is_on {
+            let points = inspection.picked();
+            self.kept.iter().copied().chain(points).collect()
+        } else {
+            Vec::new()
+        };
+        // Those of the newest pick where frames have different numbers of points.
+        let newest = inspection.point.as_ref().map(|point| point.anchor);
+        let first = newest.filter(|_| self.is_on).or(picked.last().copied());
+        let (chosen_in, points_in_file) = first
+            .map(|anchor| (anchor.clicked_in, anchor.points_in_file))
+            .or(self.field_of)?;
+        let mut indices: Vec<u32> = Vec::new();
+        for anchor in picked {
+            let is_new = !indices.contains(&anchor.index_in_file);
+            if is_new && anchor.points_in_file == points_in_file {
+                indices.push(anchor.index_in_file);
+            }
+        }
+        let picked = indices.len();
+        if self.field.is_on {
+            let spread = spread(points_in_file, self.field.points);
+            indices.extend(spread);
+        }
+        let frames = player.clock().range().of(player.sequence().len());
+        let request = TrailRequest {
+            indices,
+            chosen_in,
+            points_in_file,
+            frames,
+        };
+        Some(Wish { request, picked })
+    }
+
+    fn start<T: TaskOutcome + From<Traced>>(
+        &mut self,
+        wish: Wish,
+        player: &Player,
+        tasks: &Tasks<T>,
+    ) {
+        let wake = tasks.wake();
+        let progress = Progress::told_to(move |_| wake());
+        let request = wish.request.clone();
+        let sequence = Arc::clone(player.sequence());
+        let resident = resident(player, &request);
+        self.running = Some(Running {
+            wish,
+            progress: progress.clone(),
+        });
+        tasks.start("trails", move || {
+            let resident = |index: usize| resident.get(&index).and_then(Weak::upgrade);
+            let trails = sequence::Trails::trace(&request, &sequence, resident, &progress);
+            Traced(trails)
+        });
+    }
+
+    /// Takes what a task has found, unless something else is wanted by now.
+    pub(in crate::app) fn take_in(&mut self, traced: Traced) {
+        let Some(running) = self.running.take() else {
+            return;
+        };
+        if let Some(trails) = traced.0
+            && !running.progress.is_cancelled()
+        {
+            self.found = Some((running.wish, trails));
+        }
+    }
+}
+
+/// Trails of a field have the colours of the map from here on: the first ones are as dark as the background.
+const FIRST_COLOR: f32 = 0.3;
+
+/// Where the colour of one of `count` trails of a field is on the map, 0 to 1.
+pub(in crate::app) fn field_place(number: usize, count: usize) -> f32 {
+    FIRST_COLOR + (1.0 - FIRST_COLOR) * (number as f32 + 0.5) / count as f32
+}
+
+/// Evenly chosen indices of the points of a file.
+fn spread(points_in_file: usize, count: usize) -> impl Iterator<Item = u32> {
+    let count = count.min(points_in_file);
+    (0..count).map(move |number| {
+        let place = (2 * number as u64 + 1) * points_in_file as u64 / (2 * count as u64);
+        place as u32
+    })
+}
+
+/// Frames that are in memory with all their points. They are not kept from being dropped.
+fn resident(player: &Player, request: &TrailRequest) -> BTreeMap<usize, Weak<PreparedFrame>> {
+    let frames = request.frames.clone().chain([request.chosen_in]);
+    let frame = |index| match player.loader().get(index, &Needs::default()) {
+        Slot::Ready(frame) | Slot::Partial(frame) | Slot::Stale(frame) if !frame.is_sample() => {
+            Some((index, Arc::downgrade(&frame)))
+        }
+        _ => None,
+    };
+    frames.filter_map(frame).collect()
+}
+
+/// A trail in the coordinates of the file, piece by piece as it is connected, of some frames.
+pub(in crate::app) fn pieces(
+    trails: &sequence::Trails,
+    trail: usize,
+    frames: Range<usize>,
+    origin: DVec3,
+) -> Vec<Vec<DVec3>> {
+    let mut pieces: Vec<Vec<DVec3>> = Vec::new();
+    let mut is_connected = false;
+    for frame in frames {
+        let place = trails.place(trail, frame);
+        if let Some(place) = place {
+            let place = origin + place.as_dvec3();
+            match pieces.last_mut().filter(|_| is_connected) {
+                Some(piece) => piece.push(place),
+                None => pieces.push(vec![place]),
+            }
+        }
+        is_connected = place.is_some();
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_of_a_field_are_spread_evenly() {
+        let found = |points, count| spread(points, count).collect::<Vec<_>>();
+        assert_eq!(found(100, 4), [12, 37, 62, 87]);
+        assert_eq!(found(3, 500), [0, 1, 2]);
+        assert_eq!(found(0, 500), [0; 0]);
+        let largest = crate::cloud::Frame::MAX_POINTS;
+        assert!(found(largest, 500).is_sorted_by(|a, b| a < b));
+    }
+}

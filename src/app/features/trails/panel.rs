@@ -1,0 +1,173 @@
+//! Trails of points: buttons and numbers beside a point's values, and how they are painted over the picture.
+
+use crate::analysis::ColorMap;
+use crate::app::State;
+use crate::app::features::trails::{TrailField, field_place, pieces};
+use crate::app::theme::ODD;
+use crate::app::widgets::canvas::Canvas;
+use egui::{Button, Checkbox, Color32, RichText, Slider, Stroke, Ui};
+
+use crate::app::widgets::rows::{row, rows};
+
+/// Most reasons why trails end that are listed.
+const MAX_REASONS: usize = 3;
+
+/// How bright the part of a trail is that is still to come.
+const TO_COME: f32 = 0.6;
+
+/// Below the values of a point.
+pub(in crate::app) fn trail_ui(ui: &mut Ui, state: &mut State) {
+    ui.horizontal(|ui| {
+        let trail = Button::selectable(state.trails.is_on, "Trail");
+        let tooltip = "The way that the point of this index takes from in to out point, and the ways of points that were kept or \
+                       measured with. Before the shown frame it is bright (Shift+T)";
+        if ui.add(trail).on_hover_text(tooltip).clicked() {
+            state.trails.is_on ^= true;
+        }
+        let anchor = state.inspection.point.as_ref().map(|point| point.anchor);
+        let Some(anchor) = anchor.filter(|_| state.trails.is_on) else {
+            return;
+        };
+        let mut kept = state.trails.kept.iter();
+        let is_kept = kept.any(|kept| kept.index_in_file == anchor.index_in_file);
+        let keep = Button::selectable(is_kept, "Keep trail");
+        let tooltip = "The trail stays when another point is picked";
+        if ui.add(keep).on_hover_text(tooltip).clicked() {
+            state.trails.toggle_kept(anchor);
+        }
+        let forget = Button::new("Forget kept trails");
+        let has_kept = !state.trails.kept.is_empty();
+        if has_kept && ui.add(forget).on_hover_text("Only the picked point has a trail then").clicked() {
+            state.trails.kept.clear();
+        }
+    });
+    if state.trails.is_on {
+        status_ui(ui, state);
+    }
+}
+
+/// How far finding trails is, or where they end and why.
+fn status_ui(ui: &mut Ui, state: &mut State) {
+    if let Some((done, all)) = state.trails.progress() {
+        ui.horizontal(|ui| {
+            ui.weak(format!(
+                "Looking at frame {} of {all}…",
+                (done + 1).min(all)
+            ));
+            let cancel = ui.add(Button::new("Cancel trails").small());
+            if cancel.on_hover_text("Look no further").clicked() {
+                state.trails.cancel();
+            }
+        });
+        return;
+    }
+    let Some(trails) = state.trails.found() else {
+        return;
+    };
+    let breaks = trails.breaks();
+    for broken in breaks.iter().take(MAX_REASONS) {
+        let mut text = broken.text(1);
+        if let Some(first) = text.get_mut(..1) {
+            first.make_ascii_uppercase();
+        }
+        let text = RichText::new(text).color(ui.visuals().warn_fg_color);
+        ui.label(text).on_hover_text(
+            "Trails break here. Points are followed by their index in the file, which means nothing where frames have other numbers of \
+             points or seem to have them in another order",
+        );
+    }
+    if breaks.len() > MAX_REASONS {
+        ui.weak(format!("and {} more breaks", breaks.len() - MAX_REASONS));
+    }
+    let is_nowhere = |trail| {
+        let mut frames = trails.frames();
+        frames.all(|frame| trails.place(trail, frame).is_none())
+    };
+    if (0..trails.trail_count()).all(is_nowhere) {
+        ui.label("There is no trail between in and out point");
+    }
+}
+
+/// The rows about trails of other points.
+pub(in crate::app) fn field_ui(ui: &mut Ui, state: &mut State) {
+    let TrailField {
+        is_on,
+        points,
+        length,
+    } = &mut state.trails.field;
+    rows(ui, "trails", |ui| {
+        row(
+            ui,
+            "Trails",
+            "The ways of points that are spread evenly over the file, over the last frames; only where frames have as many points",
+            Checkbox::new(is_on, "Shown"),
+        );
+        if !*is_on {
+            return;
+        }
+        row(
+            ui,
+            "Trail points",
+            "How many points have trails",
+            Slider::new(points, 1..=TrailField::MAX_POINTS).logarithmic(true),
+        );
+        row(
+            ui,
+            "Trail length",
+            "Over how many frames before the shown one",
+            Slider::new(length, 1..=TrailField::MAX_LENGTH)
+                .logarithmic(true)
+                .suffix(" frames"),
+        );
+    });
+    if *is_on {
+        status_ui(ui, state);
+    }
+}
+
+/// Paints all trails.
+pub(in crate::app) fn paint_trails(canvas: &Canvas<'_>, state: &State) {
+    let (Some(trails), Some(player)) = (state.trails.found(), &state.player) else {
+        return;
+    };
+    let Some(shown) = player.shown().map(|frame| frame.index) else {
+        return;
+    };
+    let origin = player.sequence().origin();
+    let [picked, others] = state.trails.parts();
+    let recent = (shown + 1).saturating_sub(state.trails.field.length + 1)..shown + 1;
+    let count = others.len();
+    for (number, trail) in others.enumerate() {
+        let [red, green, blue, _] = ColorMap::Viridis.color(field_place(number, count));
+        let stroke = Stroke::new(1.2, Color32::from_rgb(red, green, blue));
+        for piece in pieces(trails, trail, recent.clone(), origin) {
+            canvas.polyline(&piece, stroke);
+            if let Some(head) = piece.last() {
+                canvas.dot(*head, stroke.color);
+            }
+        }
+    }
+    for trail in picked {
+        let frames = trails.frames();
+        let shadow = Stroke::new(4.0, Color32::from_black_alpha(130));
+        for piece in pieces(trails, trail, frames.clone(), origin) {
+            canvas.polyline(&piece, shadow);
+        }
+        let to_come = Stroke::new(1.5, ODD.gamma_multiply(TO_COME));
+        for piece in pieces(trails, trail, shown.max(frames.start)..frames.end, origin) {
+            canvas.polyline(&piece, to_come);
+        }
+        let past = Stroke::new(2.0, ODD);
+        for piece in pieces(
+            trails,
+            trail,
+            frames.start..(shown + 1).min(frames.end),
+            origin,
+        ) {
+            canvas.polyline(&piece, past);
+        }
+        if let Some(place) = trails.place(trail, shown) {
+            canvas.ring(origin + place.as_dvec3(), ODD);
+        }
+    }
+}

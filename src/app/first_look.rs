@@ -1,0 +1,57 @@
+//! What is known of the open sequence, and what was chosen for it.
+
+use crate::math::Aabb;
+use crate::scene::{Camera, FirstLook, Primitive, UpAxis};
+use crate::sequence::Sequence;
+use std::sync::{Arc, Weak};
+
+/// What was chosen for one sequence, and outlives it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(in crate::app) struct Chosen {
+    pub(in crate::app) up: Option<UpAxis>,
+    pub(in crate::app) primitive: Option<Primitive>,
+}
+
+/// What is known of the open sequence.
+#[derive(Debug, Default)]
+pub(in crate::app) struct Looked {
+    pub(in crate::app) look: Option<Arc<FirstLook>>,
+    /// Frames beside the first one have been looked at, or there are none.
+    pub(in crate::app) is_complete: bool,
+    /// The view that followed from it.
+    pub(in crate::app) view: Option<FirstView>,
+    /// The primitive at the end of the last pass.
+    pub(in crate::app) primitive: Option<Primitive>,
+}
+
+/// A view that nobody has chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::app) struct FirstView {
+    pub(in crate::app) camera: Camera,
+    /// Of the picture that it fills.
+    pub(in crate::app) size_px: [u32; 2],
+    /// What it shows beside the open sequence.
+    pub(in crate::app) beside: Aabb,
+}
+
+impl Looked {
+    /// The first view, if `camera` still is where it put it.
+    pub(in crate::app) fn untouched(&self, camera: &Camera) -> Option<FirstView> {
+        self.view.filter(|view| view.camera == *camera)
+    }
+
+    pub(in crate::app) fn is_empty(&self) -> bool {
+        self.look.is_none()
+    }
+
+    pub(in crate::app) fn look(&self) -> Option<Arc<FirstLook>> {
+        self.look.clone()
+    }
+}
+
+/// What a thread has made of several frames.
+#[derive(Debug)]
+pub struct LookedAtMore {
+    pub(in crate::app) sequence: Weak<Sequence>,
+    pub(in crate::app) look: FirstLook,
+}

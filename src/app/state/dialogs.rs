@@ -1,0 +1,126 @@
+//! File dialogs of the system, one at a time.
+
+use crate::app::features::benchmark::ReportFormat;
+use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::io;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// A dialog that gives no answer sooner than a person can press a key was never seen.
+const SEEN_DIALOG: Duration = Duration::from_millis(400);
+
+/// What a dialog asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DialogKind {
+    /// Files to open as a sequence.
+    OpenFiles,
+    /// A folder to open as a sequence.
+    OpenFolder,
+    /// Files to open as a second sequence.
+    CompareFiles,
+    /// A folder to open as a second sequence.
+    CompareFolder,
+    /// Where to write the picture.
+    SavePicture,
+    /// A camera path to open.
+    OpenPath,
+    /// Where to write the camera path.
+    SavePath,
+    /// The file of an export, with this extension.
+    ExportTo(&'static str),
+    /// The folder of an export of many files.
+    ExportFolder,
+    /// Where to write the benchmark.
+    SaveReport(ReportFormat),
+}
+
+/// How a dialog was closed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum DialogAnswer {
+    /// With at least one path.
+    Chosen {
+        /// Which dialog.
+        dialog: DialogKind,
+        /// What was chosen.
+        paths: Vec<PathBuf>,
+    },
+    /// Without any.
+    Cancelled,
+    /// The system has no dialogs.
+    NoDialog,
+}
+
+/// The dialog that is open, or none.
+#[derive(Debug, Default)]
+pub(super) struct Dialogs {
+    is_open: bool,
+}
+
+impl Dialogs {
+    /// Asks the person. Nothing happens while another dialog is open.
+    pub(super) fn ask<T: TaskOutcome + From<DialogAnswer>>(
+        &mut self,
+        dialog: DialogKind,
+        file_name: Option<String>,
+        tasks: &Tasks<T>,
+    ) {
+        if std::mem::replace(&mut self.is_open, true) {
+            return;
+        }
+        tasks.start("file dialog", move || {
+            let opened = Instant::now();
+            match show_dialog(dialog, file_name) {
+                Some(paths) if !paths.is_empty() => DialogAnswer::Chosen { dialog, paths },
+                _ if opened.elapsed() < SEEN_DIALOG => DialogAnswer::NoDialog,
+                _ => DialogAnswer::Cancelled,
+            }
+        });
+    }
+
+    /// Takes notice that it was closed.
+    pub(super) fn note_answer(&mut self) {
+        self.is_open = false;
+    }
+}
+
+fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBuf>> {
+    let mut dialog = rfd::FileDialog::new();
+    if let Some(file_name) = file_name {
+        dialog = dialog.set_file_name(file_name);
+    }
+    let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
+    let title = match kind {
+        DialogKind::OpenFiles => "Open point clouds",
+        DialogKind::OpenFolder => "Open a folder of frames",
+        DialogKind::CompareFiles => "Compare with point clouds",
+        DialogKind::CompareFolder => "Compare with a folder of frames",
+        DialogKind::SavePicture => "Save the picture",
+        DialogKind::OpenPath => "Open a camera path",
+        DialogKind::SavePath => "Save the camera path",
+        DialogKind::ExportTo(_) => "Export to",
+        DialogKind::ExportFolder => "Folder of the pictures",
+        DialogKind::SaveReport(_) => "Save the benchmark",
+    };
+    dialog = dialog.set_title(title);
+    match kind {
+        DialogKind::OpenFiles | DialogKind::CompareFiles => dialog
+            .add_filter(
+                "Point clouds",
+                &io::supported_extensions().collect::<Vec<_>>(),
+            )
+            .add_filter("All files", &["*"])
+            .pick_files(),
+        DialogKind::OpenFolder | DialogKind::CompareFolder | DialogKind::ExportFolder => {
+            one(dialog.pick_folder())
+        }
+        DialogKind::SavePicture => one(dialog.add_filter("PNG image", &["png"]).save_file()),
+        DialogKind::OpenPath => one(dialog.add_filter("Camera path", &["json"]).pick_file()),
+        DialogKind::SavePath => one(dialog.add_filter("Camera path", &["json"]).save_file()),
+        DialogKind::ExportTo(extension) => one(dialog
+            .add_filter(extension.to_uppercase(), &[extension])
+            .save_file()),
+        DialogKind::SaveReport(format) => one(dialog
+            .add_filter(format.name(), &[format.extension()])
+            .save_file()),
+    }
+}

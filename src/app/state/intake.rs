@@ -1,0 +1,75 @@
+//! What becomes of what tasks come to.
+
+use super::State;
+use super::outcome::{Found, Outcome};
+use crate::app::drawing::levels::FrameWithLevels;
+use crate::app::side::Side;
+use crate::app::work::files::SavedFile;
+use crate::app::work::tasks::TaskFailed;
+use crate::sequence::SequenceError;
+
+impl State {
+    /// Gives what a task came to to the feature that it is of.
+    pub(super) fn take_in(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Found(found) => self.take_found(found),
+            Outcome::Answered(answer) => self.take_answer(answer),
+            Outcome::Saved(SavedFile(path)) => {
+                self.notices.info(format!("Saved {}", path.display()));
+            }
+            Outcome::Path(path) => self.take_path_file(path),
+            Outcome::Exported(ended) => self.export_has_ended(ended),
+            Outcome::Benchmark(ended) => {
+                self.benchmark.finish(ended);
+                self.learn_quality();
+            }
+            Outcome::Compared(difference) => {
+                if let Some(pictures) = self.pictures_mut() {
+                    pictures.take_in(difference);
+                }
+            }
+            Outcome::Distances(distances) => {
+                if let (Some(beside), Some(distances)) = (&mut self.beside, distances) {
+                    beside.take_in(distances);
+                }
+            }
+            Outcome::MadeFrame(made) => {
+                if let Some(made) = made {
+                    self.temporal.take_in(*made);
+                }
+            }
+            Outcome::Traced(traced) => self.trails.take_in(traced),
+            Outcome::Levels(FrameWithLevels(frame)) => {
+                self.drawing.take_levels(&frame);
+                if let Some(beside) = &mut self.beside {
+                    beside.drawing.take_levels(&frame);
+                }
+            }
+            Outcome::InView(made) => {
+                self.drawing.take_surfels_in_view(&made);
+                if let Some(beside) = &mut self.beside {
+                    beside.drawing.take_surfels_in_view(&made);
+                }
+            }
+            Outcome::Looked(more) => self.take_more(*more),
+            Outcome::Thumbnail(delivery) => self.thumbnails.take_in(*delivery),
+            Outcome::Failed(TaskFailed(text)) => self.notices.error(text),
+        }
+    }
+
+    fn take_found(&mut self, found: Found) {
+        match found.sequence {
+            Ok(sequence) => {
+                match found.side {
+                    Side::A => self.open(sequence),
+                    Side::B => self.compare_with(sequence),
+                }
+                if let Err(problem) = self.recent.add(&found.inputs) {
+                    self.notices.warn(problem);
+                }
+            }
+            Err(SequenceError::Cancelled) => {}
+            Err(error) => self.notices.error(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,402 @@
+//! Everything the window shows and what a person can change, without a window: tests drive it with a clock of their
+//! own.
+
+mod actions;
+mod camera_path;
+mod companion;
+mod dialogs;
+mod export;
+mod files;
+mod first_look;
+mod inspecting;
+mod intake;
+mod measuring;
+mod opening;
+mod options;
+mod outcome;
+mod parts;
+mod pictures;
+mod ranges;
+mod reading;
+mod timeline;
+
+pub use dialogs::{DialogAnswer, DialogKind};
+pub use options::StateOptions;
+pub use outcome::{Found, Outcome};
+pub use parts::{Change, Counters, GraphicsInfo, Viewport, WindowRequest};
+pub(in crate::app) use ranges::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+pub(in crate::app) use reading::PictureStage;
+
+use dialogs::Dialogs;
+
+use crate::app::drawing::Drawing;
+use crate::app::features::benchmark::Benchmark;
+use crate::app::features::beside::Beside;
+use crate::app::features::camera_path::PathEditor;
+use crate::app::features::comparison::{Comparison, PicturePair};
+use crate::app::features::export::Export;
+use crate::app::features::inspection::Inspection;
+use crate::app::features::palette::Palette;
+use crate::app::features::quality::MeasuredQuality;
+use crate::app::features::temporal::Temporal;
+use crate::app::features::thumbnails::Thumbnails;
+use crate::app::features::timeline::Timeline;
+use crate::app::features::trails::Trails;
+use crate::app::first_look::Looked;
+use crate::app::fly::Fly;
+use crate::app::grip::Grip;
+use crate::app::history::History;
+use crate::app::motion::{Glide, Turntable};
+use crate::app::notices::Notices;
+use crate::app::open_panels::OpenPanels;
+use crate::app::preferences::Preferences;
+use crate::app::present_choice::PresentChoice;
+use crate::app::presets::Presets;
+use crate::app::recent::Recent;
+use crate::app::side::Side;
+use crate::app::work::tasks::{Tasks, Wake};
+use crate::app::work::works::Works;
+use crate::math::Aabb;
+use crate::playback::Player;
+use crate::scene::{Camera, RendererChoice, SceneStats, Style};
+use crate::sequence::Paint;
+use crate::timeline::Clock;
+use glam::DVec3;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The state of the window.
+#[derive(Debug)]
+pub struct State {
+    /// The open sequence.
+    pub player: Option<Player>,
+    /// Where the picture is seen from; kept across frames.
+    pub camera: Camera,
+    /// How pictures are asked for.
+    pub settings: Style,
+    /// Messages.
+    pub notices: Notices,
+    /// Open panels.
+    pub panels: OpenPanels,
+    /// Another way to draw beside the one of the settings.
+    pub comparison: Option<Comparison>,
+    /// Long work with a bar, but for the benchmark.
+    pub works: Works,
+    /// Another sequence beside the open one; never together with `comparison`.
+    pub beside: Option<Beside>,
+    /// The benchmark window's content.
+    pub benchmark: Benchmark,
+    /// What is known of the open sequence's ways to draw, from fast to exact.
+    pub quality: MeasuredQuality,
+    /// What was opened lately.
+    pub recent: Recent,
+    /// Settings under names.
+    pub presets: Presets,
+    /// The name of the preset that is being saved.
+    pub(in crate::app) preset_name: Option<String>,
+    /// Undo and redo of settings and camera path.
+    pub(in crate::app) history: History,
+    /// Commands by their names, while they are looked for.
+    pub palette: Option<Palette>,
+    /// Markers and curve of the open sequence.
+    pub timeline: Timeline,
+    /// The picture's place.
+    pub viewport: Viewport,
+    /// What is known of the graphics card.
+    pub graphics: GraphicsInfo,
+    /// Keys that fly.
+    pub fly: Fly,
+    /// The camera on a turntable.
+    pub turntable: Turntable,
+    /// The camera path that is being made.
+    pub path: PathEditor,
+    /// What a person would export.
+    pub export: Export,
+    /// What other poses add to the picture.
+    pub temporal: Temporal,
+    /// Small pictures of the frames.
+    pub thumbnails: Thumbnails,
+    /// Whether the picture has a scale bar.
+    pub shows_scale_bar: bool,
+    /// Whether the window is light or dark.
+    pub theme: egui::ThemePreference,
+    /// Who paints the window.
+    pub present: PresentChoice,
+    /// The ways of points through time.
+    pub trails: Trails,
+    /// What was clicked on.
+    pub inspection: Inspection,
+    /// Work done.
+    pub counters: Counters,
+    /// True while the window fills the screen.
+    pub full_screen: bool,
+    /// The picture in the hand.
+    pub(in crate::app) grip: Option<Grip>,
+    /// True between the first and the last move of the playhead by the mouse.
+    pub(in crate::app) scrubbing: Scrubbing,
+    pub(in crate::app) tasks: Tasks<Outcome>,
+    dialogs: Dialogs,
+    options: StateOptions,
+    now: Duration,
+    glide: Option<Glide>,
+    /// What is made of the open sequence.
+    looked: Looked,
+    requests: Vec<WindowRequest>,
+    drawing: Drawing,
+    /// Who was chosen to draw when the graphics card's device was lost: the processor draws until that is chosen anew.
+    without_gpu: Option<RendererChoice>,
+    /// What the drawn frame was painted with when this was last looked at: the panels say it.
+    painted_with: Option<Paint>,
+}
+
+/// The playhead in the hand.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(in crate::app) struct Scrubbing {
+    /// Plays on when it is let go.
+    pub(in crate::app) resume: bool,
+}
+
+impl State {
+    /// Nothing open.
+    pub fn new(options: StateOptions) -> Self {
+        let nothing = Aabb::EMPTY;
+        Self {
+            player: None,
+            camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
+            settings: options.preferences.settings,
+            notices: Notices::default(),
+            panels: options.preferences.panels,
+            comparison: None,
+            works: Works::default(),
+            beside: None,
+            benchmark: Benchmark::default(),
+            quality: MeasuredQuality::default(),
+            recent: options.recent.clone(),
+            presets: options.presets.clone(),
+            preset_name: None,
+            history: History::default(),
+            palette: None,
+            timeline: Timeline::default(),
+            viewport: Viewport::default(),
+            graphics: GraphicsInfo::default(),
+            fly: Fly::default(),
+            turntable: Turntable::default(),
+            path: PathEditor::default(),
+            export: Export::default(),
+            temporal: Temporal::default(),
+            thumbnails: Thumbnails::new(options.preferences.thumbnails),
+            shows_scale_bar: options.preferences.scale_bar,
+            theme: options.preferences.theme,
+            present: options.preferences.present,
+            trails: Trails::default(),
+            inspection: Inspection::default(),
+            counters: Counters::default(),
+            full_screen: false,
+            grip: None,
+            scrubbing: Scrubbing::default(),
+            dialogs: Dialogs::default(),
+            tasks: Tasks::new(Arc::clone(&options.wake)),
+            now: Duration::ZERO,
+            glide: None,
+            looked: Looked::default(),
+            requests: Vec::new(),
+            drawing: Drawing::default(),
+            without_gpu: None,
+            painted_with: None,
+            options,
+        }
+    }
+
+    /// The time of the last [`State::update`].
+    pub fn now(&self) -> Duration {
+        self.now
+    }
+
+    /// What [`StateOptions`] said about waking.
+    pub(in crate::app) fn wake(&self) -> Wake {
+        Arc::clone(&self.options.wake)
+    }
+
+    /// Counters of the traversal.
+    pub fn scene_stats(&self) -> SceneStats {
+        self.drawing.stats()
+    }
+
+    /// What is kept between runs; the window adds its size.
+    pub fn preferences(&self) -> Preferences {
+        let clock = self.player.as_ref().map(Player::clock);
+        Preferences {
+            // The primitive is chosen for one sequence, and kept with it.
+            settings: Style {
+                primitive: self.options.preferences.settings.primitive,
+                ..self.settings
+            },
+            present: self.present,
+            loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
+            // A sequence that was left while it played backward is not what the next one is to begin with.
+            speed: clock
+                .map_or(self.options.preferences.speed, Clock::speed)
+                .abs(),
+            panels: OpenPanels {
+                settings: self.panels.settings,
+                statistics: self.panels.statistics,
+                legend: self.panels.legend,
+                ..OpenPanels::default()
+            },
+            thumbnails: self.thumbnails.is_on,
+            scale_bar: self.shows_scale_bar,
+            theme: self.theme,
+            window_size: None,
+        }
+    }
+
+    /// Moves on to `now`: takes in what threads finished, moves the playhead. Says what can be seen to change.
+    pub fn update(&mut self, now: Duration) -> Change {
+        let before = std::mem::replace(&mut self.now, now);
+        let outcomes = self.tasks.take();
+        let mut visible = !outcomes.is_empty();
+        for outcome in outcomes {
+            self.take_in(outcome);
+        }
+        visible |= self.follow_readings();
+        visible |= self.works.look(before, now);
+        if let Benchmark::Running(running) = &mut self.benchmark {
+            running.work.look(now);
+        }
+        visible |= self.notices.expire(now);
+        visible |= self.look_for_quality();
+        visible |= self.move_camera_on();
+        if self.pictures_mut().is_some_and(|pair| pair.is_due(now)) {
+            self.requests.push(WindowRequest::Compare);
+            visible = true;
+        }
+        self.keep_primitive();
+        let settings = self.drawn_settings();
+        let Some(player) = &mut self.player else {
+            return Change::of_panels(visible);
+        };
+        let (change, of_b) = match &mut self.beside {
+            Some(beside) => {
+                let [of_a, of_b] = beside.update(player, now, &settings);
+                (of_a, Some(of_b))
+            }
+            None => (player.update(now, &settings), None),
+        };
+        let is_another_frame = change.visible;
+        visible |= change.beyond_frame;
+        if let Some(failure) = change.new_failure {
+            let place = failure.index() + 1;
+            let count = player.sequence().len();
+            self.notices
+                .error(format!("Frame {place} of {count} is left out. {failure}"));
+        }
+        for text in change
+            .other_attributes
+            .into_iter()
+            .chain(change.new_warnings)
+        {
+            self.notices.warn(text);
+        }
+        visible |= self.temporal.follow(player, &settings, &self.tasks, now);
+        if let Some(frame) = player.shown() {
+            self.inspection
+                .follow(Side::A, frame, player.sequence().origin());
+            visible |= self.trails.follow(player, &self.inspection, &self.tasks);
+            if self.looked.is_empty() {
+                let frame = Arc::clone(frame);
+                self.look_first(&frame);
+                visible = true;
+            }
+        }
+        let paint = self.drawn_frame().map(|frame| *frame.paint());
+        if self.painted_with != paint {
+            self.painted_with = paint;
+            visible = true;
+        }
+        self.follow_thumbnails();
+        if let Some(of_b) = of_b {
+            visible |= self.follow_beside(of_b);
+        }
+        let of_frame = match is_another_frame {
+            true if self.panels_show_frame() => Change::Panels,
+            true => Change::Frame,
+            false if self.is_picture_due() => Change::Picture,
+            false => Change::Nothing,
+        };
+        Change::of_panels(visible).max(of_frame)
+    }
+
+    /// Whether panels show more of the playing frame than its place on the timeline, so that they have to keep step
+    /// with it.
+    fn panels_show_frame(&self) -> bool {
+        let is_playing = self.player.as_ref().is_some_and(Player::is_playing);
+        !is_playing
+            || self.pictures().is_some()
+            || self.inspection.picked().next().is_some()
+            || self.trails.are_shown()
+            || self.temporal.change.is_on
+            || self.temporal.onion.is_on
+    }
+
+    /// Begins the next small picture if there is time for it.
+    pub(in crate::app) fn follow_thumbnails(&mut self) {
+        // The first picture goes first.
+        let look = self.looked.look().filter(|_| self.has_looked());
+        let Some((player, look)) = self.player.as_ref().zip(look) else {
+            return;
+        };
+        let settings = self.settings.resolved(&look);
+        let hints = settings.of_sequence.color_hints;
+        let key = (self.camera.up, settings.colors, hints);
+        let is_measured = matches!(self.benchmark, Benchmark::Running(_));
+        self.thumbnails
+            .follow(player, &look, key, is_measured, &self.tasks, self.now);
+    }
+
+    /// Takes in at once what the panels have changed about other poses.
+    pub(in crate::app) fn follow_poses(&mut self) {
+        let settings = self.drawn_settings();
+        if let Some(player) = &self.player {
+            self.temporal
+                .follow(player, &settings, &self.tasks, self.now);
+            self.trails.follow(player, &self.inspection, &self.tasks);
+        }
+    }
+
+    /// True if something that is not the picture may have changed: marks on the timeline, progress.
+    pub fn has_news(&self) -> bool {
+        matches!(self.benchmark, Benchmark::Running(_))
+            || self.works.list().iter().any(|work| work.is_long(self.now))
+            || self.trails.progress().is_some()
+            || self.player.as_ref().is_some_and(Player::runs_are_old)
+    }
+
+    /// What only the window can do, in the order in which it was asked for.
+    pub fn take_requests(&mut self) -> Vec<WindowRequest> {
+        std::mem::take(&mut self.requests)
+    }
+
+    /// When [`State::update`] has something to do by itself.
+    pub fn next_deadline(&self) -> Option<Duration> {
+        let player = self.player.as_ref().and_then(Player::next_deadline);
+        let pictures = self.pictures().and_then(PicturePair::next_deadline);
+        let camera = self.camera_moves().then_some(self.now);
+        let held = self.temporal.next_deadline();
+        [
+            player,
+            self.notices.next_deadline(),
+            self.works.next_deadline(self.now),
+            self.next_look_at_readings(),
+            pictures,
+            camera,
+            held,
+            self.drawing.next_deadline(),
+            self.beside
+                .as_ref()
+                .and_then(|beside| beside.drawing.next_deadline()),
+        ]
+        .into_iter()
+        .flatten()
+        .min()
+    }
+}

@@ -1,0 +1,103 @@
+//! Sequences are found and opened.
+
+use super::State;
+use super::outcome::Found;
+use crate::app::recent::entry_name;
+use crate::app::side::Side;
+use crate::app::work::works::WorkKind;
+use crate::playback::Player;
+use crate::sequence::{OpenOptions, Sequence, SequenceError, watch};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+impl State {
+    /// Shows `sequence` in place of what was open. Settings, loop mode and speed stay: they are choices of the person,
+    /// not of the sequence. What is beside it stays there.
+    pub fn open(&mut self, sequence: Arc<Sequence>) {
+        let loader_options = self.loader_options(self.budget_bytes());
+        let mut player = match Player::new(sequence, loader_options, !self.options.paused) {
+            Ok(player) => player,
+            Err(error) => return self.notices.error(error.to_string()),
+        };
+        if let Err(error) = watch(player.sequence(), self.wake()) {
+            self.notices.error(error.to_string());
+        }
+        for note in player.sequence().source().notes() {
+            self.notices.warn(note.clone());
+        }
+        if self.options.follow || player.sequence().source().is_live() {
+            player.follow_newest(true, self.now);
+        }
+        let (loop_mode, speed) = match &self.player {
+            Some(before) => (before.clock().loop_mode(), before.clock().speed()),
+            None => (
+                self.options.preferences.loop_mode,
+                self.options.preferences.speed,
+            ),
+        };
+        player.set_loop_mode(loop_mode, self.now);
+        player.set_speed(speed, self.now);
+        // The window may take a while to open.
+        player.begin(&self.settings);
+        if let Some(before) = self.player.replace(player) {
+            self.leave(before);
+        }
+        self.read_timeline(self.options.timelines.clone().as_ref());
+        self.compare_again();
+    }
+
+    /// Shows `sequence` as a window does that has just been opened with it, playing or not.
+    pub(in crate::app) fn open_fresh(&mut self, sequence: Arc<Sequence>, plays: bool) {
+        self.options.paused = !plays;
+        self.open(sequence);
+    }
+
+    /// Finds the frames of `inputs` on a thread and opens them.
+    pub fn open_paths(&mut self, inputs: Vec<PathBuf>) {
+        self.open_with_topic(inputs, None);
+    }
+
+    /// Opens the open recording again, with the point clouds of another topic.
+    pub fn open_topic(&mut self, topic: &str) {
+        if let Some(player) = &self.player {
+            let inputs = player.sequence().source().inputs().to_vec();
+            self.open_with_topic(inputs, Some(topic.into()));
+        }
+    }
+
+    /// A topic is a choice for one recording: what is opened next has others.
+    fn open_with_topic(&mut self, inputs: Vec<PathBuf>, topic: Option<Arc<str>>) {
+        let open = self.options.open.clone();
+        self.find(inputs, OpenOptions { topic, ..open }, Side::A);
+    }
+
+    /// Finds the frames of `inputs` on a thread.
+    pub(super) fn find(&mut self, inputs: Vec<PathBuf>, open: OpenOptions, side: Side) {
+        if inputs.is_empty() {
+            return;
+        }
+        // What was asked for last is what is wanted.
+        self.works.cancel(WorkKind::Open);
+        let name = format!("Opening {}", entry_name(&inputs));
+        let progress = self.works.begin(WorkKind::Open, name, self.now);
+        self.tasks.start("find frames", move || {
+            let sequence = Sequence::open_observed(&inputs, &open, &progress);
+            // What was cancelled during the last file is not wanted either.
+            let sequence = match sequence {
+                Ok(_) if progress.is_cancelled() => Err(SequenceError::Cancelled),
+                found => found.map(Arc::new),
+            };
+            Found {
+                inputs,
+                sequence,
+                side,
+            }
+        });
+    }
+
+    /// Sets the memory for prepared frames, now and for what is opened later.
+    pub fn set_budget_bytes(&mut self, budget_bytes: usize) {
+        self.options.budget_bytes = Some(budget_bytes);
+        self.share_budget();
+    }
+}

@@ -1,0 +1,81 @@
+//! What tasks come to: here the features meet.
+
+use super::dialogs::DialogAnswer;
+use crate::app::drawing::in_view::InView;
+use crate::app::drawing::levels::FrameWithLevels;
+use crate::app::features::benchmark::BenchmarkEnded;
+use crate::app::features::beside::FrameDistances;
+use crate::app::features::camera_path::PathFile;
+use crate::app::features::comparison::PictureDifference;
+use crate::app::features::export::ExportEnded;
+use crate::app::features::temporal::Made;
+use crate::app::features::thumbnails::Delivery;
+use crate::app::features::trails::Traced;
+use crate::app::first_look::LookedAtMore;
+use crate::app::side::Side;
+use crate::app::work::files::SavedFile;
+use crate::app::work::tasks::TaskFailed;
+use crate::sequence::{Sequence, SequenceError};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A sequence was found, or not.
+#[derive(Debug)]
+pub struct Found {
+    /// What was asked for; empty for the demo.
+    pub(super) inputs: Vec<PathBuf>,
+    /// The frames.
+    pub(super) sequence: Result<Arc<Sequence>, SequenceError>,
+    /// Whether it is to be opened, or beside what is open.
+    pub(super) side: Side,
+}
+
+/// Declares what tasks come to, and makes it of what each task gives.
+macro_rules! outcomes {
+    ($($(#[$doc:meta])* $variant:ident($of:ty),)*) => {
+        /// What a task came to.
+        #[derive(Debug)]
+        pub enum Outcome {
+            $($(#[$doc])* $variant($of),)*
+        }
+
+        $(impl From<$of> for Outcome {
+            fn from(of: $of) -> Self {
+                Self::$variant(of)
+            }
+        })*
+    };
+}
+
+outcomes! {
+    /// The frames of inputs were looked for.
+    Found(Found),
+    /// A dialog was closed.
+    Answered(DialogAnswer),
+    /// A file was written.
+    Saved(SavedFile),
+    /// A camera path was read or written.
+    Path(PathFile),
+    /// An export ended.
+    Exported(ExportEnded),
+    /// Two pictures were compared.
+    Compared(PictureDifference),
+    /// The points of two frames were compared; `None` if one has none, or nobody waits for it any more.
+    Distances(Option<FrameDistances>),
+    /// A frame was made of several poses; `None` if nobody waits for it any more.
+    MadeFrame(Option<Box<Made>>),
+    /// A frame has got levels of detail.
+    Levels(FrameWithLevels),
+    /// Surfels of what a view shows were estimated.
+    InView(Arc<InView>),
+    /// Several frames of a sequence were looked at.
+    Looked(Box<LookedAtMore>),
+    /// A small picture of a frame was made.
+    Thumbnail(Box<Delivery>),
+    /// Points were followed through the frames.
+    Traced(Traced),
+    /// A benchmark ended.
+    Benchmark(BenchmarkEnded),
+    /// A task failed.
+    Failed(TaskFailed),
+}

@@ -1,0 +1,137 @@
+//! What is drawn next, and what was drawn.
+
+use super::State;
+use crate::app::drawing::{Drawing, DrawnFrame};
+use crate::app::features::comparison::PicturePair;
+use crate::app::features::temporal::Made;
+use crate::app::meter::Redraw;
+use crate::render::RenderStats;
+use crate::scene::ScenePacket;
+use crate::sequence::PreparedFrame;
+use std::sync::Arc;
+
+impl State {
+    /// The frame that is drawn: the shown one, or what other poses made of it.
+    pub(in crate::app) fn drawn_frame(&self) -> Option<&Arc<PreparedFrame>> {
+        let made = self.temporal.shown().map(Made::frame);
+        made.or_else(|| self.player.as_ref()?.shown())
+    }
+
+    /// Whether a picture that is coarse because the camera moved is to be drawn as a whole.
+    pub(super) fn is_picture_due(&self) -> bool {
+        let of_b = self.beside.as_ref().map(|beside| &beside.drawing);
+        let drawings = [Some(&self.drawing), of_b];
+        let mut deadlines = drawings
+            .into_iter()
+            .flatten()
+            .filter_map(Drawing::next_deadline);
+        deadlines.any(|deadline| deadline <= self.now)
+    }
+
+    /// Whether the picture is a coarse one because the camera moved.
+    pub(in crate::app) fn is_picture_coarse(&self) -> bool {
+        self.drawing.next_deadline().is_some()
+    }
+
+    /// The packet to draw, if it differs from the last one.
+    pub fn next_packet(&mut self) -> Option<ScenePacket> {
+        let player = self.player.as_ref()?;
+        let pose = player.shown()?;
+        let made = self.temporal.shown();
+        let frame = made.map_or(pose, Made::frame);
+        if self.viewport.size_px.contains(&0) {
+            return None;
+        }
+        let origin = player.sequence().origin();
+        let drawn = DrawnFrame {
+            frame: Arc::clone(frame),
+            pose: Arc::clone(made.map_or(pose, Made::pose)),
+            origin,
+        };
+        let settings = self.drawn_settings();
+        if self.without_gpu != Some(self.settings.renderer) {
+            // Somebody has chosen anew.
+            self.without_gpu = None;
+        }
+        let size_px = self.viewport.size_px;
+        let packet = self
+            .drawing
+            .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
+        self.counters.pictures += 1;
+        self.note_picture();
+        Some(packet)
+    }
+
+    /// Takes notice of how long a redraw took, whose picture is on the screen now.
+    pub fn note_redraw(&mut self, redraw: Redraw, frame_ms: f64, render: RenderStats) {
+        self.graphics.redraw = redraw;
+        self.graphics.frame_ms = frame_ms;
+        self.graphics.render = render;
+        let draw_ms = self.graphics.picture_ms();
+        let settings = self.drawn_settings();
+        let Some(player) = &self.player else { return };
+        let noted = self.drawing.note_draw_ms(draw_ms);
+        // What stands for a frame that is on its way says nothing about its picture, and levels of it would be in its
+        // way.
+        let is_partial = player.is_partial();
+        if let Some(points) = noted.filter(|_| !is_partial) {
+            player.note_picture_ms(points, draw_ms);
+        }
+        let is_at_rest = !player.is_playing() && !is_partial;
+        let (tasks, now) = (&self.tasks, self.now);
+        self.drawing.prepare(&settings, is_at_rest, tasks, now);
+        if let Some(beside) = &mut self.beside {
+            if let Some(points) = beside.drawing.note_draw_ms(draw_ms) {
+                beside.companion.note_picture_ms(points, draw_ms);
+            }
+            beside.drawing.prepare(&settings, is_at_rest, tasks, now);
+        }
+    }
+
+    /// The packet of the other side of a comparison, or of the other sequence, if it differs from the last one. To be
+    /// asked for after [`State::next_packet`].
+    pub fn next_other_packet(&mut self) -> Option<ScenePacket> {
+        if self.beside.is_some() {
+            return self.next_packet_beside();
+        }
+        let other = self.comparison.as_ref()?.other;
+        let mut style = self.resolved(&other);
+        style.of_sequence.clip = self.settings.of_sequence.clip;
+        let comparison = self.comparison.as_mut()?;
+        let player = self.player.as_ref()?;
+        let frame = player.shown()?;
+        if self.viewport.size_px.contains(&0) {
+            return None;
+        }
+        let origin = player.sequence().origin();
+        let size_px = self.viewport.size_px;
+        let packet = comparison.next_packet(frame, origin, &self.camera, &style, size_px)?;
+        comparison.pictures.note_change(self.now);
+        Some(packet)
+    }
+
+    /// Forgets what was drawn: after a new GPU device everything is drawn again.
+    pub fn forget_picture(&mut self) {
+        self.drawing.forget_picture();
+        self.thumbnails.forget_textures();
+        if let Some(comparison) = &mut self.comparison {
+            comparison.forget_picture();
+        }
+        if let Some(beside) = &mut self.beside {
+            beside.drawing.forget_picture();
+        }
+    }
+
+    /// The two pictures beside each other, if there are two.
+    pub fn pictures(&self) -> Option<&PicturePair> {
+        let beside = self.beside.as_ref().map(|beside| &beside.pictures);
+        let comparison = self.comparison.as_ref();
+        beside.or(comparison.map(|comparison| &comparison.pictures))
+    }
+
+    pub(in crate::app) fn pictures_mut(&mut self) -> Option<&mut PicturePair> {
+        let beside = self.beside.as_mut().map(|beside| &mut beside.pictures);
+        let comparison = self.comparison.as_mut();
+        beside.or(comparison.map(|comparison| &mut comparison.pictures))
+    }
+}

@@ -1,0 +1,118 @@
+//! A picture that is painted over at places of the cloud.
+
+use crate::scene::Camera;
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+use glam::{DVec2, DVec3};
+
+/// Radius of a ring around a place, points.
+pub(in crate::app) const RING: f32 = 6.0;
+
+/// The picture, to be painted over at places in the coordinates of the file.
+pub(in crate::app) struct Canvas<'a> {
+    painter: &'a Painter,
+    rect: Rect,
+    size_px: [u32; 2],
+    camera: &'a Camera,
+}
+
+impl<'a> Canvas<'a> {
+    /// A picture of so many pixels over `rect`, as `camera` sees it.
+    pub(in crate::app) fn new(
+        painter: &'a Painter,
+        rect: Rect,
+        size_px: [u32; 2],
+        camera: &'a Camera,
+    ) -> Self {
+        Self {
+            painter,
+            rect,
+            size_px,
+            camera,
+        }
+    }
+
+    /// The direction that is up, in the coordinates of the file.
+    pub(in crate::app) fn up(&self) -> DVec3 {
+        self.camera.up.direction()
+    }
+
+    /// From pixels of the picture to points of the window.
+    fn to_window(&self, px: DVec2) -> Pos2 {
+        let [width, height] = self.size_px.map(|edge| f64::from(edge.max(1)));
+        let part = px / DVec2::new(width, height);
+        // Far beyond the window is far enough, and f32 that can be added to.
+        let part = part.clamp(DVec2::splat(-100.0), DVec2::splat(100.0));
+        let size = self.rect.size();
+        self.rect.min + vec2(part.x as f32 * size.x, part.y as f32 * size.y)
+    }
+
+    /// Where a place is in the window, if it is in front of the eye.
+    pub(in crate::app) fn place(&self, place: DVec3) -> Option<Pos2> {
+        let px = self.camera.to_px(place, self.size_px)?;
+        Some(self.to_window(px))
+    }
+
+    /// A ring around a place.
+    pub(in crate::app) fn ring(&self, place: DVec3, color: Color32) {
+        if let Some(center) = self.place(place) {
+            let painter = self.painter;
+            painter.circle_stroke(
+                center,
+                RING,
+                Stroke::new(3.5, Color32::from_black_alpha(160)),
+            );
+            painter.circle_stroke(center, RING, Stroke::new(1.5, color));
+            painter.circle_filled(center, 1.5, color);
+        }
+    }
+
+    /// A small dot.
+    pub(in crate::app) fn dot(&self, place: DVec3, color: Color32) {
+        if let Some(center) = self.place(place) {
+            self.painter.circle_filled(center, 2.0, color);
+        }
+    }
+
+    /// Lines from place to place, as far as they are in front of the eye.
+    pub(in crate::app) fn polyline(&self, places: &[DVec3], stroke: Stroke) {
+        let mut run: Vec<Pos2> = Vec::with_capacity(places.len());
+        for ends in places.windows(2) {
+            let px = self.camera.line_to_px([ends[0], ends[1]], self.size_px);
+            let Some([from, to]) = px.map(|px| px.map(|px| self.to_window(px))) else {
+                continue;
+            };
+            if run.last() != Some(&from) {
+                self.painter.line(std::mem::take(&mut run), stroke);
+                run.push(from);
+            }
+            run.push(to);
+        }
+        self.painter.line(run, stroke);
+    }
+
+    /// A line with a shadow.
+    pub(in crate::app) fn line(&self, ends: [DVec3; 2], stroke: Stroke) {
+        if let Some(px) = self.camera.line_to_px(ends, self.size_px) {
+            let ends = px.map(|px| self.to_window(px));
+            let shadow = Stroke::new(stroke.width + 2.0, Color32::from_black_alpha(130));
+            self.painter.line_segment(ends, shadow);
+            self.painter.line_segment(ends, stroke);
+        }
+    }
+
+    /// A text on a dark ground.
+    pub(in crate::app) fn label(&self, middle: Pos2, text: &str) {
+        let font = FontId::proportional(14.0);
+        let galley = self
+            .painter
+            .layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+        let place = Align2::CENTER_CENTER.anchor_size(middle, galley.size());
+        self.painter.rect_filled(
+            place.expand2(vec2(5.0, 2.0)),
+            4.0,
+            Color32::from_black_alpha(190),
+        );
+        self.painter
+            .galley(pos2(place.min.x, place.min.y), galley, Color32::WHITE);
+    }
+}

@@ -1,0 +1,9 @@
+//! What panels are made of.
+
+pub(super) mod canvas;
+pub(super) mod names;
+pub(super) mod numbers;
+pub(super) mod picture;
+pub(super) mod ramp;
+pub(super) mod rows;
+pub(super) mod settle;

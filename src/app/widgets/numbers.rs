@@ -1,0 +1,93 @@
+//! Numbers as a person reads them.
+
+/// `1234567` → `1,234,567`.
+pub(in crate::app) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.char_indices() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Bytes with a binary unit.
+pub(in crate::app) fn bytes(count: u64) -> String {
+    const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
+    let mut value = count as f64;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < UNITS.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    if unit == 0 {
+        format!("{count} B")
+    } else {
+        format!("{value:.1} {}", UNITS[unit])
+    }
+}
+
+/// Nine digits, which is more than f32 positions hold.
+pub(in crate::app) fn significant(value: f64) -> String {
+    rounded_to(value, 9)
+}
+
+/// A number as so many digits tell it, at least 1.
+pub(in crate::app) fn rounded_to(value: f64, digits: i32) -> String {
+    let magnitude = value.abs().log10().floor();
+    if !(-6.0..12.0).contains(&magnitude) {
+        return if value == 0.0 {
+            "0".to_owned()
+        } else {
+            format!("{value:.0$e}", (digits - 1) as usize)
+        };
+    }
+    let decimals = (digits - 1 - magnitude as i32).max(0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_readable() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1_000), "1,000");
+        assert_eq!(grouped(12_345_678), "12,345,678");
+        assert_eq!(bytes(1023), "1023 B");
+        assert_eq!(bytes(1024), "1.0 KiB");
+        assert_eq!(bytes(3 << 29), "1.5 GiB");
+    }
+
+    #[test]
+    fn numbers_have_nine_digits_and_no_more() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.1 + 0.2, "0.3"),
+            (1.0 / 3.0, "0.333333333"),
+            (-1234.5, "-1234.5"),
+            (4_510_731.123_456, "4510731.12"),
+            (1e15, "1.00000000e15"),
+            (1.5e-9, "1.50000000e-9"),
+            (100.0, "100"),
+        ] {
+            assert_eq!(significant(value), text);
+        }
+        for (value, text) in [
+            (2.0 / 3.0, "0.6667"),
+            (12_345.6, "12346"),
+            (1.5e-9, "1.500e-9"),
+        ] {
+            assert_eq!(rounded_to(value, 4), text);
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Rows of choices: a label, a control named by it, and a tooltip on both.
+
+use egui::{ComboBox, Grid, Label, RichText, Ui, Widget};
+
+pub(in crate::app) fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(10.0);
+    ui.label(RichText::new(text).strong().size(14.5));
+    ui.add_space(2.0);
+}
+
+pub(in crate::app) fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
+    Grid::new(id)
+        .num_columns(2)
+        .min_col_width(96.0)
+        .spacing([10.0, 7.0])
+        .show(ui, add);
+}
+
+/// A label and a control named by it, both with the tooltip.
+pub(in crate::app) fn row(ui: &mut Ui, name: &str, tooltip: &str, control: impl Widget) {
+    let label = ui.label(name).on_hover_text(tooltip);
+    ui.add(control).labelled_by(label.id).on_hover_text(tooltip);
+    ui.end_row();
+}
+
+/// A label and a list to choose from.
+pub(in crate::app) fn choice<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    tooltip: &str,
+    value: &mut T,
+    choices: &[(&str, T, &str)],
+) {
+    let label = ui.label(name).on_hover_text(tooltip);
+    let selected = choices
+        .iter()
+        .find(|(_, choice, _)| choice == value)
+        .map_or("Custom", |(text, _, _)| text);
+    ComboBox::from_id_salt(name)
+        .selected_text(selected)
+        .show_ui(ui, |ui| {
+            for (text, choice, hint) in choices {
+                ui.selectable_value(value, *choice, *text)
+                    .on_hover_text(*hint);
+            }
+        })
+        .response
+        .labelled_by(label.id)
+        .on_hover_text(tooltip);
+    ui.end_row();
+}
+
+/// Says something below a choice of a grid, whose cells are as wide as what is in them.
+pub(in crate::app) fn note_below(ui: &mut Ui, text: &str) {
+    const WIDTH: f32 = 190.0;
+    ui.label("");
+    ui.scope(|ui| {
+        ui.set_max_width(WIDTH);
+        ui.add(Label::new(RichText::new(text).weak()).wrap());
+    });
+    ui.end_row();
+}

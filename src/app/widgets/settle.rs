@@ -1,0 +1,18 @@
+//! Windows whose size changes with what is in them.
+
+use egui::{Id, InnerResponse, Ui, Vec2};
+
+/// Has the panels run again when the window `name` has another size than in the last pass: what is in it takes its new
+/// places then.
+pub(in crate::app) fn settle<R>(ui: &Ui, name: &'static str, shown: Option<InnerResponse<R>>) {
+    let size = shown.map(|shown| shown.response.rect.size());
+    let id = Id::unique(name).with("size");
+    let before = ui.data_mut(|data| {
+        let before = data.get_temp::<Option<Vec2>>(id);
+        data.insert_temp(id, size);
+        before
+    });
+    if before.is_some_and(|before| before != size) {
+        ui.ctx().request_repaint();
+    }
+}

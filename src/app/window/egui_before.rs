@@ -1,0 +1,10 @@
+//! egui outlives the device that painted it.
+
+use egui_winit::accesskit_winit;
+
+/// What stays of egui when a device is lost.
+pub(super) struct EguiBefore {
+    pub(super) context: egui::Context,
+    /// The window's, which has one for good.
+    pub(super) accessibility: Option<accesskit_winit::Adapter>,
+}

@@ -1,0 +1,522 @@
+//! The event loop: winit's events to egui, deadlines and wakes to redraws.
+
+mod accessibility;
+mod egui_before;
+mod lost;
+mod message;
+mod redraw;
+
+use self::egui_before::EguiBefore;
+use self::message::Message;
+use super::pacing::{Agenda, Sight};
+use super::preferences::{Preferences, PreferencesFile};
+use super::present::{self, Presenter};
+use super::present_choice::PresentChoice;
+use super::state::{Change, PictureStage, State, StateOptions};
+use super::theme::apply_theme;
+use super::trial::Trial;
+use crate::app::side::Side;
+use crate::bench::{BenchOptions, Input, WindowAction};
+use crate::render::RenderError;
+use crate::scene::RendererChoice;
+use crate::sequence::Sequence;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::{LogicalSize, PhysicalSize};
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::window::{Window, WindowId};
+
+/// Size of a new window, logical pixels.
+const DEFAULT_SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
+
+/// Below this the timeline does not fit, logical pixels.
+const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(720.0, 420.0);
+
+/// The shortest time from one redraw to the next, of that between two pictures of the screen, where presenting does not
+/// wait: a mouse tells of its moves a thousand times a second. It is below 1, so that pictures which are due do not
+/// move back little by little.
+const MIN_REDRAW_INTERVAL: f64 = 0.75;
+
+/// Of a screen that does not tell.
+const DEFAULT_REFRESH_INTERVAL: Duration = Duration::from_micros(16_667);
+
+/// News from workers that only move marks and figures are shown this often.
+const NEWS_INTERVAL: Duration = Duration::from_millis(100);
+
+/// How the window is opened.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// How the state begins. Its `wake` is replaced.
+    pub state: StateOptions,
+    /// What to show first; the demo if `None`.
+    pub sequence: Option<Arc<Sequence>>,
+    /// What to show beside it.
+    pub compare: Option<Arc<Sequence>>,
+    /// What the first was found by, for the list of recent files.
+    pub inputs: Vec<PathBuf>,
+    /// What went wrong before there was a window to say it in.
+    pub warnings: Vec<String>,
+    /// Where changes of settings are kept; nowhere by default.
+    pub preferences_file: PreferencesFile,
+    /// Size of the window in pixels, which goes before the preferred one.
+    pub size_px: Option<[u32; 2]>,
+    /// Write the 3-D picture to this file and end.
+    pub screenshot: Option<PathBuf>,
+    /// How many frames are shown before the screenshot; at least 1.
+    pub after_frames: u64,
+    /// End the GPU device after this many pictures, as a crashed driver would: for tests.
+    pub lose_device_after: Option<u64>,
+}
+
+/// Why the window could not be opened or go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AppError {
+    /// There is no display, or it refuses.
+    #[error(
+        "no window can be opened ({reason}); without a display use `pointreel render INPUT -o picture.png`"
+    )]
+    NoWindow {
+        /// What the window system said.
+        reason: String,
+    },
+    /// No adapter, or it was lost for good.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The window was closed before it had measured itself.
+    #[error("the window was closed before all was measured")]
+    Closed,
+    /// The screenshot that was asked for could not be made.
+    #[error("{0}")]
+    Screenshot(String),
+}
+
+/// Opens the window and returns when it is closed.
+pub fn run(options: Options) -> Result<(), AppError> {
+    run_with(options, None).map(|_| ())
+}
+
+/// Opens a window that plays, turns and scrubs `inputs` by itself, and returns what it presented.
+pub fn bench_window(
+    inputs: &[Input],
+    bench: &BenchOptions,
+    present: PresentChoice,
+    renderer: RendererChoice,
+) -> Result<Vec<WindowAction>, AppError> {
+    let options = Options {
+        state: StateOptions {
+            preferences: Preferences {
+                present,
+                ..Preferences::default()
+            },
+            budget_bytes: bench.budget_bytes,
+            ..StateOptions::default()
+        },
+        sequence: inputs.first().map(|input| Arc::clone(&input.sequence)),
+        size_px: Some(bench.viewport_px),
+        ..Options::default()
+    };
+    run_with(options, Some(Trial::new(inputs, bench, renderer)))
+}
+
+/// The window; what it found, if it is to do something by itself.
+fn run_with(options: Options, trial: Option<Trial>) -> Result<Vec<WindowAction>, AppError> {
+    let no_window = |reason: &dyn std::fmt::Display| AppError::NoWindow {
+        reason: reason.to_string(),
+    };
+    let event_loop = EventLoop::<Message>::with_user_event()
+        .build()
+        .map_err(|error| no_window(&error))?;
+    let mut app = App::new(options, &event_loop);
+    app.trial = trial;
+    event_loop
+        .run_app(&mut app)
+        .map_err(|error| no_window(&error))?;
+    app.end?;
+    match app.trial {
+        Some(mut trial) => trial.result().ok_or(AppError::Closed),
+        None => Ok(Vec::new()),
+    }
+}
+
+/// What exists while there is a window.
+struct Screen {
+    window: Arc<Window>,
+    presenter: Box<dyn Presenter>,
+    /// What was chosen to present.
+    choice: PresentChoice,
+    egui: egui::Context,
+    input: egui_winit::State,
+    title: String,
+}
+
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is something that has or has not happened, independent of the others"
+)]
+struct App {
+    state: State,
+    options: Options,
+    screen: Option<Screen>,
+    messages: EventLoopProxy<Message>,
+    /// A screen reader asks what is in the window.
+    is_read_aloud: bool,
+    begin: Instant,
+    /// Set by the first wake since the last look, so that a busy loader does not fill the queue.
+    wake_is_queued: Arc<AtomicBool>,
+    woken: bool,
+    sight: Sight,
+    /// Something has been presented.
+    has_been_shown: bool,
+    /// How much of its frame the last presented picture had.
+    stage_shown: Option<PictureStage>,
+    /// What has changed since the last redraw.
+    change: Change,
+    /// The window system asks for the window that it has lost.
+    is_exposed: bool,
+    /// A redraw was asked for.
+    is_redraw_queued: bool,
+    /// When egui wants to be run again.
+    repaint_at: Option<Duration>,
+    /// When marks and figures that changed in the background are shown.
+    news_at: Option<Duration>,
+    last_redraw: Duration,
+    /// When egui was run last.
+    last_panels: Duration,
+    /// Time between two pictures of the screen.
+    refresh_interval: Duration,
+    /// The size of the window that was looked at last for the preferences.
+    noted_size: Option<PhysicalSize<u32>>,
+    rebuilt_at: Vec<Duration>,
+    /// What the window does by itself, to be measured.
+    trial: Option<Trial>,
+    end: Result<(), AppError>,
+}
+
+impl App {
+    fn new(mut options: Options, event_loop: &EventLoop<Message>) -> Self {
+        let messages = event_loop.create_proxy();
+        let proxy = messages.clone();
+        let wake_is_queued = Arc::new(AtomicBool::new(false));
+        let queued = Arc::clone(&wake_is_queued);
+        options.state.wake = Arc::new(move || {
+            if !queued.swap(true, Ordering::AcqRel) && proxy.send_event(Message::Wake).is_err() {
+                log::debug!("a wake after the window was closed");
+            }
+        });
+        let mut state = State::new(options.state.clone());
+        let demo = || Arc::new(Sequence::demo());
+        state.open(options.sequence.take().unwrap_or_else(demo));
+        if let Some(sequence) = options.compare.take() {
+            state.compare_with(sequence);
+        }
+        options
+            .warnings
+            .extend(state.recent.add(&options.inputs).err());
+        for warning in options.warnings.drain(..) {
+            state.notices.warn(warning);
+        }
+        Self {
+            state,
+            options,
+            screen: None,
+            messages,
+            is_read_aloud: false,
+            begin: Instant::now(),
+            wake_is_queued,
+            woken: false,
+            sight: Sight::default(),
+            has_been_shown: false,
+            stage_shown: None,
+            change: Change::Panels,
+            is_exposed: false,
+            is_redraw_queued: false,
+            repaint_at: None,
+            news_at: None,
+            last_redraw: Duration::ZERO,
+            last_panels: Duration::ZERO,
+            refresh_interval: DEFAULT_REFRESH_INTERVAL,
+            noted_size: None,
+            rebuilt_at: Vec::new(),
+            trial: None,
+            end: Ok(()),
+        }
+    }
+
+    fn now(&self) -> Duration {
+        self.begin.elapsed()
+    }
+
+    fn open_window(&self, event_loop: &ActiveEventLoop) -> Result<Arc<Window>, AppError> {
+        let attributes = Window::default_attributes()
+            .with_title("pointreel")
+            .with_min_inner_size(MIN_SIZE)
+            // Screen readers have to know of a window before it is seen.
+            .with_visible(false)
+            // An alpha visual stays black on software adapters under a bare X server.
+            .with_transparent(false);
+        #[cfg(all(unix, not(target_os = "macos")))]
+        let attributes = {
+            use winit::platform::wayland::WindowAttributesExtWayland as _;
+            // By this desktops find its icon and keep its windows together, under X11 too.
+            attributes.with_name("pointreel", "pointreel")
+        };
+        let left = self
+            .options
+            .state
+            .preferences
+            .window_size
+            .map(LogicalSize::<f64>::from);
+        let attributes = match self.options.size_px {
+            Some([width, height]) => attributes.with_inner_size(PhysicalSize::new(width, height)),
+            None => attributes.with_inner_size(left.unwrap_or(DEFAULT_SIZE)),
+        };
+        event_loop
+            .create_window(attributes)
+            .map(Arc::new)
+            .map_err(|error| AppError::NoWindow {
+                reason: error.to_string(),
+            })
+    }
+
+    /// The presenter's side and egui's for `window`; what is open in egui stays as it was in `before`.
+    fn open_screen(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        window: Arc<Window>,
+        before: &mut Option<EguiBefore>,
+    ) -> Result<Screen, AppError> {
+        let choice = self.state.present;
+        let presenter = present::open(choice, &window)?;
+        let egui = egui::Context::default();
+        apply_theme(&egui);
+        egui.set_theme(self.state.theme);
+        if let Some(before) = before {
+            let memory = before.context.memory(Clone::clone);
+            egui.memory_mut(|new| *new = memory);
+        }
+        if self.is_read_aloud {
+            egui.enable_accesskit();
+        }
+        let info = presenter.info();
+        let max_edge_px = info.max_edge_px;
+        let mut input = egui_winit::State::new(
+            egui.clone(),
+            egui::ViewportId::ROOT,
+            &window,
+            Some(window.scale_factor() as f32),
+            window.theme(),
+            Some(max_edge_px as usize),
+        );
+        match before.take() {
+            None => input.init_accesskit(event_loop, &window, self.messages.clone()),
+            Some(before) => input.accesskit = before.accessibility,
+        }
+        window.set_visible(true);
+        self.state.viewport.texture = presenter.texture(Side::A);
+        self.state.viewport.other_texture = None;
+        self.state.viewport.max_edge_px = Some(max_edge_px);
+        self.state.graphics.adapter = info.adapter;
+        self.state.graphics.is_software = info.is_software;
+        self.state.graphics.paints_on_processor = info.paints_on_processor;
+        self.state.graphics.has_timestamps = info.has_timestamps;
+        self.state.forget_picture();
+        self.change = Change::Panels;
+        self.note_refresh_rate(&window);
+        Ok(Screen {
+            window,
+            presenter,
+            choice,
+            egui,
+            input,
+            title: String::new(),
+        })
+    }
+
+    /// Takes notice of how often the screen shows a picture that the window is on.
+    fn note_refresh_rate(&mut self, window: &Window) {
+        let monitor = window.current_monitor();
+        let millihertz = monitor.and_then(|monitor| monitor.refresh_rate_millihertz());
+        self.refresh_interval = millihertz
+            .filter(|&millihertz| millihertz > 0)
+            .map_or(DEFAULT_REFRESH_INTERVAL, |millihertz| {
+                Duration::from_secs_f64(1000.0 / f64::from(millihertz))
+            });
+    }
+
+    /// Has a trial do what is due; when there is more to do.
+    fn advance_trial(&mut self, event_loop: &ActiveEventLoop, now: Duration) -> Option<Duration> {
+        let (trial, screen) = self.trial.as_mut().zip(self.screen.as_mut())?;
+        // Beyond the first redraw, which says where things are.
+        if !self.has_been_shown {
+            return None;
+        }
+        let events = trial.advance(now, &mut self.state);
+        if !events.is_empty() {
+            screen.input.egui_input_mut().events.extend(events);
+            self.change = Change::Panels;
+        }
+        let deadline = trial.next_deadline();
+        if deadline.is_none() {
+            event_loop.exit();
+        }
+        deadline
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, error: AppError) {
+        self.end = Err(error);
+        event_loop.exit();
+    }
+
+    /// Takes notice of what is to be kept.
+    fn note_preferences(&mut self, window: &Window) {
+        let size = window.inner_size();
+        // Being maximised is asked of the window system: only when it may be another answer.
+        if self.noted_size != Some(size) {
+            self.noted_size = Some(size);
+            if window.fullscreen().is_none() && !window.is_maximized() {
+                let size: LogicalSize<f64> = size.to_logical(window.scale_factor());
+                self.options.state.preferences.window_size = Some(size.into());
+            }
+        }
+        let preferences = Preferences {
+            window_size: self.options.state.preferences.window_size,
+            ..self.state.preferences()
+        };
+        let now = self.now();
+        self.options.preferences_file.note(preferences, now);
+    }
+
+    fn set_title(&self, screen: &mut Screen) {
+        let title = match self.state.sequence_name() {
+            Some(name) => format!("{name} – pointreel"),
+            None => "pointreel".to_owned(),
+        };
+        if screen.title != title {
+            screen.window.set_title(&title);
+            screen.title = title;
+        }
+    }
+}
+
+impl ApplicationHandler<Message> for App {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.screen.is_some() {
+            return;
+        }
+        let opened = self
+            .open_window(event_loop)
+            .and_then(|window| self.open_screen(event_loop, window, &mut None));
+        match opened {
+            Ok(screen) => self.screen = Some(screen),
+            Err(error) => self.fail(event_loop, error),
+        }
+    }
+
+    fn user_event(&mut self, _event_loop: &ActiveEventLoop, message: Message) {
+        match message {
+            Message::Wake => {
+                self.wake_is_queued.store(false, Ordering::Release);
+                self.woken = true;
+            }
+            Message::Accessibility(event) => self.serve_screen_reader(event.window_event),
+        }
+    }
+
+    fn window_event(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        _window: WindowId,
+        event: WindowEvent,
+    ) {
+        if matches!(event, WindowEvent::RedrawRequested) {
+            // One that nobody here has asked for is of the window system, which has lost what was shown.
+            self.is_exposed |= !std::mem::take(&mut self.is_redraw_queued);
+            self.redraw(event_loop);
+            return;
+        }
+        let Some(screen) = &mut self.screen else {
+            return;
+        };
+        let response = screen.input.on_window_event(&screen.window, &event);
+        let mut is_changed = response.repaint;
+        match event {
+            WindowEvent::CloseRequested if !self.state.may_close() => is_changed = true,
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
+            WindowEvent::Resized(size) => {
+                self.sight.note_size(size.into());
+                screen.presenter.resize();
+                is_changed = true;
+            }
+            WindowEvent::ScaleFactorChanged { .. } => {
+                screen.presenter.resize();
+                is_changed = true;
+            }
+            WindowEvent::Moved(_) => {
+                let window = Arc::clone(&screen.window);
+                self.note_refresh_rate(&window);
+            }
+            WindowEvent::Occluded(is_occluded) => {
+                self.sight.is_occluded = is_occluded;
+                is_changed |= !is_occluded;
+                self.is_exposed |= !is_occluded;
+            }
+            _ => {}
+        }
+        if is_changed {
+            self.change = Change::Panels;
+        }
+    }
+
+    /// Sleeps until something is due.
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let now = self.now();
+        if std::mem::take(&mut self.woken) {
+            let change = self.state.update(now);
+            self.change = self.change.max(change);
+            if !change.is_visible() && self.state.has_news() {
+                self.news_at.get_or_insert(self.last_redraw + NEWS_INTERVAL);
+            }
+        }
+        self.options.preferences_file.write_if_due(now);
+        let trial_at = self.advance_trial(event_loop, now);
+        let draw_at = [self.state.next_deadline(), self.repaint_at, self.news_at];
+        let waits_for_screen = self
+            .screen
+            .as_ref()
+            .is_none_or(|screen| screen.presenter.info().waits_for_screen);
+        let agenda = Agenda {
+            is_changed: self.change.is_visible(),
+            draw_at: draw_at.into_iter().flatten().min(),
+            not_before: if waits_for_screen {
+                Duration::ZERO
+            } else {
+                self.last_redraw + self.refresh_interval.mul_f64(MIN_REDRAW_INTERVAL)
+            },
+            unseen_at: [self.options.preferences_file.next_deadline(), trial_at]
+                .into_iter()
+                .flatten()
+                .min(),
+            is_hidden: self.sight.is_hidden(),
+        };
+        let pace = agenda.pace(now);
+        event_loop.set_control_flow(pace.wake_at.map_or(ControlFlow::Wait, |due| {
+            ControlFlow::WaitUntil(self.begin + due)
+        }));
+        if let Some(screen) = self.screen.as_ref().filter(|_| pace.redraw) {
+            self.is_redraw_queued = true;
+            screen.window.request_redraw();
+        }
+    }
+
+    fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
+        self.options.preferences_file.write();
+        self.state.end_exports();
+        // What is on the screen goes before the connection to the window system, which ends with the event loop.
+        self.screen = None;
+    }
+}

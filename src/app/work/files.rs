@@ -1,0 +1,127 @@
+//! Files that are written on a thread: pictures and reports.
+
+use super::tasks::TaskFailed;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// A file was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SavedFile(pub PathBuf);
+
+/// Where a picture goes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::app) enum PicturePlace {
+    /// This file, which is replaced if it is there: the person was asked.
+    File(PathBuf),
+    /// A new file.
+    New {
+        /// Its folder.
+        folder: PathBuf,
+        /// The beginning of its name.
+        stem: String,
+    },
+}
+
+/// Writes `bytes` to `path`.
+pub(in crate::app) fn save_bytes(path: PathBuf, bytes: &[u8]) -> Result<SavedFile, TaskFailed> {
+    match fs::write(&path, bytes) {
+        Ok(()) => Ok(SavedFile(path)),
+        Err(reason) => Err(TaskFailed(cannot_write(&path, &reason))),
+    }
+}
+
+/// Writes `image` to its place, or under a name made from the stem that no file has yet.
+pub(in crate::app) fn save_picture(
+    image: &image::RgbaImage,
+    place: PicturePlace,
+) -> Result<SavedFile, TaskFailed> {
+    let saved = match place {
+        PicturePlace::File(path) => save_png(image, &path).map(|()| path),
+        PicturePlace::New { folder, stem } => save_new_png(image, &folder, &stem),
+    };
+    saved.map(SavedFile).map_err(TaskFailed)
+}
+
+fn cannot_write(path: &Path, reason: &dyn std::fmt::Display) -> String {
+    format!(
+        "{} could not be written ({reason}): choose another folder or make room",
+        path.display()
+    )
+}
+
+/// Writes a PNG, replacing the file.
+pub(in crate::app) fn save_png(image: &image::RgbaImage, path: &Path) -> Result<(), String> {
+    image
+        .save_with_format(path, image::ImageFormat::Png)
+        .map_err(|reason| cannot_write(path, &reason))
+}
+
+/// Writes a PNG to `folder/stem.png`, or `folder/stem-2.png` and so on; never replaces a file.
+fn save_new_png(image: &image::RgbaImage, folder: &Path, stem: &str) -> Result<PathBuf, String> {
+    let mut encoded = std::io::Cursor::new(Vec::new());
+    image
+        .write_to(&mut encoded, image::ImageFormat::Png)
+        .map_err(|reason| cannot_write(folder, &reason))?;
+    for number in 1..10_000 {
+        let path = folder.join(match number {
+            1 => format!("{stem}.png"),
+            _ => format!("{stem}-{number}.png"),
+        });
+        match fs::File::create_new(&path) {
+            Ok(mut file) => {
+                return file
+                    .write_all(encoded.get_ref())
+                    .map(|()| path.clone())
+                    .map_err(|reason| cannot_write(&path, &reason));
+            }
+            Err(reason) if reason.kind() == std::io::ErrorKind::AlreadyExists => {}
+            Err(reason) => return Err(cannot_write(&path, &reason)),
+        }
+    }
+    Err(cannot_write(folder, &"every name is taken"))
+}
+
+/// `path`, with this extension if it has none.
+pub(in crate::app) fn with_extension(path: PathBuf, extension: &str) -> PathBuf {
+    if path.extension().is_some() {
+        path
+    } else {
+        path.with_extension(extension)
+    }
+}
+
+/// The person's folder of pictures if the system has one, else where the program was started.
+pub(in crate::app) fn picture_folder() -> PathBuf {
+    directories::UserDirs::new()
+        .and_then(|folders| folders.picture_dir().map(PathBuf::from))
+        .filter(|folder| folder.is_dir())
+        .or_else(|| std::env::current_dir().ok())
+        .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_new_picture_replaces_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let image = image::RgbaImage::from_pixel(3, 2, image::Rgba([1, 2, 3, 255]));
+        let first = save_new_png(&image, folder.path(), "frame 7").unwrap();
+        let second = save_new_png(&image, folder.path(), "frame 7").unwrap();
+        assert_eq!(first, folder.path().join("frame 7.png"));
+        assert_eq!(second, folder.path().join("frame 7-2.png"));
+        assert_eq!(image::open(&second).unwrap().to_rgba8(), image);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let image = image::RgbaImage::new(1, 1);
+        let path = folder.path().join("missing/picture.png");
+        let error = save_png(&image, &path).unwrap_err();
+        assert!(error.contains("picture.png"), "{error}");
+        assert!(save_new_png(&image, &folder.path().join("missing"), "a").is_err());
+    }
+}

@@ -1,0 +1,63 @@
+//! Bars of the long work that is under way, below the notices.
+
+use crate::app::work::works::left_text;
+use crate::app::{Benchmark, Progress, State, Work, WorkKind};
+use egui::{Frame, ProgressBar, Role, Ui, WidgetInfo};
+use std::time::Duration;
+
+/// What takes long and has no window of its own that is open.
+pub(in crate::app) fn shown_works(state: &State) -> Vec<&Work> {
+    let measuring = match &state.benchmark {
+        // Its window has the same bar.
+        Benchmark::Running(running) if !state.panels.benchmark => Some(&running.work),
+        _ => None,
+    };
+    let works = state.works.list().iter().chain(measuring);
+    works.filter(|work| work.is_long(state.now())).collect()
+}
+
+/// A name, a bar with the time left, and a button, so wide.
+pub(in crate::app) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f32) {
+    Frame::window(ui.style()).show(ui, |ui| {
+        ui.set_width(width);
+        ui.label(&work.name);
+        bar(ui, work, now);
+        cancel_button(ui, work.progress());
+    });
+}
+
+/// How much is done, and the time left.
+pub(in crate::app) fn bar(ui: &mut Ui, work: &Work, now: Duration) {
+    let Some(share) = work.share() else {
+        // Nothing moves here: a spinner would have the window drawn all the time.
+        ui.weak(match work.kind {
+            WorkKind::Read => "Decoding and preparing…".to_owned(),
+            _ => left_text(None),
+        });
+        return;
+    };
+    let progress = work.progress();
+    let (done, of) = (progress.done(), progress.of().unwrap_or(0));
+    let so_far = match work.kind {
+        WorkKind::Open => format!("files {done} of {of}"),
+        WorkKind::Read => format!("{:.0} %", (100.0 * share).floor()),
+        WorkKind::Export => format!("pictures {done} of {of}"),
+        WorkKind::Benchmark => format!("{done} of {of}"),
+    };
+    let text = format!("{so_far}, {}", left_text(work.time_left(now)));
+    let bar = ui.add(ProgressBar::new(share).text(&text));
+    bar.widget_info(|| WidgetInfo::labeled(Role::ProgressIndicator, true, &text));
+}
+
+/// Stops the work.
+pub(in crate::app) fn cancel_button(ui: &mut Ui, progress: &Progress) {
+    if progress.is_cancelled() {
+        ui.weak("Stopping…");
+    } else if ui
+        .button("Cancel")
+        .on_hover_text("Stops this; what is not whole is removed")
+        .clicked()
+    {
+        progress.cancel();
+    }
+}

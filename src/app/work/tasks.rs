@@ -1,0 +1,161 @@
+//! Tasks on threads of their own.
+//!
+//! **How it works.** What a task comes to is made into the one type `T` that the window understands, and goes through
+//! one bounded channel; then the window is woken. `T` is defined where all features meet: each knows only what its own
+//! tasks come to, and asks that `T` can be made of that.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+
+/// Wakes the event loop from any thread. Must not block.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// Outcomes that wait for the window; a task that finds it full waits in its own thread.
+const CHANNEL_LENGTH: usize = 64;
+
+/// A task failed; the text says which and why, for the person.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TaskFailed(pub String);
+
+/// What tasks can come to. All of them may fail.
+pub trait TaskOutcome: From<TaskFailed> + Send + 'static {}
+
+impl<T: From<TaskFailed> + Send + 'static> TaskOutcome for T {}
+
+/// Starts tasks and collects what they come to.
+pub struct Tasks<T> {
+    sender: SyncSender<T>,
+    receiver: Receiver<T>,
+    wake: Wake,
+}
+
+impl<T> std::fmt::Debug for Tasks<T> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Tasks").finish_non_exhaustive()
+    }
+}
+
+impl<T: TaskOutcome> Tasks<T> {
+    /// No tasks yet; `wake` is called after each one.
+    pub fn new(wake: Wake) -> Self {
+        let (sender, receiver) = sync_channel(CHANNEL_LENGTH);
+        Self {
+            sender,
+            receiver,
+            wake,
+        }
+    }
+
+    /// What wakes the window, for a task that has news before it ends.
+    pub(in crate::app) fn wake(&self) -> Wake {
+        Arc::clone(&self.wake)
+    }
+
+    /// Runs `task` on a thread called `name`.
+    pub fn start<O>(&self, name: &str, task: impl FnOnce() -> O + Send + 'static)
+    where
+        T: From<O>,
+    {
+        let sender = self.sender.clone();
+        let wake = Arc::clone(&self.wake);
+        let started = thread::Builder::new().name(name.to_owned()).spawn(move || {
+            // Nobody listens any more when the window was closed meanwhile.
+            if sender.send(task().into()).is_ok() {
+                wake();
+            }
+        });
+        if let Err(reason) = started {
+            let failed = TaskFailed(format!(
+                "no thread could be started for {name} ({reason}): close other programs"
+            ));
+            if self.sender.try_send(failed.into()).is_ok() {
+                (self.wake)();
+            }
+        }
+    }
+
+    /// Runs `task`, which may fail, on a thread called `name`.
+    pub(in crate::app) fn try_start<O>(
+        &self,
+        name: &str,
+        task: impl FnOnce() -> Result<O, TaskFailed> + Send + 'static,
+    ) where
+        T: From<O>,
+    {
+        self.start(name, move || match task() {
+            Ok(outcome) => T::from(outcome),
+            Err(failed) => failed.into(),
+        });
+    }
+
+    /// Runs `task` on a thread of `pool`, where what it shares out stays.
+    pub(in crate::app) fn start_in<O>(
+        &self,
+        pool: &rayon::ThreadPool,
+        task: impl FnOnce() -> O + Send + 'static,
+    ) where
+        T: From<O>,
+    {
+        let sender = self.sender.clone();
+        let wake = Arc::clone(&self.wake);
+        pool.spawn(move || {
+            if sender.send(task().into()).is_ok() {
+                wake();
+            }
+        });
+    }
+
+    /// What came in since the last call.
+    pub(in crate::app) fn take(&mut self) -> Vec<T> {
+        self.receiver.try_iter().collect()
+    }
+}
+
+/// Drops `value` on a thread: what it waits for in dropping does not hold the window up.
+pub(in crate::app) fn close(value: impl Send + 'static) {
+    let started = thread::Builder::new()
+        .name("close sequence".to_owned())
+        .spawn(move || drop(value));
+    if let Err(reason) = started {
+        log::warn!("no thread for closing a sequence: {reason}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, PartialEq)]
+    enum Outcome {
+        Number(u8),
+        Failed(String),
+    }
+
+    impl From<u8> for Outcome {
+        fn from(number: u8) -> Self {
+            Self::Number(number)
+        }
+    }
+
+    impl From<TaskFailed> for Outcome {
+        fn from(TaskFailed(text): TaskFailed) -> Self {
+            Self::Failed(text)
+        }
+    }
+
+    #[test]
+    fn outcomes_come_back_with_a_wake() {
+        let (woken, wakes) = sync_channel(1);
+        let mut tasks = Tasks::<Outcome>::new(Arc::new(move || woken.send(()).unwrap()));
+        tasks.start("number", || 7);
+        wakes.recv().unwrap();
+        assert_eq!(tasks.take(), [Outcome::Number(7)]);
+        tasks.try_start("nothing", || -> Result<u8, _> {
+            Err(TaskFailed("it is too late".to_owned()))
+        });
+        wakes.recv().unwrap();
+        assert_eq!(tasks.take(), [Outcome::Failed("it is too late".to_owned())]);
+        assert_eq!(tasks.take(), []);
+    }
+}

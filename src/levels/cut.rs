@@ -1,0 +1,111 @@
+//! The nodes that stand for a cloud in a view, and what a traversal may know beside the view.
+
+use crate::math::{Frustum, morton::LEVELS};
+use glam::Vec3;
+use std::ops::Range;
+
+/// What a view needs of levels of detail. Positions are in the space of the frame (relative to the sequence origin).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SelectView {
+    /// Cells outside are dropped.
+    pub frustum: Frustum,
+    /// Where distances are measured from.
+    pub eye: Vec3,
+    /// A length `s` at distance `d` covers about `s * pixels_per_unit_at_1 / d` pixels.
+    pub pixels_per_unit_at_1: f32,
+    /// A cell whose edge covers less is not divided further; 0 (or less) always descends to the leaves.
+    pub lod_px: f32,
+    /// Cells of this level are not divided either; [`SelectView::ALL_LEVELS`] divides down to the leaves.
+    pub deepest_level: u32,
+}
+
+impl SelectView {
+    /// No limit to the level.
+    pub const ALL_LEVELS: u32 = LEVELS;
+}
+
+/// What a traversal did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SelectStats {
+    /// Nodes that were tested or emitted.
+    pub visited_nodes: usize,
+    /// Nodes emitted.
+    pub emitted: usize,
+}
+
+/// Consecutive nodes of one level, by the points under them in the order of the frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct NodeRange {
+    pub(super) level: u32,
+    pub(super) points: Range<usize>,
+}
+
+/// Nodes of an octree that stand for the cloud in one view: they cover every leaf that can be seen, none twice.
+///
+/// Nodes come in Morton order within every octant of the root's octants, and those nearest first.
+#[derive(Debug, Clone, Default)]
+pub struct Cut {
+    pub(super) ranges: Vec<NodeRange>,
+    pub(super) tested: Tested,
+    pub(super) node_count: usize,
+    pub(super) lod_px: f32,
+}
+
+/// What a traversal looked at.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Tested {
+    pub(super) nodes: usize,
+    /// Those of them that were emitted.
+    pub(super) emitted: usize,
+}
+
+impl Cut {
+    /// Number of nodes.
+    pub fn node_count(&self) -> usize {
+        self.node_count
+    }
+
+    /// The LOD threshold that it was made with, in pixels.
+    pub fn lod_px(&self) -> f32 {
+        self.lod_px
+    }
+
+    /// What it took to find them; where one was chosen of several cuts, the nodes visited for all of them.
+    pub fn stats(&self) -> SelectStats {
+        SelectStats {
+            visited_nodes: self.tested.nodes + self.node_count - self.tested.emitted,
+            emitted: self.node_count,
+        }
+    }
+
+    /// Emits nodes; those that follow upon the last emitted ones join them.
+    pub(super) fn emit(&mut self, nodes: NodeRange) {
+        match self.ranges.last_mut() {
+            Some(last) if last.level == nodes.level && last.points.end == nodes.points.start => {
+                last.points.end = nodes.points.end;
+            }
+            _ => self.ranges.push(nodes),
+        }
+    }
+
+    /// Emits all that another traversal emitted.
+    pub(super) fn append(&mut self, other: Self) {
+        let mut ranges = other.ranges.into_iter();
+        if let Some(first) = ranges.next() {
+            self.emit(first);
+        }
+        self.ranges.extend(ranges);
+        self.tested.nodes += other.tested.nodes;
+        self.tested.emitted += other.tested.emitted;
+    }
+}
+
+/// What a traversal may know beside the view.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CutHints<'a> {
+    /// Nodes whose points all face away from the eye may be dropped.
+    pub culls_back_faces: bool,
+    /// The cut of the view before, of the same points: near the threshold, what was divided stays so, and what was not
+    /// stays whole. Without it a node is divided or not by the threshold alone.
+    pub before: Option<&'a Cut>,
+}

@@ -1,0 +1,39 @@
+//! What levels of detail are asked for.
+
+use super::octree::StopCriterion;
+
+/// What levels of detail are asked for: the structure, and where it ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelsKey {
+    /// The structure, and what is drawn for its nodes.
+    pub kind: LevelsKind,
+    /// Where the octree ends that it is made from, if it is made from one.
+    pub stop: StopCriterion,
+}
+
+/// A structure of levels of detail, and what is drawn for its nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LevelsKind {
+    /// All points as surfels, or every second, fourth, eighth of them.
+    List,
+    /// Cells of an octree as cubes whose light falls on faces.
+    Cubes,
+    /// Cells of an octree as cubes whose light falls on the normals of their points.
+    LitCubes,
+    /// Nodes of an octree as surfels.
+    Surfels,
+    /// The byte code of an octree with the surfels of its nodes, which the renderer cuts itself.
+    Codes,
+}
+
+impl LevelsKind {
+    /// Whether it is made of normals and radii.
+    pub fn needs_shapes(self) -> bool {
+        self != Self::Cubes
+    }
+
+    /// Whether it is made from an octree.
+    pub fn needs_octree(self) -> bool {
+        self != Self::List
+    }
+}

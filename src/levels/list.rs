@@ -1,0 +1,175 @@
+//! The plain list: levels of detail without a structure (the list of paper 002).
+//!
+//! How it works: the points stand in Morton order, so every second, fourth or eighth of them is spread as evenly as all
+//! are. Level `depth` is the whole list, each level above it half of the one below, with radii that close the surface
+//! of so many points. Nothing is built, nothing is culled, and a list knows no sizes on the screen: a threshold draws
+//! all points, a level, a number or a time as many as it says.
+//!
+//! When it wins: where a frame is seen once, from outside, and there is no time to build a tree.
+
+use super::cut::{Cut, CutHints, NodeRange, SelectView};
+use super::structure::{Levels, RecordBuffers, Records};
+use crate::cloud::{PointRecord, ShapeRecord, radius_factor};
+use std::sync::Arc;
+
+/// Surfels in Morton order.
+#[derive(Debug)]
+pub struct PointList {
+    points: Arc<Vec<PointRecord>>,
+    shapes: Arc<Vec<ShapeRecord>>,
+}
+
+impl PointList {
+    /// The list of these records.
+    ///
+    /// # Panics
+    /// Precondition: as many of both.
+    pub fn new(points: Arc<Vec<PointRecord>>, shapes: Arc<Vec<ShapeRecord>>) -> Self {
+        assert_eq!(points.len(), shapes.len(), "one shape a point");
+        Self { points, shapes }
+    }
+
+    /// Whether it is the list of these records.
+    pub fn is_of(&self, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> bool {
+        Arc::ptr_eq(&self.points, points) && Arc::ptr_eq(&self.shapes, shapes)
+    }
+
+    /// The level of all points: level 0 has one.
+    pub fn depth(&self) -> u32 {
+        self.points.len().next_power_of_two().ilog2()
+    }
+
+    /// The points of a level are those whose place is a multiple of this.
+    fn step(&self, level: u32) -> usize {
+        1 << (self.depth() - level.min(self.depth()))
+    }
+
+    fn cut_at(&self, level: u32, lod_px: f32) -> Cut {
+        let count = self.points.len();
+        let mut cut = Cut {
+            node_count: count.div_ceil(self.step(level)),
+            lod_px,
+            ..Cut::default()
+        };
+        if count > 0 {
+            let points = 0..count;
+            cut.ranges.push(NodeRange { level, points });
+        }
+        cut
+    }
+}
+
+impl Levels for PointList {
+    fn cut(&self, view: &SelectView, _: CutHints<'_>) -> Cut {
+        self.cut_at(view.deepest_level.min(self.depth()), view.lod_px)
+    }
+
+    fn cut_at_most(&self, most_nodes: usize, view: &SelectView, _: CutHints<'_>) -> Cut {
+        let is_few = |&level: &u32| self.points.len().div_ceil(self.step(level)) <= most_nodes;
+        let level = (0..=self.depth()).rev().find(is_few).unwrap_or(0);
+        self.cut_at(level, view.lod_px)
+    }
+
+    fn write(&self, cut: &Cut, _: usize, buffers: RecordBuffers) -> Records {
+        let (mut points, mut shapes) = (buffers.points, buffers.shapes);
+        points.clear();
+        shapes.clear();
+        for range in &cut.ranges {
+            let step = self.step(range.level);
+            let factor = radius_factor(self.points.len(), cut.node_count);
+            points.extend(self.points.iter().step_by(step));
+            shapes.extend(self.shapes.iter().step_by(step).map(|&shape| ShapeRecord {
+                radius: factor * shape.radius,
+                ..shape
+            }));
+        }
+        Records::Surfels { points, shapes }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Frustum;
+    use glam::{Mat4, Vec3};
+
+    fn list(count: usize) -> PointList {
+        let point = |i: usize| PointRecord {
+            position: [i as f32, 0.0, 0.0],
+            color: [9; 4],
+        };
+        let shape = |i: usize| ShapeRecord {
+            normal: [0, 0],
+            radius: 1.0,
+            ellipse: 0,
+            scalar: i as f32,
+        };
+        let points = (0..count).map(point).collect();
+        let shapes = (0..count).map(shape).collect();
+        PointList::new(Arc::new(points), Arc::new(shapes))
+    }
+
+    fn view(deepest_level: u32) -> SelectView {
+        SelectView {
+            frustum: Frustum::from_clip_matrix(&Mat4::IDENTITY),
+            eye: Vec3::ZERO,
+            pixels_per_unit_at_1: 1000.0,
+            lod_px: 100.0,
+            deepest_level,
+        }
+    }
+
+    /// The places of what is drawn, and the factor on its radii.
+    fn drawn(list: &PointList, cut: &Cut) -> (Vec<usize>, f32) {
+        let Records::Surfels { points, shapes } =
+            list.write(cut, usize::MAX, RecordBuffers::default())
+        else {
+            panic!("a list is drawn as surfels");
+        };
+        assert_eq!(
+            (points.len(), shapes.len()),
+            (cut.node_count(), points.len())
+        );
+        let places = points.iter().map(|point| point.position[0] as usize);
+        let places: Vec<usize> = places.collect();
+        assert!(
+            shapes
+                .iter()
+                .zip(&places)
+                .all(|(shape, &place)| shape.scalar as usize == place)
+        );
+        (places, shapes.first().map_or(1.0, |shape| shape.radius))
+    }
+
+    #[test]
+    fn a_threshold_draws_all_points_and_a_level_every_second_of_the_one_below() {
+        let list = list(10);
+        assert_eq!(list.depth(), 4);
+        let at = |level| drawn(&list, &list.cut(&view(level), CutHints::default()));
+        assert_eq!(at(SelectView::ALL_LEVELS), ((0..10).collect(), 1.0));
+        assert_eq!(at(3).0, [0, 2, 4, 6, 8]);
+        assert_eq!(at(2).0, [0, 4, 8]);
+        assert_eq!(at(0).0, [0]);
+        // Half of the points have twice the area each.
+        assert!((at(3).1 - 2f32.sqrt()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_budget_is_kept_and_half_of_it_used() {
+        for count in [0, 1, 2, 3, 1000, 1024, 1025] {
+            let list = list(count);
+            for most in [1, 2, 3, 10, 999, 1000, 5000] {
+                let cut = list.cut_at_most(most, &view(21), CutHints::default());
+                let found = drawn(&list, &cut).0.len();
+                assert!(
+                    found <= most && found <= count,
+                    "{found} of {most}, {count}"
+                );
+                assert!(
+                    2 * found + 1 >= most.min(count),
+                    "{found} of {most}, {count}"
+                );
+            }
+        }
+    }
+}

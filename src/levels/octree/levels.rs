@@ -1,0 +1,93 @@
+//! The octree as levels of detail: its cells as cubes, its nodes as surfels.
+
+use super::{LodSurfels, Octree};
+use crate::cloud::VoxelRecord;
+use crate::levels::cut::{Cut, CutHints, SelectStats, SelectView};
+use crate::levels::structure::{Levels, RecordBuffers, Records};
+use std::sync::Arc;
+
+/// The cells of an octree as cubes whose light falls on normals.
+#[derive(Debug, Clone)]
+pub struct VoxelLevels {
+    /// The surfels of the octree's nodes, which know their normals.
+    pub surfels: Arc<LodSurfels>,
+}
+
+impl Octree {
+    /// Replaces the contents of `out` by the voxels that stand for the cloud in `view`: those of [`Levels::cut`],
+    /// without those that close gaps.
+    pub fn select(&self, view: &SelectView, out: &mut Vec<VoxelRecord>) -> SelectStats {
+        let cut = self.cut(view, CutHints::default());
+        self.write_voxels(&cut, out);
+        cut.stats()
+    }
+}
+
+/// Cubes whose light falls on their faces.
+impl Levels for Octree {
+    fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
+        self.cut_between(view, hints.before, None)
+    }
+
+    fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records {
+        write_cubes(self, None, cut, most_records, buffers)
+    }
+}
+
+impl Levels for VoxelLevels {
+    fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
+        self.surfels.octree().cut(view, hints)
+    }
+
+    fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records {
+        let surfels = Some(&*self.surfels);
+        write_cubes(self.surfels.octree(), surfels, cut, most_records, buffers)
+    }
+}
+
+impl Levels for LodSurfels {
+    fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
+        let cones = hints.culls_back_faces.then_some(self);
+        self.octree().cut_between(view, hints.before, cones)
+    }
+
+    fn write(&self, cut: &Cut, _most_records: usize, buffers: RecordBuffers) -> Records {
+        let RecordBuffers {
+            mut points,
+            mut shapes,
+            ..
+        } = buffers;
+        self.write_surfels(cut, &mut points, &mut shapes);
+        Records::Surfels { points, shapes }
+    }
+}
+
+fn write_cubes(
+    octree: &Octree,
+    surfels: Option<&LodSurfels>,
+    cut: &Cut,
+    most_records: usize,
+    buffers: RecordBuffers,
+) -> Records {
+    let RecordBuffers {
+        mut voxels,
+        mut shapes,
+        ..
+    } = buffers;
+    octree.write_voxels(cut, &mut voxels);
+    let mut gaps = octree.gaps_of(cut);
+    if voxels.len() + gaps.len() > most_records {
+        gaps.clear();
+    }
+    octree.add_gap_voxels(&gaps, &mut voxels);
+    let normals = surfels.map(|surfels| {
+        surfels.write_voxel_normals(cut, &mut shapes);
+        surfels.add_gap_normals(&gaps, &mut shapes);
+        shapes
+    });
+    Records::Voxels {
+        voxels,
+        normals,
+        cube_edge: octree.cube().edge,
+    }
+}

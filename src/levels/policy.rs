@@ -1,0 +1,187 @@
+//! How fine a cut is wanted: by size on the screen, level, number or time.
+
+use super::cut::{Cut, CutHints, SelectView};
+use super::structure::Levels;
+use crate::math::morton::LEVELS;
+
+/// Which nodes stand for the cloud.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Lod {
+    /// Cells whose edge projects below so many pixels are not divided; 0 always descends to the leaves.
+    ThresholdPx(f32),
+    /// All cells of one level, and the leaves above it.
+    Level(u32),
+    /// The finest picture of at most so many voxels: the smallest threshold that draws no more.
+    Budget(u32),
+    /// As many voxels as are drawn in so many milliseconds. The number follows the times of the pictures before, so
+    /// that what is drawn depends on the machine.
+    FrameTimeMs(f32),
+}
+
+impl Default for Lod {
+    fn default() -> Self {
+        Self::ThresholdPx(1.0)
+    }
+}
+
+impl Lod {
+    /// Thresholds in pixels that the window offers.
+    pub const THRESHOLDS_PX: std::ops::RangeInclusive<f32> = 0.0..=4096.0;
+    /// Levels that there are.
+    pub const LEVELS: std::ops::RangeInclusive<u32> = 0..=LEVELS;
+    /// Numbers of voxels that the window offers.
+    pub const BUDGETS: std::ops::RangeInclusive<u32> = 100..=50_000_000;
+    /// Times of a picture that the window offers.
+    pub const FRAME_TIMES_MS: std::ops::RangeInclusive<f32> = 1.0..=1000.0;
+
+    /// The nearest choice within what the window offers; the default for what is not a number.
+    #[must_use]
+    pub fn offered(self) -> Self {
+        match self {
+            Self::ThresholdPx(value) | Self::FrameTimeMs(value) if value.is_nan() => {
+                Self::default()
+            }
+            Self::ThresholdPx(value) => Self::ThresholdPx(
+                value.clamp(*Self::THRESHOLDS_PX.start(), *Self::THRESHOLDS_PX.end()),
+            ),
+            Self::Level(level) => {
+                Self::Level(level.clamp(*Self::LEVELS.start(), *Self::LEVELS.end()))
+            }
+            Self::Budget(voxels) => {
+                Self::Budget(voxels.clamp(*Self::BUDGETS.start(), *Self::BUDGETS.end()))
+            }
+            Self::FrameTimeMs(value) => Self::FrameTimeMs(
+                value.clamp(*Self::FRAME_TIMES_MS.start(), *Self::FRAME_TIMES_MS.end()),
+            ),
+        }
+    }
+
+    /// The nodes of `levels` that stand for the cloud in `view`, and the threshold in pixels that they come from, if
+    /// they come from one. `affordable` is their number for [`Lod::FrameTimeMs`].
+    pub fn cut(
+        self,
+        levels: &dyn Levels,
+        view: &SelectView,
+        hints: CutHints<'_>,
+        affordable: u32,
+    ) -> (Cut, Option<f32>) {
+        let at_most = |most_nodes: u32| {
+            let view = SelectView {
+                lod_px: FINEST_USEFUL_PX,
+                ..*view
+            };
+            let cut = levels.cut_at_most(most_nodes as usize, &view, hints);
+            let lod_px = cut.lod_px();
+            (cut, Some(lod_px))
+        };
+        match self {
+            Self::ThresholdPx(lod_px) => {
+                let cut = levels.cut(&SelectView { lod_px, ..*view }, hints);
+                (cut, Some(lod_px))
+            }
+            Self::Level(deepest_level) => {
+                let view = SelectView {
+                    lod_px: 0.0,
+                    deepest_level,
+                    ..*view
+                };
+                (levels.cut(&view, hints), None)
+            }
+            Self::Budget(most_nodes) => at_most(most_nodes),
+            Self::FrameTimeMs(_) => at_most(affordable),
+        }
+    }
+}
+
+/// Where voxels are as many as may be drawn, they are not divided below this: a smaller one shows nothing more.
+const FINEST_USEFUL_PX: f32 = 0.5;
+
+/// How many voxels a time budget affords, learnt from the times of pictures.
+///
+/// It changes in steps of an eighth of an octave, and only once a picture took a quarter longer or shorter than asked,
+/// so that a picture does not flicker between two levels of detail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Affordable {
+    /// Eighths of an octave above one voxel.
+    step: i32,
+}
+
+impl Default for Affordable {
+    /// A hundred thousand: a tenth of what graphics cards draw in a frame, and what processors draw in one.
+    fn default() -> Self {
+        Self { step: 133 }
+    }
+}
+
+impl Affordable {
+    const RANGE: std::ops::RangeInclusive<i32> = 53..=205;
+
+    /// The number of voxels.
+    pub fn voxels(self) -> u32 {
+        (f64::from(self.step) / 8.0).exp2() as u32
+    }
+
+    /// Takes notice that a picture of `drawn` voxels took `measured_ms` where `asked_ms` are wanted.
+    pub fn learn(&mut self, drawn: usize, measured_ms: f64, asked_ms: f64) {
+        let ratio = asked_ms / measured_ms;
+        if !ratio.is_finite() || ratio <= 0.0 {
+            return;
+        }
+        // A picture that could not use what it was given says nothing about more.
+        let used_up = drawn as f64 >= 0.7 * f64::from(self.voxels());
+        if ratio < 0.8 || ratio > 1.25 && used_up {
+            // Half of the way, an octave at most: part of the time does not depend on the voxels.
+            let octaves = (0.5 * ratio.log2()).clamp(-1.0, 1.0);
+            let steps = (8.0 * octaves).round() as i32;
+            let step = self.step
+                + if steps == 0 {
+                    ratio.log2().signum() as i32
+                } else {
+                    steps
+                };
+            self.step = step.clamp(*Self::RANGE.start(), *Self::RANGE.end());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_budget_is_reached_from_both_sides_and_then_kept() {
+        // A machine that takes 2 ms and 1 ms more for 10,000 voxels.
+        let time_ms = |voxels: u32| 2.0 + f64::from(voxels) / 10_000.0;
+        for (asked_ms, begin) in [(20.0, 60), (20.0, 200), (5.0, 133)] {
+            let mut affordable = Affordable { step: begin };
+            for _ in 0..40 {
+                let voxels = affordable.voxels();
+                affordable.learn(voxels as usize, time_ms(voxels), asked_ms);
+            }
+            let settled = affordable;
+            let measured_ms = time_ms(settled.voxels());
+            assert!(
+                (0.75..=1.3).contains(&(measured_ms / asked_ms)),
+                "{measured_ms} ms"
+            );
+            affordable.learn(settled.voxels() as usize, measured_ms, asked_ms);
+            assert_eq!(affordable, settled, "it stays");
+        }
+    }
+
+    #[test]
+    fn what_is_asked_in_vain_changes_nothing() {
+        let mut affordable = Affordable::default();
+        for measured_ms in [0.0, f64::NAN, f64::INFINITY] {
+            affordable.learn(1000, measured_ms, 16.0);
+        }
+        // A scene of a thousand voxels is fast whatever is affordable.
+        affordable.learn(1000, 1.0, 16.0);
+        assert_eq!(affordable, Affordable::default());
+        for _ in 0..100 {
+            affordable.learn(usize::MAX, 1e9, 1.0);
+        }
+        assert!(affordable.voxels() >= 90);
+    }
+}

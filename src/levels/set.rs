@@ -1,0 +1,221 @@
+//! The levels of detail that a frame has: an octree, and one structure that is made from it or from the points.
+
+use super::key::{LevelsKey, LevelsKind};
+use super::list::PointList;
+use super::octree::{CodedCloud, LodSurfels, Octree, StopCriterion, VoxelLevels};
+use super::structure::Levels;
+use crate::cloud::{PointRecord, ShapeRecord};
+use glam::Vec3;
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// What levels are made from: the records of a cloud in the order of its frame, one a point.
+#[derive(Debug, Clone, Copy)]
+pub struct CloudRecords<'a> {
+    /// Positions, as in `points`.
+    pub positions: &'a [Vec3],
+    /// The colours of `points`, where somebody has them side by side.
+    pub colors: Option<&'a [[u8; 4]]>,
+    /// Positions and colours.
+    pub points: &'a Arc<Vec<PointRecord>>,
+    /// Normals and radii, if they are known.
+    pub shapes: Option<&'a Arc<Vec<ShapeRecord>>>,
+}
+
+/// What was built to complete levels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LevelsWork {
+    /// Octrees, also those that share the points of another.
+    pub octrees: u32,
+    /// Byte codes.
+    pub codes: u32,
+}
+
+/// The levels of one cloud. Clones share them.
+#[derive(Debug, Clone, Default)]
+pub struct LevelsSet {
+    octree: Option<(StopCriterion, Arc<Octree>)>,
+    made: Option<Made>,
+}
+
+/// Levels that are made of shapes.
+#[derive(Debug, Clone)]
+enum Made {
+    List(Arc<PointList>),
+    LitCubes(Arc<VoxelLevels>),
+    Surfels(Arc<LodSurfels>),
+    Codes(Arc<CodedCloud>),
+}
+
+impl LevelsSet {
+    /// The octree, if anything was asked for that is made from one.
+    pub fn octree(&self) -> Option<&Arc<Octree>> {
+        self.octree.as_ref().map(|(_, octree)| octree)
+    }
+
+    /// What the octree was built for.
+    pub fn stop(&self) -> Option<StopCriterion> {
+        self.octree.as_ref().map(|&(stop, _)| stop)
+    }
+
+    /// The surfels of the octree's nodes.
+    pub fn surfels(&self) -> Option<&Arc<LodSurfels>> {
+        match &self.made {
+            Some(Made::Surfels(surfels)) => Some(surfels),
+            Some(Made::LitCubes(cubes)) => Some(&cubes.surfels),
+            _ => None,
+        }
+    }
+
+    /// The byte code.
+    pub fn codes(&self) -> Option<&Arc<CodedCloud>> {
+        match &self.made {
+            Some(Made::Codes(codes)) => Some(codes),
+            _ => None,
+        }
+    }
+
+    /// What is cut for pictures of this kind; `None` where it is not there, and for codes, which renderers cut
+    /// themselves. Cubes whose normals are not known yet are lit on their faces.
+    pub fn get(&self, kind: LevelsKind) -> Option<Arc<dyn Levels>> {
+        match (kind, &self.made) {
+            (LevelsKind::List, Some(Made::List(list))) => Some(Arc::clone(list) as _),
+            (LevelsKind::LitCubes, Some(Made::LitCubes(cubes))) => Some(Arc::clone(cubes) as _),
+            (LevelsKind::Surfels, Some(Made::Surfels(surfels))) => Some(Arc::clone(surfels) as _),
+            (LevelsKind::Cubes | LevelsKind::LitCubes, _) => Some(Arc::clone(self.octree()?) as _),
+            _ => None,
+        }
+    }
+
+    /// Whether what is asked for is there. Without shapes that is the octree alone.
+    pub fn has(&self, key: LevelsKey, has_shapes: bool) -> bool {
+        (!key.kind.needs_octree() || self.stop() == Some(key.stop))
+            && (!has_shapes || !key.kind.needs_shapes() || self.kind() == Some(key.kind))
+    }
+
+    fn kind(&self) -> Option<LevelsKind> {
+        match &self.made {
+            Some(Made::List(_)) => Some(LevelsKind::List),
+            Some(Made::LitCubes(_)) => Some(LevelsKind::LitCubes),
+            Some(Made::Surfels(_)) => Some(LevelsKind::Surfels),
+            Some(Made::Codes(_)) => Some(LevelsKind::Codes),
+            None => self.octree().map(|_| LevelsKind::Cubes),
+        }
+    }
+
+    /// These levels with what is asked for, and what was built for it. The octree stays, as others are made from it;
+    /// what is made of it goes when nobody asks for it.
+    ///
+    /// Precondition: what is there was made of `cloud`.
+    #[must_use]
+    pub fn completed(
+        &self,
+        key: Option<LevelsKey>,
+        cloud: &CloudRecords<'_>,
+    ) -> (Self, LevelsWork) {
+        let mut work = LevelsWork::default();
+        let mut levels = Self {
+            octree: self.octree.clone(),
+            made: None,
+        };
+        let Some(LevelsKey { kind, stop }) = key else {
+            return (levels, work);
+        };
+        if kind.needs_octree() && self.stop() != Some(stop) {
+            work.octrees = 1;
+            let octree = match self.octree() {
+                Some(octree) => octree.with_stop(stop),
+                None => cloud.octree(stop),
+            };
+            levels.octree = Some((stop, Arc::new(octree)));
+        }
+        let shapes = cloud.shapes.filter(|_| kind.needs_shapes());
+        levels.made = shapes.and_then(|shapes| {
+            let known = self.made.as_ref();
+            let (octree, points) = (levels.octree(), cloud.points);
+            let known = known
+                .filter(|known| self.kind() == Some(kind) && known.is_of(octree, points, shapes));
+            known.cloned().or_else(|| {
+                work.codes = u32::from(kind == LevelsKind::Codes);
+                Made::of(kind, octree, points, shapes)
+            })
+        });
+        (levels, work)
+    }
+
+    /// The same kinds of levels, made anew of other records.
+    #[must_use]
+    pub fn made_of(&self, cloud: &CloudRecords<'_>) -> Self {
+        let key = self.kind().map(|kind| LevelsKey {
+            kind,
+            stop: self.stop().unwrap_or_default(),
+        });
+        Self::default().completed(key, cloud).0
+    }
+
+    /// Most bytes that they come to.
+    pub fn byte_size(&self) -> usize {
+        let octree = self.octree().map_or(0, |octree| octree.byte_size());
+        let surfels = self.surfels().map_or(0, |surfels| surfels.most_bytes());
+        octree + surfels + self.codes().map_or(0, |codes| codes.byte_size())
+    }
+}
+
+impl Made {
+    /// Levels of a kind; `None` for those that are made of no shapes. Precondition: the octree, if the kind needs one.
+    fn of(
+        kind: LevelsKind,
+        octree: Option<&Arc<Octree>>,
+        points: &Arc<Vec<PointRecord>>,
+        shapes: &Arc<Vec<ShapeRecord>>,
+    ) -> Option<Self> {
+        let records = || (Arc::clone(points), Arc::clone(shapes));
+        let surfels = || {
+            let (points, shapes) = records();
+            Some(Arc::new(LodSurfels::new(
+                Arc::clone(octree?),
+                points,
+                shapes,
+            )))
+        };
+        Some(match kind {
+            LevelsKind::Cubes => return None,
+            LevelsKind::List => {
+                let (points, shapes) = records();
+                Self::List(Arc::new(PointList::new(points, shapes)))
+            }
+            LevelsKind::LitCubes => {
+                let surfels = surfels()?;
+                Self::LitCubes(Arc::new(VoxelLevels { surfels }))
+            }
+            LevelsKind::Surfels => Self::Surfels(surfels()?),
+            LevelsKind::Codes => Self::Codes(Arc::new(CodedCloud::new(octree?, points, shapes))),
+        })
+    }
+
+    /// Whether they are made of these.
+    fn is_of(
+        &self,
+        octree: Option<&Arc<Octree>>,
+        points: &Arc<Vec<PointRecord>>,
+        shapes: &Arc<Vec<ShapeRecord>>,
+    ) -> bool {
+        let of_octree = |is_of: &dyn Fn(&Arc<Octree>) -> bool| octree.is_some_and(is_of);
+        match self {
+            Self::List(list) => list.is_of(points, shapes),
+            Self::LitCubes(cubes) => of_octree(&|tree| cubes.surfels.is_of(tree, points, shapes)),
+            Self::Surfels(surfels) => of_octree(&|tree| surfels.is_of(tree, points, shapes)),
+            Self::Codes(codes) => of_octree(&|tree| codes.is_of(tree, points, shapes)),
+        }
+    }
+}
+
+impl CloudRecords<'_> {
+    fn octree(&self, stop: StopCriterion) -> Octree {
+        let of_points = || self.points.iter().map(|point| point.color).collect();
+        let colors = self
+            .colors
+            .map_or_else(|| Cow::Owned(of_points()), Cow::Borrowed);
+        Octree::build(self.positions, &colors, stop)
+    }
+}

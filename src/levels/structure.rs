@@ -1,0 +1,108 @@
+//! What a structure of levels of detail is to whoever draws with it.
+
+use super::cut::{Cut, CutHints, SelectView};
+use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
+use std::fmt::Debug;
+
+/// Levels of detail of one cloud: which nodes stand for it in a view, and what is drawn for them.
+///
+/// It is asked once for a picture, so that the loops within are compiled for the one structure.
+pub trait Levels: Debug + Send + Sync {
+    /// The nodes that stand for the cloud in `view`: they cover every leaf that can be seen, none twice.
+    fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut;
+
+    /// What is drawn of a cut of these levels, in the memory of `buffers`. What only decorates nodes, such as the
+    /// cells that close gaps, is left out where there would be more than `most_records`.
+    fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records;
+
+    /// The cut of at most `most_nodes` nodes with the smallest LOD threshold from `view.lod_px` up, in steps of a 32nd
+    /// of an octave (2 %).
+    ///
+    /// Cells that the eye is in are always divided, so that around it some more are emitted than a very small number.
+    ///
+    /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap beside drawing:
+    /// it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it still
+    /// fits: a threshold that emits at least three quarters of what is allowed stays.
+    fn cut_at_most(&self, most_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
+        let kept = hints.before.map(Cut::lod_px);
+        if let Some(lod_px) = kept.filter(|&lod_px| lod_px >= view.lod_px) {
+            let cut = self.cut(&SelectView { lod_px, ..*view }, hints);
+            let is_used_up = cut.node_count() >= most_nodes - most_nodes / 4;
+            if cut.node_count() <= most_nodes && (is_used_up || lod_px == view.lod_px) {
+                return cut;
+            }
+        }
+        let anew = CutHints {
+            before: None,
+            ..hints
+        };
+        let mut visited_nodes = 0;
+        let mut cut_at = |step: u32| {
+            let lod_px = threshold_px(view.lod_px, step);
+            let cut = self.cut(&SelectView { lod_px, ..*view }, anew);
+            visited_nodes += cut.stats().visited_nodes;
+            cut
+        };
+        let mut best = cut_at(0);
+        if best.node_count() > most_nodes {
+            let (mut too_fine, mut coarse_enough) = (0, THRESHOLD_STEPS);
+            best = cut_at(coarse_enough);
+            while coarse_enough - too_fine > 1 {
+                let step = too_fine.midpoint(coarse_enough);
+                let tried = cut_at(step);
+                if tried.node_count() > most_nodes {
+                    too_fine = step;
+                } else {
+                    coarse_enough = step;
+                    best = tried;
+                }
+            }
+        }
+        best.tested.nodes += visited_nodes - best.stats().visited_nodes;
+        best
+    }
+}
+
+/// What is drawn of a cut, a record for each node in the order of the cut.
+#[derive(Debug)]
+pub enum Records {
+    /// Disks: as many of both.
+    Surfels {
+        /// Positions and colours.
+        points: Vec<PointRecord>,
+        /// Normals and radii.
+        shapes: Vec<ShapeRecord>,
+    },
+    /// Cubes.
+    Voxels {
+        /// Cells and colours.
+        voxels: Vec<VoxelRecord>,
+        /// As many records of which only the normals count, where light falls on them and not on faces.
+        normals: Option<Vec<ShapeRecord>>,
+        /// Edge of the cube that is divided.
+        cube_edge: f32,
+    },
+}
+
+/// Memory for [`Records`], of pictures before; what is in it does not matter.
+#[derive(Debug, Default)]
+pub struct RecordBuffers {
+    /// For positions and colours.
+    pub points: Vec<PointRecord>,
+    /// For normals and radii.
+    pub shapes: Vec<ShapeRecord>,
+    /// For cells.
+    pub voxels: Vec<VoxelRecord>,
+}
+
+/// Thresholds that [`Levels::cut_at_most`] chooses from: up to 16,384 pixels.
+const THRESHOLD_STEPS: u32 = STEPS_PER_OCTAVE * 16;
+const STEPS_PER_OCTAVE: u32 = 32;
+
+/// The threshold some steps above the lowest, which is taken as it is.
+fn threshold_px(lowest_px: f32, step: u32) -> f32 {
+    match step {
+        0 => lowest_px,
+        _ => lowest_px.max(0.25) * (step as f32 / STEPS_PER_OCTAVE as f32).exp2(),
+    }
+}

@@ -1,0 +1,80 @@
+//! What is worked out once a frame for each quantised normal instead of each point (paper 001 §4.1, §5.1).
+//!
+//! How it works: a table by the index of the normal, with its bits masked to the precision that is drawn. An entry has
+//! the normal as a function of pixels (whether a point faces away is a product of three with its image), the image of
+//! the normal (for offsets), the class that the footprint is chosen by, and the light of a lamp at infinity, as that
+//! depends on the normal alone: for the head light, in the direction from the eye to the middle of the cloud. From near
+//! by that is another picture than with a lamp at the eye, so it is what lighting *once a surfel* means here; finer
+//! lighting takes the product above, which is the cosine but for the length of the ray.
+
+use super::footprints;
+use super::transform::homogeneous;
+use crate::cloud::{coarser_normal, quantised_normals};
+use crate::render::cpu::shading::head_light;
+use crate::render::cpu::view::PixelView;
+use crate::scene::{Lighting, ScenePacket};
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+
+/// A quantised normal as it is seen.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub(super) struct SeenNormal {
+    /// `facing · (u, v, w)` is the product of the normal and the vector from the eye to what is at these pixels times
+    /// distance. 0 for the fourth component.
+    pub(super) facing: Vec4,
+    /// The image of the unit vector, as pixels times distance, and 0.
+    pub(super) image: Vec4,
+    /// The factor on colours, and the white that is added.
+    pub(super) light: [f32; 2],
+    /// See [`footprints::class_of`].
+    pub(super) class: u32,
+}
+
+/// Entries that are worth handing to another thread.
+const NORMALS_PER_TASK: usize = 1 << 10;
+
+/// Normals that footprints are chosen for: lower bits are masked out.
+const FOOTPRINT_BITS: u32 = 13;
+
+/// The table for normals of so many bits.
+pub(super) fn seen(packet: &ScenePacket, view: &PixelView, bits: u32) -> Vec<SeenNormal> {
+    let to_middle = packet.view.to_view(packet.bounds.center());
+    let coarse = quantised_normals(FOOTPRINT_BITS);
+    let classes: Vec<u32> = coarse
+        .par_iter()
+        .with_min_len(NORMALS_PER_TASK)
+        .map(|&normal| footprints::class_of(view.rotate(normal)))
+        .collect();
+    quantised_normals(bits)
+        .par_iter()
+        .with_min_len(NORMALS_PER_TASK)
+        .enumerate()
+        .map(|(index, &normal)| {
+            let normal = view.rotate(normal);
+            let facing = view.along_rays(normal);
+            let coarser = index >> bits.saturating_sub(FOOTPRINT_BITS);
+            SeenNormal {
+                facing: Vec4::new(facing.per_px[0], facing.per_px[1], facing.at_origin, 0.0),
+                image: homogeneous(view, normal).extend(0.0),
+                light: light(packet.settings.light.lighting, normal, to_middle),
+                class: classes[coarser],
+            }
+        })
+        .collect()
+}
+
+fn light(lighting: Lighting, normal: Vec3, to_middle: Vec3) -> [f32; 2] {
+    match lighting {
+        Lighting::Unlit => [1.0, 0.0],
+        Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment => {
+            head_light(normal, to_middle)
+        }
+    }
+}
+
+/// The entry of a finest index.
+#[inline(always)]
+pub(super) fn entry(table: &[SeenNormal], finest: u32, bits: u32) -> &SeenNormal {
+    &table[coarser_normal(finest, bits) as usize]
+}

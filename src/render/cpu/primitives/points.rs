@@ -1,0 +1,176 @@
+//! Points: pixels, or squares of pixels, of one colour and one depth.
+
+use crate::cloud::PointRecord;
+use crate::render::cpu::blocks::Placed;
+use crate::render::cpu::eight::{lane_numbers, lanes_below, words};
+use crate::render::cpu::tile::{LANES, NOWHERE, Tile, WIDTH};
+use crate::render::cpu::view::{PixelRect, PixelView};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, i32x8};
+use std::ops::Range;
+
+/// Points of a packet.
+pub(in crate::render::cpu) struct Points<'a> {
+    pub(in crate::render::cpu) records: &'a [PointRecord],
+    /// Edge of the squares.
+    pub(in crate::render::cpu) size_px: f32,
+}
+
+impl Placed for Points<'_> {
+    fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    fn position(&self, record: usize) -> [f32; 3] {
+        self.records[record].position
+    }
+
+    fn reach(&self, _: usize) -> f32 {
+        0.0
+    }
+}
+
+/// Where eight points are on the screen.
+struct Projected<S: Simd> {
+    x_px: f32x8<S>,
+    y_px: f32x8<S>,
+    /// Reversed depth; not between 0 and 1 where a point is not in front of the near plane.
+    depth: f32x8<S>,
+    /// Its bits are a colour.
+    color: f32x8<S>,
+}
+
+impl Points<'_> {
+    pub(in crate::render::cpu) const NONE: Self = Self {
+        records: &[],
+        size_px: 1.0,
+    };
+
+    /// Draws those of some records that touch a tile. Of two as far away the later one is seen.
+    #[inline(always)]
+    pub(in crate::render::cpu) fn draw<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        tile: &mut Tile,
+        clip: PixelRect,
+        records: impl Iterator<Item = Range<usize>>,
+    ) {
+        for range in records {
+            for records in self.records[range].chunks(LANES) {
+                let projected = project(simd, view, records);
+                if self.size_px <= 1.0 {
+                    draw_pixels(simd, tile, clip, records.len(), &projected);
+                } else {
+                    self.draw_squares(tile, clip, records.len(), &projected);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn draw_squares<S: Simd>(
+        &self,
+        tile: &mut Tile,
+        clip: PixelRect,
+        count: usize,
+        projected: &Projected<S>,
+    ) {
+        let half = 0.5 * self.size_px;
+        for point in 0..count {
+            let depth = projected.depth[point];
+            if !(depth > 0.0 && depth <= 1.0) {
+                continue;
+            }
+            let key = key(depth.to_bits(), projected.color[point].to_bits());
+            // Pixels whose middles are within.
+            let range = |middle: f32, axis: usize| {
+                let [start, end] =
+                    [middle - half, middle + half].map(|end| (end - 0.5).ceil() as i32);
+                start.max(clip.start[axis])..end.min(clip.end[axis])
+            };
+            let columns = range(projected.x_px[point], 0);
+            for y in range(projected.y_px[point], 1) {
+                let row = (y - tile.origin[1]) as usize * WIDTH;
+                for x in columns.clone() {
+                    put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
+                }
+            }
+        }
+    }
+}
+
+/// Draws the first ones of eight points.
+#[inline(always)]
+fn draw_pixels<S: Simd>(
+    simd: S,
+    tile: &mut Tile,
+    clip: PixelRect,
+    count: usize,
+    projected: &Projected<S>,
+) {
+    let splat = |value: f32| f32x8::splat(simd, value);
+    let zero = splat(0.0);
+    let [left, top] = [clip.start[0] as f32, clip.start[1] as f32];
+    let [width, height] = [clip.end[0] as f32 - left, clip.end[1] as f32 - top];
+    let (x, y) = (
+        (projected.x_px - left).floor(),
+        (projected.y_px - top).floor(),
+    );
+    let are_seen = x.simd_ge(zero)
+        & x.simd_lt(splat(width))
+        & y.simd_ge(zero)
+        & y.simd_lt(splat(height))
+        & projected.depth.simd_gt(zero)
+        & projected.depth.simd_le(splat(1.0))
+        & lanes_below(simd, count);
+    if !simd.any_true_mask32x8(are_seen) {
+        return;
+    }
+    // Each lane has a nowhere of its own: writing to the same one would have to wait for the last.
+    let nowhere = lane_numbers(simd) + NOWHERE as f32;
+    let places = simd.select_f32x8(are_seen, y.mul_add(splat(WIDTH as f32), x), nowhere);
+    let places: i32x8<S> = simd.cvt_i32_f32x8(places);
+    let keys = tile.keys.as_mut_slice();
+    for lane in 0..LANES {
+        let key = key(
+            projected.depth[lane].to_bits(),
+            projected.color[lane].to_bits(),
+        );
+        put(&mut keys[places[lane] as usize], key);
+    }
+}
+
+/// Depth above colour.
+#[inline(always)]
+fn key(depth_bits: u32, color_bits: u32) -> u64 {
+    // The bits of positive numbers are in their order.
+    u64::from(depth_bits) << 32 | u64::from(color_bits)
+}
+
+/// Replaces what is behind, or as far away.
+#[inline(always)]
+fn put(there: &mut u64, key: u64) {
+    // Written in any case: which of two points is nearer nobody can foresee.
+    *there = if key >> 32 >= *there >> 32 {
+        key
+    } else {
+        *there
+    };
+}
+
+#[inline(always)]
+fn project<S: Simd>(simd: S, view: &PixelView, records: &[PointRecord]) -> Projected<S> {
+    let [x, y, z, color] = words(simd, records);
+    let points = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
+    let per_distance = -1.0 / points.z;
+    let px = |along: f32x8<S>, axis: usize| {
+        let px = along * per_distance * view.px_per_slope[axis];
+        px + view.middle_px[axis]
+    };
+    Projected {
+        x_px: px(points.x, 0),
+        y_px: px(points.y, 1),
+        depth: per_distance * view.near,
+        color,
+    }
+}

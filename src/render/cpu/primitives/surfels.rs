@@ -1,0 +1,279 @@
+//! Surfels in the six modes of paper 000, Fig. 3.
+
+use crate::cloud::{PointRecord, ShapeRecord};
+use crate::render::cpu::blocks::Placed;
+use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
+use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
+use crate::render::cpu::raster;
+use crate::render::cpu::shading::{Light, Shading, seen_from_behind, unit_color};
+use crate::render::cpu::tile::{LANES, Tile};
+use crate::render::cpu::view::{PixelRect, PixelView};
+use crate::scene::{Lighting, Splatting, Style};
+use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, f32x8, i32x8, mask32x8};
+use std::f32::consts::SQRT_2;
+use std::ops::Range;
+
+/// Surfels of a packet, and how they are drawn.
+pub(in crate::render::cpu) struct Surfels<'a> {
+    pub(in crate::render::cpu) points: &'a [PointRecord],
+    pub(in crate::render::cpu) shapes: &'a [ShapeRecord],
+    pub(in crate::render::cpu) settings: &'a Style,
+    /// How far the visibility pass is pushed back, in splat radii.
+    pub(in crate::render::cpu) slack_radii: f32,
+}
+
+/// A splat of the attribute pass that waits for the visibility pass to end.
+pub(in crate::render::cpu) type Waiting = Vec<(Facet, Shading)>;
+
+impl Placed for Surfels<'_> {
+    fn len(&self) -> usize {
+        self.points.len().min(self.shapes.len())
+    }
+
+    fn position(&self, record: usize) -> [f32; 3] {
+        self.points[record].position
+    }
+
+    fn reach(&self, record: usize) -> f32 {
+        // The corner of the square.
+        SQRT_2 * self.shapes[record].radius
+    }
+}
+
+/// Eight surfels as seen from the eye.
+struct Seen<S: Simd> {
+    /// The number of the first.
+    first: usize,
+    may_touch: mask32x8<S>,
+    centers: Vectors<S>,
+    normals: Vectors<S>,
+    /// Directions of their edges.
+    u: Vectors<S>,
+    v: Vectors<S>,
+    radii: f32x8<S>,
+}
+
+impl Surfels<'_> {
+    /// Factors on the radii of what is drawn at most.
+    pub(in crate::render::cpu) fn largest_scale(&self) -> f32 {
+        let [visibility, attribute] = self
+            .settings
+            .surfels
+            .splatting
+            .scales(self.settings.surfels.enlargement);
+        visibility.max(attribute) * self.settings.surfels.splat_scale
+    }
+
+    /// Draws those of some records that touch a tile: all passes over them but the last, over the picture.
+    #[inline(always)]
+    pub(in crate::render::cpu) fn draw<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        tile: &mut Tile,
+        clip: PixelRect,
+        records: impl Iterator<Item = Range<usize>>,
+        waiting: &mut Waiting,
+    ) {
+        waiting.clear();
+        let pyramid = Pyramid::of(view, clip);
+        for range in records {
+            let end = range.end;
+            for first in range.step_by(LANES) {
+                let eight = first..end.min(first + LANES);
+                let [x, y, z, _] = words(simd, &self.points[eight.clone()]);
+                let [normals, radii, ..] = words(simd, &self.shapes[eight.clone()]);
+                let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
+                let reach = radii * (self.largest_scale() * SQRT_2);
+                let may_touch =
+                    pyramid.may_touch(simd, centers, reach) & lanes_below(simd, eight.len());
+                if simd.any_true_mask32x8(may_touch) {
+                    let (normals, u) = axes(simd, normals);
+                    let (normals, u) = (view.rotate_each(simd, normals), view.rotate_each(simd, u));
+                    let seen = Seen {
+                        first,
+                        may_touch,
+                        centers,
+                        normals,
+                        u,
+                        v: normals.cross(u),
+                        radii,
+                    };
+                    self.draw_eight(simd, view, tile, clip, &seen, waiting);
+                }
+            }
+        }
+        for (facet, shading) in waiting {
+            raster::attribute(simd, tile, facet, shading);
+        }
+    }
+
+    /// Draws eight surfels, or lets them wait.
+    #[inline(always)]
+    fn draw_eight<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        tile: &mut Tile,
+        clip: PixelRect,
+        seen: &Seen<S>,
+        waiting: &mut Waiting,
+    ) {
+        let settings = self.settings;
+        let [visibility, attribute] = settings
+            .surfels
+            .splatting
+            .scales(settings.surfels.enlargement);
+        let scale = settings.surfels.splat_scale;
+        let [visibility, attribute] = [scale * visibility, scale * attribute];
+        let mut canvas = Canvas {
+            view,
+            clip,
+            outline: Outline::Disk,
+            cull_back_faces: settings.culls_back_faces(),
+        };
+        match settings.surfels.splatting {
+            Splatting::Regular | Splatting::NoDepth => {
+                canvas.outline = Outline::Parallelogram;
+                let facets = seen.facets(simd, &canvas, scale);
+                let with_depth = settings.surfels.splatting == Splatting::Regular;
+                for lane in 0..LANES {
+                    if let Some(facet) = facets.get(lane) {
+                        let shading = self.shading(seen, lane, scale);
+                        raster::over(simd, tile, &facet, &shading, with_depth);
+                    }
+                }
+            }
+            Splatting::Visibility
+            | Splatting::TwoPass
+            | Splatting::Enlarged
+            | Splatting::TwoPassEnlarged => {
+                let push_back = seen.push_back(view, self.slack_radii, visibility);
+                let facets = seen.facets(simd, &canvas, visibility);
+                for lane in 0..LANES {
+                    if let Some(facet) = facets.get(lane) {
+                        raster::visibility(simd, tile, &facet, push_back[lane]);
+                    }
+                }
+                if settings.surfels.splatting == Splatting::Visibility {
+                    return;
+                }
+                let facets = seen.facets(simd, &canvas, attribute);
+                for lane in 0..LANES {
+                    if let Some(facet) = facets.get(lane) {
+                        waiting.push((facet, self.shading(seen, lane, attribute)));
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn shading<S: Simd>(&self, seen: &Seen<S>, lane: usize, scale: f32) -> Shading {
+        let [red, green, blue, _] = self.points[seen.first + lane].color;
+        let lighting = self.settings.light.lighting;
+        let light = if lighting == Lighting::PerFragment {
+            Light::OfPixels
+        } else {
+            let scale = scale * seen.radii[lane];
+            let [u, v] = [seen.u.lane(lane) * scale, seen.v.lane(lane) * scale];
+            Light::new(
+                lighting,
+                seen.normals.lane(lane),
+                seen.centers.lane(lane),
+                u,
+                v,
+            )
+        };
+        let color = unit_color([red, green, blue]);
+        let faces_away = seen.normals.lane(lane).dot(seen.centers.lane(lane)) > 0.0;
+        Shading {
+            color: if faces_away && self.settings.darkens_back_faces() {
+                seen_from_behind(color)
+            } else {
+                color
+            },
+            light,
+        }
+    }
+}
+
+/// The normals n and the edges u of surfels. Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n ×
+/// u (`shaders/common/splat.wgsl`).
+#[inline(always)]
+fn axes<S: Simd>(simd: S, packed_normals: f32x8<S>) -> (Vectors<S>, Vectors<S>) {
+    let splat = |value: f32| f32x8::splat(simd, value);
+    let normals = oct_decode_each(simd, packed_normals);
+    // a is −z where n is almost upright, and y elsewhere.
+    let is_upright = normals.y.abs().simd_gt(splat(0.99));
+    let u = Vectors {
+        x: simd.select_f32x8(is_upright, normals.y, normals.z),
+        y: simd.select_f32x8(is_upright, -normals.x, splat(0.0)),
+        z: simd.select_f32x8(is_upright, splat(0.0), -normals.x),
+    };
+    (normals, u.times(1.0 / u.dot(u).sqrt()))
+}
+
+/// As [`oct_decode`](crate::cloud::oct_decode).
+#[inline(always)]
+pub(in crate::render::cpu) fn oct_decode_each<S: Simd>(simd: S, packed: f32x8<S>) -> Vectors<S> {
+    let splat = |value: f32| f32x8::splat(simd, value);
+    let packed: i32x8<S> = packed.bitcast();
+    let unit = |halves: i32x8<S>| simd.cvt_f32_i32x8(halves >> 16) * (1.0 / f32::from(i16::MAX));
+    let (x, y) = (unit(packed << 16), unit(packed));
+    let z = 1.0 - x.abs() - y.abs();
+    let is_folded = z.simd_lt(splat(0.0));
+    let one_like =
+        |value: f32x8<S>| simd.select_f32x8(value.simd_ge(splat(0.0)), splat(1.0), splat(-1.0));
+    let folded = Vectors {
+        x: simd.select_f32x8(is_folded, (1.0 - y.abs()) * one_like(x), x),
+        y: simd.select_f32x8(is_folded, (1.0 - x.abs()) * one_like(y), y),
+        z,
+    };
+    folded.times(1.0 / folded.dot(folded).sqrt())
+}
+
+impl<S: Simd> Seen<S> {
+    #[inline(always)]
+    fn facets(&self, simd: S, canvas: &Canvas<'_>, scale: f32) -> Facets {
+        let lengths = self.radii * scale;
+        let patches = Patches {
+            centers: self.centers,
+            u: self.u.times(lengths),
+            v: self.v.times(lengths),
+        };
+        Facets::new(simd, canvas, &patches, self.may_touch)
+    }
+
+    /// ε-z: the factors on depths with which the visibility pass leaves room for splats of one surface to blend.
+    #[inline(always)]
+    fn push_back(&self, view: &PixelView, slack_radii: f32, scale: f32) -> f32x8<S> {
+        let near = f32x8::splat(self.radii.witness(), view.near);
+        let distances = self.centers.dot(self.centers).sqrt().max(near);
+        1.0 / (1.0 + self.radii * (slack_radii * scale) / distances)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloud::{oct_decode, oct_encode};
+    use fearless_simd::{Level, dispatch};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn normals_are_unpacked_as_those_of_the_cloud(
+            normal in prop::array::uniform3(-1.0f32..1.0),
+            lane in 0..LANES,
+        ) {
+            let packed = oct_encode(glam::Vec3::from_array(normal).normalize_or(glam::Vec3::NEG_Z));
+            let mut words = [0.0; LANES];
+            words[lane] = bytemuck::cast(packed);
+            let decoded = dispatch!(Level::new(), simd => {
+                oct_decode_each(simd, f32x8::from_slice(simd, &words)).lane(lane)
+            });
+            prop_assert!((decoded - oct_decode(packed)).length() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! From a prepared frame, a camera and a style to the one value that a renderer draws.
+//!
+//! [`Scene`] remembers the last traversal: as long as camera, viewport, levels of detail and their policy stay, the
+//! visible set is the same allocation, so that nobody downstream uploads it again.
+
+use super::content::{CodedCells, Content, Surfels};
+use super::packet::ScenePacket;
+use super::{Camera, Clip, GroundPlane, Primitive, Style, ViewTransform};
+use crate::levels::{Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, RecordBuffers};
+use crate::sequence::{Needs, PreparedFrame};
+use glam::DVec3;
+use std::ptr;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What [`Scene`] did so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+pub struct SceneStats {
+    /// Traversals of levels of detail.
+    pub traversals: u64,
+    /// Nodes visited by the last traversal.
+    pub visited_nodes: usize,
+    /// Nodes emitted by the last traversal.
+    pub emitted_voxels: usize,
+    /// LOD threshold of the last traversal in pixels; `None` where a level was chosen.
+    pub lod_px: Option<f32>,
+    /// Time of the last traversal.
+    #[serde(skip)]
+    pub traverse_time: Duration,
+}
+
+/// Makes packets, and cuts levels of detail only when the answer can differ.
+#[derive(Debug, Default)]
+pub struct Scene {
+    last_cut: Option<LastCut>,
+    clipped: Option<Clipped>,
+    remembers: bool,
+    affordable: Affordable,
+    stats: SceneStats,
+}
+
+/// The last cut, what it depends on, and its records.
+#[derive(Debug)]
+struct LastCut {
+    from: CutInput,
+    cut: Cut,
+    content: Content,
+}
+
+/// All that a cut and its records depend on.
+#[derive(Debug, Clone)]
+struct CutInput {
+    levels: Arc<dyn Levels>,
+    culls_back_faces: bool,
+    view: ViewTransform,
+    viewport_px: [u32; 2],
+    lod: Lod,
+    affordable: Affordable,
+    clip: Option<Clip>,
+}
+
+impl CutInput {
+    /// Whether the nodes are those of the same structure, chosen in the same way.
+    fn has_same_nodes(&self, other: &Self) -> bool {
+        ptr::addr_eq(Arc::as_ptr(&self.levels), Arc::as_ptr(&other.levels))
+            && self.culls_back_faces == other.culls_back_faces
+            && self.lod == other.lod
+    }
+}
+
+impl PartialEq for CutInput {
+    fn eq(&self, other: &Self) -> bool {
+        self.has_same_nodes(other)
+            && self.view == other.view
+            && self.viewport_px == other.viewport_px
+            && self.affordable == other.affordable
+            && self.clip == other.clip
+    }
+}
+
+/// All of a frame that a clip keeps, and what it was kept from.
+#[derive(Debug)]
+struct Clipped {
+    clip: Clip,
+    whole: Content,
+    kept: Content,
+}
+
+impl Scene {
+    /// A scene that remembers which cells it drew, so that levels of detail do not flicker when the camera moves a
+    /// little. What it draws depends on what it drew before; that of [`Scene::default`] does not.
+    pub fn that_remembers() -> Self {
+        Self {
+            remembers: true,
+            ..Self::default()
+        }
+    }
+
+    /// What a frame must have for a picture with these settings.
+    pub fn needs(settings: &Style) -> Needs {
+        Needs {
+            shapes: settings.draws_surfels() || settings.lights_voxels_by_normals(),
+            levels: settings.levels_kind().map(|kind| LevelsKey {
+                kind,
+                stop: settings.octree_stop(),
+            }),
+            colors: settings.colors,
+            hints: settings.of_sequence.color_hints,
+        }
+    }
+
+    /// The packet for `frame`, whose positions are relative to `origin`, to be shown in a picture of `viewport_px`;
+    /// what is drawn may be smaller, see [`Style::drawn_px`].
+    ///
+    /// A frame that lacks what the primitive needs gives a packet that draws nothing of it; see [`Scene::needs`].
+    pub fn packet(
+        &mut self,
+        frame: &PreparedFrame,
+        origin: DVec3,
+        camera: &Camera,
+        settings: &Style,
+        viewport_px: [u32; 2],
+    ) -> ScenePacket {
+        let viewport_px = settings.drawn_px(viewport_px);
+        let view = camera.transform(origin, viewport_px);
+        let clip = settings.of_sequence.clip.filter(|clip| clip.is_on);
+        let mut settings = *settings;
+        settings.of_sequence.clip = clip.map(|clip| clip.relative_to(origin));
+        let bounds = frame.frame.bounds();
+        let ground = settings.backdrop.grid.then(|| {
+            let ground_box = settings.of_sequence.ground_box.unwrap_or(bounds);
+            GroundPlane::under(&ground_box, origin, camera.up, settings.backdrop.background)
+        });
+        ScenePacket {
+            viewport_px,
+            view,
+            content: self.content(frame, &view, viewport_px, &settings),
+            settings,
+            bounds,
+            ground,
+        }
+    }
+
+    /// What is drawn of `frame`. Whatever is drawn of levels of detail that are not there is drawn of all points.
+    fn content(
+        &mut self,
+        frame: &PreparedFrame,
+        view: &ViewTransform,
+        viewport_px: [u32; 2],
+        settings: &Style,
+    ) -> Content {
+        let kind = settings.levels_kind();
+        let coded = self.coded(frame, settings);
+        if let Some(coded) = coded.filter(|_| settings.of_sequence.clip.is_none()) {
+            self.stats.emitted_voxels = coded.deepest_nodes();
+            return Content::Coded(coded);
+        }
+        if let Some(levels) = kind.and_then(|kind| frame.levels.get(kind)) {
+            return self.cut(CutInput {
+                levels,
+                culls_back_faces: settings.culls_back_faces(),
+                view: *view,
+                viewport_px,
+                lod: settings.levels.lod,
+                affordable: self.affordable,
+                clip: settings.of_sequence.clip,
+            });
+        }
+        let points = || Arc::clone(&frame.points);
+        let whole = match settings.primitive {
+            Primitive::Point => Content::Points(points()),
+            Primitive::Auto | Primitive::Surfel => match &frame.shapes {
+                Some(shapes) => Content::Surfels(Surfels {
+                    points: points(),
+                    shapes: Arc::clone(shapes),
+                }),
+                None => Content::Nothing,
+            },
+            Primitive::Voxel => Content::Nothing,
+        };
+        match settings.of_sequence.clip {
+            Some(clip) => self.clip(clip, whole),
+            None => whole,
+        }
+    }
+
+    /// What `clip` keeps of all of a frame: the same allocation as long as both stay the same.
+    fn clip(&mut self, clip: Clip, whole: Content) -> Content {
+        let known = self.clipped.take();
+        let known = known.filter(|known| known.clip == clip && known.whole == whole);
+        let clipped = known.unwrap_or_else(|| Clipped {
+            clip,
+            kept: whole.clipped(&clip),
+            whole,
+        });
+        let kept = clipped.kept.clone();
+        self.clipped = Some(clipped);
+        kept
+    }
+
+    /// The byte code of a frame, if it is to be drawn. What is not a threshold chooses a level: as the code is stored
+    /// breadth-first, that is one of its prefixes.
+    fn coded(&self, frame: &PreparedFrame, settings: &Style) -> Option<CodedCells> {
+        let is_drawn = settings.levels_kind() == Some(LevelsKind::Codes);
+        let cloud = frame.levels.codes().filter(|_| is_drawn)?;
+        let at_most = |nodes: u32| (0.0, cloud.deepest_level_of(nodes as usize));
+        let (lod_px, deepest_level) = match settings.levels.lod {
+            Lod::ThresholdPx(lod_px) => (lod_px, cloud.depth()),
+            Lod::Level(level) => (0.0, level),
+            Lod::Budget(nodes) => at_most(nodes),
+            Lod::FrameTimeMs(_) => at_most(self.affordable.voxels()),
+        };
+        let cloud = Arc::clone(cloud);
+        Some(CodedCells {
+            cloud,
+            lod_px,
+            deepest_level,
+        })
+    }
+
+    /// Takes notice of how long the last picture took to draw, for [`Lod::FrameTimeMs`].
+    pub fn note_draw_ms(&mut self, settings: &Style, draw_ms: f64) {
+        if let Lod::FrameTimeMs(asked_ms) = settings.levels.lod
+            && settings.levels_kind().is_some()
+        {
+            let drawn = self.stats.emitted_voxels;
+            self.affordable.learn(drawn, draw_ms, f64::from(asked_ms));
+        }
+    }
+
+    /// Counters since the scene was made.
+    pub fn stats(&self) -> SceneStats {
+        self.stats
+    }
+
+    /// The records of a cut for a view; those of the last one if nothing has changed.
+    fn cut(&mut self, from: CutInput) -> Content {
+        if let Some(last) = &self.last_cut
+            && last.from == from
+        {
+            return last.content.clone();
+        }
+        let last = self.last_cut.take();
+        let start = Instant::now();
+        let before = last
+            .as_ref()
+            .filter(|last| self.remembers && last.from.has_same_nodes(&from));
+        let hints = CutHints {
+            culls_back_faces: from.culls_back_faces,
+            before: before.map(|last| &last.cut),
+        };
+        let select_view = from.view.select_view(0.0);
+        let affordable = from.affordable.voxels();
+        let levels = &*from.levels;
+        let (cut, lod_px) = from.lod.cut(levels, &select_view, hints, affordable);
+        let most_records = match from.lod {
+            Lod::Budget(most) => most as usize,
+            Lod::ThresholdPx(_) | Lod::Level(_) | Lod::FrameTimeMs(_) => usize::MAX,
+        };
+        // In the memory of the last records, unless a packet still holds them.
+        let buffers = last.map_or_else(RecordBuffers::default, |last| last.content.into_buffers());
+        let content = Content::from(levels.write(&cut, most_records, buffers));
+        let content = match &from.clip {
+            Some(clip) => content.clipped(clip),
+            None => content,
+        };
+        let traversed = cut.stats();
+        self.stats = SceneStats {
+            traversals: self.stats.traversals + 1,
+            visited_nodes: traversed.visited_nodes,
+            emitted_voxels: traversed.emitted,
+            lod_px,
+            traverse_time: start.elapsed(),
+        };
+        self.last_cut = Some(LastCut {
+            from,
+            cut,
+            content: content.clone(),
+        });
+        content
+    }
+}

@@ -1,0 +1,208 @@
+//! What a picture is drawn from, one variant for each way to draw.
+
+use super::Clip;
+use super::clip::at;
+use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
+use crate::levels::octree::CodedCloud;
+use crate::levels::{RecordBuffers, Records};
+use std::sync::Arc;
+
+/// The records of a packet. Equal if they are the same allocations: nobody compares or uploads them again.
+#[derive(Debug, Clone, Default)]
+pub enum Content {
+    /// The frame lacks what the primitive needs: only the background is drawn.
+    #[default]
+    Nothing,
+    /// Points of a fixed size in pixels.
+    Points(Arc<Vec<PointRecord>>),
+    /// Oriented disks.
+    Surfels(Surfels),
+    /// Cubes.
+    Voxels(Voxels),
+    /// Surfels as byte code, for the software renderer.
+    Coded(CodedCells),
+}
+
+/// Oriented disks: as many records of both kinds.
+#[derive(Debug, Clone)]
+pub struct Surfels {
+    /// Positions and colours.
+    pub points: Arc<Vec<PointRecord>>,
+    /// Normals and radii.
+    pub shapes: Arc<Vec<ShapeRecord>>,
+}
+
+/// Cells of an octree.
+#[derive(Debug, Clone)]
+pub struct Voxels {
+    /// One record a drawn cell.
+    pub records: Arc<Vec<VoxelRecord>>,
+    /// Records of which only the normals count, one a cell, where light falls on them and not on faces.
+    pub normals: Option<Arc<Vec<ShapeRecord>>>,
+    /// Edge of the octree's cube; a cell of level h has this edge / 2^h.
+    pub cube_edge: f32,
+}
+
+/// Surfels as the byte code of an octree, and how finely they are drawn.
+#[derive(Debug, Clone)]
+pub struct CodedCells {
+    /// The code.
+    pub cloud: Arc<CodedCloud>,
+    /// Cells whose edge projects below so many pixels are not divided.
+    pub lod_px: f32,
+    /// Cells of this level are not divided: the codes and attributes of the levels down to it are a coarser cloud.
+    pub deepest_level: u32,
+}
+
+impl Content {
+    /// Positions and colours of points or surfels.
+    pub fn points(&self) -> Option<&Arc<Vec<PointRecord>>> {
+        match self {
+            Self::Points(points) | Self::Surfels(Surfels { points, .. }) => Some(points),
+            Self::Nothing | Self::Voxels(_) | Self::Coded(_) => None,
+        }
+    }
+
+    /// Normals and radii of surfels.
+    pub fn shapes(&self) -> Option<&Arc<Vec<ShapeRecord>>> {
+        match self {
+            Self::Surfels(surfels) => Some(&surfels.shapes),
+            _ => None,
+        }
+    }
+
+    /// Cells of an octree.
+    pub fn voxels(&self) -> Option<&Voxels> {
+        match self {
+            Self::Voxels(voxels) => Some(voxels),
+            _ => None,
+        }
+    }
+
+    /// Byte code.
+    pub fn coded(&self) -> Option<&CodedCells> {
+        match self {
+            Self::Coded(coded) => Some(coded),
+            _ => None,
+        }
+    }
+
+    /// Number of records; of byte codes the nodes of the deepest level that may be drawn.
+    pub fn record_count(&self) -> usize {
+        match self {
+            Self::Nothing => 0,
+            Self::Points(points) | Self::Surfels(Surfels { points, .. }) => points.len(),
+            Self::Voxels(voxels) => voxels.records.len(),
+            Self::Coded(coded) => coded.deepest_nodes(),
+        }
+    }
+
+    /// What `clip` keeps, by the middles of records; the same allocations if that is all. A code cannot be cut and
+    /// stays whole.
+    #[must_use]
+    pub fn clipped(&self, clip: &Clip) -> Self {
+        match self {
+            Self::Nothing | Self::Coded(_) => self.clone(),
+            Self::Points(points) => {
+                let kept = clip.kept(points);
+                if kept.len() == points.len() {
+                    return self.clone();
+                }
+                Self::Points(Arc::new(at(points, &kept)))
+            }
+            Self::Surfels(Surfels { points, shapes }) => {
+                let kept = clip.kept(points);
+                if kept.len() == points.len() {
+                    return self.clone();
+                }
+                Self::Surfels(Surfels {
+                    points: Arc::new(at(points, &kept)),
+                    shapes: Arc::new(at(shapes, &kept)),
+                })
+            }
+            Self::Voxels(voxels) => {
+                let kept = clip.kept(&voxels.records);
+                if kept.len() == voxels.records.len() {
+                    return self.clone();
+                }
+                let normals = voxels.normals.as_ref();
+                Self::Voxels(Voxels {
+                    records: Arc::new(at(&voxels.records, &kept)),
+                    normals: normals.map(|normals| Arc::new(at(normals, &kept))),
+                    cube_edge: voxels.cube_edge,
+                })
+            }
+        }
+    }
+
+    /// The memory of what nobody else holds.
+    pub(super) fn into_buffers(self) -> RecordBuffers {
+        fn memory<T>(records: Arc<Vec<T>>) -> Vec<T> {
+            Arc::try_unwrap(records).unwrap_or_default()
+        }
+        match self {
+            Self::Surfels(Surfels { points, shapes }) => RecordBuffers {
+                points: memory(points),
+                shapes: memory(shapes),
+                ..RecordBuffers::default()
+            },
+            Self::Voxels(voxels) => RecordBuffers {
+                voxels: memory(voxels.records),
+                shapes: voxels.normals.map(memory).unwrap_or_default(),
+                ..RecordBuffers::default()
+            },
+            Self::Nothing | Self::Points(_) | Self::Coded(_) => RecordBuffers::default(),
+        }
+    }
+}
+
+impl From<Records> for Content {
+    fn from(records: Records) -> Self {
+        match records {
+            Records::Surfels { points, shapes } => Self::Surfels(Surfels {
+                points: Arc::new(points),
+                shapes: Arc::new(shapes),
+            }),
+            Records::Voxels {
+                voxels,
+                normals,
+                cube_edge,
+            } => Self::Voxels(Voxels {
+                records: Arc::new(voxels),
+                normals: normals.map(Arc::new),
+                cube_edge,
+            }),
+        }
+    }
+}
+
+impl PartialEq for Content {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Nothing, Self::Nothing) => true,
+            (Self::Points(a), Self::Points(b)) => Arc::ptr_eq(a, b),
+            (Self::Surfels(a), Self::Surfels(b)) => {
+                Arc::ptr_eq(&a.points, &b.points) && Arc::ptr_eq(&a.shapes, &b.shapes)
+            }
+            (Self::Voxels(a), Self::Voxels(b)) => {
+                Arc::ptr_eq(&a.records, &b.records)
+                    && a.normals.as_ref().map(Arc::as_ptr) == b.normals.as_ref().map(Arc::as_ptr)
+                    && a.cube_edge == b.cube_edge
+            }
+            (Self::Coded(a), Self::Coded(b)) => {
+                Arc::ptr_eq(&a.cloud, &b.cloud)
+                    && a.lod_px == b.lod_px
+                    && a.deepest_level == b.deepest_level
+            }
+            _ => false,
+        }
+    }
+}
+
+impl CodedCells {
+    /// The nodes of the deepest level that may be drawn.
+    pub(super) fn deepest_nodes(&self) -> usize {
+        let level = self.deepest_level.min(self.cloud.depth());
+        self.cloud.level(level).len()
+    }
+}

@@ -1,0 +1,145 @@
+//! The steps from a validated frame to a prepared one, each left out if its result is known or not asked for.
+
+use super::counters::{PrepareCounters, Timings};
+use super::frame::{PreparedFrame, next_id};
+use crate::analysis::{Orientation, Surface, estimate_surface_observed, surface_steps};
+use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::levels::{CloudRecords, LevelsSet, LevelsWork};
+use crate::progress::Progress;
+use crate::sequence::records::{self, SurfaceWork};
+use crate::sequence::{Needs, Paint, milliseconds_since};
+use glam::Vec3;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+/// The shapes of all points, and by what the signs of their normals were decided.
+pub(super) type Shapes = (Arc<Vec<ShapeRecord>>, Orientation);
+
+/// A frame that is being prepared.
+pub(super) struct Build<'a> {
+    pub(super) index: usize,
+    pub(super) frame: Arc<Frame>,
+    /// The prepared frame that it was before, of the same points.
+    pub(super) existing: Option<&'a PreparedFrame>,
+    /// Shapes that are known.
+    pub(super) shapes: Option<Shapes>,
+    pub(super) timings: Timings,
+    pub(super) counters: &'a PrepareCounters,
+    pub(super) progress: &'a Progress,
+}
+
+impl Build<'_> {
+    /// Makes what `needs` ask for and is not known.
+    pub(super) fn finish(mut self, needs: &Needs) -> PreparedFrame {
+        let same_colors = self
+            .existing
+            .filter(|existing| existing.is_painted_for(needs));
+        let paint = match same_colors {
+            Some(existing) => existing.paint,
+            None => needs.colors.paint(&needs.hints, &self.frame),
+        };
+        let colors_need_shapes = paint == Paint::Normal
+            && same_colors.is_none()
+            && records::file_normals(&self.frame).is_none();
+        if needs.shapes || colors_need_shapes {
+            self.complete_shapes();
+        }
+        let (id, points) = match same_colors {
+            Some(existing) => (existing.id, Arc::clone(&existing.points)),
+            None => (next_id(), self.painted_points(&paint)),
+        };
+        let levels = self.levels(needs, &paint, &points, same_colors);
+        let (shapes, orientation) = self.shapes.unzip();
+        PreparedFrame {
+            index: self.index,
+            id,
+            frame: self.frame,
+            points,
+            shapes,
+            orientation,
+            levels,
+            timings: self.timings,
+            asked: (needs.colors, needs.hints),
+            paint,
+        }
+    }
+
+    fn complete_shapes(&mut self) {
+        if self.shapes.is_some() {
+            return;
+        }
+        let estimate = |positions: &[Vec3], sensor| {
+            self.progress.set(0, surface_steps(positions.len(), sensor));
+            estimate_surface_observed(positions, sensor, self.progress)
+        };
+        let frame = &self.frame;
+        let (shapes, by) = estimated_shapes(frame, &mut self.timings, self.counters, estimate);
+        self.shapes = Some((Arc::new(shapes), by));
+    }
+
+    fn painted_points(&mut self, paint: &Paint) -> Arc<Vec<PointRecord>> {
+        let start = Instant::now();
+        let shapes = self.shapes.as_ref().map(|(shapes, _)| shapes.as_slice());
+        let points = records::painted_points(&self.frame, paint, shapes);
+        self.timings.records_ms += milliseconds_since(start);
+        let written = &self.counters.records_written;
+        written.fetch_add(points.len() as u64, Ordering::Relaxed);
+        Arc::new(points)
+    }
+
+    /// The levels of detail of `points`. Those of `same_colors`, which has the same points, are used again.
+    fn levels(
+        &mut self,
+        needs: &Needs,
+        paint: &Paint,
+        points: &Arc<Vec<PointRecord>>,
+        same_colors: Option<&PreparedFrame>,
+    ) -> LevelsSet {
+        let shapes = self.shapes.as_ref().map(|(shapes, _)| shapes);
+        let cloud = CloudRecords {
+            positions: self.frame.positions(),
+            colors: self.frame.colors().filter(|_| *paint == Paint::File),
+            points,
+            shapes: shapes.filter(|_| needs.shapes),
+        };
+        let none = LevelsSet::default();
+        let known = same_colors.map_or(&none, |existing| &existing.levels);
+        let start = Instant::now();
+        let (levels, work) = known.completed(needs.levels, &cloud);
+        if work != LevelsWork::default() {
+            self.timings.octree_ms = milliseconds_since(start);
+        }
+        let built = &self.counters.octrees_built;
+        built.fetch_add(work.octrees.into(), Ordering::Relaxed);
+        levels
+    }
+}
+
+/// The shapes of all points, of which `estimate` estimates the missing normals: see [`records::complete_surface`].
+pub(super) fn estimated_shapes(
+    frame: &Frame,
+    timings: &mut Timings,
+    counters: &PrepareCounters,
+    estimate: impl FnOnce(&[Vec3], Option<Vec3>) -> Surface,
+) -> (Vec<ShapeRecord>, Orientation) {
+    let start = Instant::now();
+    let (surface, work) = records::complete_surface(frame, estimate);
+    match work {
+        SurfaceWork::None => {}
+        SurfaceWork::Radii => {
+            counters.radii_estimated.fetch_add(1, Ordering::Relaxed);
+        }
+        SurfaceWork::Surface => {
+            counters.surfaces_estimated.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+    timings.analysis_ms = milliseconds_since(start);
+    let start = Instant::now();
+    let shapes = records::shape_records(frame, &surface);
+    timings.records_ms += milliseconds_since(start);
+    counters
+        .records_written
+        .fetch_add(shapes.len() as u64, Ordering::Relaxed);
+    (shapes, surface.orientation)
+}

@@ -1,0 +1,111 @@
+//! A frame with everything that a picture asks for.
+
+use super::counters::Timings;
+use crate::analysis::Orientation;
+use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::levels::{CloudRecords, LevelsSet};
+use crate::sequence::{ColorHints, ColorSource, Coloring, Needs, Paint};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A frame with everything some [`Needs`] asked for. Immutable; parts are shared with the frames it was completed from.
+#[derive(Debug, Clone)]
+pub struct PreparedFrame {
+    /// Index in the sequence.
+    pub index: usize,
+    /// Names the content of `points` within this run of the program.
+    pub id: u64,
+    /// The validated frame.
+    pub frame: Arc<Frame>,
+    /// One record a point.
+    pub points: Arc<Vec<PointRecord>>,
+    /// One record a point, if asked for, or if estimating normals for colours brought them anyway.
+    pub shapes: Option<Arc<Vec<ShapeRecord>>>,
+    /// By what the signs of the normals in `shapes` were decided: the back of a surfel says nothing unless they are
+    /// right. `None` without shapes.
+    pub orientation: Option<Orientation>,
+    /// The levels of detail that were asked for, in the colours of `points`.
+    pub levels: LevelsSet,
+    /// What the last completion took; decoding included if it happened then.
+    pub timings: Timings,
+    /// What was asked for, and what that is for this frame.
+    pub(super) asked: (Coloring, ColorHints),
+    pub(super) paint: Paint,
+}
+
+impl PreparedFrame {
+    /// True when completing it for `needs` would change nothing.
+    pub fn satisfies(&self, needs: &Needs) -> bool {
+        self.is_painted_for(needs)
+            && (!needs.shapes || self.shapes.is_some())
+            && needs
+                .levels
+                .is_none_or(|key| self.levels.has(key, needs.shapes))
+    }
+
+    pub(super) fn is_painted_for(&self, needs: &Needs) -> bool {
+        self.asked == (needs.colors, needs.hints)
+            || self.paint == needs.colors.paint(&needs.hints, &self.frame)
+    }
+
+    /// Where the colours of the points come from: see [`Paint::source`].
+    pub fn colors(&self) -> ColorSource {
+        self.paint.source()
+    }
+
+    /// What the points are painted with.
+    pub fn paint(&self) -> &Paint {
+        &self.paint
+    }
+
+    /// Whether it has fewer points than the file.
+    pub fn is_sample(&self) -> bool {
+        self.frame.is_sample()
+    }
+
+    /// The same points in `colors`, one a point, which `paint` says, under an id of their own, with levels of detail
+    /// of the same kind. To be drawn, not to be completed: what is added later would have the colours of the file
+    /// again.
+    #[must_use]
+    pub fn in_colors(&self, colors: &[[u8; 4]], paint: Paint) -> Self {
+        let points = self.points.iter().zip(colors);
+        let points = points.map(|(&point, &color)| PointRecord { color, ..point });
+        let points = Arc::new(points.collect::<Vec<_>>());
+        let levels = self.levels.made_of(&CloudRecords {
+            positions: self.frame.positions(),
+            colors: Some(colors),
+            points: &points,
+            shapes: self.shapes.as_ref(),
+        });
+        Self {
+            id: next_id(),
+            points,
+            levels,
+            paint,
+            ..self.clone()
+        }
+    }
+
+    /// The same, said to be painted as another frame: its points are among these.
+    pub(in crate::sequence) fn painted_as(mut self, other: &Self) -> Self {
+        self.frame
+            .share_sample(Arc::clone(other.frame.value_sample()));
+        self.paint = other.paint;
+        self
+    }
+
+    /// Bytes of all parts.
+    pub fn byte_size(&self) -> usize {
+        let shapes = self.shapes.as_ref();
+        self.frame.byte_size()
+            + size_of_val(self.points.as_slice())
+            + shapes.map_or(0, |shapes| size_of_val(shapes.as_slice()))
+            + self.levels.byte_size()
+    }
+}
+
+/// A name that no other points have.
+pub(super) fn next_id() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}

@@ -1,0 +1,161 @@
+//! A frame made ready for a picture: completed, coloured, packed into records, indexed; each only if it is needed.
+//!
+//! **How it works.** [`complete`] takes what is there and adds what [`Needs`] ask for beyond it. Every part is shared
+//! by an [`Arc`], and stays the same one as long as it is right:
+//!
+//! | changed | decoded | estimated | rewritten |
+//! |---|---|---|---|
+//! | nothing | – | – | – |
+//! | stop criterion | – | – | octree, its points not sorted again |
+//! | colours | – | – | points; octree if one is needed |
+//! | shapes wanted now | – | normals and radii the file has not | shapes |
+//!
+//! **Who changed.** [`PreparedFrame::id`] names the content of `points`: equal ids mean equal points, so a renderer
+//! that holds the points of an id need not upload them again. For shapes and octree the `Arc` itself tells:
+//! `Arc::ptr_eq`.
+//!
+//! Fake colours are always taken from the packed normals, so that they do not depend on the order in which shapes and
+//! colours were asked for.
+
+mod build;
+mod counters;
+mod frame;
+
+pub use counters::{PrepareCounters, Timings};
+pub use frame::PreparedFrame;
+
+use super::{Needs, milliseconds_since};
+use crate::analysis::estimate_surface_fast;
+use crate::cloud::{CloudError, Frame, ShapeRecord, radius_factor};
+use crate::progress::Progress;
+use build::{Build, estimated_shapes};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Prepares `frame` for `needs`. `decode_ms` is carried into the timings.
+pub fn prepare(
+    index: usize,
+    frame: Arc<Frame>,
+    decode_ms: f32,
+    needs: &Needs,
+    counters: &PrepareCounters,
+) -> PreparedFrame {
+    let never = Progress::default();
+    prepare_observed(index, frame, decode_ms, needs, counters, &never)
+}
+
+/// [`prepare`], which says in `progress` how much of the estimation of normals is done: the rest takes little beside
+/// it. Once that is cancelled, the answer is of no use.
+pub(super) fn prepare_observed(
+    index: usize,
+    frame: Arc<Frame>,
+    decode_ms: f32,
+    needs: &Needs,
+    counters: &PrepareCounters,
+    progress: &Progress,
+) -> PreparedFrame {
+    let timings = Timings {
+        decode_ms,
+        ..Timings::default()
+    };
+    let build = Build {
+        index,
+        frame,
+        existing: None,
+        shapes: None,
+        timings,
+        counters,
+        progress,
+    };
+    build.finish(needs)
+}
+
+/// Prepares at most `most_points` of the points of `existing`, taken evenly. Normals and radii that are known are not
+/// estimated again.
+pub(super) fn prepare_sample(
+    existing: &PreparedFrame,
+    most_points: usize,
+    needs: &Needs,
+    counters: &PrepareCounters,
+) -> Result<PreparedFrame, CloudError> {
+    let start = Instant::now();
+    let (frame, slots) = existing.frame.sample(most_points)?;
+    let factor = radius_factor(existing.frame.len(), slots.len());
+    let shapes = existing.shapes.as_ref().map(|shapes| {
+        let shape = |&slot: &u32| ShapeRecord {
+            radius: factor * shapes[slot as usize].radius,
+            ..shapes[slot as usize]
+        };
+        Arc::new(slots.iter().map(shape).collect::<Vec<_>>())
+    });
+    let timings = Timings {
+        records_ms: milliseconds_since(start),
+        ..Timings::default()
+    };
+    let build = Build {
+        index: existing.index,
+        frame: Arc::new(frame),
+        existing: None,
+        shapes: shapes.zip(existing.orientation),
+        timings,
+        counters,
+        progress: &Progress::default(),
+    };
+    Ok(build.finish(needs))
+}
+
+/// Prepares the points of `existing` at `slots` alone, for a picture that is soon replaced: where nobody knows a
+/// sensor, normals agree with those of representatives. Radii are those that close the surface of these points,
+/// whatever the file says.
+pub fn prepare_part(
+    existing: &PreparedFrame,
+    slots: &[u32],
+    needs: &Needs,
+    counters: &PrepareCounters,
+) -> Result<PreparedFrame, CloudError> {
+    let mut timings = Timings::default();
+    let (frame, _) = existing.frame.part(slots, None)?;
+    let (shapes, orientation) =
+        estimated_shapes(&frame, &mut timings, counters, estimate_surface_fast);
+    let build = Build {
+        index: existing.index,
+        frame: Arc::new(frame),
+        existing: None,
+        shapes: Some((Arc::new(shapes), orientation)),
+        timings,
+        counters,
+        progress: &Progress::default(),
+    };
+    Ok(build.finish(needs))
+}
+
+/// Adds to `existing` what `needs` ask for beyond it; parts that are still right are the same `Arc`s.
+pub fn complete(
+    existing: &PreparedFrame,
+    needs: &Needs,
+    counters: &PrepareCounters,
+) -> PreparedFrame {
+    complete_observed(existing, needs, counters, &Progress::default())
+}
+
+/// [`complete`], observed as [`prepare_observed`].
+pub(super) fn complete_observed(
+    existing: &PreparedFrame,
+    needs: &Needs,
+    counters: &PrepareCounters,
+    progress: &Progress,
+) -> PreparedFrame {
+    if existing.satisfies(needs) {
+        return existing.clone();
+    }
+    let build = Build {
+        index: existing.index,
+        frame: Arc::clone(&existing.frame),
+        existing: Some(existing),
+        shapes: existing.shapes.clone().zip(existing.orientation),
+        timings: Timings::default(),
+        counters,
+        progress,
+    };
+    build.finish(needs)
+}
