@@ -10,7 +10,7 @@ CARGO ?= cargo
 
 .PHONY: help
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-13s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 .PHONY: demo
 demo: system-packages ## play the demo in a window, or without a display render it to demo.png
@@ -62,6 +62,11 @@ fuzz: ## fuzz the readers, a minute a target (SECONDS=600 for longer, SEEDS=fold
 .PHONY: bench
 bench: ## run the criterion benches (benches/README.md)
 	$(CARGO) bench --locked --benches
+
+# Not part of `make test`: it downloads a part of Chromium (26 MB), for one library.
+.PHONY: second-driver
+second-driver: ## run the tests of pictures on a second Vulkan driver, SwiftShader
+	scripts/second-driver.sh
 
 .PHONY: soak
 soak: ## play 10,000 frames that do not fit into the memory for them, and record the program's memory

@@ -151,6 +151,29 @@ fn surfels_from_both_sides() {
     assert_agreement(&mut renderer, &packet, "both sides");
 }
 
+/// What the rasteriser's grid may turn around: of such surfels, compute passes must not drop one that others draw.
+#[test]
+fn small_surfels_that_are_seen_nearly_edge_on() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let mut cloud = sphere(4000, 1.0);
+    for (i, surfel) in cloud.iter_mut().enumerate() {
+        // In the picture one to four pixels large, and turned by up to 6 degrees away from the eye or to it.
+        surfel.radius = 0.02 + 0.02 * (i % 4) as f32;
+        let across = surfel.normal.with_z(0.0).normalize();
+        let away = (surfel.position - 3.0 * Vec3::Z).normalize();
+        let across = (across - across.dot(away) * away).normalize();
+        let turned = 0.1 * ((i % 101) as f32 / 50.0 - 1.0);
+        surfel.normal = (across + turned * away).normalize();
+    }
+    for splatting in [Splatting::Regular, Splatting::NoDepth, Splatting::TwoPass] {
+        let mut settings = plain();
+        settings.surfels.splatting = splatting;
+        settings.surfels.back_faces = BackFaces::Culled;
+        let packet = surfels(&cloud, &camera_at(3.0), settings, [150, 150]);
+        assert_agreement(&mut renderer, &packet, &format!("edge on, {splatting}"));
+    }
+}
+
 #[test]
 fn voxels_in_all_lights() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();

@@ -1,11 +1,6 @@
 // A head light: it shines from the eye, so that every surface that can be seen is lit (paper 000 §V-B: per instance,
 // per vertex or per fragment).
 
-const AMBIENT: f32 = 0.25;
-const SPECULAR: f32 = 0.15;
-// Factor on the colour of a surfel that is seen from behind, where that is to be told.
-const BACK_SIDE: f32 = 0.8;
-
 // x: factor on the colour; y: white added by the highlight. `to_eye` need not have unit length.
 fn head_light(normal: vec3f, to_eye: vec3f) -> vec2f {
     // Light and eye share a direction, so the half vector is that direction too.
@@ -14,7 +9,7 @@ fn head_light(normal: vec3f, to_eye: vec3f) -> vec2f {
     let facing2 = facing * facing;
     let facing4 = facing2 * facing2;
     let facing8 = facing4 * facing4;
-    return vec2f(AMBIENT + (1.0 - AMBIENT) * facing, SPECULAR * facing8 * facing8 * facing8);
+    return vec2f(HEAD_LIGHT_AMBIENT + (1.0 - HEAD_LIGHT_AMBIENT) * facing, HEAD_LIGHT_SPECULAR * facing8 * facing8 * facing8);
 }
 
 // Both vectors in the axes of the frame.

@@ -20,9 +20,6 @@ fn shaded(in: Varyings) -> vec3f {
     return shade(unpack4x8unorm(in.color).rgb, in.normal, in.light, in.position.xy);
 }
 
-// How fast the Gaussian falls; at the rim of the disk it is exp(-3) = 0.05.
-const MASK_FALLOFF: f32 = 3.0;
-
 // The circular Gaussian mask of paper 000 §V; 0 outside the disk.
 fn mask_weight(quad: vec2f) -> f32 {
     let radius2 = dot(quad, quad);

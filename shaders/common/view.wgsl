@@ -1,4 +1,5 @@
 // The global bind group: the camera and the settings of one pass. Mirror: render/gpu/gpu_data.rs, `ViewUniform`.
+// Constants that Rust knows too are not written in WGSL, but before it: render/gpu/constants.rs.
 
 struct View {
     // Columns of the rotation from the frame's space into view space (right, up, backward).
@@ -25,9 +26,9 @@ struct View {
     cube_half_edge: f32,
     // How far the visibility pass is pushed back, in splat radii.
     depth_slack: f32,
-    // LIGHTING_* below.
+    // LIGHTING_*, or without light.
     lighting: u32,
-    // BACK_FACES_* below.
+    // BACK_FACES_*, or drawn as fronts are.
     back_faces: u32,
     // Between two lines on the ground, scene units.
     ground_spacing: f32,
@@ -45,15 +46,6 @@ struct View {
     // Of lines; the fourth: how far from that point they are seen, scene units.
     ground_color: vec4f,
 }
-
-// Else drawn as fronts are.
-const BACK_FACES_CULLED: u32 = 1u;
-const BACK_FACES_DARKER: u32 = 2u;
-
-const LIGHTING_UNLIT: u32 = 0u;
-const LIGHTING_PER_SURFEL: u32 = 1u;
-const LIGHTING_PER_VERTEX: u32 = 2u;
-const LIGHTING_PER_FRAGMENT: u32 = 3u;
 
 @group(0) @binding(0) var<uniform> view: View;
 

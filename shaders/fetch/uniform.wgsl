@@ -1,6 +1,4 @@
-// Strategy `uniform`: batches of 4096 records (64 KiB, the size every adapter can bind) and one draw for each.
-
-const BATCH_RECORDS: u32 = 4096u;
+// Strategy `uniform`: batches of BATCH_RECORDS and one draw for each.
 
 struct PointBatch {
     records: array<PointRecord, BATCH_RECORDS>,

@@ -3,8 +3,6 @@
 // Three dispatches: `count` sums what each workgroup keeps, `scan` turns the sums into offsets and writes the indirect
 // draw, `emit` writes the corners. The order is that of the records, so blending gives what the other strategies give.
 
-const GROUP_RECORDS: u32 = 256u;
-
 struct DrawIndexedIndirect {
     index_count: u32,
     instance_count: u32,
@@ -72,8 +70,7 @@ fn scan(@builtin(local_invocation_index) local: u32) {
         workgroupBarrier();
     }
     if (local == 0u) {
-        // Six indices a quad of four vertices.
-        draw = DrawIndexedIndirect(total * VERTICES_PER_RECORD / 4u * 6u, 1u, 0u, 0, 0u);
+        draw = DrawIndexedIndirect(total * VERTICES_PER_RECORD / VERTICES_PER_QUAD * INDICES_PER_QUAD, 1u, 0u, 0, 0u);
     }
 }
 

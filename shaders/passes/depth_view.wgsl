@@ -10,5 +10,5 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     }
     let distance = view.near / depth;
     let t = clamp((distance - view.depth_range.x) / (view.depth_range.y - view.depth_range.x), 0.0, 1.0);
-    return vec4f(vec3f(mix(0.95, 0.15, t)), 1.0);
+    return vec4f(vec3f(mix(NEAREST_GREY, FARTHEST_GREY, t)), 1.0);
 }

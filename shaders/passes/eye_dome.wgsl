@@ -3,9 +3,6 @@
 
 @group(1) @binding(0) var depths: texture_depth_2d;
 
-// Share of neighbours without depth from which a pixel belongs to no surface.
-const LONE: f32 = 0.625;
-
 // x: what a neighbour before the pixel adds; y: 1 where nothing is.
 fn neighbour(pixel: vec2i, offset: vec2i, per_depth: f32, gain: f32) -> vec2f {
     let last = vec2i(view.viewport_px) - 1;

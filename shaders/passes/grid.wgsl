@@ -5,15 +5,6 @@ struct GridPixel {
     @builtin(frag_depth) depth: f32,
 }
 
-// Cells of fewer pixels have no lines, those of more have full ones.
-const NARROWEST_CELL_PX: f32 = 4.0;
-const WIDEST_CELL_PX: f32 = 16.0;
-
-// Opacities of lines at the spacing, at ten times it and at a tenth.
-const USUAL: f32 = 0.4;
-const COARSE: f32 = 0.6;
-const FINE: f32 = 0.2;
-
 // How much of a pixel lines cover. `place` is along both axes, and grows by `per_px` with each pixel across the lines.
 fn lines(place: vec2f, per_px: vec2f, spacing: f32) -> f32 {
     let cells = place / spacing;
@@ -42,9 +33,9 @@ fn fragment(@builtin(position) position: vec4f) -> GridPixel {
     let right_per_px = (view.ground_right.xy - per_facing.x * view.ground_normal.xy) * slope_per_px;
     let forward_per_px = (view.ground_forward.xy - per_facing.y * view.ground_normal.xy) * slope_per_px;
     let per_px = max(distance * vec2f(length(right_per_px), length(forward_per_px)), vec2f(1e-30));
-    let usual = USUAL * lines(place, per_px, view.ground_spacing);
-    let coarse = COARSE * lines(place, per_px, 10.0 * view.ground_spacing);
-    let fine = FINE * lines(place, per_px, 0.1 * view.ground_spacing);
+    let usual = USUAL_LINES * lines(place, per_px, view.ground_spacing);
+    let coarse = COARSE_LINES * lines(place, per_px, 10.0 * view.ground_spacing);
+    let fine = FINE_LINES * lines(place, per_px, 0.1 * view.ground_spacing);
     let fading = clamp(2.0 - 2.0 * length(place) / view.ground_color.w, 0.0, 1.0);
     let opacity = fading * max(max(usual, coarse), fine);
     if (opacity <= 0.0) {

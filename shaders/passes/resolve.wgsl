@@ -2,10 +2,6 @@
 
 @group(1) @binding(0) var accumulated: texture_2d<f32>;
 
-// Summed weight from which a pixel hides the background: a lone splat is opaque within 0.7 of its radius and fades
-// towards its rim.
-const OPAQUE_WEIGHT: f32 = 0.22;
-
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let sum = textureLoad(accumulated, vec2u(position.xy), 0);

@@ -1,7 +1,11 @@
-// A point larger than a pixel is one quad that faces the screen.
-
-const VERTICES_PER_RECORD: u32 = 4u;
+// A point is a square of fixed size that faces the screen; one of a pixel is one vertex of a point list.
 
 fn amplified_vertex(instance: Instance) -> SplatVertex {
-    return point_vertex(fetch_point(instance), vertex_of_record(instance));
+    let point = fetch_point(instance);
+    var clip = project(rotate_to_view(offset_from_eye(point.position)));
+    if (VERTICES_PER_RECORD > 1u) {
+        let corner = quad_corner(vertex_of_record(instance));
+        clip += vec4f(corner * view.point_size_px / view.viewport_px * clip.w, 0.0, 0.0);
+    }
+    return SplatVertex(clip, point.color, 0u, vec2f(1.0, 0.0));
 }

@@ -1,6 +1,7 @@
 //! From a [`ScenePacket`] to pixels. Consumers (window, headless, benchmarks) see only the [`Renderer`] trait.
 
 mod any;
+mod constants;
 pub mod cpu;
 pub mod gpu;
 pub mod truth;
@@ -8,20 +9,6 @@ pub mod truth;
 pub use any::AnyRenderer;
 
 use crate::scene::ScenePacket;
-
-/// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
-/// still overlap can lie apart in depth at 45 degrees.
-const DEPTH_SLACK_RADII: f32 = 1.0;
-
-/// How fast a splat's mask falls off: at the rim of its disk it is exp(-3) (`shaders/common/varyings.wgsl`).
-const MASK_FALLOFF: f32 = 3.0;
-
-/// Light of a surface that is seen edge-on, and white that is added where it faces the eye
-/// (`shaders/common/light.wgsl`).
-const HEAD_LIGHT_AMBIENT: f32 = 0.25;
-const HEAD_LIGHT_SPECULAR: f32 = 0.15;
-/// Factor on the colour of a surfel that is seen from behind, where that is to be told.
-const BACK_SIDE: f32 = 0.8;
 
 /// Draws packets. Preparing and drawing are apart so that each can be measured.
 pub trait Renderer {

@@ -1,13 +1,12 @@
 //! From the pixels of a tile to bytes of the picture: background, resolve and the grey of depths (`shaders/passes`).
 
-use super::Rows;
+use super::pixels::{OPAQUE_ALPHA, opaque};
+use super::rows::Rows;
 use super::tile::{HEIGHT, LANES, NOWHERE, PIXELS, Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
+use crate::render::constants::{FARTHEST_GREY, NEAREST_GREY, OPAQUE_WEIGHT};
 use crate::scene::{Background, ScenePacket};
-use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8, u32x8};
-
-/// Summed weight from which a pixel hides the background, as in `shaders/passes/resolve.wgsl`.
-const OPAQUE_WEIGHT: f32 = 0.22;
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 
 /// What the pixels of a tile hold when all is drawn.
 #[derive(Debug, Clone, Copy)]
@@ -228,7 +227,7 @@ impl Tile {
                 let depth = values(&self.depth, place);
                 let share = (near / depth - white) * (1.0 / (black - white));
                 let share = share.max(splat(0.0)).min(splat(1.0));
-                let grey = share.mul_add(splat(0.15 - 0.95), splat(0.95));
+                let grey = share.mul_add(splat(FARTHEST_GREY - NEAREST_GREY), splat(NEAREST_GREY));
                 select(simd, depth.simd_gt(splat(0.0)), [grey; 3], background)
             }),
         }
@@ -264,22 +263,4 @@ fn select<S: Simd>(
 fn clear<T: Copy + Default>(values: &mut Vec<T>, count: usize) {
     values.clear();
     values.resize(count, T::default());
-}
-
-/// The highest byte of a pixel.
-pub(super) const OPAQUE_ALPHA: u32 = 0xff00_0000;
-
-/// Bytes of eight colours, which are 0 to 1: red the lowest.
-#[inline(always)]
-pub(super) fn opaque<S: Simd>(simd: S, colors: [f32x8<S>; 3]) -> u32x8<S> {
-    let byte = |channel: f32x8<S>| {
-        let scaled = channel.mul_add(f32x8::splat(simd, 255.0), f32x8::splat(simd, 0.5));
-        let within = scaled
-            .max(f32x8::splat(simd, 0.0))
-            .min(f32x8::splat(simd, 255.0));
-        simd.reinterpret_u32_i32x8(simd.cvt_i32_f32x8(within))
-    };
-    let [red, green, blue] = colors;
-    let (red, green, blue) = (byte(red), byte(green), byte(blue));
-    red | (green << 8) | (blue << 16) | u32x8::splat(simd, OPAQUE_ALPHA)
 }

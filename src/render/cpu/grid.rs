@@ -1,21 +1,15 @@
 //! The grid on the ground on the processor (`shaders/passes/grid.wgsl`): eight pixels of a row at a time.
 
 use super::eight::{Vectors, lane_numbers};
-use super::screen::{make_opaque, pack, unpacked};
+use super::pixels::{make_opaque, pack, unpacked};
 use super::tile::LANES;
 use super::view::PixelView;
+use crate::render::constants::{
+    COARSE_LINES, FINE_LINES, NARROWEST_CELL_PX, USUAL_LINES, WIDEST_CELL_PX,
+};
 use crate::scene::SeenGround;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use glam::Vec3;
-
-/// Cells of fewer pixels have no lines, those of more have full ones.
-const NARROWEST_CELL_PX: f32 = 4.0;
-const WIDEST_CELL_PX: f32 = 16.0;
-
-/// Opacities of lines at the spacing, at ten times it and at a tenth.
-const USUAL: f32 = 0.4;
-const COARSE: f32 = 0.6;
-const FINE: f32 = 0.2;
 
 /// The plane, and the rays through pixels.
 pub(super) struct Grid {
@@ -87,7 +81,7 @@ impl Grid {
         if !simd.any_true_mask32x8(is_seen) {
             return None;
         }
-        let [usual, coarse, fine] = [(1.0, USUAL), (10.0, COARSE), (0.1, FINE)];
+        let [usual, coarse, fine] = [(1.0, USUAL_LINES), (10.0, COARSE_LINES), (0.1, FINE_LINES)];
         let opacity = lines(first, ground.spacing, usual)
             .max(lines(second, ground.spacing, usual))
             .max(lines(first, ground.spacing, coarse))

@@ -7,6 +7,7 @@ use super::facet::{Facet, Outline};
 use super::shading::{Light, Shading};
 use super::tile::{LANES, PIXELS, Tile, WIDTH};
 use super::view::{Affine, PixelRect, PixelView};
+use crate::render::constants::MASK_FALLOFF;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 
 /// Eight pixels of a patch.
@@ -215,14 +216,14 @@ pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &
     );
 }
 
-/// The circular Gaussian mask of paper 000 §V, `exp(−3·r²)` (`shaders/common/varyings.wgsl`), inside the disk. Relative
+/// The circular Gaussian mask of paper 000 §V, `exp(−MASK_FALLOFF·r²)` (`shaders/common/varyings.wgsl`), inside the disk. Relative
 /// error below 4·10⁻⁵.
 #[inline(always)]
 fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>) -> f32x8<S> {
     let splat = |value| f32x8::splat(simd, value);
     let across = fragments.p.mul_add(fragments.p, fragments.q * fragments.q);
     // The eighth root is within the reach of a short series.
-    let y = across / (fragments.w * fragments.w) * splat(-3.0 / 8.0);
+    let y = across / (fragments.w * fragments.w) * splat(-MASK_FALLOFF / 8.0);
     let series = y.mul_add(splat(1.0 / 120.0), splat(1.0 / 24.0));
     let series = y.mul_add(series, splat(1.0 / 6.0));
     let series = y.mul_add(series, splat(0.5));

@@ -9,12 +9,13 @@
 //! background`, which is `s · picture + (1 - s) · (1 - a) · background`.
 
 use super::eye_dome::EyeDome;
-use super::finish::{Gradient, OPAQUE_ALPHA, opaque};
+use super::finish::Gradient;
 use super::grid::Grid;
+use super::pixels::{make_opaque, pack, unpacked};
 use super::tile::LANES;
 use super::view::PixelView;
 use crate::scene::{EyeDomeLight, ScenePacket};
-use fearless_simd::{Bytes, Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, u32x8};
+use fearless_simd::{Level, Simd, SimdFloat, dispatch, f32x8};
 use rayon::prelude::*;
 
 /// Rows that a thread goes through before the next ones: halos around them are read from the second cache.
@@ -80,14 +81,6 @@ impl Screen {
     }
 }
 
-/// Of a picture whose rows are finished.
-#[inline(always)]
-pub(super) fn make_opaque(pixels: &mut [[u8; 4]]) {
-    for pixel in pixels {
-        *pixel = (u32::from_le_bytes(*pixel) | OPAQUE_ALPHA).to_le_bytes();
-    }
-}
-
 /// Multiplies what covers the background by up to eight shades.
 #[inline(always)]
 fn shaded<S: Simd>(simd: S, pixels: &mut [[u8; 4]], shade: f32x8<S>, background: [f32; 3]) {
@@ -100,37 +93,4 @@ fn shaded<S: Simd>(simd: S, pixels: &mut [[u8; 4]], shade: f32x8<S>, background:
         blue.mul_add(shade, behind * behind_blue),
     ];
     pack(simd, colors, pixels);
-}
-
-/// The colours and the fourth bytes of up to eight pixels, 0 to 1.
-#[inline(always)]
-pub(super) fn unpacked<S: Simd>(simd: S, pixels: &[[u8; 4]]) -> ([f32x8<S>; 3], f32x8<S>) {
-    let mut words = [0u32; LANES];
-    for (word, pixel) in words.iter_mut().zip(pixels) {
-        *word = u32::from_le_bytes(*pixel);
-    }
-    let words = u32x8::from_slice(simd, &words);
-    let colors = [
-        channel(simd, words),
-        channel(simd, words >> 8),
-        channel(simd, words >> 16),
-    ];
-    (colors, channel(simd, words >> 24))
-}
-
-/// The lowest bytes, 0 to 1.
-#[inline(always)]
-fn channel<S: Simd>(simd: S, words: u32x8<S>) -> f32x8<S> {
-    let byte = words & u32x8::splat(simd, 0xff);
-    // Signed numbers are converted by one instruction.
-    simd.cvt_f32_i32x8(byte.bitcast()) * (1.0 / 255.0)
-}
-
-/// Writes eight opaque colours to as many pixels as there are.
-#[inline(always)]
-pub(super) fn pack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4]]) {
-    let eight = opaque(simd, colors);
-    for (pixel, &color) in pixels.iter_mut().zip(eight.as_slice()) {
-        *pixel = color.to_le_bytes();
-    }
 }

@@ -3,7 +3,7 @@
 use crate::scene::Lighting;
 use glam::Vec3;
 
-pub(super) use crate::render::{
+pub(super) use crate::render::constants::{
     BACK_SIDE, HEAD_LIGHT_AMBIENT as AMBIENT, HEAD_LIGHT_SPECULAR as SPECULAR,
 };
 

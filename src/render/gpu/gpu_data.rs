@@ -2,11 +2,22 @@
 
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
-use crate::render::DEPTH_SLACK_RADII;
+use crate::render::constants::DEPTH_SLACK_RADII;
 use crate::scene::{
     Backdrop, EyeDomeLight, LightStyle, Lighting, ScenePacket, Splatting, Style, SurfelStyle,
 };
 use bytemuck::{Pod, Zeroable};
+
+/// [`ViewUniform::lighting`] of surfaces that are lit; WGSL gets these numbers from here (`constants.rs`).
+pub(super) const LIGHTING_PER_SURFEL: u32 = 1;
+pub(super) const LIGHTING_PER_VERTEX: u32 = 2;
+pub(super) const LIGHTING_PER_FRAGMENT: u32 = 3;
+const LIGHTING_UNLIT: u32 = 0;
+
+/// [`ViewUniform::back_faces`] that are not drawn as fronts are.
+pub(super) const BACK_FACES_CULLED: u32 = 1;
+pub(super) const BACK_FACES_DARKER: u32 = 2;
+const BACK_FACES_DRAWN: u32 = 0;
 
 /// Twin of `View` in `common/view.wgsl`.
 #[repr(C)]
@@ -40,7 +51,7 @@ pub struct ViewUniform {
     pub ground_color: [f32; 4],
 }
 
-/// Twin of `SplatVertex` in `common/splat.wgsl`: one corner written by the compute strategy.
+/// Twin of `SplatVertex` in `common/quads.wgsl`: one corner written by the compute strategy.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
@@ -95,17 +106,17 @@ impl ViewUniform {
                 .map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if one_pass { 0.0 } else { DEPTH_SLACK_RADII },
             lighting: match lighting {
-                Lighting::Unlit => 0,
-                Lighting::PerSurfel => 1,
-                Lighting::PerVertex => 2,
-                Lighting::PerFragment => 3,
+                Lighting::Unlit => LIGHTING_UNLIT,
+                Lighting::PerSurfel => LIGHTING_PER_SURFEL,
+                Lighting::PerVertex => LIGHTING_PER_VERTEX,
+                Lighting::PerFragment => LIGHTING_PER_FRAGMENT,
             },
             back_faces: if packet.settings.culls_back_faces() {
-                1
+                BACK_FACES_CULLED
             } else if packet.settings.darkens_back_faces() {
-                2
+                BACK_FACES_DARKER
             } else {
-                0
+                BACK_FACES_DRAWN
             },
             ground_spacing: ground.map_or(1.0, |ground| ground.spacing),
             center_ndc: packet.view.center_ndc,

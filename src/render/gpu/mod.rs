@@ -1,15 +1,18 @@
 //! The wgpu renderer: five instancing strategies times the passes of each primitive.
 //!
 //! Long-lived knowledge (pipelines, layouts) is in `passes::Pipelines`, what is on the GPU in `residency`, one
-//! picture's order of passes in `picture`. A strategy owns upload and draw call, a pass owns targets and blending;
-//! neither knows the other.
+//! picture's order of passes in `plan`, its commands in `picture`. A strategy owns upload and draw call, a pass owns
+//! targets and blending; neither knows the other. A primitive (`primitives`) says which passes draw it.
 
+mod constants;
 mod context;
 pub mod gpu_data;
 mod instancing;
 mod passes;
 mod picture;
+mod plan;
 mod presence;
+mod primitives;
 mod readback;
 mod renderer;
 mod residency;

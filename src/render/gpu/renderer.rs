@@ -2,38 +2,35 @@
 
 use super::context::Context;
 use super::gpu_data::ViewUniform;
-use super::instancing::{self, Instancing};
+use super::instancing::{self, Draw, Instancing, Stream};
 use super::passes::Pipelines;
-use super::picture::Plan;
+use super::picture::Recorder;
+use super::plan::{Plan, VIEWS};
 use super::readback::read_color;
-use super::residency::{Residency, StreamKey};
-use super::shaders::Amplification;
+use super::residency::Residency;
 use super::targets::Targets;
 use super::timer::Timer;
 use crate::render::{RenderError, RenderStats, Renderer};
-use crate::scene::{Content, ScenePacket, Surfels, Voxels};
+use crate::scene::ScenePacket;
 use std::sync::Arc;
 use std::time::Instant;
 
 /// How many bytes of record streams stay on the GPU for pictures to come, unless somebody says otherwise.
 pub const DEFAULT_RESIDENT_BUDGET_BYTES: u64 = 1 << 30;
 
-/// Views a picture can need: one for each pass over geometry.
-pub(super) const VIEWS: u32 = 2;
-
 /// Draws packets with wgpu into a texture of its own.
 #[derive(Debug)]
 pub struct GpuRenderer {
-    pub(super) context: Arc<Context>,
-    pub(super) pipelines: Pipelines,
-    pub(super) instancing: Box<dyn Instancing>,
-    pub(super) residency: Residency,
-    pub(super) targets: Option<Targets>,
-    pub(super) quad_indices: wgpu::Buffer,
-    pub(super) view_group: wgpu::BindGroup,
-    pub(super) view_stride: u32,
-    pub(super) timer: Option<Timer>,
-    pub(super) stats: RenderStats,
+    context: Arc<Context>,
+    pipelines: Pipelines,
+    instancing: Box<dyn Instancing>,
+    residency: Residency,
+    targets: Option<Targets>,
+    quad_indices: wgpu::Buffer,
+    view_group: wgpu::BindGroup,
+    view_stride: u32,
+    timer: Option<Timer>,
+    stats: RenderStats,
     view_buffer: wgpu::Buffer,
     quad_capacity: u32,
     prepared: Option<ScenePacket>,
@@ -51,7 +48,7 @@ impl GpuRenderer {
             .next_multiple_of(context.limits.min_uniform_buffer_offset_alignment);
         let view_buffer = context.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("views"),
-            size: u64::from(view_stride * VIEWS),
+            size: u64::from(view_stride) * VIEWS as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -139,6 +136,38 @@ impl GpuRenderer {
         self.drawn = None;
     }
 
+    fn encode_picture(&mut self, packet: &ScenePacket) -> Result<wgpu::CommandBuffer, RenderError> {
+        let plan = Plan::new(packet);
+        let streams = streams_of(&plan, &self.residency);
+        let draw = Draw {
+            streams: &streams,
+            amplification: plan.drawable.amplification,
+            quad_indices: &self.quad_indices,
+        };
+        let label = wgpu::CommandEncoderDescriptor {
+            label: Some("picture"),
+        };
+        let mut encoder = self.context.device.create_command_encoder(&label);
+        if let Some(timer) = &mut self.timer {
+            timer.begin(&self.context, &mut encoder);
+        }
+        let mut recorder = Recorder {
+            context: &self.context,
+            pipelines: &self.pipelines,
+            targets: self.targets.as_ref().ok_or(RenderError::NothingPrepared)?,
+            view_group: &self.view_group,
+            view_stride: self.view_stride,
+            encoder: &mut encoder,
+            stats: &mut self.stats,
+        };
+        let background = packet.settings.backdrop.background;
+        recorder.record(&plan, background, self.instancing.as_mut(), &draw);
+        if let Some(timer) = &mut self.timer {
+            timer.end(&mut encoder);
+        }
+        Ok(encoder.finish())
+    }
+
     fn ensure_targets(&mut self, size_px: [u32; 2]) -> Result<(), RenderError> {
         if self
             .targets
@@ -165,24 +194,24 @@ impl GpuRenderer {
 
     /// Uploads what `plan` draws and is not resident; keeps the residency within its budget. Where that does not fit
     /// into the memory of the GPU, all else makes room for it.
-    fn ensure_streams(&mut self, packet: &ScenePacket, plan: &Plan) -> Result<(), RenderError> {
+    fn ensure_streams(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         let has_others = self.residency.resident_bytes() > 0;
-        let mut result = self.upload_streams(packet, plan);
+        let mut result = self.upload_streams(plan);
         if has_others && matches!(result, Err(RenderError::OutOfMemory { .. })) {
             log::warn!("the GPU is out of memory: frames that were kept there make room");
             self.residency.clear();
-            result = self.upload_streams(packet, plan);
+            result = self.upload_streams(plan);
         }
         if result.is_err() {
             // What was made of the streams cannot be drawn.
             self.residency.clear();
         }
-        self.residency.trim(&plan.streams);
+        self.residency.trim(&plan.stream_keys());
         self.stats.resident_bytes = self.residency.resident_bytes();
         result
     }
 
-    fn upload_streams(&mut self, packet: &ScenePacket, plan: &Plan) -> Result<(), RenderError> {
+    fn upload_streams(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         let Self {
             context,
             instancing,
@@ -190,57 +219,26 @@ impl GpuRenderer {
             stats,
             ..
         } = self;
-        let mut ensure = |bytes: u64| {
-            if bytes > 0 {
-                stats.uploads += 1;
-                stats.uploaded_bytes += bytes;
-            }
-        };
+        let chunked_for = plan.drawable.chunked_for;
         context.catching_out_of_memory("the cloud", || {
-            let upload = |bytes: &[u8], amplification| {
-                instancing::upload(instancing.as_ref(), context, amplification, bytes)
-            };
-            // Surfels have the smallest chunks of what is drawn from a cloud. All its streams are cut for them, so that
-            // switching the primitive uploads nothing again.
-            let of_cloud = Amplification::Surfel;
-            match &packet.content {
-                Content::Voxels(Voxels {
-                    records, normals, ..
-                }) => {
-                    ensure(residency.ensure(records, |records| {
-                        upload(bytemuck::cast_slice(records), plan.amplification)
-                    }));
-                    if let Some(normals) = normals {
-                        ensure(residency.ensure(normals, |records| {
-                            upload(bytemuck::cast_slice(records), plan.amplification)
-                        }));
-                    }
-                }
-                Content::Points(points) => ensure(residency.ensure(points, |records| {
-                    upload(bytemuck::cast_slice(records), of_cloud)
-                })),
-                Content::Surfels(Surfels { points, shapes }) => {
-                    ensure(residency.ensure(points, |records| {
-                        upload(bytemuck::cast_slice(records), of_cloud)
-                    }));
-                    ensure(residency.ensure(shapes, |records| {
-                        upload(bytemuck::cast_slice(records), of_cloud)
-                    }));
-                }
-                Content::Nothing | Content::Coded(_) => {}
+            for records in &plan.drawable.streams {
+                let uploaded_bytes = residency.ensure(records, |bytes| {
+                    instancing::upload(instancing.as_ref(), context, chunked_for, bytes)
+                });
+                stats.uploads += u64::from(uploaded_bytes > 0);
+                stats.uploaded_bytes += uploaded_bytes;
             }
         })
     }
 
-    fn ensure_quad_indices(&mut self, plan: &Plan) -> Result<(), RenderError> {
-        let quads = plan
-            .streams
-            .iter()
-            .filter_map(|&key| self.residency.get(key))
+    fn ensure_quad_indices(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
+        let amplification = plan.drawable.amplification;
+        let quads = streams_of(plan, &self.residency)
+            .into_iter()
             .flat_map(|stream| &stream.chunks)
             .map(|chunk| {
                 self.instancing
-                    .quads_per_draw(chunk.record_count, plan.amplification)
+                    .quads_per_draw(chunk.record_count, amplification)
             })
             .max()
             .unwrap_or(0);
@@ -273,13 +271,13 @@ impl Renderer for GpuRenderer {
             );
         }
         let plan = Plan::new(packet);
-        self.ensure_streams(packet, &plan)?;
+        self.ensure_streams(&plan)?;
         self.ensure_quad_indices(&plan)?;
-        for key in plan.geometry_keys(packet) {
+        for key in plan.geometry_keys() {
             self.pipelines
                 .ensure_geometry(&self.context, key, self.instancing.as_ref());
         }
-        for pass in plan.screen_passes(packet) {
+        for pass in plan.screen_passes() {
             self.pipelines.ensure_screen(&self.context, pass);
         }
         for (index, view) in (0..).zip(Plan::views(packet)) {
@@ -320,6 +318,14 @@ impl Renderer for GpuRenderer {
     }
 }
 
+/// What a plan draws, as far as it is resident.
+fn streams_of<'a>(plan: &Plan<'_>, residency: &'a Residency) -> Vec<&'a Stream> {
+    let keys = plan.stream_keys();
+    keys.into_iter()
+        .filter_map(|key| residency.get(key))
+        .collect()
+}
+
 /// Indices 0 1 2 2 1 3, 4 5 6 6 5 7, … of `quads` quads.
 fn quad_index_buffer(context: &Context, quads: u32) -> wgpu::Buffer {
     let indices: Vec<u32> = (0..quads)
@@ -332,24 +338,4 @@ fn quad_index_buffer(context: &Context, quads: u32) -> wgpu::Buffer {
         bytes,
         bytes.len(),
     )
-}
-
-/// The streams that a packet draws, in the order of their bind groups.
-pub(super) fn stream_keys(content: &Content) -> Vec<StreamKey> {
-    match content {
-        Content::Voxels(voxels) => {
-            let normals = voxels.normals.as_ref().map(StreamKey::of);
-            let records = StreamKey::of(&voxels.records);
-            std::iter::once(records).chain(normals).collect()
-        }
-        Content::Surfels(surfels) => {
-            vec![
-                StreamKey::of(&surfels.points),
-                StreamKey::of(&surfels.shapes),
-            ]
-        }
-        Content::Points(points) => vec![StreamKey::of(points)],
-        // Only the background is drawn: byte codes are for the processor alone.
-        Content::Nothing | Content::Coded(_) => Vec::new(),
-    }
 }

@@ -6,6 +6,7 @@
 //! not drawn for longest, down to the budget.
 
 use super::instancing::Stream;
+use bytemuck::NoUninit;
 use std::any::Any;
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
@@ -21,7 +22,7 @@ pub(super) struct Residency {
 
 #[derive(Debug)]
 struct Resident {
-    records: Weak<dyn Any + Send + Sync>,
+    owner: Weak<dyn Any + Send + Sync>,
     stream: Stream,
     last_drawn: u64,
 }
@@ -31,8 +32,32 @@ struct Resident {
 pub(super) struct StreamKey(usize);
 
 impl StreamKey {
-    pub(super) fn of<T>(records: &Arc<Vec<T>>) -> Self {
+    fn of<T>(records: &Arc<Vec<T>>) -> Self {
         Self(Arc::as_ptr(records) as usize)
+    }
+}
+
+/// Records that are to be drawn.
+#[derive(Debug)]
+pub(super) struct Records<'a> {
+    key: StreamKey,
+    bytes: &'a [u8],
+    owner: Weak<dyn Any + Send + Sync>,
+}
+
+impl<'a> Records<'a> {
+    pub(super) fn of<T: NoUninit + Send + Sync>(records: &'a Arc<Vec<T>>) -> Self {
+        let shared: Arc<dyn Any + Send + Sync> = Arc::clone(records) as _;
+        Self {
+            key: StreamKey::of(records),
+            bytes: bytemuck::cast_slice(records),
+            owner: Arc::downgrade(&shared),
+        }
+    }
+
+    /// What their stream is known by.
+    pub(super) fn key(&self) -> StreamKey {
+        self.key
     }
 }
 
@@ -52,26 +77,25 @@ impl Residency {
     }
 
     /// Makes sure that `records` are resident. Returns the bytes uploaded, 0 when they were.
-    pub(super) fn ensure<T: Send + Sync + 'static>(
+    pub(super) fn ensure(
         &mut self,
-        records: &Arc<Vec<T>>,
-        upload: impl FnOnce(&[T]) -> Stream,
+        records: &Records<'_>,
+        upload: impl FnOnce(&[u8]) -> Stream,
     ) -> u64 {
         self.clock += 1;
-        let key = StreamKey::of(records).0;
+        let key = records.key.0;
         if let Some(resident) = self.streams.get_mut(&key) {
             // The weak reference keeps the address from being used again, so it is the same cloud.
             resident.last_drawn = self.clock;
             return 0;
         }
-        let stream = upload(records);
+        let stream = upload(records.bytes);
         let bytes = stream.byte_size;
-        let shared: Arc<dyn Any + Send + Sync> = Arc::clone(records) as _;
         self.resident_bytes += bytes;
         self.streams.insert(
             key,
             Resident {
-                records: Arc::downgrade(&shared),
+                owner: Weak::clone(&records.owner),
                 stream,
                 last_drawn: self.clock,
             },
@@ -88,7 +112,7 @@ impl Residency {
     pub(super) fn trim(&mut self, keep: &[StreamKey]) {
         let is_kept = |key: &usize| keep.contains(&StreamKey(*key));
         self.streams
-            .retain(|key, resident| is_kept(key) || resident.records.strong_count() > 0);
+            .retain(|key, resident| is_kept(key) || resident.owner.strong_count() > 0);
         self.resident_bytes = self
             .streams
             .values()
@@ -134,10 +158,13 @@ mod tests {
     fn the_same_cloud_is_uploaded_once() {
         let mut residency = Residency::new(100);
         let cloud = Arc::new(vec![0u8; 40]);
-        assert_eq!(residency.ensure(&cloud, stream_of), 40);
-        assert_eq!(residency.ensure(&Arc::clone(&cloud), stream_of), 0);
+        assert_eq!(residency.ensure(&Records::of(&cloud), stream_of), 40);
         assert_eq!(
-            residency.ensure(&Arc::new(vec![0u8; 40]), stream_of),
+            residency.ensure(&Records::of(&Arc::clone(&cloud)), stream_of),
+            0
+        );
+        assert_eq!(
+            residency.ensure(&Records::of(&Arc::new(vec![0u8; 40])), stream_of),
             40,
             "equal content, another cloud"
         );
@@ -148,9 +175,9 @@ mod tests {
         let mut residency = Residency::new(100);
         let mut clouds: Vec<_> = (0..4).map(|_| Arc::new(vec![0u8; 40])).collect();
         for cloud in &clouds[..3] {
-            residency.ensure(cloud, stream_of);
+            residency.ensure(&Records::of(cloud), stream_of);
         }
-        residency.ensure(&clouds[0], stream_of);
+        residency.ensure(&Records::of(&clouds[0]), stream_of);
         residency.trim(&[StreamKey::of(&clouds[1])]);
         assert_eq!(residency.resident_bytes(), 80);
         assert!(
@@ -158,7 +185,7 @@ mod tests {
             "drawn least recently"
         );
 
-        residency.ensure(&clouds[3], stream_of);
+        residency.ensure(&Records::of(&clouds[3]), stream_of);
         let kept = [StreamKey::of(&clouds[1])];
         clouds = vec![Arc::clone(&clouds[1])];
         residency.trim(&kept);
@@ -174,7 +201,7 @@ mod tests {
     fn what_is_being_drawn_stays_whatever_the_budget() {
         let mut residency = Residency::new(10);
         let cloud = Arc::new(vec![0u8; 40]);
-        residency.ensure(&cloud, stream_of);
+        residency.ensure(&Records::of(&cloud), stream_of);
         residency.trim(&[StreamKey::of(&cloud)]);
         assert!(residency.get(StreamKey::of(&cloud)).is_some());
     }

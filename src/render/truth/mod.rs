@@ -7,38 +7,23 @@
 //! When it wins: only here is nothing rounded to a pixel, a byte or an f32 before the end, and nothing left out; it
 //! takes seconds where renderers take milliseconds.
 
+mod rays;
 mod shapes;
 mod surfels;
 
+pub use rays::TruthView;
 pub use shapes::RayTraced;
 pub use surfels::Disks;
 
-use super::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR};
 use crate::measure::DepthImage;
-use crate::scene::{Background, Camera, Lighting};
-use glam::{DMat3, DVec3};
+use crate::scene::Lighting;
+use glam::DVec3;
 use image::RgbaImage;
 use rayon::prelude::*;
-use std::ops::Range;
+use rays::{Samples, TILE_PX, Visible};
 
 /// Samples along each edge of a pixel.
 const SAMPLES_PER_EDGE: u32 = 8;
-
-/// Pixels along each edge of the squares that are worked out at a time.
-const TILE_PX: u32 = 32;
-
-/// A view in f64, and how its surfaces are lit.
-#[derive(Debug, Clone, Copy)]
-pub struct TruthView {
-    view_from_frame: DMat3,
-    /// In the space of the frame.
-    eye: DVec3,
-    /// Pixels for a slope of 1.
-    px_per_slope: f64,
-    size_px: [u32; 2],
-    lighting: Lighting,
-    background: Background,
-}
 
 /// The true picture of a view.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,100 +104,6 @@ impl<'a> TruthKey<'a> {
                 take(&tolerance.to_le_bytes());
             }
         }
-    }
-}
-
-/// What a ray meets.
-#[derive(Debug, Clone, Copy)]
-struct Hit {
-    /// Along the view axis.
-    depth: f64,
-    /// Lit; red, green and blue, 0 to 1.
-    color: DVec3,
-    /// See [`Truth::tolerance`].
-    tolerance: f64,
-}
-
-/// What rays may meet.
-trait Visible: Sync {
-    /// What the rays of `samples` meet, row by row.
-    fn meet(&self, view: &TruthView, samples: &Samples) -> Vec<Option<Hit>>;
-}
-
-/// The samples of a rectangle of pixels: `per_edge` along each edge of each pixel, in the middles of equal squares.
-struct Samples {
-    columns_px: Range<u32>,
-    rows_px: Range<u32>,
-    /// Along each edge of a pixel.
-    per_edge: u32,
-}
-
-impl TruthView {
-    /// What `camera` sees of frames relative to `origin`. Surfaces are lit at each sample unless they are not lit at
-    /// all.
-    pub fn new(
-        camera: &Camera,
-        origin: DVec3,
-        size_px: [u32; 2],
-        lighting: Lighting,
-        background: Background,
-    ) -> Self {
-        Self {
-            view_from_frame: camera.view_from_world_rotation(),
-            eye: camera.eye_in_world() - origin,
-            px_per_slope: 0.5 * f64::from(size_px[1]) * camera.focal(),
-            size_px,
-            lighting,
-            background,
-        }
-    }
-
-    /// The ray through a place of the picture, in view space: as long as makes its depth 1.
-    fn ray(&self, place_px: [f64; 2]) -> DVec3 {
-        let [width, height] = self.size_px.map(f64::from);
-        DVec3::new(
-            (place_px[0] - 0.5 * width) / self.px_per_slope,
-            (0.5 * height - place_px[1]) / self.px_per_slope,
-            -1.0,
-        )
-    }
-
-    fn to_view(self, position_in_frame: DVec3) -> DVec3 {
-        self.view_from_frame * (position_in_frame - self.eye)
-    }
-
-    /// A colour (0 to 1) under the head light of `shaders/common/light.wgsl`. Vectors in view space.
-    fn lit(&self, color: DVec3, normal: DVec3, ray: DVec3) -> DVec3 {
-        if self.lighting == Lighting::Unlit {
-            return color;
-        }
-        let [ambient, specular] = [HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR].map(f64::from);
-        let facing = normal.dot(ray.normalize()).abs();
-        let lit = color * (ambient + (1.0 - ambient) * facing) + specular * facing.powi(24);
-        lit.min(DVec3::ONE)
-    }
-
-    fn background_at(&self, y_px: f64) -> DVec3 {
-        let share = y_px / f64::from(self.size_px[1]);
-        let [top, bottom] = [self.background.top, self.background.bottom].map(unit_color);
-        top.lerp(bottom, share)
-    }
-}
-
-impl Samples {
-    fn size(&self) -> [usize; 2] {
-        [&self.columns_px, &self.rows_px].map(|range| range.len() * self.per_edge as usize)
-    }
-
-    /// The place of a sample in the picture.
-    fn place_px(&self, column: usize, row: usize) -> [f64; 2] {
-        let place = |first: u32, sample: usize| {
-            f64::from(first) + (sample as f64 + 0.5) / f64::from(self.per_edge)
-        };
-        [
-            place(self.columns_px.start, column),
-            place(self.rows_px.start, row),
-        ]
     }
 }
 
@@ -303,11 +194,6 @@ fn mean_colors(
     sums.into_iter()
         .enumerate()
         .map(move |(pixel, sum)| ([pixel % width, pixel / width], sum * share))
-}
-
-/// A colour of bytes, 0 to 1.
-fn unit_color(bytes: [u8; 3]) -> DVec3 {
-    DVec3::from_array(bytes.map(|channel| f64::from(channel) / 255.0))
 }
 
 #[cfg(test)]

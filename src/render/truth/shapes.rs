@@ -3,7 +3,7 @@
 //! How it works: sphere, cube and saddle are solved in closed form. Along the torus a ray proceeds by its distance to
 //! it, which never passes the surface (sphere tracing, Hart 1996), until the step is lost in rounding.
 
-use super::{Hit, Samples, TruthView, Visible, unit_color};
+use super::rays::{Hit, Samples, TruthView, Visible, unit_color};
 use crate::sequence::Shape;
 use glam::{DVec2, DVec3};
 

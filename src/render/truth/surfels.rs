@@ -8,9 +8,9 @@
 //! Disks are as large as they are: beside a ray-traced sphere and torus, enlarged ones (as the second pass of splatting
 //! has them) were farther from the truth, by 30 to 60 % at 1.5 and by 60 to 110 % at 2 times the radius.
 
-use super::{Hit, Samples, TILE_PX, TruthView, Visible, unit_color};
+use super::rays::{Hit, Samples, TILE_PX, TruthView, Visible, unit_color};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
-use crate::render::{DEPTH_SLACK_RADII, MASK_FALLOFF};
+use crate::render::constants::{DEPTH_SLACK_RADII, MASK_FALLOFF};
 use glam::DVec3;
 
 /// All surfels of a frame.

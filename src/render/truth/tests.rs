@@ -3,7 +3,7 @@
 use super::*;
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
 use crate::measure::{DepthTolerance, SurfaceError, flip};
-use crate::scene::{Projection, UpAxis};
+use crate::scene::{Background, Camera, Projection, UpAxis};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use glam::Vec3;
 use std::sync::Arc;

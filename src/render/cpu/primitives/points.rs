@@ -3,16 +3,19 @@
 use crate::cloud::PointRecord;
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{lane_numbers, lanes_below, words};
+use crate::render::cpu::finish::Held;
+use crate::render::cpu::records::Records;
 use crate::render::cpu::tile::{LANES, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
+use crate::scene::ScenePacket;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, i32x8};
 use std::ops::Range;
 
 /// Points of a packet.
 pub(in crate::render::cpu) struct Points<'a> {
-    pub(in crate::render::cpu) records: &'a [PointRecord],
+    pub(super) records: &'a [PointRecord],
     /// Edge of the squares.
-    pub(in crate::render::cpu) size_px: f32,
+    pub(super) size_px: f32,
 }
 
 impl Placed for Points<'_> {
@@ -29,31 +32,27 @@ impl Placed for Points<'_> {
     }
 }
 
-/// Where eight points are on the screen.
-struct Projected<S: Simd> {
-    x_px: f32x8<S>,
-    y_px: f32x8<S>,
-    /// Reversed depth; not between 0 and 1 where a point is not in front of the near plane.
-    depth: f32x8<S>,
-    /// Its bits are a colour.
-    color: f32x8<S>,
-}
+impl Records for Points<'_> {
+    type Scratch = ();
 
-impl Points<'_> {
-    pub(in crate::render::cpu) const NONE: Self = Self {
-        records: &[],
-        size_px: 1.0,
-    };
+    fn held(&self, _: &ScenePacket) -> Held {
+        Held::Keys
+    }
 
-    /// Draws those of some records that touch a tile. Of two as far away the later one is seen.
+    fn extent(&self) -> (f32, f32) {
+        (0.0, 0.5 * self.size_px)
+    }
+
+    /// Of two as far away the later one is seen.
     #[inline(always)]
-    pub(in crate::render::cpu) fn draw<S: Simd>(
+    fn draw<S: Simd>(
         &self,
         simd: S,
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
         records: impl Iterator<Item = Range<usize>>,
+        (): &mut (),
     ) {
         for range in records {
             for records in self.records[range].chunks(LANES) {
@@ -66,6 +65,23 @@ impl Points<'_> {
             }
         }
     }
+}
+
+/// Where eight points are on the screen.
+struct Projected<S: Simd> {
+    x_px: f32x8<S>,
+    y_px: f32x8<S>,
+    /// Reversed depth; not between 0 and 1 where a point is not in front of the near plane.
+    depth: f32x8<S>,
+    /// Its bits are a colour.
+    color: f32x8<S>,
+}
+
+impl Points<'_> {
+    pub(super) const NONE: Self = Self {
+        records: &[],
+        size_px: 1.0,
+    };
 
     #[inline(always)]
     fn draw_squares<S: Simd>(

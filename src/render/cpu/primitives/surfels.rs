@@ -4,26 +4,29 @@ use crate::cloud::{PointRecord, ShapeRecord};
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
+use crate::render::cpu::finish::Held;
+use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
+use crate::render::cpu::records::Records;
 use crate::render::cpu::shading::{Light, Shading, seen_from_behind, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{Lighting, Splatting, Style};
-use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, f32x8, i32x8, mask32x8};
+use crate::scene::{Lighting, ScenePacket, Splatting, Style};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 use std::f32::consts::SQRT_2;
 use std::ops::Range;
 
 /// Surfels of a packet, and how they are drawn.
 pub(in crate::render::cpu) struct Surfels<'a> {
-    pub(in crate::render::cpu) points: &'a [PointRecord],
-    pub(in crate::render::cpu) shapes: &'a [ShapeRecord],
-    pub(in crate::render::cpu) settings: &'a Style,
+    pub(super) points: &'a [PointRecord],
+    pub(super) shapes: &'a [ShapeRecord],
+    pub(super) settings: &'a Style,
     /// How far the visibility pass is pushed back, in splat radii.
-    pub(in crate::render::cpu) slack_radii: f32,
+    pub(super) slack_radii: f32,
 }
 
 /// A splat of the attribute pass that waits for the visibility pass to end.
-pub(in crate::render::cpu) type Waiting = Vec<(Facet, Shading)>;
+type Waiting = Vec<(Facet, Shading)>;
 
 impl Placed for Surfels<'_> {
     fn len(&self) -> usize {
@@ -41,7 +44,7 @@ impl Placed for Surfels<'_> {
 }
 
 /// Eight surfels as seen from the eye.
-struct Seen<S: Simd> {
+struct EightSurfels<S: Simd> {
     /// The number of the first.
     first: usize,
     may_touch: mask32x8<S>,
@@ -53,20 +56,24 @@ struct Seen<S: Simd> {
     radii: f32x8<S>,
 }
 
-impl Surfels<'_> {
-    /// Factors on the radii of what is drawn at most.
-    pub(in crate::render::cpu) fn largest_scale(&self) -> f32 {
-        let [visibility, attribute] = self
-            .settings
-            .surfels
-            .splatting
-            .scales(self.settings.surfels.enlargement);
-        visibility.max(attribute) * self.settings.surfels.splat_scale
+impl Records for Surfels<'_> {
+    type Scratch = Waiting;
+
+    fn held(&self, packet: &ScenePacket) -> Held {
+        match self.settings.surfels.splatting {
+            Splatting::Regular | Splatting::NoDepth => Held::BlendedColors,
+            Splatting::Visibility => Held::depths(packet),
+            Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => Held::Sums,
+        }
     }
 
-    /// Draws those of some records that touch a tile: all passes over them but the last, over the picture.
+    fn extent(&self) -> (f32, f32) {
+        (self.largest_scale(), 0.0)
+    }
+
+    /// All passes over a tile but the last, over the picture.
     #[inline(always)]
-    pub(in crate::render::cpu) fn draw<S: Simd>(
+    fn draw<S: Simd>(
         &self,
         simd: S,
         view: &PixelView,
@@ -90,7 +97,7 @@ impl Surfels<'_> {
                 if simd.any_true_mask32x8(may_touch) {
                     let (normals, u) = axes(simd, normals);
                     let (normals, u) = (view.rotate_each(simd, normals), view.rotate_each(simd, u));
-                    let seen = Seen {
+                    let seen = EightSurfels {
                         first,
                         may_touch,
                         centers,
@@ -107,6 +114,15 @@ impl Surfels<'_> {
             raster::attribute(simd, tile, facet, shading);
         }
     }
+}
+
+impl Surfels<'_> {
+    /// Factors on the radii of what is drawn at most.
+    fn largest_scale(&self) -> f32 {
+        let style = &self.settings.surfels;
+        let [visibility, attribute] = style.splatting.scales(style.enlargement);
+        visibility.max(attribute) * style.splat_scale
+    }
 
     /// Draws eight surfels, or lets them wait.
     #[inline(always)]
@@ -116,15 +132,13 @@ impl Surfels<'_> {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        seen: &Seen<S>,
+        seen: &EightSurfels<S>,
         waiting: &mut Waiting,
     ) {
         let settings = self.settings;
-        let [visibility, attribute] = settings
-            .surfels
-            .splatting
-            .scales(settings.surfels.enlargement);
-        let scale = settings.surfels.splat_scale;
+        let style = &settings.surfels;
+        let [visibility, attribute] = style.splatting.scales(style.enlargement);
+        let scale = style.splat_scale;
         let [visibility, attribute] = [scale * visibility, scale * attribute];
         let mut canvas = Canvas {
             view,
@@ -132,11 +146,11 @@ impl Surfels<'_> {
             outline: Outline::Disk,
             cull_back_faces: settings.culls_back_faces(),
         };
-        match settings.surfels.splatting {
+        match style.splatting {
             Splatting::Regular | Splatting::NoDepth => {
                 canvas.outline = Outline::Parallelogram;
                 let facets = seen.facets(simd, &canvas, scale);
-                let with_depth = settings.surfels.splatting == Splatting::Regular;
+                let with_depth = style.splatting == Splatting::Regular;
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
                         let shading = self.shading(seen, lane, scale);
@@ -155,7 +169,7 @@ impl Surfels<'_> {
                         raster::visibility(simd, tile, &facet, push_back[lane]);
                     }
                 }
-                if settings.surfels.splatting == Splatting::Visibility {
+                if style.splatting == Splatting::Visibility {
                     return;
                 }
                 let facets = seen.facets(simd, &canvas, attribute);
@@ -169,7 +183,7 @@ impl Surfels<'_> {
     }
 
     #[inline(always)]
-    fn shading<S: Simd>(&self, seen: &Seen<S>, lane: usize, scale: f32) -> Shading {
+    fn shading<S: Simd>(&self, seen: &EightSurfels<S>, lane: usize, scale: f32) -> Shading {
         let [red, green, blue, _] = self.points[seen.first + lane].color;
         let lighting = self.settings.light.lighting;
         let light = if lighting == Lighting::PerFragment {
@@ -199,7 +213,7 @@ impl Surfels<'_> {
 }
 
 /// The normals n and the edges u of surfels. Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n ×
-/// u (`shaders/common/splat.wgsl`).
+/// u (`shaders/primitives/surfels.wgsl`).
 #[inline(always)]
 fn axes<S: Simd>(simd: S, packed_normals: f32x8<S>) -> (Vectors<S>, Vectors<S>) {
     let splat = |value: f32| f32x8::splat(simd, value);
@@ -214,26 +228,7 @@ fn axes<S: Simd>(simd: S, packed_normals: f32x8<S>) -> (Vectors<S>, Vectors<S>) 
     (normals, u.times(1.0 / u.dot(u).sqrt()))
 }
 
-/// As [`oct_decode`](crate::cloud::oct_decode).
-#[inline(always)]
-pub(in crate::render::cpu) fn oct_decode_each<S: Simd>(simd: S, packed: f32x8<S>) -> Vectors<S> {
-    let splat = |value: f32| f32x8::splat(simd, value);
-    let packed: i32x8<S> = packed.bitcast();
-    let unit = |halves: i32x8<S>| simd.cvt_f32_i32x8(halves >> 16) * (1.0 / f32::from(i16::MAX));
-    let (x, y) = (unit(packed << 16), unit(packed));
-    let z = 1.0 - x.abs() - y.abs();
-    let is_folded = z.simd_lt(splat(0.0));
-    let one_like =
-        |value: f32x8<S>| simd.select_f32x8(value.simd_ge(splat(0.0)), splat(1.0), splat(-1.0));
-    let folded = Vectors {
-        x: simd.select_f32x8(is_folded, (1.0 - y.abs()) * one_like(x), x),
-        y: simd.select_f32x8(is_folded, (1.0 - x.abs()) * one_like(y), y),
-        z,
-    };
-    folded.times(1.0 / folded.dot(folded).sqrt())
-}
-
-impl<S: Simd> Seen<S> {
+impl<S: Simd> EightSurfels<S> {
     #[inline(always)]
     fn facets(&self, simd: S, canvas: &Canvas<'_>, scale: f32) -> Facets {
         let lengths = self.radii * scale;
@@ -251,29 +246,5 @@ impl<S: Simd> Seen<S> {
         let near = f32x8::splat(self.radii.witness(), view.near);
         let distances = self.centers.dot(self.centers).sqrt().max(near);
         1.0 / (1.0 + self.radii * (slack_radii * scale) / distances)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::cloud::{oct_decode, oct_encode};
-    use fearless_simd::{Level, dispatch};
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn normals_are_unpacked_as_those_of_the_cloud(
-            normal in prop::array::uniform3(-1.0f32..1.0),
-            lane in 0..LANES,
-        ) {
-            let packed = oct_encode(glam::Vec3::from_array(normal).normalize_or(glam::Vec3::NEG_Z));
-            let mut words = [0.0; LANES];
-            words[lane] = bytemuck::cast(packed);
-            let decoded = dispatch!(Level::new(), simd => {
-                oct_decode_each(simd, f32x8::from_slice(simd, &words)).lane(lane)
-            });
-            prop_assert!((decoded - oct_decode(packed)).length() < 1e-6);
-        }
     }
 }

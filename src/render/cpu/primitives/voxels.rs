@@ -1,15 +1,17 @@
 //! Cells as cubes: the three faces of each that can face the eye.
 
-use super::surfels::oct_decode_each;
 use crate::cloud::{ShapeRecord, VoxelRecord};
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facets, Outline, Patches};
+use crate::render::cpu::finish::Held;
+use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
+use crate::render::cpu::records::Records;
 use crate::render::cpu::shading::{Light, Shading, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{Lighting, Voxels};
+use crate::scene::{Lighting, ScenePacket, Voxels};
 use fearless_simd::{Bytes, Simd, SimdFloat, f32x8, mask32x8, u32x8};
 use std::ops::Range;
 
@@ -37,8 +39,40 @@ impl Placed for Cubes<'_> {
     }
 }
 
+impl Records for Cubes<'_> {
+    type Scratch = ();
+
+    fn held(&self, _: &ScenePacket) -> Held {
+        Held::SolidColors
+    }
+
+    fn extent(&self) -> (f32, f32) {
+        (1.0, 0.0)
+    }
+
+    #[inline(always)]
+    fn draw<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        tile: &mut Tile,
+        clip: PixelRect,
+        records: impl Iterator<Item = Range<usize>>,
+        (): &mut (),
+    ) {
+        let pyramid = Pyramid::of(view, clip);
+        for range in records {
+            let end = range.end;
+            for first in range.step_by(LANES) {
+                let eight = first..end.min(first + LANES);
+                self.draw_eight(simd, view, tile, clip, &pyramid, eight);
+            }
+        }
+    }
+}
+
 impl<'a> Cubes<'a> {
-    pub(in crate::render::cpu) fn new(voxels: &'a Voxels, lighting: Lighting) -> Self {
+    pub(super) fn new(voxels: &'a Voxels, lighting: Lighting) -> Self {
         Self {
             records: &voxels.records,
             normals: voxels.normals.as_ref().map(|normals| normals.as_slice()),
@@ -49,26 +83,6 @@ impl<'a> Cubes<'a> {
 
     fn half_edge(&self, record: usize) -> f32 {
         0.5 * self.cube_edge / (1u32 << self.records[record].level) as f32
-    }
-
-    /// Draws those of some records that touch a tile.
-    #[inline(always)]
-    pub(in crate::render::cpu) fn draw<S: Simd>(
-        &self,
-        simd: S,
-        view: &PixelView,
-        tile: &mut Tile,
-        clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
-    ) {
-        let pyramid = Pyramid::of(view, clip);
-        for range in records {
-            let end = range.end;
-            for first in range.step_by(LANES) {
-                let eight = first..end.min(first + LANES);
-                self.draw_eight(simd, view, tile, clip, &pyramid, eight);
-            }
-        }
     }
 
     #[inline(always)]

@@ -5,15 +5,17 @@
 //! corners are computed by the very WGSL functions that the other strategies run in the vertex stage. It wins when much
 //! of the cloud is not seen and costs 32 bytes a corner (128 a surfel, 384 a voxel) of memory when all of it is.
 
+use super::binding::{max_indexed_records, single_binding};
 use super::storage::Storage;
-use super::{Chunk, Context, Draw, Instancing, STREAM_GROUP, ViewBinding, max_indexed_records};
+use super::strategy::Instancing;
+use super::stream::{Chunk, Draw, STREAM_GROUP, ViewBinding};
+use crate::render::gpu::constants::GROUP_RECORDS;
+use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::SplatVertex;
-use crate::render::gpu::shaders::{Amplification, Permutation, compute_amplifies};
+use crate::render::gpu::primitives::Amplification;
+use crate::render::gpu::shaders::Permutation;
 use crate::scene::Strategy;
 use std::collections::HashMap;
-
-/// Records a workgroup; the constant of the same name in `passes/amplify.wgsl`.
-const GROUP_RECORDS: u32 = 256;
 
 /// Bytes of `DrawIndexedIndirect`.
 const INDIRECT_BYTES: u64 = 20;
@@ -26,7 +28,8 @@ pub(super) struct Compute {
     storage: Storage,
     output_layout: wgpu::BindGroupLayout,
     view_layout: wgpu::BindGroupLayout,
-    pipelines: HashMap<Amplification, Pipelines>,
+    /// By the name of their amplification.
+    pipelines: HashMap<&'static str, Pipelines>,
     /// Outputs for each chunk of what was amplified last.
     outputs: Vec<Output>,
 }
@@ -74,7 +77,11 @@ impl Compute {
         }
     }
 
-    fn build_pipelines(&self, context: &Context, amplification: Amplification) -> Pipelines {
+    fn build_pipelines(
+        &self,
+        context: &Context,
+        amplification: &'static Amplification,
+    ) -> Pipelines {
         let permutation = Permutation::Amplify(amplification);
         let label = permutation.label();
         let module = context
@@ -84,7 +91,7 @@ impl Compute {
                 source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
             });
         let stream = Some(self.storage.layout());
-        let shapes = stream.filter(|_| amplification.needs_shapes());
+        let shapes = stream.filter(|_| amplification.reads_shapes);
         let layout = context
             .device
             .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -159,7 +166,7 @@ impl Compute {
                     layout: &self.output_layout,
                     entries: &entries,
                 }),
-            draw_group: super::single_binding(
+            draw_group: single_binding(
                 context,
                 self.storage.layout(),
                 vertices.as_entire_binding(),
@@ -174,8 +181,8 @@ impl Instancing for Compute {
         Strategy::Compute
     }
 
-    fn group_layouts(&self, amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
-        if compute_amplifies(amplification) {
+    fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
+        if amplification.compute_amplifies {
             // The corners.
             vec![self.storage.layout()]
         } else {
@@ -183,9 +190,9 @@ impl Instancing for Compute {
         }
     }
 
-    fn max_chunk_records(&self, context: &Context, amplification: Amplification) -> usize {
+    fn max_chunk_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
         let limits = &context.limits;
-        let corner_bytes = amplification.vertices_per_record() as usize * size_of::<SplatVertex>();
+        let corner_bytes = amplification.vertices_per_record as usize * size_of::<SplatVertex>();
         let bytes = limits
             .max_storage_buffer_binding_size
             .min(limits.max_buffer_size);
@@ -209,14 +216,14 @@ impl Instancing for Compute {
         let amplification = draw.amplification;
         // What an earlier cloud left over must not be drawn.
         self.outputs.truncate(draw.chunk_count());
-        if !compute_amplifies(amplification) || draw.chunk_count() == 0 {
+        if !amplification.compute_amplifies || draw.chunk_count() == 0 {
             return 0;
         }
-        if !self.pipelines.contains_key(&amplification) {
-            self.pipelines
-                .insert(amplification, self.build_pipelines(context, amplification));
+        if !self.pipelines.contains_key(amplification.name) {
+            let pipelines = self.build_pipelines(context, amplification);
+            self.pipelines.insert(amplification.name, pipelines);
         }
-        let vertices_per_record = amplification.vertices_per_record();
+        let vertices_per_record = amplification.vertices_per_record;
         for chunk in 0..draw.chunk_count() {
             let records = draw.chunk_records(chunk);
             let fits = self.outputs.get(chunk).is_some_and(|output| {
@@ -233,7 +240,7 @@ impl Instancing for Compute {
                 }
             }
         }
-        let pipelines = &self.pipelines[&amplification];
+        let pipelines = &self.pipelines[amplification.name];
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("amplify"),
             timestamp_writes: None,
@@ -256,7 +263,7 @@ impl Instancing for Compute {
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
-        if !compute_amplifies(draw.amplification) {
+        if !draw.amplification.compute_amplifies {
             return self.storage.draw(pass, draw);
         }
         for output in &self.outputs {

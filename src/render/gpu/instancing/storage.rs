@@ -4,11 +4,13 @@
 //! GPUs fill whole waves that way, and a software rasteriser sets up one draw instead of thousands of instances. It
 //! wins nearly everywhere and has no limits that matter, so it is the default.
 
-use super::{
-    Chunk, Context, Draw, Instancing, RECORD_BYTES, buffer_with, max_indexed_records,
-    single_binding, single_binding_layout, stream_layouts,
+use super::binding::{
+    buffer_with, max_indexed_records, single_binding, single_binding_layout, stream_layouts,
 };
-use crate::render::gpu::shaders::Amplification;
+use super::strategy::Instancing;
+use super::stream::{Chunk, Draw, RECORD_BYTES};
+use crate::render::gpu::context::Context;
+use crate::render::gpu::primitives::Amplification;
 use crate::scene::Strategy;
 
 #[derive(Debug)]
@@ -39,11 +41,11 @@ impl Instancing for Storage {
         Strategy::Storage
     }
 
-    fn group_layouts(&self, amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
+    fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
         stream_layouts(&self.layout, amplification)
     }
 
-    fn max_chunk_records(&self, context: &Context, amplification: Amplification) -> usize {
+    fn max_chunk_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
         let bytes = context
             .limits
             .max_storage_buffer_binding_size

@@ -3,11 +3,11 @@
 //! Texel fetches go through the texture cache, which hardware without storage buffers in the vertex stage (WebGL 2,
 //! older phones) has too. The price is a copy into the texture's own memory layout.
 
-use super::{
-    Chunk, Context, Draw, Instancing, RECORD_BYTES, max_indexed_records, single_binding,
-    single_binding_layout, stream_layouts,
-};
-use crate::render::gpu::shaders::Amplification;
+use super::binding::{max_indexed_records, single_binding, single_binding_layout, stream_layouts};
+use super::strategy::Instancing;
+use super::stream::{Chunk, Draw, RECORD_BYTES};
+use crate::render::gpu::context::Context;
+use crate::render::gpu::primitives::Amplification;
 use crate::scene::Strategy;
 
 /// Texels a row: a power of two that every adapter allows and that wastes little of the last row.
@@ -36,11 +36,11 @@ impl Instancing for Texture {
         Strategy::Texture
     }
 
-    fn group_layouts(&self, amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
+    fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
         stream_layouts(&self.layout, amplification)
     }
 
-    fn max_chunk_records(&self, context: &Context, amplification: Amplification) -> usize {
+    fn max_chunk_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
         (ROW_RECORDS * context.limits.max_texture_dimension_2d as usize)
             .min(max_indexed_records(context, amplification))
     }

@@ -4,17 +4,15 @@
 //! one upload. The paper found it the fastest of the instancing pipeline on the hardware of its day, where uniform
 //! memory had a cache of its own.
 
-use super::{
-    Chunk, Context, Draw, Instancing, RECORD_BYTES, buffer_with, single_binding,
-    single_binding_layout, stream_layouts,
-};
-use crate::render::gpu::shaders::Amplification;
+use super::binding::{buffer_with, single_binding, single_binding_layout, stream_layouts};
+use super::strategy::Instancing;
+use super::stream::{Chunk, Draw, RECORD_BYTES};
+use crate::render::gpu::constants::BATCH_RECORDS;
+use crate::render::gpu::context::Context;
+use crate::render::gpu::primitives::Amplification;
 use crate::scene::Strategy;
 
-/// Records a draw; the constant of the same name in `fetch/uniform.wgsl`.
-const BATCH_RECORDS: u32 = 4096;
-
-/// Bytes a draw: the largest uniform binding that every adapter has.
+/// Bytes a draw.
 const BATCH_BYTES: usize = BATCH_RECORDS as usize * RECORD_BYTES;
 
 #[derive(Debug)]
@@ -40,19 +38,23 @@ impl Instancing for Uniform {
         Strategy::Uniform
     }
 
-    fn group_layouts(&self, amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
+    fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
         stream_layouts(&self.layout, amplification)
     }
 
-    fn max_chunk_records(&self, context: &Context, _amplification: Amplification) -> usize {
+    fn max_chunk_records(
+        &self,
+        context: &Context,
+        _amplification: &'static Amplification,
+    ) -> usize {
         // Dynamic offsets are u32.
         let bytes = context.limits.max_buffer_size.min(u64::from(u32::MAX));
         let batches = usize::try_from(bytes).unwrap_or(usize::MAX) / BATCH_BYTES;
         batches * BATCH_RECORDS as usize
     }
 
-    fn quads_per_draw(&self, records: u32, amplification: Amplification) -> u32 {
-        records.min(BATCH_RECORDS) * amplification.vertices_per_record() / 4
+    fn quads_per_draw(&self, records: u32, amplification: &'static Amplification) -> u32 {
+        records.min(BATCH_RECORDS) * amplification.quads_per_record()
     }
 
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {

@@ -3,8 +3,12 @@
 //! The most natural of the paper's ways and there the slowest: every record is an instance of its own with 4 (surfel)
 //! or 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
 
-use super::{Chunk, Context, Draw, INDICES_PER_QUAD, Instancing, RECORD_BYTES, buffer_with};
-use crate::render::gpu::shaders::Amplification;
+use super::binding::buffer_with;
+use super::strategy::Instancing;
+use super::stream::{Chunk, Draw, RECORD_BYTES};
+use crate::render::gpu::constants::INDICES_PER_QUAD;
+use crate::render::gpu::context::Context;
+use crate::render::gpu::primitives::Amplification;
 use crate::scene::Strategy;
 
 const POINT_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
@@ -21,17 +25,18 @@ impl Instancing for Vertex {
         Strategy::Vertex
     }
 
-    fn group_layouts(&self, _amplification: Amplification) -> Vec<&wgpu::BindGroupLayout> {
+    fn group_layouts(&self, _amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
         Vec::new()
     }
 
     fn vertex_buffers(
         &self,
-        amplification: Amplification,
+        amplification: &'static Amplification,
     ) -> Vec<wgpu::VertexBufferLayout<'static>> {
-        let step_mode = match amplification {
-            Amplification::Pixel => wgpu::VertexStepMode::Vertex,
-            _ => wgpu::VertexStepMode::Instance,
+        let step_mode = if amplification.is_point_list() {
+            wgpu::VertexStepMode::Vertex
+        } else {
+            wgpu::VertexStepMode::Instance
         };
         let stream = |attributes| wgpu::VertexBufferLayout {
             array_stride: RECORD_BYTES as u64,
@@ -39,18 +44,22 @@ impl Instancing for Vertex {
             attributes,
         };
         let mut layouts = vec![stream(POINT_ATTRIBUTES.as_slice())];
-        if amplification.needs_shapes() {
+        if amplification.reads_shapes {
             layouts.push(stream(SHAPE_ATTRIBUTES.as_slice()));
         }
         layouts
     }
 
-    fn max_chunk_records(&self, context: &Context, _amplification: Amplification) -> usize {
+    fn max_chunk_records(
+        &self,
+        context: &Context,
+        _amplification: &'static Amplification,
+    ) -> usize {
         usize::try_from(context.limits.max_buffer_size).unwrap_or(usize::MAX) / RECORD_BYTES
     }
 
-    fn quads_per_draw(&self, _records: u32, amplification: Amplification) -> u32 {
-        amplification.vertices_per_record() / 4
+    fn quads_per_draw(&self, _records: u32, amplification: &'static Amplification) -> u32 {
+        amplification.quads_per_record()
     }
 
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
@@ -74,7 +83,7 @@ impl Instancing for Vertex {
                 }
             }
             let records = draw.chunk_records(chunk);
-            match draw.quads_per_record() {
+            match draw.amplification.quads_per_record() {
                 0 => pass.draw(0..records, 0..1),
                 quads => pass.draw_indexed(0..quads * INDICES_PER_QUAD, 0, 0..records),
             }

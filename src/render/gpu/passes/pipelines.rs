@@ -1,26 +1,42 @@
 //! Pipelines, made when they are first needed and kept: nobody pays for modes that are not used.
 
-use super::super::context::Context;
-use super::super::instancing::Instancing;
-use super::super::shaders::{Amplification, GeometryPass, Permutation, ScreenPass};
-use super::{PassState, geometry_state, screen_state};
+use super::state::{ColorUse, DepthUse, GeometryPass, ScreenPass, Source};
+use crate::render::gpu::context::Context;
+use crate::render::gpu::instancing::Instancing;
+use crate::render::gpu::primitives::Amplification;
+use crate::render::gpu::shaders::Permutation;
 use crate::scene::Strategy;
 use std::collections::HashMap;
 
 /// What a geometry pipeline depends on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct GeometryKey {
     pub(crate) strategy: Strategy,
-    pub(crate) amplification: Amplification,
-    pub(crate) pass: GeometryPass,
+    pub(crate) amplification: &'static Amplification,
+    pub(crate) pass: &'static GeometryPass,
     pub(crate) cull_back_faces: bool,
+}
+
+/// The strategy, the names of amplification and pass, and whether back faces are culled.
+type GeometryName = (Strategy, &'static str, &'static str, bool);
+
+impl GeometryKey {
+    fn name(&self) -> GeometryName {
+        let Self {
+            strategy,
+            amplification,
+            pass,
+            cull_back_faces,
+        } = *self;
+        (strategy, amplification.name, pass.name, cull_back_faces)
+    }
 }
 
 /// All pipelines made so far, and the layouts they share.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
-    geometry: HashMap<GeometryKey, wgpu::RenderPipeline>,
-    screen: HashMap<ScreenPass, wgpu::RenderPipeline>,
+    geometry: HashMap<GeometryName, wgpu::RenderPipeline>,
+    screen: HashMap<&'static str, wgpu::RenderPipeline>,
     pub(crate) view_layout: wgpu::BindGroupLayout,
     color_source_layout: wgpu::BindGroupLayout,
     depth_source_layout: wgpu::BindGroupLayout,
@@ -71,25 +87,22 @@ impl Pipelines {
         }
     }
 
-    /// Layout of the texture that a screen pass reads; `None` where it reads none.
-    pub(crate) fn source_layout(&self, pass: ScreenPass) -> Option<&wgpu::BindGroupLayout> {
-        match pass {
-            ScreenPass::Background | ScreenPass::Grid => None,
-            ScreenPass::Resolve => Some(&self.color_source_layout),
-            ScreenPass::DepthView | ScreenPass::EyeDome | ScreenPass::EyeDomeOfSums => {
-                Some(&self.depth_source_layout)
-            }
+    /// Layout of the texture that a screen pass reads.
+    pub(crate) fn source_layout(&self, source: Source) -> &wgpu::BindGroupLayout {
+        match source {
+            Source::Sums => &self.color_source_layout,
+            Source::Depths => &self.depth_source_layout,
         }
     }
 
     /// The pipeline of a geometry pass. Precondition: [`Pipelines::ensure_geometry`].
     pub(crate) fn geometry(&self, key: GeometryKey) -> Option<&wgpu::RenderPipeline> {
-        self.geometry.get(&key)
+        self.geometry.get(&key.name())
     }
 
     /// The pipeline of a screen pass. Precondition: [`Pipelines::ensure_screen`].
-    pub(crate) fn screen(&self, pass: ScreenPass) -> Option<&wgpu::RenderPipeline> {
-        self.screen.get(&pass)
+    pub(crate) fn screen(&self, pass: &ScreenPass) -> Option<&wgpu::RenderPipeline> {
+        self.screen.get(pass.name)
     }
 
     /// Makes the pipeline unless it is there.
@@ -99,7 +112,7 @@ impl Pipelines {
         key: GeometryKey,
         instancing: &dyn Instancing,
     ) {
-        if self.geometry.contains_key(&key) {
+        if self.geometry.contains_key(&key.name()) {
             return;
         }
         let mut layouts = vec![Some(&self.view_layout)];
@@ -109,14 +122,15 @@ impl Pipelines {
                 .into_iter()
                 .map(Some),
         );
-        let topology = match key.amplification {
-            Amplification::Pixel => wgpu::PrimitiveTopology::PointList,
-            _ => wgpu::PrimitiveTopology::TriangleList,
+        let topology = if key.amplification.is_point_list() {
+            wgpu::PrimitiveTopology::PointList
+        } else {
+            wgpu::PrimitiveTopology::TriangleList
         };
         let pipeline = build(
             context,
             Permutation::Geometry(key.strategy, key.amplification, key.pass),
-            &geometry_state(key.pass),
+            (key.pass.color, key.pass.depth),
             &layouts,
             &instancing.vertex_buffers(key.amplification),
             wgpu::PrimitiveState {
@@ -126,37 +140,39 @@ impl Pipelines {
                 ..Default::default()
             },
         );
-        self.geometry.insert(key, pipeline);
+        self.geometry.insert(key.name(), pipeline);
     }
 
     /// Makes the pipeline unless it is there.
-    pub(crate) fn ensure_screen(&mut self, context: &Context, pass: ScreenPass) {
-        if self.screen.contains_key(&pass) {
+    pub(crate) fn ensure_screen(&mut self, context: &Context, pass: &'static ScreenPass) {
+        if self.screen.contains_key(pass.name) {
             return;
         }
         let mut layouts = vec![Some(&self.view_layout)];
-        layouts.extend(self.source_layout(pass).map(Some));
+        let source = pass.source.map(|source| self.source_layout(source));
+        layouts.extend(source.map(Some));
         let pipeline = build(
             context,
             Permutation::Screen(pass),
-            &screen_state(pass),
+            (Some(pass.color), pass.depth),
             &layouts,
             &[],
             wgpu::PrimitiveState::default(),
         );
-        self.screen.insert(pass, pipeline);
+        self.screen.insert(pass.name, pipeline);
     }
 }
 
 fn build(
     context: &Context,
     permutation: Permutation,
-    state: &PassState,
+    (color, depth): (Option<ColorUse>, Option<DepthUse>),
     bind_group_layouts: &[Option<&wgpu::BindGroupLayout>],
     vertex_buffers: &[wgpu::VertexBufferLayout<'static>],
     primitive: wgpu::PrimitiveState,
 ) -> wgpu::RenderPipeline {
     let label = permutation.label();
+    let target = color.map(|color| color.target_state());
     let module = context
         .device
         .create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -183,14 +199,14 @@ fn build(
                 buffers: &buffers,
             },
             primitive,
-            depth_stencil: state.depth_stencil(),
+            depth_stencil: depth.map(DepthUse::state),
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: Some("fragment"),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: if state.color.is_some() {
-                    std::slice::from_ref(&state.color)
+                targets: if target.is_some() {
+                    std::slice::from_ref(&target)
                 } else {
                     &[]
                 },

@@ -10,7 +10,7 @@
 //! When it wins: what is not seen is not visited, and from afar blocks are few and their levels high, so the time of a
 //! picture goes with what can be seen of it.
 
-use super::Coded;
+use super::code::Coded;
 use super::transform::{Transform, in_view};
 use crate::cloud::FINEST_NORMAL_BITS;
 use crate::cloud::quantised_normals;

@@ -5,9 +5,13 @@ use super::transform::homogeneous;
 use super::*;
 use crate::analysis::test_shapes::Random;
 use crate::cloud::{coarser_normal, quantise_normal};
-use crate::render::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR};
-use crate::scene::{BackFaces, Camera, NormalBits, OffsetBits, Projection, UpAxis};
-use glam::DVec3;
+use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR};
+use crate::render::cpu::rows::bands_of;
+use crate::render::cpu::view::PixelView;
+use crate::scene::{
+    BackFaces, Camera, Footprint, Lighting, NormalBits, OffsetBits, Projection, UpAxis,
+};
+use glam::{DVec3, Vec3};
 use image::RgbaImage;
 
 /// Seen from aside, so that neither the middle of the cloud nor most points are ahead.
@@ -71,8 +75,12 @@ fn assert_pixels(
     packet.settings.codes.offset_bits = OffsetBits::None;
     packet.settings.surfels.back_faces = BackFaces::Drawn;
     let mut image = RgbaImage::new(640, 480);
-    let bands = crate::render::cpu::bands_of(&packet, &mut image, 4).map(Rows::Bytes);
-    assert!(draw(&packet, bands.collect()) > 0, "a byte code is drawn");
+    let bands = bands_of(&packet, &mut image, 4).map(Rows::Bytes);
+    let coded = Coded::of(&packet).expect("a byte code");
+    assert!(
+        draw(&coded, &packet, bands.collect()) > 0,
+        "nodes are drawn"
+    );
 
     let view = PixelView::new(&packet);
     let cloud = &packet.content.coded().expect("a byte code").cloud;

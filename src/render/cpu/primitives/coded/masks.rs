@@ -14,6 +14,7 @@
 //! multiple of eight.
 
 use crate::cloud::{quantise_direction, quantised_directions};
+use crate::render::constants::MASK_FALLOFF;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -237,7 +238,7 @@ impl Quadric {
                 if d2 > 1.0 {
                     return 0;
                 }
-                ((FULL_WEIGHT * (-3.0 * d2).exp()) as u8).max(1)
+                ((FULL_WEIGHT * (-MASK_FALLOFF * d2).exp()) as u8).max(1)
             }));
             weights.extend([0; MARGIN]);
         }

@@ -6,10 +6,13 @@ use super::masks::{self, FULL_WEIGHT, MASKS};
 use super::transform::{Transform, homogeneous, in_view};
 use super::*;
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode, quantised_directions};
-use crate::levels::octree::{Octree, StopCriterion};
+use crate::levels::octree::{CodedCloud, Octree, StopCriterion};
 use crate::render::cpu::tests::packet_of;
-use crate::scene::{BackFaces, Camera, CodeStyle, CodedCells, Content, Projection, Style, UpAxis};
-use glam::DVec3;
+use crate::render::cpu::view::{PixelRect, PixelView};
+use crate::scene::{
+    BackFaces, Camera, CodeStyle, CodedCells, Content, Footprint, Projection, Style, UpAxis,
+};
+use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
 

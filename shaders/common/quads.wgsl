@@ -1,0 +1,35 @@
+// Amplification: one record becomes the corners of quads (`shaders/primitives/`). Shared by the vertex stage of the
+// instanced strategies and by the compute pass of the amplifying one, so that all of them draw the same picture.
+
+// A corner of a quad, ready for the rasteriser. Mirror: gpu_data.rs, `SplatVertex`.
+struct SplatVertex {
+    clip: vec4f,
+    // 8-bit red, green, blue in the low bytes.
+    color: u32,
+    // Packed normal, see oct_decode.
+    normal: u32,
+    // See light.wgsl.
+    light: vec2f,
+}
+
+// Corners 0 1 2 3 of a quad are (-1,-1) (1,-1) (-1,1) (1,1).
+fn quad_corner(corner: u32) -> vec2f {
+    return vec2f(f32(corner & 1u), f32(corner >> 1u)) * 2.0 - 1.0;
+}
+
+// True unless a sphere around `position` is outside the view: conservative, for the compute pass.
+fn sphere_may_be_seen(position: vec3f, radius: f32) -> bool {
+    let center = rotate_to_view(offset_from_eye(position));
+    // Slopes of the side planes, times the focal length.
+    let right_top = 1.0 - view.center_ndc;
+    let left_bottom = 1.0 + view.center_ndc;
+    // A little more than the radius, for the rounding of these few operations.
+    let reach = radius * 1.001 + 1e-5 * length(center);
+    // Distances to the side planes, times the length of their normals.
+    let along = center.xy * view.focal;
+    let beyond_right_top = right_top * center.z + along;
+    let beyond_left_bottom = left_bottom * center.z - along;
+    let is_near = beyond_right_top <= sqrt(view.focal * view.focal + right_top * right_top) * reach;
+    let is_near_too = beyond_left_bottom <= sqrt(view.focal * view.focal + left_bottom * left_bottom) * reach;
+    return all(is_near) && all(is_near_too) && -center.z + reach >= 0.0;
+}

@@ -1,0 +1,76 @@
+//! The loop over the tiles of a picture, the same for whatever is drawn into them.
+
+use super::finish::{Gradient, Held};
+use super::rows::Rows;
+use super::tile::{HEIGHT, Tile, Tiles, WIDTH};
+use super::view::{PixelRect, PixelView};
+use crate::scene::ScenePacket;
+use fearless_simd::{Level, Simd, dispatch};
+use rayon::prelude::*;
+
+/// What is drawn into tiles.
+pub(super) trait InTiles: Sync {
+    /// What a thread keeps from tile to tile.
+    type Scratch: Default;
+
+    /// Draws what touches the tile of this number, within `clip`. The tile is cleared already.
+    fn draw<S: Simd>(
+        &self,
+        simd: S,
+        tile: &mut Tile,
+        clip: PixelRect,
+        number: usize,
+        scratch: &mut Self::Scratch,
+    );
+}
+
+/// What all tiles of a picture share.
+pub(super) struct Painter {
+    pub(super) view: PixelView,
+    pub(super) tiles: Tiles,
+    held: Held,
+    gradient: Gradient,
+}
+
+impl Painter {
+    pub(super) fn new(packet: &ScenePacket, held: Held) -> Self {
+        Self {
+            view: PixelView::new(packet),
+            tiles: Tiles::of_picture(packet.viewport_px),
+            held,
+            gradient: Gradient::of(packet),
+        }
+    }
+
+    /// Draws every tile, and writes it to its place in its row of the picture.
+    pub(super) fn paint<T: InTiles>(&self, content: &T, bands: Vec<Rows<'_>>) {
+        let level = Level::new();
+        bands.into_par_iter().enumerate().for_each_init(
+            || (Tile::new(), T::Scratch::default()),
+            |(tile, scratch), (row, mut band)| {
+                for column in 0..self.tiles.columns {
+                    let place = [column, row];
+                    dispatch!(level, simd => self.paint_tile(simd, content, tile, scratch, place, &mut band));
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn paint_tile<S: Simd, T: InTiles>(
+        &self,
+        simd: S,
+        content: &T,
+        tile: &mut Tile,
+        scratch: &mut T::Scratch,
+        [column, row]: [usize; 2],
+        rows: &mut Rows<'_>,
+    ) {
+        let origin = [(WIDTH * column) as i32, (HEIGHT * row) as i32];
+        tile.begin(origin, self.held, &self.gradient);
+        let picture = PixelRect::of_picture(self.view.size_px);
+        let clip = tile.rect().intersection(picture);
+        content.draw(simd, tile, clip, self.tiles.columns * row + column, scratch);
+        tile.write(simd, &self.view, self.held, &self.gradient, rows);
+    }
+}

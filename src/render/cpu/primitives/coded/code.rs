@@ -1,0 +1,71 @@
+//! The byte code of a packet, and how it is drawn.
+
+use crate::levels::octree::CodedCloud;
+use crate::scene::{CodedCells, Footprint, Style};
+
+/// What masks may be larger than the splats they stand for: sizes are rounded, and so is where they are seen.
+pub(super) const MASK_SLACK: f32 = 1.2;
+
+/// A byte code, and how it is drawn.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::render::cpu) struct Coded<'a> {
+    pub(super) cloud: &'a CodedCloud,
+    pub(super) lod_px: f32,
+    pub(super) deepest_level: u32,
+    pub(super) cull_back_faces: bool,
+    pub(super) darkens_back_faces: bool,
+    /// Whether each node is a pixel, not a mask.
+    pub(super) are_pixels: bool,
+    pub(super) normal_bits: u32,
+    pub(super) offset_bits: u32,
+    /// Factors on radii in the visibility and in the attribute pass.
+    pub(super) scales: [f32; 2],
+}
+
+impl<'a> Coded<'a> {
+    pub(in crate::render::cpu) fn new(cells: &'a CodedCells, settings: &Style) -> Self {
+        let style = &settings.surfels;
+        let scales = style.splatting.scales(style.enlargement);
+        Self {
+            cloud: &cells.cloud,
+            lod_px: cells.lod_px,
+            deepest_level: cells.deepest_level,
+            cull_back_faces: settings.culls_back_faces(),
+            darkens_back_faces: settings.darkens_back_faces(),
+            are_pixels: settings.codes.footprint == Footprint::Pixels,
+            normal_bits: settings.codes.normal_bits.bits(),
+            offset_bits: settings.codes.offset_bits.bits(),
+            scales: scales.map(|scale| scale * style.splat_scale),
+        }
+    }
+
+    /// That of a packet.
+    #[cfg(test)]
+    pub(super) fn of(packet: &'a crate::scene::ScenePacket) -> Option<Self> {
+        let cells = packet.content.coded()?;
+        Some(Self::new(cells, &packet.settings))
+    }
+
+    /// How far splats reach, in their radii.
+    pub(super) fn largest_scale(&self) -> f32 {
+        if self.are_pixels {
+            return 0.0;
+        }
+        MASK_SLACK * self.scales[0].max(self.scales[1])
+    }
+
+    /// How far what is drawn reaches from its cell on every level and those below it, in scene units.
+    pub(super) fn reaches(&self) -> Vec<f32> {
+        let mut farthest = 0f32;
+        let mut reaches: Vec<f32> = (0..=self.cloud.depth())
+            .rev()
+            .map(|level| {
+                let radius = self.largest_scale() * self.cloud.largest_radius(level);
+                farthest = farthest.max(radius + self.cloud.cube().cell_edge(level));
+                farthest
+            })
+            .collect();
+        reaches.reverse();
+        reaches
+    }
+}

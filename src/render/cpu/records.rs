@@ -1,0 +1,98 @@
+//! Primitives with a record for everything that is drawn: blocks of records are handed to the tiles that they touch.
+
+use super::blocks::{Blocks, Placed, TileLists};
+use super::finish::Held;
+use super::painter::{InTiles, Painter};
+use super::raster;
+use super::rows::Rows;
+use super::tile::Tile;
+use super::view::{PixelRect, PixelView};
+use crate::scene::{Lighting, ScenePacket};
+use fearless_simd::Simd;
+use std::ops::Range;
+
+/// The records of a primitive, and how they are drawn.
+pub(super) trait Records: Placed {
+    /// What a thread keeps from tile to tile.
+    type Scratch: Default;
+
+    /// What pixels hold when all is drawn.
+    fn held(&self, packet: &ScenePacket) -> Held;
+
+    /// How far from its place a record is drawn: a factor on [`Placed::reach`], and pixels beyond.
+    fn extent(&self) -> (f32, f32);
+
+    /// Draws those of some records that touch a tile.
+    fn draw<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        tile: &mut Tile,
+        clip: PixelRect,
+        records: impl Iterator<Item = Range<usize>>,
+        scratch: &mut Self::Scratch,
+    );
+}
+
+/// Draws records in blocks; how many were handed to tiles.
+pub(super) fn draw<R: Records>(
+    records: &R,
+    blocks: &Blocks,
+    packet: &ScenePacket,
+    bands: Vec<Rows<'_>>,
+) -> u64 {
+    let held = records.held(packet);
+    let painter = Painter::new(packet, held);
+    let (scale, margin_px) = records.extent();
+    let has_colors = matches!(held, Held::Sums | Held::BlendedColors | Held::SolidColors);
+    // The work is handed to the threads that share it once, not step by step.
+    rayon::scope(|_| {
+        let lists = blocks.by_tile(&painter.view, painter.tiles, scale, margin_px);
+        let content = InBlocks {
+            records,
+            lists: &lists,
+            view: &painter.view,
+            are_rays_measured: packet.settings.light.lighting == Lighting::PerFragment
+                && has_colors,
+        };
+        painter.paint(&content, bands);
+        lists.handed_out()
+    })
+}
+
+struct InBlocks<'a, R> {
+    records: &'a R,
+    lists: &'a TileLists,
+    view: &'a PixelView,
+    /// For light that is worked out at each pixel.
+    are_rays_measured: bool,
+}
+
+impl<R: Records> InTiles for InBlocks<'_, R> {
+    type Scratch = R::Scratch;
+
+    #[inline(always)]
+    fn draw<S: Simd>(
+        &self,
+        simd: S,
+        tile: &mut Tile,
+        clip: PixelRect,
+        number: usize,
+        scratch: &mut Self::Scratch,
+    ) {
+        let records = self.lists.records(number);
+        if self.are_rays_measured && records.len() > 0 {
+            simd.vectorize(
+                #[inline(always)]
+                || raster::measure_rays(simd, self.view, tile),
+            );
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                self.records
+                    .draw(simd, self.view, tile, clip, records, scratch);
+            },
+        );
+    }
+}

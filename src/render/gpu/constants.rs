@@ -1,0 +1,97 @@
+//! Constants of Rust as WGSL: every shader begins with them, so that none is written twice.
+
+use super::gpu_data::{
+    BACK_FACES_CULLED, BACK_FACES_DARKER, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL,
+    LIGHTING_PER_VERTEX,
+};
+use crate::render::constants::{
+    BACK_SIDE, COARSE_LINES, FARTHEST_GREY, FINE_LINES, HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR,
+    MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, OPAQUE_WEIGHT, USUAL_LINES, WIDEST_CELL_PX,
+};
+use crate::scene::EyeDomeLight;
+use std::fmt::Debug;
+
+/// Records that the strategy `compute` hands to a workgroup.
+pub(super) const GROUP_RECORDS: u32 = 256;
+
+/// Records that the strategy `uniform` draws at once: 64 KiB, the largest uniform binding that every adapter has.
+pub(super) const BATCH_RECORDS: u32 = 4096;
+
+/// Corners of a quad, and indices of its two triangles.
+pub(super) const VERTICES_PER_QUAD: u32 = 4;
+pub(super) const INDICES_PER_QUAD: u32 = 6;
+
+/// Share of neighbours without depth from which a pixel belongs to no surface.
+const LONE: f32 = EyeDomeLight::LONE;
+
+/// The declarations that all shaders share.
+pub(super) fn shared() -> String {
+    macro_rules! declared {
+        ($($name:ident),+ $(,)?) => {
+            [$(declaration(stringify!($name), $name)),+].join("\n")
+        };
+    }
+    declared![
+        BACK_FACES_CULLED,
+        BACK_FACES_DARKER,
+        BACK_SIDE,
+        BATCH_RECORDS,
+        COARSE_LINES,
+        FARTHEST_GREY,
+        FINE_LINES,
+        GROUP_RECORDS,
+        HEAD_LIGHT_AMBIENT,
+        HEAD_LIGHT_SPECULAR,
+        INDICES_PER_QUAD,
+        LIGHTING_PER_FRAGMENT,
+        LIGHTING_PER_SURFEL,
+        LIGHTING_PER_VERTEX,
+        LONE,
+        MASK_FALLOFF,
+        NARROWEST_CELL_PX,
+        NEAREST_GREY,
+        OPAQUE_WEIGHT,
+        USUAL_LINES,
+        VERTICES_PER_QUAD,
+        WIDEST_CELL_PX,
+    ]
+}
+
+/// That of the shaders of an amplification.
+pub(super) fn of_amplification(vertices_per_record: u32) -> String {
+    declaration("VERTICES_PER_RECORD", vertices_per_record)
+}
+
+/// A number with a type of WGSL.
+trait Number: Debug + Copy {
+    const TYPE: &'static str;
+    const SUFFIX: &'static str;
+}
+
+impl Number for f32 {
+    const TYPE: &'static str = "f32";
+    const SUFFIX: &'static str = "f";
+}
+
+impl Number for u32 {
+    const TYPE: &'static str = "u32";
+    const SUFFIX: &'static str = "u";
+}
+
+fn declaration<T: Number>(name: &str, value: T) -> String {
+    // Rust writes as many digits as tell a number from its neighbours.
+    format!("const {name}: {} = {value:?}{};", T::TYPE, T::SUFFIX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_as_wgsl_reads_them() {
+        assert_eq!(declaration("A", 0.22f32), "const A: f32 = 0.22f;");
+        assert_eq!(declaration("B", 1e-30f32), "const B: f32 = 1e-30f;");
+        assert_eq!(declaration("C", 16.0f32), "const C: f32 = 16.0f;");
+        assert_eq!(declaration("D", 256u32), "const D: u32 = 256u;");
+    }
+}

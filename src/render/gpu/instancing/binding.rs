@@ -1,0 +1,91 @@
+//! Layouts, groups and limits that several strategies share.
+
+use crate::render::gpu::constants::INDICES_PER_QUAD;
+use crate::render::gpu::context::Context;
+use crate::render::gpu::primitives::Amplification;
+
+/// A buffer that holds `records`, padded with zeros to a multiple of `alignment` bytes.
+pub(super) fn buffer_with(
+    context: &Context,
+    usage: wgpu::BufferUsages,
+    records: &[u8],
+    alignment: usize,
+) -> wgpu::Buffer {
+    context.filled_buffer(
+        "records",
+        usage,
+        records,
+        records.len().next_multiple_of(alignment),
+    )
+}
+
+/// A layout with one binding for the vertex stage (and the compute stage, which amplifies).
+pub(super) fn single_binding_layout(
+    context: &Context,
+    label: &str,
+    ty: wgpu::BindingType,
+) -> wgpu::BindGroupLayout {
+    let stages = if matches!(
+        ty,
+        wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { .. },
+            ..
+        }
+    ) {
+        wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE
+    } else {
+        wgpu::ShaderStages::VERTEX
+    };
+    context
+        .device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: stages,
+                ty,
+                count: None,
+            }],
+        })
+}
+
+/// The bind group of a [`single_binding_layout`].
+pub(super) fn single_binding(
+    context: &Context,
+    layout: &wgpu::BindGroupLayout,
+    resource: wgpu::BindingResource<'_>,
+) -> wgpu::BindGroup {
+    context
+        .device
+        .create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("records"),
+            layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource,
+            }],
+        })
+}
+
+/// One copy of the stream's layout for each stream that the amplification reads.
+pub(super) fn stream_layouts<'a>(
+    layout: &'a wgpu::BindGroupLayout,
+    amplification: &Amplification,
+) -> Vec<&'a wgpu::BindGroupLayout> {
+    vec![layout; 1 + usize::from(amplification.reads_shapes)]
+}
+
+/// Limit of a draw call: indices are u32 and so is their count.
+const MAX_INDEXED_QUADS: usize = (u32::MAX / INDICES_PER_QUAD) as usize;
+
+/// The most records whose quads one draw call can index, with an index buffer that the adapter can hold.
+pub(super) fn max_indexed_records(
+    context: &Context,
+    amplification: &'static Amplification,
+) -> usize {
+    let quads = amplification.quads_per_record().max(1) as usize;
+    let index_bytes = (INDICES_PER_QUAD as usize) * size_of::<u32>();
+    let buffer_quads =
+        usize::try_from(context.limits.max_buffer_size).unwrap_or(usize::MAX) / index_bytes;
+    MAX_INDEXED_QUADS.min(buffer_quads) / quads
+}

@@ -1,0 +1,89 @@
+//! Streams of records on the GPU, and what draws them.
+
+use crate::render::gpu::constants::INDICES_PER_QUAD;
+use crate::render::gpu::primitives::Amplification;
+
+/// Size of every record.
+pub(in crate::render::gpu) const RECORD_BYTES: usize = 16;
+
+/// Bind group of the stream of points or voxels; the one after it is the stream of shapes.
+pub(in crate::render::gpu) const STREAM_GROUP: u32 = 1;
+
+/// A sequence of records on the GPU.
+#[derive(Debug)]
+pub(in crate::render::gpu) struct Stream {
+    pub(in crate::render::gpu) chunks: Vec<Chunk>,
+    pub(in crate::render::gpu) byte_size: u64,
+}
+
+/// As many records as one binding can hold.
+#[derive(Debug)]
+pub(in crate::render::gpu) struct Chunk {
+    pub(in crate::render::gpu) record_count: u32,
+    /// For strategies that bind.
+    pub(super) bind_group: Option<wgpu::BindGroup>,
+    /// For the strategy that feeds vertex attributes.
+    pub(super) buffer: Option<wgpu::Buffer>,
+}
+
+/// What is to be drawn.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::render::gpu) struct Draw<'a> {
+    /// Points or voxels, and shapes where the amplification needs them. All have the same chunks.
+    pub(in crate::render::gpu) streams: &'a [&'a Stream],
+    pub(in crate::render::gpu) amplification: &'static Amplification,
+    /// Indices 0 1 2 2 1 3, 4 5 6 6 5 7, … for as many quads as [`Instancing::quads_per_draw`] asks for.
+    pub(in crate::render::gpu) quad_indices: &'a wgpu::Buffer,
+}
+
+impl Draw<'_> {
+    /// Records of one stream: those of the others belong to them.
+    pub(in crate::render::gpu) fn record_count(&self) -> u64 {
+        let chunks = self.streams.first().map(|stream| &stream.chunks);
+        let records = chunks.into_iter().flatten().map(|chunk| chunk.record_count);
+        records.map(u64::from).sum()
+    }
+
+    pub(super) fn chunk_count(&self) -> usize {
+        self.streams
+            .iter()
+            .map(|stream| stream.chunks.len())
+            .min()
+            .unwrap_or(0)
+    }
+
+    pub(super) fn chunk_records(&self, chunk: usize) -> u32 {
+        self.streams
+            .iter()
+            .map(|stream| stream.chunks[chunk].record_count)
+            .min()
+            .unwrap_or(0)
+    }
+
+    /// Binds one chunk of every stream.
+    pub(super) fn bind(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        chunk: usize,
+        offsets: &[wgpu::DynamicOffset],
+    ) {
+        for (group, stream) in (STREAM_GROUP..).zip(self.streams) {
+            pass.set_bind_group(group, stream.chunks[chunk].bind_group.as_ref(), offsets);
+        }
+    }
+
+    /// Draws `records` records by vertex index, from bound streams.
+    pub(super) fn pulled(&self, pass: &mut wgpu::RenderPass<'_>, records: u32) {
+        match self.amplification.quads_per_record() {
+            0 => pass.draw(0..records, 0..1),
+            quads => pass.draw_indexed(0..records * quads * INDICES_PER_QUAD, 0, 0..1),
+        }
+    }
+}
+
+/// The view's bind group with the dynamic offset of the pass.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::render::gpu) struct ViewBinding<'a> {
+    pub(in crate::render::gpu) bind_group: &'a wgpu::BindGroup,
+    pub(in crate::render::gpu) offset: u32,
+}

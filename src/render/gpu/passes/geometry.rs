@@ -1,0 +1,59 @@
+//! Passes over records. Which primitive is drawn by which of them is said in `primitives`.
+
+use super::state::{ADDED, ColorUse, DepthUse, GeometryPass, OVER, Target};
+
+/// Depths of the disks and nothing else (paper 000 §V-B, first pass).
+pub(in crate::render::gpu) const VISIBILITY: GeometryPass = GeometryPass {
+    name: "visibility",
+    wgsl: include_str!("../../../../shaders/passes/visibility.wgsl"),
+    color: None,
+    depth: Some(DepthUse::TestAndWrite),
+};
+
+/// Sums colours and weights of what passes the depth test against the visibility pass (paper 000 §V-B, second pass;
+/// normalised sums instead of ordered blending, as in paper 002, so that no order is needed).
+pub(in crate::render::gpu) const ATTRIBUTE: GeometryPass = GeometryPass {
+    name: "attribute",
+    wgsl: include_str!("../../../../shaders/passes/attribute.wgsl"),
+    color: Some(ColorUse {
+        target: Target::Sums,
+        blend: Some(ADDED),
+    }),
+    depth: Some(DepthUse::TestOnly),
+};
+
+/// One-pass splatting: blended in the order of the cloud, with depth (Fig. 3a).
+pub(in crate::render::gpu) const REGULAR: GeometryPass = GeometryPass {
+    name: "splat",
+    wgsl: include_str!("../../../../shaders/passes/splat.wgsl"),
+    color: Some(ColorUse {
+        target: Target::Picture,
+        blend: Some(OVER),
+    }),
+    depth: Some(DepthUse::TestAndWrite),
+};
+
+/// The same without depth (Fig. 3b).
+pub(in crate::render::gpu) const NO_DEPTH: GeometryPass = GeometryPass {
+    name: "splat without depth",
+    depth: None,
+    ..REGULAR
+};
+
+/// Opaque faces in their light (paper 000 §VI-B).
+pub(in crate::render::gpu) const SOLID: GeometryPass = GeometryPass {
+    name: "solid",
+    wgsl: include_str!("../../../../shaders/passes/solid.wgsl"),
+    color: Some(ColorUse {
+        target: Target::Picture,
+        blend: None,
+    }),
+    depth: Some(DepthUse::TestAndWrite),
+};
+
+/// Plain points without light: the cheapest picture of a cloud.
+pub(in crate::render::gpu) const POINT: GeometryPass = GeometryPass {
+    name: "point",
+    wgsl: include_str!("../../../../shaders/passes/point.wgsl"),
+    ..SOLID
+};

@@ -1,0 +1,80 @@
+//! Passes over the whole target.
+
+use super::state::{ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass, Source, Target};
+
+/// All of them.
+pub const SCREEN_PASSES: [&ScreenPass; 6] = [
+    &BACKGROUND,
+    &RESOLVE,
+    &DEPTH_VIEW,
+    &EYE_DOME,
+    &EYE_DOME_OF_SUMS,
+    &GRID,
+];
+
+/// The gradient behind the cloud.
+pub(in crate::render::gpu) const BACKGROUND: ScreenPass = ScreenPass {
+    name: "background",
+    wgsl: include_str!("../../../../shaders/passes/background.wgsl"),
+    source: None,
+    color: ColorUse {
+        target: Target::Picture,
+        blend: None,
+    },
+    depth: None,
+};
+
+/// Normalises what the attribute pass summed up, and lays it over the background.
+pub(in crate::render::gpu) const RESOLVE: ScreenPass = ScreenPass {
+    name: "resolve",
+    wgsl: include_str!("../../../../shaders/passes/resolve.wgsl"),
+    source: Some(Source::Sums),
+    color: ColorUse {
+        target: Target::Picture,
+        blend: Some(OVER),
+    },
+    depth: None,
+};
+
+/// The visibility pass as grey (Fig. 3c).
+pub(in crate::render::gpu) const DEPTH_VIEW: ScreenPass = ScreenPass {
+    name: "depth view",
+    wgsl: include_str!("../../../../shaders/passes/depth_view.wgsl"),
+    source: Some(Source::Depths),
+    ..RESOLVE
+};
+
+/// Eye-dome lighting: what is drawn so far is multiplied with the shade of each pixel (Boucheny 2009).
+pub(in crate::render::gpu) const EYE_DOME: ScreenPass = ScreenPass {
+    name: "eye-dome lighting",
+    wgsl: include_str!("../../../../shaders/passes/eye_dome.wgsl"),
+    source: Some(Source::Depths),
+    color: ColorUse {
+        target: Target::Picture,
+        blend: Some(MULTIPLIED),
+    },
+    depth: None,
+};
+
+/// The same of what the attribute pass left, before it is resolved: so the background that shines through at the rims
+/// of splats keeps its colour, as all of the background does.
+pub(in crate::render::gpu) const EYE_DOME_OF_SUMS: ScreenPass = ScreenPass {
+    name: "eye-dome lighting of sums",
+    color: ColorUse {
+        target: Target::Sums,
+        blend: Some(MULTIPLIED),
+    },
+    ..EYE_DOME
+};
+
+/// Lines on the ground, laid over the picture where nothing is before them.
+pub(in crate::render::gpu) const GRID: ScreenPass = ScreenPass {
+    name: "grid",
+    wgsl: include_str!("../../../../shaders/passes/grid.wgsl"),
+    source: None,
+    color: ColorUse {
+        target: Target::Picture,
+        blend: Some(OVER),
+    },
+    depth: Some(DepthUse::TestOnly),
+};

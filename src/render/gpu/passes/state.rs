@@ -1,0 +1,121 @@
+//! What a pass is: a row that says what it draws into, and how depths and colours get there.
+
+use crate::render::gpu::targets::{ACCUMULATION_FORMAT, COLOR_FORMAT, DEPTH_FORMAT};
+
+/// A pass over records.
+#[derive(Debug)]
+pub struct GeometryPass {
+    /// No other pass has the same.
+    pub name: &'static str,
+    /// A file of `shaders/passes/`.
+    pub(in crate::render::gpu) wgsl: &'static str,
+    /// `None` where only depths are drawn.
+    pub(in crate::render::gpu) color: Option<ColorUse>,
+    pub(in crate::render::gpu) depth: Option<DepthUse>,
+}
+
+/// A pass over the whole target.
+#[derive(Debug)]
+pub struct ScreenPass {
+    /// No other pass has the same.
+    pub name: &'static str,
+    /// A file of `shaders/passes/`.
+    pub(in crate::render::gpu) wgsl: &'static str,
+    /// The texture that it reads.
+    pub(in crate::render::gpu) source: Option<Source>,
+    pub(in crate::render::gpu) color: ColorUse,
+    pub(in crate::render::gpu) depth: Option<DepthUse>,
+}
+
+/// What colours are drawn into, and how.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::render::gpu) struct ColorUse {
+    pub(in crate::render::gpu) target: Target,
+    /// `None` where they replace what is there.
+    pub(super) blend: Option<wgpu::BlendState>,
+}
+
+/// What is drawn into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::render::gpu) enum Target {
+    /// Over the background, which is there.
+    Picture,
+    /// Cleared by the pass over records that draws into it.
+    Sums,
+}
+
+/// What a screen pass reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::render::gpu) enum Source {
+    Sums,
+    Depths,
+}
+
+/// What a pass does with the depth buffer. Reverse-Z: nearer is greater.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::render::gpu) enum DepthUse {
+    /// A pass over records clears it first.
+    TestAndWrite,
+    TestOnly,
+}
+
+impl ColorUse {
+    pub(super) fn target_state(&self) -> wgpu::ColorTargetState {
+        wgpu::ColorTargetState {
+            format: match self.target {
+                Target::Picture => COLOR_FORMAT,
+                Target::Sums => ACCUMULATION_FORMAT,
+            },
+            blend: self.blend,
+            write_mask: wgpu::ColorWrites::ALL,
+        }
+    }
+}
+
+impl DepthUse {
+    pub(super) fn state(self) -> wgpu::DepthStencilState {
+        wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(self == Self::TestAndWrite),
+            depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }
+    }
+}
+
+/// Adds colours, and weights.
+pub(super) const ADDED: wgpu::BlendState = {
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    wgpu::BlendState {
+        color: add,
+        alpha: add,
+    }
+};
+
+/// The fourth channel stays: the picture's opacity, or the sum of weights.
+const KEPT: wgpu::BlendComponent = wgpu::BlendComponent {
+    src_factor: wgpu::BlendFactor::Zero,
+    dst_factor: wgpu::BlendFactor::One,
+    operation: wgpu::BlendOperation::Add,
+};
+
+/// Colours over what is there.
+pub(super) const OVER: wgpu::BlendState = wgpu::BlendState {
+    color: wgpu::BlendState::ALPHA_BLENDING.color,
+    alpha: KEPT,
+};
+
+/// Multiplies what is there.
+pub(super) const MULTIPLIED: wgpu::BlendState = wgpu::BlendState {
+    color: wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Dst,
+        dst_factor: wgpu::BlendFactor::Zero,
+        operation: wgpu::BlendOperation::Add,
+    },
+    alpha: KEPT,
+};

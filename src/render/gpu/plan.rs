@@ -1,0 +1,94 @@
+//! The order of passes of one picture: the background, those of the primitive (`primitives/mod.rs`), and what is done
+//! over the whole picture at the end.
+//!
+//! Where it is asked for, eye-dome lighting follows what is drawn, of sums before they are resolved; and the grid at
+//! the end.
+
+use super::gpu_data::ViewUniform;
+use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, GRID};
+use super::passes::{GeometryKey, ScreenPass, Target};
+use super::primitives::{self, Drawable};
+use super::residency::{Records, StreamKey};
+use crate::scene::{EyeDomeLight, ScenePacket, Strategy};
+
+/// What a packet asks for.
+#[derive(Debug)]
+pub(super) struct Plan<'a> {
+    pub(super) drawable: Drawable<'a>,
+    /// The gradient, if there is one.
+    pub(super) background: Option<&'static ScreenPass>,
+    /// What follows the passes over records.
+    pub(super) finish: Vec<&'static ScreenPass>,
+    strategy: Strategy,
+}
+
+/// Views that a picture can need: one for each pass over records.
+pub(super) const VIEWS: usize = 2;
+
+impl<'a> Plan<'a> {
+    pub(super) fn new(packet: &'a ScenePacket) -> Self {
+        let drawable = primitives::drawable(packet);
+        let draws_sums = drawable
+            .passes
+            .iter()
+            .any(|pass| pass.color.is_some_and(|color| color.target == Target::Sums));
+        let eye_dome = EyeDomeLight::of(packet).map(|_| {
+            if draws_sums {
+                &EYE_DOME_OF_SUMS
+            } else {
+                &EYE_DOME
+            }
+        });
+        let resolve = drawable.resolve;
+        let [first, second] = if draws_sums {
+            [eye_dome, resolve]
+        } else {
+            [resolve, eye_dome]
+        };
+        let grid = packet.ground.map(|_| &GRID);
+        let background = packet.settings.backdrop.background;
+        Self {
+            drawable,
+            background: (background.top != background.bottom).then_some(&BACKGROUND),
+            finish: [first, second, grid].into_iter().flatten().collect(),
+            strategy: packet.settings.strategy,
+        }
+    }
+
+    /// The uniforms of each pass over records.
+    pub(super) fn views(packet: &ScenePacket) -> [ViewUniform; VIEWS] {
+        let style = &packet.settings.surfels;
+        let [visibility, attribute] = style.splatting.scales(style.enlargement);
+        [
+            ViewUniform::new(packet, visibility),
+            ViewUniform::new(packet, attribute).without_slack(),
+        ]
+    }
+
+    /// The streams that are drawn.
+    pub(super) fn stream_keys(&self) -> Vec<StreamKey> {
+        let streams = self.drawable.streams.iter();
+        streams.map(Records::key).collect()
+    }
+
+    pub(super) fn geometry_keys(&self) -> impl Iterator<Item = GeometryKey> {
+        let drawable = &self.drawable;
+        drawable.passes.iter().map(|&pass| GeometryKey {
+            strategy: self.strategy,
+            amplification: drawable.amplification,
+            pass,
+            cull_back_faces: drawable.cull_back_faces,
+        })
+    }
+
+    pub(super) fn screen_passes(&self) -> impl Iterator<Item = &'static ScreenPass> {
+        self.background
+            .into_iter()
+            .chain(self.finish.iter().copied())
+    }
+
+    /// Whether the depth buffer has what is drawn when the passes over records are done.
+    pub(super) fn leaves_depths(&self) -> bool {
+        self.drawable.passes.iter().any(|pass| pass.depth.is_some())
+    }
+}

@@ -1,0 +1,34 @@
+//! What a row of the table of amplifications is.
+
+use crate::render::gpu::constants::VERTICES_PER_QUAD;
+use crate::render::gpu::passes::GeometryPass;
+
+/// What one record becomes.
+#[derive(Debug)]
+pub struct Amplification {
+    /// No other has the same.
+    pub name: &'static str,
+    /// Files of `shaders/primitives/`.
+    pub(in crate::render::gpu) wgsl: &'static [&'static str],
+    /// Vertices that the vertex stage runs for a record: 1, or 4 for each quad.
+    pub vertices_per_record: u32,
+    /// Whether [`ShapeRecord`](crate::cloud::ShapeRecord)s are read beside the records.
+    pub reads_shapes: bool,
+    /// Whether the compute strategy writes the vertices. Plain points gain nothing from a pass that would write what
+    /// the vertex stage computes once anyway.
+    pub compute_amplifies: bool,
+    /// Every pass that may draw it.
+    pub passes: &'static [&'static GeometryPass],
+}
+
+impl Amplification {
+    /// Whether records are vertices of a list of points, not of quads.
+    pub(in crate::render::gpu) fn is_point_list(&self) -> bool {
+        self.vertices_per_record == 1
+    }
+
+    /// Quads that one record becomes; 0 for point lists.
+    pub(in crate::render::gpu) fn quads_per_record(&self) -> u32 {
+        self.vertices_per_record / VERTICES_PER_QUAD
+    }
+}

@@ -1,0 +1,19 @@
+//! What a picture is drawn from.
+
+use super::amplification::Amplification;
+use crate::render::gpu::passes::{GeometryPass, ScreenPass};
+use crate::render::gpu::residency::Records;
+
+/// A packet's records, and the passes over them.
+#[derive(Debug)]
+pub(in crate::render::gpu) struct Drawable<'a> {
+    pub(in crate::render::gpu) amplification: &'static Amplification,
+    /// In the order of their bind groups; none where the frame lacks what the primitive needs.
+    pub(in crate::render::gpu) streams: Vec<Records<'a>>,
+    /// The amplification that says how long the chunks of these streams may be.
+    pub(in crate::render::gpu) chunked_for: &'static Amplification,
+    pub(in crate::render::gpu) cull_back_faces: bool,
+    pub(in crate::render::gpu) passes: &'static [&'static GeometryPass],
+    /// What lays their result over the background, where they do not draw into the picture.
+    pub(in crate::render::gpu) resolve: Option<&'static ScreenPass>,
+}

@@ -1,0 +1,42 @@
+//! What is drawn on the GPU: a file a primitive, with the names of `render/cpu/primitives`. It says what a record
+//! becomes, which records there are, and which passes draw them.
+//!
+//! | primitive | passes |
+//! |---|---|
+//! | point | point |
+//! | voxel | solid |
+//! | surfel `regular`, `no-depth` | splat |
+//! | surfel `visibility` | visibility, depth view |
+//! | surfel, other modes | visibility, attribute, resolve |
+
+mod amplification;
+mod drawable;
+mod points;
+mod surfels;
+mod voxels;
+
+pub use amplification::Amplification;
+pub(super) use drawable::Drawable;
+
+use crate::scene::{Content, ScenePacket};
+
+/// All of them.
+pub const AMPLIFICATIONS: [&Amplification; 5] = [
+    &points::PIXEL,
+    &points::SQUARE,
+    &surfels::QUAD,
+    &voxels::LIT_BY_FACES,
+    &voxels::LIT_BY_NORMALS,
+];
+
+/// What a packet shows: the one place where its content is asked for, once a picture.
+pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
+    let style = &packet.settings;
+    match &packet.content {
+        // Only the background is drawn: byte codes are for the processor alone.
+        Content::Nothing | Content::Coded(_) => points::drawable(None, style),
+        Content::Points(records) => points::drawable(Some(records), style),
+        Content::Surfels(surfels) => surfels::drawable(surfels, style),
+        Content::Voxels(voxels) => voxels::drawable(voxels),
+    }
+}

@@ -1,0 +1,44 @@
+//! Points: pixels, or squares that face the screen.
+
+use super::amplification::Amplification;
+use super::drawable::Drawable;
+use super::surfels;
+use crate::cloud::PointRecord;
+use crate::render::gpu::passes::geometry::POINT;
+use crate::render::gpu::residency::Records;
+use crate::scene::Style;
+use std::sync::Arc;
+
+/// One vertex of a point list.
+pub(super) const PIXEL: Amplification = Amplification {
+    name: "pixel",
+    vertices_per_record: 1,
+    ..SQUARE
+};
+
+/// One quad that faces the screen.
+pub(super) const SQUARE: Amplification = Amplification {
+    name: "square",
+    wgsl: &[include_str!("../../../../shaders/primitives/points.wgsl")],
+    vertices_per_record: 4,
+    reads_shapes: false,
+    compute_amplifies: false,
+    passes: &[&POINT],
+};
+
+pub(super) fn drawable<'a>(
+    points: Option<&'a Arc<Vec<PointRecord>>>,
+    style: &Style,
+) -> Drawable<'a> {
+    let is_pixel = style.points.size_px <= 1.0;
+    Drawable {
+        amplification: if is_pixel { &PIXEL } else { &SQUARE },
+        streams: points.map(Records::of).into_iter().collect(),
+        // Of all that is drawn from a cloud, surfels have the smallest chunks: switching the primitive uploads nothing
+        // again.
+        chunked_for: &surfels::QUAD,
+        cull_back_faces: style.culls_back_faces(),
+        passes: &[&POINT],
+        resolve: None,
+    }
+}

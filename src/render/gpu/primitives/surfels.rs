@@ -1,0 +1,41 @@
+//! Surfels in the six modes of paper 000, Fig. 3.
+
+use super::amplification::Amplification;
+use super::drawable::Drawable;
+use crate::render::gpu::passes::geometry::{ATTRIBUTE, NO_DEPTH, REGULAR, VISIBILITY};
+use crate::render::gpu::passes::screen::{DEPTH_VIEW, RESOLVE};
+use crate::render::gpu::passes::{GeometryPass, ScreenPass};
+use crate::render::gpu::residency::Records;
+use crate::scene::{Splatting, Style, Surfels};
+
+/// One quad on the surface.
+pub(super) const QUAD: Amplification = Amplification {
+    name: "surfel",
+    wgsl: &[include_str!("../../../../shaders/primitives/surfels.wgsl")],
+    vertices_per_record: 4,
+    reads_shapes: true,
+    compute_amplifies: true,
+    passes: &[&VISIBILITY, &ATTRIBUTE, &REGULAR, &NO_DEPTH],
+};
+
+type Passes = &'static [&'static GeometryPass];
+
+pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> {
+    let splatting = style.surfels.splatting;
+    let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match splatting {
+        Splatting::Regular => (&[&REGULAR], None),
+        Splatting::NoDepth => (&[&NO_DEPTH], None),
+        Splatting::Visibility => (&[&VISIBILITY], Some(&DEPTH_VIEW)),
+        Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
+            (&[&VISIBILITY, &ATTRIBUTE], Some(&RESOLVE))
+        }
+    };
+    Drawable {
+        amplification: &QUAD,
+        streams: vec![Records::of(&surfels.points), Records::of(&surfels.shapes)],
+        chunked_for: &QUAD,
+        cull_back_faces: style.culls_back_faces(),
+        passes,
+        resolve,
+    }
+}

@@ -1,0 +1,51 @@
+//! Cells as cubes: the three faces of each that can face the eye.
+
+use super::amplification::Amplification;
+use super::drawable::Drawable;
+use crate::render::gpu::passes::geometry::SOLID;
+use crate::render::gpu::residency::Records;
+use crate::scene::Voxels;
+
+/// Light falls on the faces.
+pub(super) const LIT_BY_FACES: Amplification = Amplification {
+    name: "voxel",
+    wgsl: &[
+        include_str!("../../../../shaders/primitives/voxels.wgsl"),
+        include_str!("../../../../shaders/primitives/voxels_lit_by_faces.wgsl"),
+    ],
+    vertices_per_record: 12,
+    reads_shapes: false,
+    compute_amplifies: true,
+    passes: &[&SOLID],
+};
+
+/// Light falls on the surface in a cell.
+pub(super) const LIT_BY_NORMALS: Amplification = Amplification {
+    name: "voxel with normal",
+    wgsl: &[
+        include_str!("../../../../shaders/primitives/voxels.wgsl"),
+        include_str!("../../../../shaders/primitives/voxels_lit_by_normals.wgsl"),
+    ],
+    reads_shapes: true,
+    ..LIT_BY_FACES
+};
+
+pub(super) fn drawable(voxels: &Voxels) -> Drawable<'_> {
+    let normals = voxels.normals.as_ref();
+    let amplification = match normals {
+        Some(_) => &LIT_BY_NORMALS,
+        None => &LIT_BY_FACES,
+    };
+    Drawable {
+        amplification,
+        streams: [Some(Records::of(&voxels.records)), normals.map(Records::of)]
+            .into_iter()
+            .flatten()
+            .collect(),
+        chunked_for: amplification,
+        // The faces of a cube that do not face the eye are never right to draw.
+        cull_back_faces: true,
+        passes: &[&SOLID],
+        resolve: None,
+    }
+}

@@ -1,0 +1,121 @@
+//! What truths are made of: rays of a view, and what they meet.
+
+use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR};
+use crate::scene::{Background, Camera, Lighting};
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+
+/// Pixels along each edge of the squares that are worked out at a time.
+pub(super) const TILE_PX: u32 = 32;
+
+/// A view in f64, and how its surfaces are lit.
+#[derive(Debug, Clone, Copy)]
+pub struct TruthView {
+    pub(super) view_from_frame: DMat3,
+    /// In the space of the frame.
+    pub(super) eye: DVec3,
+    /// Pixels for a slope of 1.
+    pub(super) px_per_slope: f64,
+    pub(super) size_px: [u32; 2],
+    pub(super) lighting: Lighting,
+    pub(super) background: Background,
+}
+
+/// What a ray meets.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Hit {
+    /// Along the view axis.
+    pub(super) depth: f64,
+    /// Lit; red, green and blue, 0 to 1.
+    pub(super) color: DVec3,
+    /// See [`Truth::tolerance`].
+    pub(super) tolerance: f64,
+}
+
+/// What rays may meet.
+pub(super) trait Visible: Sync {
+    /// What the rays of `samples` meet, row by row.
+    fn meet(&self, view: &TruthView, samples: &Samples) -> Vec<Option<Hit>>;
+}
+
+/// The samples of a rectangle of pixels: `per_edge` along each edge of each pixel, in the middles of equal squares.
+pub(super) struct Samples {
+    pub(super) columns_px: Range<u32>,
+    pub(super) rows_px: Range<u32>,
+    /// Along each edge of a pixel.
+    pub(super) per_edge: u32,
+}
+
+impl TruthView {
+    /// What `camera` sees of frames relative to `origin`. Surfaces are lit at each sample unless they are not lit at
+    /// all.
+    pub fn new(
+        camera: &Camera,
+        origin: DVec3,
+        size_px: [u32; 2],
+        lighting: Lighting,
+        background: Background,
+    ) -> Self {
+        Self {
+            view_from_frame: camera.view_from_world_rotation(),
+            eye: camera.eye_in_world() - origin,
+            px_per_slope: 0.5 * f64::from(size_px[1]) * camera.focal(),
+            size_px,
+            lighting,
+            background,
+        }
+    }
+
+    /// The ray through a place of the picture, in view space: as long as makes its depth 1.
+    pub(super) fn ray(&self, place_px: [f64; 2]) -> DVec3 {
+        let [width, height] = self.size_px.map(f64::from);
+        DVec3::new(
+            (place_px[0] - 0.5 * width) / self.px_per_slope,
+            (0.5 * height - place_px[1]) / self.px_per_slope,
+            -1.0,
+        )
+    }
+
+    pub(super) fn to_view(self, position_in_frame: DVec3) -> DVec3 {
+        self.view_from_frame * (position_in_frame - self.eye)
+    }
+
+    /// A colour (0 to 1) under the head light of `shaders/common/light.wgsl`. Vectors in view space.
+    pub(super) fn lit(&self, color: DVec3, normal: DVec3, ray: DVec3) -> DVec3 {
+        if self.lighting == Lighting::Unlit {
+            return color;
+        }
+        let [ambient, specular] = [HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR].map(f64::from);
+        let facing = normal.dot(ray.normalize()).abs();
+        let lit = color * (ambient + (1.0 - ambient) * facing) + specular * facing.powi(24);
+        lit.min(DVec3::ONE)
+    }
+
+    pub(super) fn background_at(&self, y_px: f64) -> DVec3 {
+        let share = y_px / f64::from(self.size_px[1]);
+        let [top, bottom] = [self.background.top, self.background.bottom].map(unit_color);
+        top.lerp(bottom, share)
+    }
+}
+
+impl Samples {
+    pub(super) fn size(&self) -> [usize; 2] {
+        [&self.columns_px, &self.rows_px].map(|range| range.len() * self.per_edge as usize)
+    }
+
+    /// The place of a sample in the picture.
+    pub(super) fn place_px(&self, column: usize, row: usize) -> [f64; 2] {
+        let place = |first: u32, sample: usize| {
+            f64::from(first) + (sample as f64 + 0.5) / f64::from(self.per_edge)
+        };
+        [
+            place(self.columns_px.start, column),
+            place(self.rows_px.start, row),
+        ]
+    }
+}
+
+/// A colour of bytes, 0 to 1.
+pub(super) fn unit_color(bytes: [u8; 3]) -> DVec3 {
+    DVec3::from_array(bytes.map(|channel| f64::from(channel) / 255.0))
+}
