@@ -25,6 +25,8 @@ fn marks(ui: &Ui, state: &State, rect: Rect, size_px: [u32; 2]) {
     {
         paint_path(&canvas, path);
     }
-    paint_trails(&canvas, state);
+    if let Some(player) = &state.player {
+        paint_trails(&canvas, &state.trails, player);
+    }
     paint_inspection(&canvas, &state.inspection);
 }

@@ -17,20 +17,11 @@ mod scale_bar;
 mod settings;
 mod shading;
 mod statistics;
+mod time;
 mod viewport;
 mod voxels;
 
 use super::State;
-use super::features::benchmark::panel::benchmark_ui;
-use super::features::beside::panel::beside_ui;
-use super::features::camera_path::panel::camera_path_ui;
-use super::features::comparison::panel::comparison_ui;
-use super::features::inspection::measuring_panel::measuring_ui;
-use super::features::inspection::point_panel::point_ui;
-use super::features::palette::panel::palette_ui;
-use super::features::temporal::panel::change_ui;
-use super::features::timeline::panel::timeline_ui;
-use bound::export_ui;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, ThemePreference, Ui};
 use help::help_ui;
 use menu::menu_ui;
@@ -52,14 +43,13 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     if state.pictures().is_some() {
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
         Panel::top("comparison").frame(bar).show(ui, |ui| {
-            comparison_ui(ui, state);
-            beside_ui(ui, state);
+            bound::pair(ui, state);
         });
     }
     let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
     Panel::bottom("timeline")
         .frame(bar)
-        .show(ui, |ui| timeline_ui(ui, state));
+        .show(ui, |ui| bound::timeline(ui, state));
     let side = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
     if state.panels.settings {
         Panel::right("settings")
@@ -76,17 +66,17 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
             .show(ui, |ui| statistics_ui(ui, state));
     }
     CentralPanel::no_frame().show(ui, |ui| viewport_ui(ui, state));
-    point_ui(ui, state);
-    measuring_ui(ui, state);
-    change_ui(ui, state);
-    camera_path_ui(ui, state);
-    export_ui(ui, state);
+    bound::point(ui, state);
+    bound::measuring(ui, state);
+    bound::change(ui, state);
+    bound::camera_path(ui, state);
+    bound::export(ui, state);
     notices_ui(ui, state);
     help_ui(ui, state);
-    benchmark_ui(ui, state);
+    bound::benchmark(ui, state);
     preset_name_ui(ui, state);
     question_ui(ui, state);
-    palette_ui(ui, state);
+    bound::palette(ui, state);
     follow_theme(ui.ctx(), state.theme);
     state.note_settings(ui.ctx());
     state.follow_poses();

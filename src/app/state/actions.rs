@@ -147,6 +147,14 @@ impl State {
         };
     }
 
+    /// The settings are those of `side` of two ways to draw from now on.
+    pub(in crate::app) fn edit_side(&mut self, side: Side) {
+        if let Some(comparison) = &mut self.comparison {
+            comparison.edited = side;
+            std::mem::swap(&mut comparison.other, &mut self.settings);
+        }
+    }
+
     fn escape(&mut self) {
         let running = matches!(self.benchmark, Benchmark::Running(_));
         // The key has taken the keyboard from their fields already, so they do not see it.
@@ -170,21 +178,6 @@ impl State {
     pub(in crate::app) fn play_with(&mut self, change: impl FnOnce(&mut Player, Duration)) {
         if let Some(player) = &mut self.player {
             change(player, self.now);
-        }
-    }
-
-    /// Takes the playhead in the hand, or lets it go: meanwhile playing rests.
-    pub(in crate::app) fn play_with_scrubbing(&mut self, begin: bool) {
-        let Some(player) = &mut self.player else {
-            return;
-        };
-        if begin {
-            self.scrubbing.resume = player.is_playing();
-            if self.scrubbing.resume {
-                player.toggle(self.now);
-            }
-        } else if std::mem::take(&mut self.scrubbing.resume) && !player.is_playing() {
-            player.toggle(self.now);
         }
     }
 

@@ -132,8 +132,6 @@ pub struct State {
     pub full_screen: bool,
     /// The picture in the hand.
     pub(in crate::app) grip: Option<Grip>,
-    /// True between the first and the last move of the playhead by the mouse.
-    pub(in crate::app) scrubbing: Scrubbing,
     pub(in crate::app) tasks: Tasks<Outcome>,
     dialogs: Dialogs,
     options: StateOptions,
@@ -147,13 +145,6 @@ pub struct State {
     without_gpu: Option<RendererChoice>,
     /// What the drawn frame was painted with when this was last looked at: the panels say it.
     painted_with: Option<Paint>,
-}
-
-/// The playhead in the hand.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(in crate::app) struct Scrubbing {
-    /// Plays on when it is let go.
-    pub(in crate::app) resume: bool,
 }
 
 impl State {
@@ -193,7 +184,6 @@ impl State {
             counters: Counters::default(),
             full_screen: false,
             grip: None,
-            scrubbing: Scrubbing::default(),
             dialogs: Dialogs::default(),
             tasks: Tasks::new(Arc::clone(&options.wake)),
             now: Duration::ZERO,

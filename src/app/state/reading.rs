@@ -1,7 +1,7 @@
 //! Frames that take long to read: their bars, and what becomes of a sequence whose first frame nobody waits for any
 //! more.
 
-use super::{Scrubbing, State};
+use super::State;
 use crate::app::first_look::Looked;
 use crate::app::work::tasks::close;
 use crate::app::work::works::WorkKind;
@@ -143,7 +143,7 @@ impl State {
         self.thumbnails.forget_frames();
         self.trails.forget_points();
         self.inspection.forget_points();
-        self.scrubbing = Scrubbing::default();
+        self.timeline.forget_playhead();
         self.quality.forget();
     }
 }

@@ -1,17 +1,15 @@
 //! The window that finds commands by their names.
 
-use crate::app::State;
-use crate::app::features::palette::{Entry, find};
+use super::{Entry, Palette, find};
+use crate::app::command::Command;
 use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, Window};
 
 /// Size of the window, points.
 const SIZE: [f32; 2] = [460.0, 320.0];
 
-/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes.
-pub(in crate::app) fn palette_ui(ui: &Ui, state: &mut State) {
-    let Some(palette) = &mut state.palette else {
-        return;
-    };
+/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns what to run.
+pub(in crate::app) fn palette_ui(ui: &Ui, open: &mut Option<Palette>) -> Option<Command> {
+    let palette = open.as_mut()?;
     let ctx = ui.ctx();
     // Taken before the field sees them: it would move its cursor or lose its focus by them.
     let pressed = |key| ctx.input_mut(|input| input.consume_key(Modifiers::NONE, key));
@@ -62,11 +60,9 @@ pub(in crate::app) fn palette_ui(ui: &Ui, state: &mut State) {
         });
     let command = clicked.or(chosen.filter(|_| is_run));
     if is_closed || command.is_some() {
-        state.palette = None;
+        *open = None;
     }
-    if let Some(command) = command {
-        state.run(command);
-    }
+    command
 }
 
 /// One command.

@@ -10,6 +10,7 @@
 //! the up axis or the source of the colours changes, or somebody asks for new pictures.
 
 mod draw;
+pub(in crate::app) mod panel;
 mod schedule;
 mod store;
 
