@@ -60,7 +60,7 @@ pub use fly::Fly;
 pub use history::{Edited, History};
 pub use motion::Turntable;
 pub use notices::{Notice, Notices, Severity};
-pub use open_panels::OpenPanels;
+pub use open_panels::{OpenPanels, PanelId, RememberedPanels};
 pub use preferences::{Preferences, PreferencesFile};
 pub use present_choice::PresentChoice;
 pub use presets::{Preset, Presets};

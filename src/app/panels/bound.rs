@@ -1,6 +1,6 @@
 //! Panels of features in the window: what each is given of the state, and what becomes of what it asks for.
 
-use crate::app::State;
+use super::table::without_keys;
 use crate::app::command::Command;
 use crate::app::features::benchmark::panel::{BenchmarkRequest, benchmark_ui};
 use crate::app::features::beside::panel::{BesideRequest, beside_ui};
@@ -14,14 +14,17 @@ use crate::app::features::palette::panel::palette_ui;
 use crate::app::features::temporal::panel::change_ui;
 use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, timeline_ui};
 use crate::app::features::trails::panel::trail_ui;
+use crate::app::{PanelId, State};
 use crate::scene::Scene;
 use crate::timeline::DEFAULT_FPS;
 use egui::Ui;
 
 pub(super) fn benchmark(ui: &mut Ui, state: &mut State) {
     let now = state.now();
-    let is_open = &mut state.panels.benchmark;
-    match benchmark_ui(ui, is_open, &state.benchmark, now) {
+    let mut is_open = state.panels.has(PanelId::BENCHMARK);
+    let request = benchmark_ui(ui, &mut is_open, &state.benchmark, now);
+    state.panels.set(PanelId::BENCHMARK, is_open);
+    match request {
         Some(BenchmarkRequest::Save(format)) => state.ask_for_report(format),
         Some(BenchmarkRequest::DrawAs(way)) => state.draw_as(&way.settings),
         None => {}
@@ -66,8 +69,10 @@ pub(super) fn camera_path(ui: &mut Ui, state: &mut State) {
     let player = state.player.as_ref();
     let fps = player.map_or(DEFAULT_FPS, |player| player.clock().fps());
     let corner = state.viewport.rect.left_top();
-    let is_open = &mut state.panels.path;
-    match camera_path_ui(ui, is_open, &mut state.path, fps, corner) {
+    let mut is_open = state.panels.has(PanelId::CAMERA_PATH);
+    let request = camera_path_ui(ui, &mut is_open, &mut state.path, fps, corner);
+    state.panels.set(PanelId::CAMERA_PATH, is_open);
+    match request {
         Some(PathRequest::Run(command)) => state.run(command),
         Some(PathRequest::GoTo(time_s)) => state.set_path_time(time_s),
         Some(PathRequest::Replace(index)) => state.replace_keyframe(index),
@@ -78,8 +83,10 @@ pub(super) fn camera_path(ui: &mut Ui, state: &mut State) {
 pub(super) fn export(ui: &mut Ui, state: &mut State) {
     let of = state.exportable();
     let top = state.viewport.rect.center_top();
-    let is_open = &mut state.panels.export;
-    match export_ui(ui, is_open, &mut state.export, &of, top) {
+    let mut is_open = state.panels.has(PanelId::EXPORT);
+    let request = export_ui(ui, &mut is_open, &mut state.export, &of, top);
+    state.panels.set(PanelId::EXPORT, is_open);
+    match request {
         Some(ExportRequest::ChoosePlace) => state.ask_for_place(),
         Some(ExportRequest::Start) => state.start_export(),
         None => {}
@@ -127,7 +134,10 @@ pub(super) fn change(ui: &mut Ui, state: &mut State) {
 }
 
 pub(super) fn palette(ui: &mut Ui, state: &mut State) {
-    if let Some(command) = palette_ui(ui, &mut state.palette) {
+    if state.palette.is_none() {
+        return;
+    }
+    if let Some(command) = palette_ui(ui, &mut state.palette, &without_keys()) {
         state.run(command);
     }
 }

@@ -1,4 +1,4 @@
-//! The panels, one file each: `fn timeline_ui(ui, &mut State)`. They read and change [`State`] and know no GPU.
+//! The panels, one file each, and a row each of [`table`]. They read and change [`State`] and know no GPU.
 
 mod bound;
 mod clip;
@@ -17,19 +17,15 @@ mod scale_bar;
 mod settings;
 mod shading;
 mod statistics;
+mod table;
 mod time;
 mod viewport;
 mod voxels;
 
 use super::State;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, ThemePreference, Ui};
-use help::help_ui;
 use menu::menu_ui;
-use notices::notices_ui;
-use presets::preset_name_ui;
-use question::question_ui;
-use settings::settings_ui;
-use statistics::statistics_ui;
+use table::{PANELS, PanelRow, Place};
 use viewport::viewport_ui;
 
 /// Everything in the window, keys included.
@@ -50,37 +46,37 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     Panel::bottom("timeline")
         .frame(bar)
         .show(ui, |ui| bound::timeline(ui, state));
-    let side = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
-    if state.panels.settings {
-        Panel::right("settings")
-            .frame(side)
-            .default_size(312.0)
-            .size_range(280.0..=460.0)
-            .show(ui, |ui| settings_ui(ui, state));
-    }
-    if state.panels.statistics {
-        Panel::left("statistics")
-            .frame(side)
-            .default_size(272.0)
-            .size_range(240.0..=420.0)
-            .show(ui, |ui| statistics_ui(ui, state));
+    for row in PANELS {
+        side_ui(ui, state, row);
     }
     CentralPanel::no_frame().show(ui, |ui| viewport_ui(ui, state));
-    bound::point(ui, state);
-    bound::measuring(ui, state);
-    bound::change(ui, state);
-    bound::camera_path(ui, state);
-    bound::export(ui, state);
-    notices_ui(ui, state);
-    help_ui(ui, state);
-    bound::benchmark(ui, state);
-    preset_name_ui(ui, state);
-    question_ui(ui, state);
-    bound::palette(ui, state);
+    for row in PANELS {
+        if matches!(row.place, Place::Window) {
+            (row.show)(ui, state);
+        }
+    }
     follow_theme(ui.ctx(), state.theme);
     state.note_settings(ui.ctx());
     state.follow_poses();
     state.follow_thumbnails();
+}
+
+/// A panel beside the picture, while it is open.
+fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow) {
+    let Some(id) = row.id.filter(|&id| state.panels.has(id)) else {
+        return;
+    };
+    let (panel, width, range) = match &row.place {
+        Place::Left(width, range) => (Panel::left(id.name()), *width, range.clone()),
+        Place::Right(width, range) => (Panel::right(id.name()), *width, range.clone()),
+        Place::Window => return,
+    };
+    let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
+    panel
+        .frame(frame)
+        .default_size(width)
+        .size_range(range)
+        .show(ui, |ui| (row.show)(ui, state));
 }
 
 /// Has the panels run again where another theme was chosen.

@@ -2,7 +2,7 @@
 
 use crate::app::theme::GOOD;
 use crate::app::work::panel::work_ui;
-use crate::app::{Benchmark, Notice, Severity, State, Work};
+use crate::app::{Benchmark, Notice, PanelId, Severity, State, Work};
 use egui::{Align2, Area, Frame, Id, RichText, ScrollArea, Stroke, Ui, vec2};
 
 /// Width of a message.
@@ -46,7 +46,7 @@ pub(super) fn notices_ui(ui: &mut Ui, state: &mut State) {
 fn shown_works(state: &State) -> Vec<&Work> {
     let measuring = match &state.benchmark {
         // Its window has the same bar.
-        Benchmark::Running(running) if !state.panels.benchmark => Some(&running.work),
+        Benchmark::Running(running) if !state.panels.has(PanelId::BENCHMARK) => Some(&running.work),
         _ => None,
     };
     let works = state.works.list().iter().chain(measuring);

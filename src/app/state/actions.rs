@@ -10,6 +10,7 @@ use crate::app::features::comparison::Comparison;
 use crate::app::features::export::Subject;
 use crate::app::features::palette::Palette;
 use crate::app::history::Edited;
+use crate::app::open_panels::PanelId;
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
 use crate::playback::Player;
@@ -92,7 +93,6 @@ impl State {
             }
             Command::ToggleExport => self.toggle_export(None),
             Command::ExportPath => self.toggle_export(Some(Subject::Path)),
-            Command::TogglePath => self.panels.path ^= true,
             Command::AddKeyframe => self.add_keyframe(),
             Command::TogglePreview => self.toggle_preview(),
             Command::NewPath => self.ask_or_do(Question::New),
@@ -100,8 +100,6 @@ impl State {
             Command::SavePath => self.save_path(false),
             Command::SavePathAs => self.save_path(true),
             Command::FullScreen => self.requests.push(WindowRequest::FullScreen),
-            Command::ToggleSettings => self.panels.settings ^= true,
-            Command::ToggleStatistics => self.panels.statistics ^= true,
             Command::ToggleComparison => self.toggle_comparison(),
             Command::Undo => {
                 let before = self.history.undo();
@@ -111,9 +109,9 @@ impl State {
                 let after = self.history.redo();
                 self.take_edited(after);
             }
+            Command::TogglePanel(panel) => self.panels.toggle(panel),
             Command::ToggleTrails => self.toggle_trails(),
             Command::Theme(theme) => self.theme = theme,
-            Command::ToggleLegend => self.panels.legend ^= true,
             Command::ToggleThumbnails => self.thumbnails.is_on ^= true,
             Command::RedoThumbnails => self.thumbnails.redo(),
             Command::TogglePalette => {
@@ -122,7 +120,6 @@ impl State {
                     None => Some(Palette::default()),
                 };
             }
-            Command::ToggleHelp => self.panels.help ^= true,
             Command::Escape => self.escape(),
             Command::Quit => self.ask_or_do(Question::Quit),
         }
@@ -161,12 +158,10 @@ impl State {
         let has_closed = self.palette.take().is_some() || self.timeline.renaming.take().is_some();
         if has_closed || self.stop_preview() || self.path.question.take().is_some() {
             // One thing at a time.
-        } else if self.panels.export {
-            self.panels.export = false;
-        } else if self.panels.help {
-            self.panels.help = false;
-        } else if self.panels.benchmark && !running {
-            self.panels.benchmark = false;
+        } else if self.panels.close(PanelId::EXPORT) || self.panels.close(PanelId::HELP) {
+            // One thing at a time.
+        } else if !running && self.panels.close(PanelId::BENCHMARK) {
+            // One thing at a time.
         } else if self.inspection.escape() {
             // One thing at a time.
         } else if self.full_screen {

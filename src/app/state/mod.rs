@@ -156,7 +156,7 @@ impl State {
             camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
             settings: options.preferences.settings,
             notices: Notices::default(),
-            panels: options.preferences.panels,
+            panels: options.preferences.panels.into(),
             comparison: None,
             works: Works::default(),
             beside: None,
@@ -227,12 +227,7 @@ impl State {
             speed: clock
                 .map_or(self.options.preferences.speed, Clock::speed)
                 .abs(),
-            panels: OpenPanels {
-                settings: self.panels.settings,
-                statistics: self.panels.statistics,
-                legend: self.panels.legend,
-                ..OpenPanels::default()
-            },
+            panels: self.panels.remembered(),
             thumbnails: self.thumbnails.is_on,
             scale_bar: self.shows_scale_bar,
             theme: self.theme,

@@ -8,7 +8,11 @@ use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, W
 const SIZE: [f32; 2] = [460.0, 320.0];
 
 /// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns what to run.
-pub(in crate::app) fn palette_ui(ui: &Ui, open: &mut Option<Palette>) -> Option<Command> {
+pub(in crate::app) fn palette_ui(
+    ui: &Ui,
+    open: &mut Option<Palette>,
+    more: &[Entry],
+) -> Option<Command> {
     let palette = open.as_mut()?;
     let ctx = ui.ctx();
     // Taken before the field sees them: it would move its cursor or lose its focus by them.
@@ -37,7 +41,7 @@ pub(in crate::app) fn palette_ui(ui: &Ui, open: &mut Option<Palette>) -> Option<
                 palette.chosen = 0;
             }
             field.on_hover_text("Some letters of each word. Enter runs, arrows choose, Esc closes");
-            let found = find(&palette.query);
+            let found = find(&palette.query, more);
             let last = found.len().saturating_sub(1);
             let place = (palette.chosen + usize::from(down)).saturating_sub(usize::from(up));
             palette.chosen = place.min(last);
