@@ -1,6 +1,5 @@
 //! Panels of features in the window: what each is given of the state, and what becomes of what it asks for.
 
-use super::table::without_keys;
 use crate::app::command::Command;
 use crate::app::features::benchmark::panel::{BenchmarkRequest, benchmark_ui};
 use crate::app::features::beside::panel::{BesideRequest, beside_ui};
@@ -10,6 +9,7 @@ use crate::app::features::comparison::panel::{ComparisonRequest, comparison_ui};
 use crate::app::features::export::panel::{ExportRequest, export_ui};
 use crate::app::features::inspection::measuring_panel::measuring_ui;
 use crate::app::features::inspection::point_panel::{PointContext, point_ui};
+use crate::app::features::palette::Entry;
 use crate::app::features::palette::panel::palette_ui;
 use crate::app::features::temporal::panel::change_ui;
 use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, timeline_ui};
@@ -133,11 +133,9 @@ pub(super) fn change(ui: &mut Ui, state: &mut State) {
     change_ui(ui, &mut state.temporal, shown, colors, corner);
 }
 
-pub(super) fn palette(ui: &mut Ui, state: &mut State) {
-    if state.palette.is_none() {
-        return;
-    }
-    if let Some(command) = palette_ui(ui, &mut state.palette, &without_keys()) {
+/// The list of commands, `more` of them beside those that have keys.
+pub(super) fn palette(ui: &mut Ui, state: &mut State, more: &[Entry]) {
+    if let Some(command) = palette_ui(ui, &mut state.palette, more) {
         state.run(command);
     }
 }

@@ -25,7 +25,7 @@ mod voxels;
 use super::State;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, ThemePreference, Ui};
 use menu::menu_ui;
-use table::{PANELS, PanelRow, Place};
+use table::{PANELS, PanelRow, Place, without_keys};
 use viewport::viewport_ui;
 
 /// Everything in the window, keys included.
@@ -54,6 +54,9 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
         if matches!(row.place, Place::Window) {
             (row.show)(ui, state);
         }
+    }
+    if state.palette.is_some() {
+        bound::palette(ui, state, &without_keys());
     }
     follow_theme(ui.ctx(), state.theme);
     state.note_settings(ui.ctx());

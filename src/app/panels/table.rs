@@ -35,7 +35,7 @@ pub(super) enum Place {
     Window,
 }
 
-/// All but menu, timeline and picture, in the order in which they are laid out.
+/// All but menu, timeline, picture and the list of commands, in the order in which they are laid out.
 pub(super) const PANELS: &[PanelRow] = &[
     PanelRow {
         id: Some(PanelId::SETTINGS),
@@ -64,7 +64,6 @@ pub(super) const PANELS: &[PanelRow] = &[
     window(PanelId::BENCHMARK, bound::benchmark),
     by_itself(preset_name_ui),
     by_itself(question_ui),
-    by_itself(bound::palette),
 ];
 
 /// A window that is opened from elsewhere than the menu View.

@@ -2,6 +2,7 @@
 
 use super::dialogs::DialogKind;
 use super::ranges::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+use super::steering::steer;
 use super::{State, WindowRequest};
 use crate::app::command::{self, Command};
 use crate::app::features::benchmark::Benchmark;
@@ -16,12 +17,9 @@ use crate::app::side::Side;
 use crate::playback::Player;
 use crate::scene::{Primitive, RendererChoice, Style};
 use crate::sequence::Sequence;
-use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange};
+use crate::timeline::PlayRange;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The speeds that the keys step through.
-const SPEEDS: [f64; 9] = [0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 10.0];
 
 /// The keys change sizes by this factor.
 const SIZE_STEP: f32 = 1.25;
@@ -37,26 +35,15 @@ impl State {
     /// Does what a key or menu asks for.
     pub fn run(&mut self, command: Command) {
         match command {
-            Command::TogglePlay => self.play_with(Player::toggle),
-            Command::Step(count) => self.play_with(|player, now| player.step(count, now)),
-            Command::First => self.play_with(|player, now| player.seek(0, now)),
-            Command::Last => self.play_with(|player, now| player.seek(usize::MAX, now)),
-            Command::ToggleFollow => self.play_with(|player, now| {
-                player.follow_newest(!player.follows_newest(), now);
-            }),
-            Command::NextLoopMode => self.play_with(|player, now| {
-                let next = next_loop_mode(player.clock().loop_mode());
-                player.set_loop_mode(next, now);
-            }),
-            Command::Slower => {
-                self.change_speed(|speed| SPEEDS.iter().rev().copied().find(|&s| s < speed - 1e-9));
-            }
-            Command::Faster => {
-                self.change_speed(|speed| SPEEDS.iter().copied().find(|&s| s > speed + 1e-9));
-            }
-            Command::Reverse => {
-                self.play_with(|player, now| player.set_speed(-player.clock().speed(), now));
-            }
+            Command::TogglePlay
+            | Command::Step(_)
+            | Command::First
+            | Command::Last
+            | Command::ToggleFollow
+            | Command::NextLoopMode
+            | Command::Slower
+            | Command::Faster
+            | Command::Reverse => self.play_with(|player, now| steer(player, command, now)),
             Command::SetIn => self.set_range(PlayRange::beginning_at),
             Command::SetOut => self.set_range(PlayRange::ending_at),
             Command::ClearRange => self.set_range(|_, _| PlayRange::default()),
@@ -218,15 +205,6 @@ impl State {
         self.settings = self.settings.drawn_as(way);
     }
 
-    fn change_speed(&mut self, next: impl Fn(f64) -> Option<f64>) {
-        self.play_with(|player, now| {
-            let speed = player.clock().speed();
-            if let Some(size) = next(speed.abs()) {
-                player.set_speed(size.clamp(MIN_SPEED, MAX_SPEED).copysign(speed), now);
-            }
-        });
-    }
-
     fn scale_size(&mut self, factor: f32) {
         let (size, range) = match self.drawn_settings().primitive {
             Primitive::Point => (&mut self.settings.points.size_px, POINT_SIZE_RANGE_PX),
@@ -295,13 +273,4 @@ impl State {
         self.without_gpu = Some(self.settings.renderer);
         self.forget_picture();
     }
-}
-
-/// Off, loop, ping-pong, off …
-fn next_loop_mode(mode: LoopMode) -> LoopMode {
-    let index = LoopMode::ALL
-        .iter()
-        .position(|&other| other == mode)
-        .unwrap_or(0);
-    LoopMode::ALL[(index + 1) % LoopMode::ALL.len()]
 }

@@ -18,6 +18,7 @@ mod parts;
 mod pictures;
 mod ranges;
 mod reading;
+mod steering;
 mod timeline;
 
 pub use dialogs::{DialogAnswer, DialogKind};
@@ -57,7 +58,7 @@ use crate::app::side::Side;
 use crate::app::work::tasks::{Tasks, Wake};
 use crate::app::work::works::Works;
 use crate::math::Aabb;
-use crate::playback::Player;
+use crate::playback::{Player, PlayerChange};
 use crate::scene::{Camera, RendererChoice, SceneStats, Style};
 use crate::sequence::Paint;
 use crate::timeline::Clock;
@@ -269,35 +270,9 @@ impl State {
         };
         let is_another_frame = change.visible;
         visible |= change.beyond_frame;
-        if let Some(failure) = change.new_failure {
-            let place = failure.index() + 1;
-            let count = player.sequence().len();
-            self.notices
-                .error(format!("Frame {place} of {count} is left out. {failure}"));
-        }
-        for text in change
-            .other_attributes
-            .into_iter()
-            .chain(change.new_warnings)
-        {
-            self.notices.warn(text);
-        }
-        visible |= self.temporal.follow(player, &settings, &self.tasks, now);
-        if let Some(frame) = player.shown() {
-            self.inspection
-                .follow(Side::A, frame, player.sequence().origin());
-            visible |= self.trails.follow(player, &self.inspection, &self.tasks);
-            if self.looked.is_empty() {
-                let frame = Arc::clone(frame);
-                self.look_first(&frame);
-                visible = true;
-            }
-        }
-        let paint = self.drawn_frame().map(|frame| *frame.paint());
-        if self.painted_with != paint {
-            self.painted_with = paint;
-            visible = true;
-        }
+        let count = player.sequence().len();
+        self.tell_of_frames(change, count);
+        visible |= self.follow_shown(&settings);
         self.follow_thumbnails();
         if let Some(of_b) = of_b {
             visible |= self.follow_beside(of_b);
@@ -309,6 +284,41 @@ impl State {
             false => Change::Nothing,
         };
         Change::of_panels(visible).max(of_frame)
+    }
+
+    /// Says what is new about frames that were read, of `count`.
+    fn tell_of_frames(&mut self, change: PlayerChange, count: usize) {
+        if let Some(failure) = change.new_failure {
+            let place = failure.index() + 1;
+            self.notices
+                .error(format!("Frame {place} of {count} is left out. {failure}"));
+        }
+        let texts = change.other_attributes.into_iter();
+        for text in texts.chain(change.new_warnings) {
+            self.notices.warn(text);
+        }
+    }
+
+    /// Has what features make of the shown frame made. True if something can be seen to change.
+    fn follow_shown(&mut self, settings: &Style) -> bool {
+        let Some(player) = &self.player else {
+            return false;
+        };
+        let mut visible = self
+            .temporal
+            .follow(player, settings, &self.tasks, self.now);
+        if let Some(frame) = player.shown() {
+            self.inspection
+                .follow(Side::A, frame, player.sequence().origin());
+            visible |= self.trails.follow(player, &self.inspection, &self.tasks);
+            if self.looked.is_empty() {
+                let frame = Arc::clone(frame);
+                self.look_first(&frame);
+                visible = true;
+            }
+        }
+        let paint = self.drawn_frame().map(|frame| *frame.paint());
+        visible | (std::mem::replace(&mut self.painted_with, paint) != paint)
     }
 
     /// Whether panels show more of the playing frame than its place on the timeline, so that they have to keep step
