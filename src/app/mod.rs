@@ -52,7 +52,7 @@ pub use features::inspection::measuring::{Gauge, Measurement};
 pub use features::inspection::{Anchor, Inspected, Inspection, Tool};
 pub use features::palette::Palette;
 pub use features::quality::{MeasuredQuality, QualityLimits};
-pub use features::temporal::{ChangeMap, Made, OnionSkin, Temporal};
+pub use features::temporal::{ChangeMap, ComposedFrame, OnionSkin, Temporal};
 pub use features::thumbnails::{Delivery, Thumbnails};
 pub use features::timeline::{Marker, Markers, Quantity, Timeline};
 pub use features::trails::{Traced, TrailField, Trails};

@@ -9,7 +9,7 @@ use crate::app::features::comparison::panel::{ComparisonRequest, comparison_ui};
 use crate::app::features::export::panel::{ExportRequest, export_ui};
 use crate::app::features::inspection::measuring_panel::measuring_ui;
 use crate::app::features::inspection::point_panel::{PointContext, point_ui};
-use crate::app::features::palette::Entry;
+use crate::app::features::palette::CommandEntry;
 use crate::app::features::palette::panel::palette_ui;
 use crate::app::features::temporal::panel::change_ui;
 use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, timeline_ui};
@@ -134,7 +134,7 @@ pub(super) fn change(ui: &mut Ui, state: &mut State) {
 }
 
 /// The list of commands, `more` of them beside those that have keys.
-pub(super) fn palette(ui: &mut Ui, state: &mut State, more: &[Entry]) {
+pub(super) fn palette(ui: &mut Ui, state: &mut State, more: &[CommandEntry]) {
     if let Some(command) = palette_ui(ui, &mut state.palette, more) {
         state.run(command);
     }

@@ -9,7 +9,7 @@ use super::question::question_ui;
 use super::settings::settings_ui;
 use super::statistics::statistics_ui;
 use crate::app::command::{Command, keys_of};
-use crate::app::features::palette::Entry;
+use crate::app::features::palette::CommandEntry;
 use crate::app::{PanelId, State};
 use egui::Ui;
 use std::ops::RangeInclusive;
@@ -92,13 +92,13 @@ pub(super) fn menu_items() -> impl Iterator<Item = (&'static str, PanelId)> {
 }
 
 /// Panels that are found by name and have no key.
-pub(super) fn without_keys() -> Vec<Entry> {
-    let entry = |(text, panel)| Entry {
+pub(super) fn without_keys() -> Vec<CommandEntry> {
+    let entry = |(text, panel)| CommandEntry {
         text,
         keys: "",
         command: Command::TogglePanel(panel),
     };
-    let mut entries: Vec<Entry> = menu_items().map(entry).collect();
+    let mut entries: Vec<CommandEntry> = menu_items().map(entry).collect();
     entries.retain(|entry| keys_of(entry.command).is_empty());
     entries
 }

@@ -143,15 +143,15 @@ impl State {
         let running = matches!(self.benchmark, Benchmark::Running(_));
         // The key has taken the keyboard from their fields already, so they do not see it.
         let has_closed = self.palette.take().is_some() || self.timeline.renaming.take().is_some();
-        if has_closed || self.stop_preview() || self.path.question.take().is_some() {
-            // One thing at a time.
-        } else if self.panels.close(PanelId::EXPORT) || self.panels.close(PanelId::HELP) {
-            // One thing at a time.
-        } else if !running && self.panels.close(PanelId::BENCHMARK) {
-            // One thing at a time.
-        } else if self.inspection.escape() {
-            // One thing at a time.
-        } else if self.full_screen {
+        // One thing at a time.
+        let has_closed = has_closed
+            || self.stop_preview()
+            || self.path.question.take().is_some()
+            || self.panels.close(PanelId::EXPORT)
+            || self.panels.close(PanelId::HELP)
+            || (!running && self.panels.close(PanelId::BENCHMARK))
+            || self.inspection.escape();
+        if !has_closed && self.full_screen {
             self.requests.push(WindowRequest::FullScreen);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::State;
 use super::dialogs::DialogKind;
-use crate::app::features::export::job::{Job, Shows, run};
+use crate::app::features::export::job::{ExportJob, Shows, run};
 use crate::app::features::export::{ExportEnded, Exportable, Subject};
 use crate::app::open_panels::PanelId;
 use crate::app::work::files::picture_folder;
@@ -89,10 +89,10 @@ impl State {
             .start("export", move || ExportEnded(run(job, &progress)));
     }
 
-    fn export_job(&self) -> Option<Job> {
+    fn export_job(&self) -> Option<ExportJob> {
         let player = self.player.as_ref()?;
         let export = &self.export;
-        Some(Job {
+        Some(ExportJob {
             sequence: Arc::clone(player.sequence()),
             settings: self.settings_of_export(),
             poses: self.poses_of_export(),

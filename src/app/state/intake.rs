@@ -33,7 +33,7 @@ impl State {
                     beside.take_in(distances);
                 }
             }
-            Outcome::MadeFrame(made) => {
+            Outcome::Composed(made) => {
                 if let Some(made) = made {
                     self.temporal.take_in(*made);
                 }

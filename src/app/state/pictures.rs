@@ -3,7 +3,7 @@
 use super::State;
 use crate::app::drawing::{Drawing, DrawnFrame};
 use crate::app::features::comparison::PicturePair;
-use crate::app::features::temporal::Made;
+use crate::app::features::temporal::ComposedFrame;
 use crate::app::meter::Redraw;
 use crate::render::RenderStats;
 use crate::scene::ScenePacket;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 impl State {
     /// The frame that is drawn: the shown one, or what other poses made of it.
     pub(in crate::app) fn drawn_frame(&self) -> Option<&Arc<PreparedFrame>> {
-        let made = self.temporal.shown().map(Made::frame);
+        let made = self.temporal.shown().map(ComposedFrame::frame);
         made.or_else(|| self.player.as_ref()?.shown())
     }
 
@@ -38,14 +38,14 @@ impl State {
         let player = self.player.as_ref()?;
         let pose = player.shown()?;
         let made = self.temporal.shown();
-        let frame = made.map_or(pose, Made::frame);
+        let frame = made.map_or(pose, ComposedFrame::frame);
         if self.viewport.size_px.contains(&0) {
             return None;
         }
         let origin = player.sequence().origin();
         let drawn = DrawnFrame {
             frame: Arc::clone(frame),
-            pose: Arc::clone(made.map_or(pose, Made::pose)),
+            pose: Arc::clone(made.map_or(pose, ComposedFrame::pose)),
             origin,
         };
         let settings = self.drawn_settings();

@@ -26,7 +26,7 @@ const PANELS_INTERVAL: Duration = Duration::from_millis(33);
 
 /// What pictures are to be read back for.
 #[derive(Default)]
-struct Wanted {
+struct ReadBack {
     /// To be written to these files, or to new ones.
     files: Vec<Option<PathBuf>>,
     /// To compare the two sides.
@@ -121,7 +121,7 @@ impl App {
     }
 
     /// Reads pictures back and hands them to whom they are for.
-    fn read_back(&mut self, screen: &mut Screen, wanted: Wanted) -> Result<(), RenderError> {
+    fn read_back(&mut self, screen: &mut Screen, wanted: ReadBack) -> Result<(), RenderError> {
         if wanted.comparison
             && let Some(other) = screen
                 .presenter
@@ -250,8 +250,8 @@ impl App {
     }
 
     /// Does what only the window can do; returns what pictures are to be read back for.
-    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Wanted {
-        let mut wanted = Wanted::default();
+    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> ReadBack {
+        let mut wanted = ReadBack::default();
         for request in self.state.take_requests() {
             match request {
                 WindowRequest::Quit => event_loop.exit(),

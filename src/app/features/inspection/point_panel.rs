@@ -68,12 +68,12 @@ fn values_ui(ui: &mut Ui, point: &Inspected, context: &PointContext<'_>) {
         .on_hover_text("All values as lines of text")
         .clicked()
     {
-        let lines: Vec<String> = rows.iter().map(Row::line).collect();
+        let lines: Vec<String> = rows.iter().map(ValueRow::line).collect();
         ui.copy_text(lines.concat());
     }
 }
 
-fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<Row> {
+fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<ValueRow> {
     let values = &point.values;
     let mut rows = Vec::new();
     if let Some([a, b]) = &context.names {
@@ -81,21 +81,21 @@ fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<Row> {
             Side::A => format!("A {a}"),
             Side::B => format!("B {b}"),
         };
-        rows.push(Row::new(
+        rows.push(ValueRow::new(
             "Sequence",
             name,
             "Which of the two sequences the point is of",
         ));
     }
     rows.extend([
-        Row::new(
+        ValueRow::new(
             "Frame",
             (values.frame + 1).to_string(),
             "The frame, counted from 1",
         ),
-        Row {
+        ValueRow {
             shown: grouped(u64::from(values.index_in_file)),
-            ..Row::new(
+            ..ValueRow::new(
                 "Index",
                 values.index_in_file.to_string(),
                 "Which point of the file it is, counted from 0",
@@ -106,7 +106,7 @@ fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<Row> {
     rows.extend(color_rows(values));
     rows.extend(values.normal.map(normal_row));
     for (name, value) in &values.scalars {
-        rows.push(Row::new(
+        rows.push(ValueRow::new(
             name,
             value.to_string(),
             "A scalar field of the file",
@@ -114,9 +114,9 @@ fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<Row> {
     }
     if context.camera.projection == Projection::Perspective {
         let distance = context.camera.eye_in_world().distance(values.position);
-        rows.push(Row {
+        rows.push(ValueRow {
             shown: format!("{distance:.6}"),
-            ..Row::new(
+            ..ValueRow::new(
                 "From the eye",
                 distance.to_string(),
                 "Distance from the eye, scene units",
@@ -127,7 +127,7 @@ fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<Row> {
     rows
 }
 
-fn place_rows(values: &Pick) -> Vec<Row> {
+fn place_rows(values: &Pick) -> Vec<ValueRow> {
     let DVec3 { x, y, z } = values.position;
     let tooltip = format!(
         "Coordinate of the file, scene units; at most {:.1e} off, as frames hold f32 from the sequence's origin",
@@ -137,25 +137,25 @@ fn place_rows(values: &Pick) -> Vec<Row> {
     let decimals = (-values.precision.max(f64::MIN_POSITIVE).log10())
         .ceil()
         .clamp(0.0, 12.0);
-    let row = |(name, value): (&str, f64)| Row {
+    let row = |(name, value): (&str, f64)| ValueRow {
         shown: format!("{value:.0$}", decimals as usize),
-        ..Row::new(name, value.to_string(), &tooltip)
+        ..ValueRow::new(name, value.to_string(), &tooltip)
     };
     [("x", x), ("y", y), ("z", z)].map(row).into()
 }
 
-fn color_rows(values: &Pick) -> Vec<Row> {
+fn color_rows(values: &Pick) -> Vec<ValueRow> {
     let mut rows = Vec::new();
     if let Some(color) = values.color {
         let text = color.map(|part| part.to_string()).join(" ");
-        rows.push(Row::new(
+        rows.push(ValueRow::new(
             "Colour",
             text,
             "Red, green, blue and alpha of the file, 0 to 255",
         ));
     }
     let drawn = values.drawn_color.map(|part| part.to_string()).join(" ");
-    rows.push(Row::new(
+    rows.push(ValueRow::new(
         "Drawn as",
         drawn,
         "Red, green and blue of the picture without light, 0 to 255",
@@ -163,15 +163,15 @@ fn color_rows(values: &Pick) -> Vec<Row> {
     rows
 }
 
-fn normal_row(normal: PickedNormal) -> Row {
+fn normal_row(normal: PickedNormal) -> ValueRow {
     let (normal, tooltip) = match normal {
         PickedNormal::File(normal) => (normal, "Unit normal of the file"),
         PickedNormal::Estimated(normal) => (normal, "Unit normal, estimated from neighbours"),
     };
     let parts = normal.to_array();
-    Row {
+    ValueRow {
         shown: parts.map(|part| format!("{part:.4}")).join(" "),
-        ..Row::new(
+        ..ValueRow::new(
             "Normal",
             parts.map(|part| part.to_string()).join(" "),
             tooltip,
@@ -180,7 +180,7 @@ fn normal_row(normal: PickedNormal) -> Row {
 }
 
 /// How far and how fast the point goes, where its trail is shown.
-fn trail_rows(measure: &TrailMeasure) -> Vec<Row> {
+fn trail_rows(measure: &TrailMeasure) -> Vec<ValueRow> {
     let values = [
         (
             "Travelled",
@@ -198,14 +198,14 @@ fn trail_rows(measure: &TrailMeasure) -> Vec<Row> {
             "The largest speed from one frame to the next, scene units a second",
         ),
     ];
-    let row = |(name, value, tooltip): (&str, f64, &str)| Row {
+    let row = |(name, value, tooltip): (&str, f64, &str)| ValueRow {
         shown: significant(value),
-        ..Row::new(name, value.to_string(), tooltip)
+        ..ValueRow::new(name, value.to_string(), tooltip)
     };
     values.into_iter().map(row).collect()
 }
 
-struct Row {
+struct ValueRow {
     name: String,
     shown: String,
     /// With all digits.
@@ -213,7 +213,7 @@ struct Row {
     tooltip: String,
 }
 
-impl Row {
+impl ValueRow {
     fn new(name: &str, value: String, tooltip: &str) -> Self {
         Self {
             name: name.to_owned(),

@@ -44,7 +44,7 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
 
 /// What the palette offers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::app) struct Entry {
+pub(in crate::app) struct CommandEntry {
     pub(in crate::app) text: &'static str,
     /// As a person reads them; empty without any.
     pub(in crate::app) keys: &'static str,
@@ -61,19 +61,19 @@ pub struct Palette {
 
 /// The commands that `query` finds, `more` among them: each of its words is there in the command's text, letter after letter. Those that
 /// have the words as they are come first.
-pub(in crate::app) fn find(query: &str, more: &[Entry]) -> Vec<Entry> {
+pub(in crate::app) fn find(query: &str, more: &[CommandEntry]) -> Vec<CommandEntry> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
-    let with_keys = BINDINGS.iter().map(|binding| Entry {
+    let with_keys = BINDINGS.iter().map(|binding| CommandEntry {
         text: binding.text,
         keys: binding.keys,
         command: binding.command,
     });
-    let without = WITHOUT_KEYS.iter().map(|&(text, command)| Entry {
+    let without = WITHOUT_KEYS.iter().map(|&(text, command)| CommandEntry {
         text,
         keys: "",
         command,
     });
-    let mut found: Vec<(usize, Entry)> = with_keys
+    let mut found: Vec<(usize, CommandEntry)> = with_keys
         .chain(without)
         .chain(more.iter().copied())
         .filter(|entry| entry.command != Command::TogglePalette)

@@ -1,6 +1,6 @@
 //! The window that finds commands by their names.
 
-use super::{Entry, Palette, find};
+use super::{CommandEntry, Palette, find};
 use crate::app::command::Command;
 use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, Window};
 
@@ -11,7 +11,7 @@ const SIZE: [f32; 2] = [460.0, 320.0];
 pub(in crate::app) fn palette_ui(
     ui: &Ui,
     open: &mut Option<Palette>,
-    more: &[Entry],
+    more: &[CommandEntry],
 ) -> Option<Command> {
     let palette = open.as_mut()?;
     let ctx = ui.ctx();
@@ -70,7 +70,7 @@ pub(in crate::app) fn palette_ui(
 }
 
 /// One command.
-fn row(ui: &mut Ui, entry: &Entry, is_chosen: bool) -> Response {
+fn row(ui: &mut Ui, entry: &CommandEntry, is_chosen: bool) -> Response {
     let button = Button::selectable(is_chosen, entry.text)
         .shortcut_text(entry.keys)
         .min_size([ui.available_width(), 0.0].into());

@@ -41,7 +41,7 @@ pub struct ChangeMap {
 
 /// All that a frame is made from.
 #[derive(Debug, Clone)]
-struct Request {
+struct PoseRequest {
     pose: Arc<PreparedFrame>,
     change: Option<ChangeRequest>,
     ghosts: Vec<Ghost>,
@@ -55,7 +55,7 @@ struct ChangeRequest {
     map: ColorMap,
 }
 
-impl PartialEq for Request {
+impl PartialEq for PoseRequest {
     /// Poses are compared by identity.
     fn eq(&self, other: &Self) -> bool {
         let same_ghosts = |(a, b): (&Ghost, &Ghost)| {
@@ -71,15 +71,15 @@ impl PartialEq for Request {
 
 /// A frame that was made from a pose and others.
 #[derive(Debug)]
-pub struct Made {
-    request: Request,
+pub struct ComposedFrame {
+    request: PoseRequest,
     frame: Arc<PreparedFrame>,
     change: Option<Arc<Change>>,
     /// Why there is no change.
     problem: Option<String>,
 }
 
-impl Made {
+impl ComposedFrame {
     /// What is drawn.
     pub(in crate::app) fn frame(&self) -> &Arc<PreparedFrame> {
         &self.frame
@@ -103,8 +103,8 @@ pub struct Temporal {
     pub onion: OnionSkin,
     /// Oldest first.
     known: VecDeque<(ChangeKey, Arc<Change>)>,
-    running: Option<(Request, Progress)>,
-    made: Option<Made>,
+    running: Option<(PoseRequest, Progress)>,
+    made: Option<ComposedFrame>,
     /// Since when the pose of `made` is not that of the playhead.
     left_at: Option<Duration>,
 }
@@ -129,7 +129,7 @@ impl Default for Temporal {
 
 impl Temporal {
     /// What is drawn in place of the shown pose, if there is something.
-    pub(in crate::app) fn shown(&self) -> Option<&Made> {
+    pub(in crate::app) fn shown(&self) -> Option<&ComposedFrame> {
         self.made.as_ref()
     }
 
@@ -168,7 +168,7 @@ impl Temporal {
 
     /// Starts what the shown pose lacks, and cancels what nobody waits for any more. True if another frame is to be
     /// drawn.
-    pub(in crate::app) fn follow<T: TaskOutcome + From<Option<Box<Made>>>>(
+    pub(in crate::app) fn follow<T: TaskOutcome + From<Option<Box<ComposedFrame>>>>(
         &mut self,
         player: &Player,
         settings: &Style,
@@ -201,9 +201,9 @@ impl Temporal {
         is_gone
     }
 
-    fn start<T: TaskOutcome + From<Option<Box<Made>>>>(
+    fn start<T: TaskOutcome + From<Option<Box<ComposedFrame>>>>(
         &mut self,
-        request: Request,
+        request: PoseRequest,
         player: &Player,
         tasks: &Tasks<T>,
     ) {
@@ -228,7 +228,7 @@ impl Temporal {
     }
 
     /// Takes what a task has made, unless something else is wanted by now.
-    pub(in crate::app) fn take_in(&mut self, made: Made) {
+    pub(in crate::app) fn take_in(&mut self, made: ComposedFrame) {
         if let (Some(change), Some(key)) = (&made.change, key(&made.request))
             && self.known_change(&made.request).is_none()
         {
@@ -257,7 +257,7 @@ impl Temporal {
         changes.sum()
     }
 
-    fn known_change(&self, request: &Request) -> Option<Arc<Change>> {
+    fn known_change(&self, request: &PoseRequest) -> Option<Arc<Change>> {
         let key = key(request)?;
         let known = self.known.iter().find(|(known, _)| *known == key);
         known.map(|(_, change)| Arc::clone(change))
@@ -270,7 +270,7 @@ impl Temporal {
     }
 
     /// What is to be made of the shown pose; `None` if it is shown as it is.
-    fn request(&self, player: &Player, settings: &Style) -> Option<Request> {
+    fn request(&self, player: &Player, settings: &Style) -> Option<PoseRequest> {
         let pose = player.shown()?;
         let needs = Scene::needs(settings);
         let frame_count = player.sequence().len();
@@ -285,7 +285,7 @@ impl Temporal {
         };
         let ghosts = Some(self.onion).filter(|onion| onion.is_on);
         let ghosts = ghosts.map_or_else(Vec::new, |onion| onion.around(pose.index, frame_count));
-        let request = Request {
+        let request = PoseRequest {
             pose: Arc::clone(pose),
             change: change.map(|to| ChangeRequest {
                 to,
@@ -299,19 +299,19 @@ impl Temporal {
     }
 }
 
-fn key(request: &Request) -> Option<ChangeKey> {
+fn key(request: &PoseRequest) -> Option<ChangeKey> {
     let pose = &request.pose;
     Some((pose.index, request.change?.to, pose.frame.len()))
 }
 
 /// `None` once nobody waits for it.
 fn make(
-    request: Request,
+    request: PoseRequest,
     known: Option<Arc<Change>>,
     other: Option<&PreparedFrame>,
     sequence: &Sequence,
     progress: &Progress,
-) -> Option<Made> {
+) -> Option<ComposedFrame> {
     let is_wanted = || !progress.is_cancelled();
     let (mut frame, mut change, mut problem) = (Arc::clone(&request.pose), known, None);
     if let Some(ChangeRequest { to, range, map }) = request.change {
@@ -353,7 +353,7 @@ fn make(
             Err(error) => problem = Some(format!("There are too many ghosts: {error}")),
         }
     }
-    is_wanted().then_some(Made {
+    is_wanted().then_some(ComposedFrame {
         request,
         frame,
         change,
