@@ -79,7 +79,7 @@ fn a_text_field_keeps_its_keys() {
     assert_eq!(clock(&harness).loop_mode(), LoopMode::Loop);
     assert_eq!(frame(&harness), 0);
     assert!(!is_playing(&harness));
-    assert!(!harness.state().fly.is_flying());
+    assert!(!harness.state().motion.fly.is_flying());
     assert_eq!(harness.state().camera, camera);
 }
 

@@ -187,9 +187,17 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     let legend = Command::TogglePanel(PanelId::LEGEND);
     for (text, is_on, command) in [
         ("Orthographic", is_orthographic, Command::ToggleOrthographic),
-        ("Turntable", state.turntable.is_on, Command::ToggleTurntable),
+        (
+            "Turntable",
+            state.motion.turntable.is_on,
+            Command::ToggleTurntable,
+        ),
         ("Grid", state.settings.backdrop.grid, Command::ToggleGrid),
-        ("Scale bar", state.shows_scale_bar, Command::ToggleScaleBar),
+        (
+            "Scale bar",
+            state.appearance.shows_scale_bar,
+            Command::ToggleScaleBar,
+        ),
         (
             "Thumbnails",
             state.thumbnails.is_on,
@@ -206,7 +214,7 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     let is_compared = state.comparison.is_some();
     let compares = ("Compare A/B", is_compared);
     choice(ui, state, compares, Command::ToggleComparison);
-    let fills_screen = ("Full screen", state.full_screen);
+    let fills_screen = ("Full screen", state.appearance.full_screen);
     choice(ui, state, fills_screen, Command::FullScreen);
     ui.menu_button("Theme", |ui| theme_menu(ui, state));
 }
@@ -238,7 +246,7 @@ fn theme_menu(ui: &mut Ui, state: &mut State) {
             "Dark, whatever the system is",
         ),
     ] {
-        let button = Button::selectable(state.theme == theme, text);
+        let button = Button::selectable(state.appearance.theme == theme, text);
         if ui.add(button).on_hover_text(tooltip).clicked() {
             state.run(Command::Theme(theme));
             ui.close();

@@ -1,4 +1,4 @@
-//! The panels, one file each, and a row each of [`table`]. They read and change [`State`] and know no GPU.
+//! The panels, one file each, and a row each of `table.rs`. They read and change [`State`] and know no GPU.
 
 mod bound;
 mod clip;
@@ -58,7 +58,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     if state.palette.is_some() {
         bound::palette(ui, state, &without_keys());
     }
-    follow_theme(ui.ctx(), state.theme);
+    follow_theme(ui.ctx(), state.appearance.theme);
     state.note_settings(ui.ctx());
     state.follow_poses();
     state.follow_thumbnails();

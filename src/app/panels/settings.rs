@@ -62,7 +62,9 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
         heading(ui, "Camera");
         rows(ui, "camera", |ui| camera(ui, state));
         heading(ui, "Window");
-        rows(ui, "window", |ui| present(ui, &mut state.present));
+        rows(ui, "window", |ui| {
+            present(ui, &mut state.appearance.present);
+        });
         ui.add_space(12.0);
         if ui
             .button("Reset to defaults")
@@ -434,7 +436,7 @@ fn camera(ui: &mut Ui, state: &mut State) {
             state.camera.fov_deg = shown;
         }
     }
-    let turntable = &mut state.turntable;
+    let turntable = &mut state.motion.turntable;
     row(
         ui,
         "Turntable",

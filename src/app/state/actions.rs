@@ -15,7 +15,7 @@ use crate::app::open_panels::PanelId;
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
 use crate::playback::Player;
-use crate::scene::{Primitive, RendererChoice, Style};
+use crate::scene::{Primitive, Style};
 use crate::sequence::Sequence;
 use crate::timeline::PlayRange;
 use std::sync::Arc;
@@ -54,13 +54,13 @@ impl State {
             Command::FrameAll => self.frame_all(),
             Command::Look(preset) => self.camera.look_from(preset),
             Command::ToggleOrthographic => self.toggle_projection(),
-            Command::ToggleTurntable => self.turntable.is_on ^= true,
+            Command::ToggleTurntable => self.motion.turntable.is_on ^= true,
             Command::Focus => self.focus_at_pointer(),
             Command::CopyView => self.copy_view(),
             Command::PasteView => self.requests.push(WindowRequest::PasteView),
             Command::ToggleTool(tool) => self.inspection.toggle(tool),
             Command::ToggleGrid => self.settings.backdrop.grid ^= true,
-            Command::ToggleScaleBar => self.shows_scale_bar ^= true,
+            Command::ToggleScaleBar => self.appearance.shows_scale_bar ^= true,
             Command::Smaller => self.scale_size(1.0 / SIZE_STEP),
             Command::Larger => self.scale_size(SIZE_STEP),
             Command::OpenFiles => self.ask(DialogKind::OpenFiles, None),
@@ -98,7 +98,7 @@ impl State {
             }
             Command::TogglePanel(panel) => self.panels.toggle(panel),
             Command::ToggleTrails => self.toggle_trails(),
-            Command::Theme(theme) => self.theme = theme,
+            Command::Theme(theme) => self.appearance.theme = theme,
             Command::ToggleThumbnails => self.thumbnails.is_on ^= true,
             Command::RedoThumbnails => self.thumbnails.redo(),
             Command::TogglePalette => {
@@ -151,7 +151,7 @@ impl State {
             || self.panels.close(PanelId::HELP)
             || (!running && self.panels.close(PanelId::BENCHMARK))
             || self.inspection.escape();
-        if !has_closed && self.full_screen {
+        if !has_closed && self.appearance.full_screen {
             self.requests.push(WindowRequest::FullScreen);
         }
     }
@@ -188,14 +188,9 @@ impl State {
 
     /// How an export draws: as the window does, but at full resolution.
     pub(in crate::app) fn settings_of_export(&self) -> Style {
-        let renderer = if self.without_gpu == Some(self.settings.renderer) {
-            RendererChoice::Cpu
-        } else {
-            self.settings.renderer
-        };
         Style {
             resolution: 1.0,
-            renderer,
+            renderer: self.main.renderer(self.settings.renderer),
             ..self.drawn_settings()
         }
     }
@@ -220,16 +215,16 @@ impl State {
         let typing = ctx.text_edit_focused();
         let (events, modifiers, now_secs) =
             ctx.input(|input| (input.raw.events.clone(), input.modifiers, input.time));
-        self.fly.note(&events, typing);
+        self.motion.fly.note(&events, typing);
         self.handle_clipboard(ctx);
         for command in command::dispatch(ctx) {
             // While flying, Ctrl is the slow pace and Q the way down.
-            if command != Command::Quit || !self.fly.is_flying() {
+            if command != Command::Quit || !self.motion.fly.is_flying() {
                 self.run(command);
             }
         }
-        if self.fly.is_flying() {
-            self.fly.step(&mut self.camera, now_secs, modifiers);
+        if self.motion.fly.is_flying() {
+            self.motion.fly.step(&mut self.camera, now_secs, modifiers);
             ctx.request_repaint();
         }
     }
@@ -270,7 +265,7 @@ impl State {
     /// From now on the processor draws in place of the graphics card whose device was lost, until a person chooses who
     /// draws.
     pub(in crate::app) fn draw_without_gpu(&mut self) {
-        self.without_gpu = Some(self.settings.renderer);
+        self.main.without_gpu = Some(self.settings.renderer);
         self.forget_picture();
     }
 }

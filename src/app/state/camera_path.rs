@@ -47,7 +47,7 @@ impl State {
 
     /// Beyond its last frame the sequence begins anew, as in videos.
     fn show_of_path(&mut self, camera: Camera, frame: usize) {
-        self.turntable.is_on = false;
+        self.motion.turntable.is_on = false;
         self.camera = camera;
         self.play_with(|player, now| {
             let frame = frame % player.sequence().len().max(1);
@@ -71,7 +71,7 @@ impl State {
         if resumes {
             self.play_with(Player::toggle);
         }
-        self.turntable.is_on = false;
+        self.motion.turntable.is_on = false;
     }
 
     /// True if the path was playing.

@@ -40,13 +40,13 @@ impl State {
             }
             Outcome::Traced(traced) => self.trails.take_in(traced),
             Outcome::Levels(FrameWithLevels(frame)) => {
-                self.drawing.take_levels(&frame);
+                self.main.drawing.take_levels(&frame);
                 if let Some(beside) = &mut self.beside {
                     beside.drawing.take_levels(&frame);
                 }
             }
             Outcome::InView(made) => {
-                self.drawing.take_surfels_in_view(&made);
+                self.main.drawing.take_surfels_in_view(&made);
                 if let Some(beside) = &mut self.beside {
                     beside.drawing.take_surfels_in_view(&made);
                 }

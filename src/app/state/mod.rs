@@ -10,6 +10,7 @@ mod files;
 mod first_look;
 mod inspecting;
 mod intake;
+mod main_picture;
 mod measuring;
 mod opening;
 mod options;
@@ -29,8 +30,9 @@ pub(in crate::app) use ranges::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 pub(in crate::app) use reading::PictureStage;
 
 use dialogs::Dialogs;
+use main_picture::MainPicture;
 
-use crate::app::drawing::Drawing;
+use crate::app::appearance::Appearance;
 use crate::app::features::benchmark::Benchmark;
 use crate::app::features::beside::Beside;
 use crate::app::features::camera_path::PathEditor;
@@ -44,14 +46,11 @@ use crate::app::features::thumbnails::Thumbnails;
 use crate::app::features::timeline::Timeline;
 use crate::app::features::trails::Trails;
 use crate::app::first_look::Looked;
-use crate::app::fly::Fly;
-use crate::app::grip::Grip;
 use crate::app::history::History;
-use crate::app::motion::{Glide, Turntable};
+use crate::app::motion::CameraMotion;
 use crate::app::notices::Notices;
 use crate::app::open_panels::OpenPanels;
 use crate::app::preferences::Preferences;
-use crate::app::present_choice::PresentChoice;
 use crate::app::presets::Presets;
 use crate::app::recent::Recent;
 use crate::app::side::Side;
@@ -59,8 +58,7 @@ use crate::app::work::tasks::{Tasks, Wake};
 use crate::app::work::works::Works;
 use crate::math::Aabb;
 use crate::playback::{Player, PlayerChange};
-use crate::scene::{Camera, RendererChoice, SceneStats, Style};
-use crate::sequence::Paint;
+use crate::scene::{Camera, SceneStats, Style};
 use crate::timeline::Clock;
 use glam::DVec3;
 use std::sync::Arc;
@@ -101,14 +99,14 @@ pub struct State {
     pub palette: Option<Palette>,
     /// Markers and curve of the open sequence.
     pub timeline: Timeline,
+    /// What moves the camera.
+    pub motion: CameraMotion,
+    /// How the window looks.
+    pub appearance: Appearance,
     /// The picture's place.
     pub viewport: Viewport,
     /// What is known of the graphics card.
     pub graphics: GraphicsInfo,
-    /// Keys that fly.
-    pub fly: Fly,
-    /// The camera on a turntable.
-    pub turntable: Turntable,
     /// The camera path that is being made.
     pub path: PathEditor,
     /// What a person would export.
@@ -117,35 +115,21 @@ pub struct State {
     pub temporal: Temporal,
     /// Small pictures of the frames.
     pub thumbnails: Thumbnails,
-    /// Whether the picture has a scale bar.
-    pub shows_scale_bar: bool,
-    /// Whether the window is light or dark.
-    pub theme: egui::ThemePreference,
-    /// Who paints the window.
-    pub present: PresentChoice,
     /// The ways of points through time.
     pub trails: Trails,
     /// What was clicked on.
     pub inspection: Inspection,
     /// Work done.
     pub counters: Counters,
-    /// True while the window fills the screen.
-    pub full_screen: bool,
-    /// The picture in the hand.
-    pub(in crate::app) grip: Option<Grip>,
     pub(in crate::app) tasks: Tasks<Outcome>,
     dialogs: Dialogs,
     options: StateOptions,
     now: Duration,
-    glide: Option<Glide>,
     /// What is made of the open sequence.
     looked: Looked,
     requests: Vec<WindowRequest>,
-    drawing: Drawing,
-    /// Who was chosen to draw when the graphics card's device was lost: the processor draws until that is chosen anew.
-    without_gpu: Option<RendererChoice>,
-    /// What the drawn frame was painted with when this was last looked at: the panels say it.
-    painted_with: Option<Paint>,
+    /// The picture of the open sequence.
+    main: MainPicture,
 }
 
 impl State {
@@ -169,31 +153,23 @@ impl State {
             history: History::default(),
             palette: None,
             timeline: Timeline::default(),
+            motion: CameraMotion::default(),
+            appearance: Appearance::of(&options.preferences),
             viewport: Viewport::default(),
             graphics: GraphicsInfo::default(),
-            fly: Fly::default(),
-            turntable: Turntable::default(),
             path: PathEditor::default(),
             export: Export::default(),
             temporal: Temporal::default(),
             thumbnails: Thumbnails::new(options.preferences.thumbnails),
-            shows_scale_bar: options.preferences.scale_bar,
-            theme: options.preferences.theme,
-            present: options.preferences.present,
             trails: Trails::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),
-            full_screen: false,
-            grip: None,
             dialogs: Dialogs::default(),
             tasks: Tasks::new(Arc::clone(&options.wake)),
             now: Duration::ZERO,
-            glide: None,
             looked: Looked::default(),
             requests: Vec::new(),
-            drawing: Drawing::default(),
-            without_gpu: None,
-            painted_with: None,
+            main: MainPicture::default(),
             options,
         }
     }
@@ -210,7 +186,7 @@ impl State {
 
     /// Counters of the traversal.
     pub fn scene_stats(&self) -> SceneStats {
-        self.drawing.stats()
+        self.main.drawing.stats()
     }
 
     /// What is kept between runs; the window adds its size.
@@ -222,7 +198,7 @@ impl State {
                 primitive: self.options.preferences.settings.primitive,
                 ..self.settings
             },
-            present: self.present,
+            present: self.appearance.present,
             loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
             speed: clock
@@ -230,8 +206,8 @@ impl State {
                 .abs(),
             panels: self.panels.remembered(),
             thumbnails: self.thumbnails.is_on,
-            scale_bar: self.shows_scale_bar,
-            theme: self.theme,
+            scale_bar: self.appearance.shows_scale_bar,
+            theme: self.appearance.theme,
             window_size: None,
         }
     }
@@ -318,7 +294,7 @@ impl State {
             }
         }
         let paint = self.drawn_frame().map(|frame| *frame.paint());
-        visible | (std::mem::replace(&mut self.painted_with, paint) != paint)
+        visible | (std::mem::replace(&mut self.main.painted_with, paint) != paint)
     }
 
     /// Whether panels show more of the playing frame than its place on the timeline, so that they have to keep step
@@ -385,7 +361,7 @@ impl State {
             pictures,
             camera,
             held,
-            self.drawing.next_deadline(),
+            self.main.drawing.next_deadline(),
             self.beside
                 .as_ref()
                 .and_then(|beside| beside.drawing.next_deadline()),

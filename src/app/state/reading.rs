@@ -58,7 +58,7 @@ impl State {
         let frame = player.shown().filter(|_| self.is_drawn())?;
         Some(match (player.is_partial(), frame.is_sample()) {
             (false, _) => PictureStage::Whole,
-            (true, false) if self.drawing.has_surfels() => PictureStage::SurfelsInView,
+            (true, false) if self.main.drawing.has_surfels() => PictureStage::SurfelsInView,
             (true, false) => PictureStage::AllPoints,
             (true, true) => PictureStage::SomePoints,
         })
@@ -137,8 +137,8 @@ impl State {
         // Its threads end what they are on; nobody waits for that here.
         close(before);
         self.looked = Looked::default();
-        self.glide = None;
-        self.drawing.forget_frame();
+        self.motion.glide = None;
+        self.main.drawing.forget_frame();
         self.temporal.forget_frames();
         self.thumbnails.forget_frames();
         self.trails.forget_points();

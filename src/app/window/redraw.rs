@@ -39,7 +39,7 @@ impl App {
         let Some(mut screen) = self.screen.take() else {
             return;
         };
-        if screen.choice != self.state.present {
+        if screen.choice != self.state.appearance.present {
             self.screen = self.open_anew(event_loop, screen);
             return;
         }
@@ -267,7 +267,7 @@ impl App {
                     let full = screen.window.fullscreen().is_none();
                     let full_screen = full.then_some(Fullscreen::Borderless(None));
                     screen.window.set_fullscreen(full_screen);
-                    self.state.full_screen = full;
+                    self.state.appearance.full_screen = full;
                 }
             }
         }
