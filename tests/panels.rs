@@ -62,7 +62,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::panels::window_ui;
-use pointreel::app::{Command, State, StateOptions, apply_theme};
+use pointreel::app::{Command, PanelId, State, StateOptions, apply_theme};
 use pointreel::levels::octree::StopCriterion;
 use pointreel::sequence::Sequence;
 use pointreel::timeline::LoopMode;
@@ -112,8 +112,8 @@ fn what_a_person_chose_is_how_the_next_window_begins() {
     press(&mut harness, Modifiers::NONE, Key::CloseBracket);
     let state = harness.state_mut();
     state.settings.levels.stop = StopCriterion::Loss(0.2);
-    state.panels.settings = false;
-    state.panels.help = true;
+    state.panels.set(PanelId::SETTINGS, false);
+    state.panels.set(PanelId::HELP, true);
     let kept = state.preferences();
     assert_eq!(kept.loop_mode, LoopMode::PingPong);
     assert_eq!(kept.speed, 1.5);
@@ -126,7 +126,10 @@ fn what_a_person_chose_is_how_the_next_window_begins() {
         },
     );
     assert_eq!(next.state().preferences(), kept);
-    assert!(!next.state().panels.help, "the list of keys is not kept");
+    assert!(
+        !next.state().panels.has(PanelId::HELP),
+        "the list of keys is not kept"
+    );
     assert!(next.query_by_label("Background").is_none());
 
     // Played backward when it was left: the next begins forward.

@@ -1,16 +1,21 @@
 //! The window: a player for sequences, on winit and egui.
 //!
 //! **How it works.** [`State`] is plain data and knows neither a window nor a GPU: the open sequence with its playhead
-//! ([`crate::playback::Player`]), camera, settings, notices and what panels are open. Panels (`fn timeline_ui(ui, &mut
-//! State)`) read and change it; keys become [`Command`]s through one table that the help window shows as well.
+//! ([`crate::playback::Player`]), camera, settings, notices, and the features that it is composed of (`features`).
 //! `State::update` moves the playhead and says whether something can be seen to have changed. Only then does the window
 //! run the panels and, if the [`crate::scene::ScenePacket`] differs from the last one, draw a new 3-D picture into a
-//! texture that the central panel shows. Whatever takes long (dialogs, finding files, writing images, benchmarks) runs
-//! on a named thread and comes back as an [`Outcome`] through a bounded channel.
+//! texture that the central panel shows.
+//!
+//! A panel is a row of one table (`panels/table.rs`). Panels of features take what they draw and return what they ask
+//! for; `panels/bound.rs` gives them their part of the state and carries that out. Keys become [`Command`]s through
+//! another table, that the help window shows as well. Whatever takes long (dialogs, finding files, writing images,
+//! benchmarks) runs on a named thread ([`Tasks`]) and comes back through a bounded channel as an [`Outcome`], which is
+//! made of what the tasks of each feature come to.
 //!
 //! **Idle.** The event loop sleeps until an event, a loader's or task's wake, or the clock's next deadline. A paused,
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.
 
+mod appearance;
 mod command;
 mod drawing;
 mod features;
@@ -40,6 +45,7 @@ mod widgets;
 mod window;
 mod work;
 
+pub use appearance::Appearance;
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
 pub use features::benchmark::{
     Benchmark, BenchmarkEnded, BenchmarkJob, BenchmarkTable, ReportFormat,
@@ -52,15 +58,15 @@ pub use features::inspection::measuring::{Gauge, Measurement};
 pub use features::inspection::{Anchor, Inspected, Inspection, Tool};
 pub use features::palette::Palette;
 pub use features::quality::{MeasuredQuality, QualityLimits};
-pub use features::temporal::{ChangeMap, Made, OnionSkin, Temporal};
+pub use features::temporal::{ChangeMap, ComposedFrame, OnionSkin, Temporal};
 pub use features::thumbnails::{Delivery, Thumbnails};
 pub use features::timeline::{Marker, Markers, Quantity, Timeline};
 pub use features::trails::{Traced, TrailField, Trails};
 pub use fly::Fly;
 pub use history::{Edited, History};
-pub use motion::Turntable;
+pub use motion::{CameraMotion, Turntable};
 pub use notices::{Notice, Notices, Severity};
-pub use open_panels::OpenPanels;
+pub use open_panels::{OpenPanels, PanelId, RememberedPanels};
 pub use preferences::{Preferences, PreferencesFile};
 pub use present_choice::PresentChoice;
 pub use presets::{Preset, Presets};

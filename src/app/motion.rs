@@ -1,7 +1,22 @@
-//! The camera moving by itself: gliding to another view, and turning about the up axis as on a turntable.
+//! What moves the camera. By itself it moves gliding to another view, and turning about the up axis as on a turntable.
 
+use super::fly::Fly;
+use super::grip::Grip;
 use crate::scene::Camera;
 use std::time::Duration;
+
+/// What moves the camera beside the panels.
+#[derive(Debug, Default)]
+pub struct CameraMotion {
+    /// Keys that fly.
+    pub fly: Fly,
+    /// The camera on a turntable.
+    pub turntable: Turntable,
+    /// On its way to another view.
+    pub(super) glide: Option<Glide>,
+    /// The picture in the hand.
+    pub(super) grip: Option<Grip>,
+}
 
 /// How long a glide takes.
 const GLIDE_TIME: Duration = Duration::from_millis(250);

@@ -1,13 +1,92 @@
 //! Which panels are open.
 
-/// Which panels and windows are open. In the file of settings are the panels; windows above them are not remembered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// A panel or window that a person opens and closes, by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PanelId(&'static str);
+
+impl PanelId {
+    /// The settings at the right.
+    pub const SETTINGS: Self = Self("settings");
+    /// The statistics at the left.
+    pub const STATISTICS: Self = Self("statistics");
+    /// What the colours mean, over the picture.
+    pub const LEGEND: Self = Self("legend");
+    /// The list of keys.
+    pub const HELP: Self = Self("help");
+    /// The benchmark window.
+    pub const BENCHMARK: Self = Self("benchmark");
+    /// The camera path.
+    pub const CAMERA_PATH: Self = Self("camera path");
+    /// What is exported.
+    pub const EXPORT: Self = Self("export");
+
+    /// Its name.
+    pub(super) fn name(self) -> &'static str {
+        self.0
+    }
+
+    /// A panel that nobody but its row names.
+    pub const fn new(name: &'static str) -> Self {
+        Self(name)
+    }
+}
+
+/// The panels that are open.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OpenPanels(BTreeSet<PanelId>);
+
+impl OpenPanels {
+    /// Whether `panel` is open.
+    pub fn has(&self, panel: PanelId) -> bool {
+        self.0.contains(&panel)
+    }
+
+    /// Opens `panel`, or closes it.
+    pub fn set(&mut self, panel: PanelId, is_open: bool) {
+        if is_open {
+            self.0.insert(panel);
+        } else {
+            self.0.remove(&panel);
+        }
+    }
+
+    /// Opens `panel`, or closes it if it is open.
+    pub fn toggle(&mut self, panel: PanelId) {
+        self.set(panel, !self.has(panel));
+    }
+
+    /// Closes `panel`; true if it was open.
+    pub(super) fn close(&mut self, panel: PanelId) -> bool {
+        self.0.remove(&panel)
+    }
+
+    /// Those that are remembered.
+    pub fn remembered(&self) -> RememberedPanels {
+        RememberedPanels {
+            settings: self.has(PanelId::SETTINGS),
+            statistics: self.has(PanelId::STATISTICS),
+            legend: self.has(PanelId::LEGEND),
+        }
+    }
+}
+
+impl From<RememberedPanels> for OpenPanels {
+    fn from(remembered: RememberedPanels) -> Self {
+        let mut open = Self(BTreeSet::new());
+        open.set(PanelId::SETTINGS, remembered.settings);
+        open.set(PanelId::STATISTICS, remembered.statistics);
+        open.set(PanelId::LEGEND, remembered.legend);
+        open
+    }
+}
+
+/// The panels in the file of settings; windows above them are not remembered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a panel that is open or not, independent of the others"
-)]
-pub struct OpenPanels {
+pub struct RememberedPanels {
     /// The settings at the right.
     #[serde(rename = "settings_panel")]
     pub settings: bool,
@@ -16,30 +95,14 @@ pub struct OpenPanels {
     pub statistics: bool,
     /// What the colours mean, over the picture.
     pub legend: bool,
-    /// The list of keys.
-    #[serde(skip)]
-    pub help: bool,
-    /// The benchmark window.
-    #[serde(skip)]
-    pub benchmark: bool,
-    /// The camera path.
-    #[serde(skip)]
-    pub path: bool,
-    /// What is exported.
-    #[serde(skip)]
-    pub export: bool,
 }
 
-impl Default for OpenPanels {
+impl Default for RememberedPanels {
     fn default() -> Self {
         Self {
             settings: true,
             statistics: false,
             legend: true,
-            help: false,
-            benchmark: false,
-            path: false,
-            export: false,
         }
     }
 }

@@ -7,7 +7,7 @@
 //! a moment after something was changed, so that a program that is killed has lost nothing, and never by a run in which
 //! nothing was changed.
 
-use super::open_panels::OpenPanels;
+use super::open_panels::RememberedPanels;
 use super::present_choice::PresentChoice;
 use super::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use crate::kept::{self, Fields};
@@ -49,7 +49,7 @@ pub struct Preferences {
     pub speed: f64,
     /// Which panels are open; windows above them are not remembered.
     #[serde(flatten)]
-    pub panels: OpenPanels,
+    pub panels: RememberedPanels,
     /// Whether small pictures are shown over the timeline.
     pub thumbnails: bool,
     /// Whether the picture has a scale bar.
@@ -68,7 +68,7 @@ impl Default for Preferences {
             present: PresentChoice::default(),
             loop_mode: LoopMode::default(),
             speed: 1.0,
-            panels: OpenPanels::default(),
+            panels: RememberedPanels::default(),
             thumbnails: true,
             scale_bar: true,
             theme: ThemePreference::System,

@@ -18,7 +18,7 @@ pub struct Recent {
 }
 
 #[derive(Serialize)]
-struct Stored<'a> {
+struct RecentFile<'a> {
     recent: &'a [Vec<PathBuf>],
 }
 
@@ -72,7 +72,7 @@ impl Recent {
         let Some(file) = &self.file else {
             return Ok(());
         };
-        let stored = Stored {
+        let stored = RecentFile {
             recent: &self.entries,
         };
         let written = serde_json::to_vec_pretty(&stored)

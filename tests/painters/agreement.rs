@@ -13,8 +13,8 @@ use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::panels::window_ui;
 use pointreel::app::{
-    BenchmarkJob, BenchmarkTable, Command, Preferences, Quantity, State, StateOptions, Tool,
-    apply_theme,
+    BenchmarkJob, BenchmarkTable, Command, PanelId, Preferences, Quantity, State, StateOptions,
+    Tool, apply_theme,
 };
 use pointreel::bench::Table;
 use pointreel::scene::{PointStyle, Primitive, Style};
@@ -166,12 +166,12 @@ fn thumbnails() {
 #[test]
 fn statistics_help_and_notices() {
     let mut shown = window();
-    shown.state().panels.statistics = true;
+    shown.state().panels.set(PanelId::STATISTICS, true);
     shown.compare("statistics", "Uploads");
-    shown.state().panels.statistics = false;
-    shown.state().panels.help = true;
+    shown.state().panels.set(PanelId::STATISTICS, false);
+    shown.state().panels.set(PanelId::HELP, true);
     shown.compare("help", "Next frame");
-    shown.state().panels.help = false;
+    shown.state().panels.set(PanelId::HELP, false);
     shown
         .state()
         .notices
@@ -204,7 +204,7 @@ fn the_camera_path_and_exports() {
         shown.harness.run_steps(1);
     }
     shown.compare("camera path", "After keyframe 2");
-    shown.state().panels.path = false;
+    shown.state().panels.set(PanelId::CAMERA_PATH, false);
     shown.state().export.folder = "/scans/out".to_owned();
     shown.state().export.has_ffmpeg = false;
     shown.state().run(Command::ToggleExport);

@@ -102,7 +102,7 @@ fn the_turntable_turns_until_the_picture_is_dragged() {
     harness.hover_at(from + vec2(40.0, 0.0));
     harness.event(event(from + vec2(40.0, 0.0), false));
     harness.run();
-    assert!(!harness.state().turntable.is_on);
+    assert!(!harness.state().motion.turntable.is_on);
     let rested = harness.state().camera;
     harness.state_mut().update(at(2000));
     assert_eq!(harness.state().camera, rested);
@@ -113,7 +113,7 @@ fn the_turntable_turns_until_the_picture_is_dragged() {
     harness.run();
     harness.get_by_role_and_label(role, label).click();
     harness.run();
-    assert!(harness.state().turntable.is_on);
+    assert!(harness.state().motion.turntable.is_on);
 }
 
 #[test]

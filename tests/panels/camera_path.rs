@@ -5,7 +5,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use pointreel::app::{Command, State, WindowRequest};
+use pointreel::app::{Command, PanelId, State, WindowRequest};
 use pointreel::scene::{CameraPath, Projection};
 use std::time::{Duration, Instant};
 
@@ -69,7 +69,10 @@ fn until(harness: &mut Harness<'_, State>, is_done: impl Fn(&State) -> bool) {
 #[test]
 fn k_sets_keyframes_of_what_is_shown_and_the_time_moves_on() {
     let mut harness = with_path();
-    assert!(harness.state().panels.path, "the first key opens the list");
+    assert!(
+        harness.state().panels.has(PanelId::CAMERA_PATH),
+        "the first key opens the list"
+    );
     assert_eq!(value(&harness, "Time"), 6.0);
     let turned = |number: usize| {
         let keys = harness.state().path.draft.keyframes();

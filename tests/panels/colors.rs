@@ -7,7 +7,7 @@ use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::analysis::ColorMap;
-use pointreel::app::State;
+use pointreel::app::{PanelId, State};
 use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::scene::{Legend, LegendBody};
 use pointreel::sequence::{ColorRange, FrameEntry, Sequence};
@@ -104,7 +104,7 @@ fn classes_are_listed_in_a_legend_that_can_be_hidden() {
     let names: Vec<&str> = classes.iter().map(|(_, name)| name.as_str()).collect();
     assert_eq!(names, ["2  Ground", "6  Building"]);
     assert_eq!(color_of(&harness, 0), classes[0].0);
-    assert!(harness.state().panels.legend);
+    assert!(harness.state().panels.has(PanelId::LEGEND));
     harness
         .get_by_role_and_label(Role::CheckBox, "Legend")
         .scroll_to_me();
@@ -113,7 +113,7 @@ fn classes_are_listed_in_a_legend_that_can_be_hidden() {
         .get_by_role_and_label(Role::CheckBox, "Legend")
         .click();
     harness.run();
-    assert!(!harness.state().panels.legend);
+    assert!(!harness.state().panels.has(PanelId::LEGEND));
     assert!(!harness.state().preferences().panels.legend, "kept");
     assert!(
         harness

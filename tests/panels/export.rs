@@ -8,7 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use image::AnimationDecoder as _;
 use image::codecs::gif::GifDecoder;
-use pointreel::app::{Command, Severity, State, Subject, WorkKind};
+use pointreel::app::{Command, PanelId, Severity, State, Subject, WorkKind};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::export::VideoFormat;
 use pointreel::scene::{Primitive, RendererChoice};
@@ -83,7 +83,7 @@ fn a_turntable_becomes_a_gif_while_the_window_lives() {
             .is_some()
     );
     click(&mut harness, "Export");
-    assert!(!harness.state().panels.export);
+    assert!(!harness.state().panels.has(PanelId::EXPORT));
     // It draws what was chosen when it began.
     harness.state_mut().settings.renderer = RendererChoice::Gpu;
     harness.state_mut().camera.orbit(90.0, 0.0);
@@ -300,7 +300,7 @@ fn every_control_of_the_export_has_a_name() {
         assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
     }
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(!harness.state().panels.export);
+    assert!(!harness.state().panels.has(PanelId::EXPORT));
     assert!(window().query_by_label("Browse…").is_none());
 }
 

@@ -3,7 +3,7 @@
 use super::{clock, frame, is_playing, press, window};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
-use pointreel::app::{BINDINGS, GESTURES, WindowRequest};
+use pointreel::app::{BINDINGS, GESTURES, PanelId, WindowRequest};
 use pointreel::timeline::LoopMode;
 
 #[test]
@@ -50,7 +50,7 @@ fn keys_do_what_the_table_says() {
     press(&mut harness, NONE, Key::Minus);
     assert_eq!(harness.state().settings.surfels.splat_scale, 1.0);
     press(&mut harness, NONE, Key::F2);
-    assert!(!harness.state().panels.settings);
+    assert!(!harness.state().panels.has(PanelId::SETTINGS));
     assert!(harness.state_mut().take_requests().is_empty());
     press(&mut harness, NONE, Key::P);
     press(&mut harness, NONE, Key::F11);
@@ -79,7 +79,7 @@ fn a_text_field_keeps_its_keys() {
     assert_eq!(clock(&harness).loop_mode(), LoopMode::Loop);
     assert_eq!(frame(&harness), 0);
     assert!(!is_playing(&harness));
-    assert!(!harness.state().fly.is_flying());
+    assert!(!harness.state().motion.fly.is_flying());
     assert_eq!(harness.state().camera, camera);
 }
 
@@ -107,6 +107,6 @@ fn the_help_lists_every_key_and_escape_closes_it() {
         assert!(harness.query_all_by_label(text).next().is_some(), "{text}");
     }
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(!harness.state().panels.help);
+    assert!(!harness.state().panels.has(PanelId::HELP));
     assert!(harness.query_by_label("Ten frames on").is_none());
 }

@@ -2,6 +2,7 @@
 
 use super::kinds::Command;
 use crate::app::features::inspection::Tool;
+use crate::app::open_panels::PanelId;
 use crate::scene::ViewPreset;
 use egui::{Key, Modifiers};
 
@@ -365,21 +366,21 @@ pub const BINDINGS: &[Binding] = &[
         VIEW,
         "F2",
         "Settings",
-        Command::ToggleSettings,
+        Command::TogglePanel(PanelId::SETTINGS),
         &[Chord::plain(Key::F2)],
     ),
     binding(
         VIEW,
         "F3",
         "Statistics",
-        Command::ToggleStatistics,
+        Command::TogglePanel(PanelId::STATISTICS),
         &[Chord::plain(Key::F3)],
     ),
     binding(
         VIEW,
         "F4",
         "Camera path",
-        Command::TogglePath,
+        Command::TogglePanel(PanelId::CAMERA_PATH),
         &[Chord::plain(Key::F4)],
     ),
     binding(
@@ -477,7 +478,7 @@ pub const BINDINGS: &[Binding] = &[
         FILE,
         "F1",
         "This list",
-        Command::ToggleHelp,
+        Command::TogglePanel(PanelId::HELP),
         &[Chord::plain(Key::F1)],
     ),
     binding(

@@ -1,6 +1,7 @@
 //! What keys, menus and panels ask for.
 
 use crate::app::features::inspection::Tool;
+use crate::app::open_panels::PanelId;
 use crate::scene::ViewPreset;
 use egui::ThemePreference;
 
@@ -85,8 +86,6 @@ pub enum Command {
     ToggleExport,
     /// Choose how to export the camera path.
     ExportPath,
-    /// Show or hide the camera path.
-    TogglePath,
     /// Set a keyframe of what is shown.
     AddKeyframe,
     /// Play the camera path, or stop that.
@@ -101,16 +100,12 @@ pub enum Command {
     SavePathAs,
     /// Full screen and back.
     FullScreen,
-    /// Show or hide the settings.
-    ToggleSettings,
-    /// Show or hide the statistics.
-    ToggleStatistics,
+    /// Show or hide a panel.
+    TogglePanel(PanelId),
     /// Show or hide the ways of the picked points.
     ToggleTrails,
     /// The window is light, dark, or as the system is.
     Theme(ThemePreference),
-    /// Show or hide what the colours mean.
-    ToggleLegend,
     /// Show or hide small pictures over the timeline.
     ToggleThumbnails,
     /// Make them anew.
@@ -123,8 +118,6 @@ pub enum Command {
     Redo,
     /// Find commands by their names, or stop that.
     TogglePalette,
-    /// Show or hide the keys.
-    ToggleHelp,
     /// Close what is open, or leave full screen.
     Escape,
     /// End the program.

@@ -17,7 +17,7 @@ use std::time::Duration;
 
 /// What surfels in view depend on.
 #[derive(Debug, Clone, PartialEq)]
-struct Key {
+struct ViewKey {
     /// [`PreparedFrame::id`].
     frame: u64,
     needs: Needs,
@@ -29,8 +29,8 @@ struct Key {
 
 /// A frame whose surfels are wanted and not there.
 #[derive(Debug)]
-struct Wanted {
-    key: Key,
+struct WantedView {
+    key: ViewKey,
     frame: Arc<PreparedFrame>,
     since: Duration,
 }
@@ -38,7 +38,7 @@ struct Wanted {
 /// Surfels of a view that were estimated; `None` where nothing is seen.
 #[derive(Debug)]
 pub struct InView {
-    key: Key,
+    key: ViewKey,
     part: Option<Arc<PreparedFrame>>,
 }
 
@@ -47,8 +47,8 @@ pub struct InView {
 pub(in crate::app) struct SurfelsInView {
     /// Those of frames of fewer points are there before anybody misses them.
     fewest_points: usize,
-    wanted: Option<Wanted>,
-    asked_for: Option<Key>,
+    wanted: Option<WantedView>,
+    asked_for: Option<ViewKey>,
     made: Option<Arc<InView>>,
 }
 
@@ -82,7 +82,7 @@ impl SurfelsInView {
         }
         let viewport_px = settings.drawn_px(viewport_px);
         let clip = settings.of_sequence.clip.filter(|clip| clip.is_on);
-        let key = Key {
+        let key = ViewKey {
             frame: frame.id,
             needs: Scene::needs(settings),
             view: camera.transform(origin, viewport_px),
@@ -90,7 +90,7 @@ impl SurfelsInView {
             clip: clip.map(|clip| clip.relative_to(origin)),
         };
         if self.wanted.as_ref().is_none_or(|wanted| wanted.key != key) {
-            self.wanted = Some(Wanted {
+            self.wanted = Some(WantedView {
                 key,
                 frame: Arc::clone(frame),
                 since: now,
@@ -138,7 +138,7 @@ impl SurfelsInView {
 }
 
 impl InView {
-    fn of(key: Key, frame: &PreparedFrame) -> Self {
+    fn of(key: ViewKey, frame: &PreparedFrame) -> Self {
         let positions = frame.frame.positions();
         let slots = points_in_view(positions, &key.view, key.viewport_px, key.clip.as_ref());
         let counters = PrepareCounters::default();

@@ -28,7 +28,7 @@ struct Texture {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Picture {
+struct UserPicture {
     /// What its owner calls the version of its pixels.
     owners_version: u64,
     filter: TextureFilter,
@@ -39,7 +39,7 @@ struct Picture {
 #[derive(Debug, Default)]
 pub(super) struct Textures {
     held: HashMap<TextureId, Texture>,
-    pictures: HashMap<TextureId, Picture>,
+    pictures: HashMap<TextureId, UserPicture>,
     freed: Vec<TextureId>,
     last_version: u64,
     /// Changes with each new font atlas, whose glyphs are elsewhere.
@@ -112,7 +112,7 @@ impl Textures {
             return;
         }
         self.last_version += 1;
-        let picture = Picture {
+        let picture = UserPicture {
             owners_version: version,
             filter,
             version: self.last_version,

@@ -1,16 +1,141 @@
 //! Panels of features in the window: what each is given of the state, and what becomes of what it asks for.
 
-use crate::app::State;
-use crate::app::features::export::panel::{self as export, ExportRequest};
+use crate::app::command::Command;
+use crate::app::features::benchmark::panel::{BenchmarkRequest, benchmark_ui};
+use crate::app::features::beside::panel::{BesideRequest, beside_ui};
+use crate::app::features::camera_path::panel::camera_path_ui;
+use crate::app::features::camera_path::request::PathRequest;
+use crate::app::features::comparison::panel::{ComparisonRequest, comparison_ui};
+use crate::app::features::export::panel::{ExportRequest, export_ui};
+use crate::app::features::inspection::measuring_panel::measuring_ui;
+use crate::app::features::inspection::point_panel::{PointContext, point_ui};
+use crate::app::features::palette::CommandEntry;
+use crate::app::features::palette::panel::palette_ui;
+use crate::app::features::temporal::panel::change_ui;
+use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, timeline_ui};
+use crate::app::features::trails::panel::trail_ui;
+use crate::app::{PanelId, State};
+use crate::scene::Scene;
+use crate::timeline::DEFAULT_FPS;
 use egui::Ui;
 
-pub(super) fn export_ui(ui: &mut Ui, state: &mut State) {
+pub(super) fn benchmark(ui: &mut Ui, state: &mut State) {
+    let now = state.now();
+    let mut is_open = state.panels.has(PanelId::BENCHMARK);
+    let request = benchmark_ui(ui, &mut is_open, &state.benchmark, now);
+    state.panels.set(PanelId::BENCHMARK, is_open);
+    match request {
+        Some(BenchmarkRequest::Save(format)) => state.ask_for_report(format),
+        Some(BenchmarkRequest::DrawAs(way)) => state.draw_as(&way.settings),
+        None => {}
+    }
+}
+
+/// The bar of two ways to draw, or of two sequences.
+pub(super) fn pair(ui: &mut Ui, state: &mut State) {
+    if let Some(comparison) = &mut state.comparison {
+        match comparison_ui(ui, comparison) {
+            Some(ComparisonRequest::Edit(side)) => state.edit_side(side),
+            Some(ComparisonRequest::Close) => state.comparison = None,
+            None => {}
+        }
+    }
+    if let (Some(beside), Some(player)) = (&mut state.beside, &state.player) {
+        match beside_ui(ui, beside, player) {
+            Some(BesideRequest::Measure) => state.measure_distances(),
+            Some(BesideRequest::Close) => state.run(Command::CloseComparison),
+            None => {}
+        }
+    }
+}
+
+pub(super) fn timeline(ui: &mut Ui, state: &mut State) {
+    let mut context = TimelineContext {
+        needs: Scene::needs(&state.drawn_settings()),
+        now: state.now(),
+        player: state.player.as_mut(),
+        timeline: &mut state.timeline,
+        thumbnails: &mut state.thumbnails,
+    };
+    for request in timeline_ui(ui, &mut context) {
+        match request {
+            TimelineRequest::Run(command) => state.run(command),
+            TimelineRequest::Keep => state.keep_timeline(),
+        }
+    }
+}
+
+pub(super) fn camera_path(ui: &mut Ui, state: &mut State) {
+    let player = state.player.as_ref();
+    let fps = player.map_or(DEFAULT_FPS, |player| player.clock().fps());
+    let corner = state.viewport.rect.left_top();
+    let mut is_open = state.panels.has(PanelId::CAMERA_PATH);
+    let request = camera_path_ui(ui, &mut is_open, &mut state.path, fps, corner);
+    state.panels.set(PanelId::CAMERA_PATH, is_open);
+    match request {
+        Some(PathRequest::Run(command)) => state.run(command),
+        Some(PathRequest::GoTo(time_s)) => state.set_path_time(time_s),
+        Some(PathRequest::Replace(index)) => state.replace_keyframe(index),
+        None => {}
+    }
+}
+
+pub(super) fn export(ui: &mut Ui, state: &mut State) {
     let of = state.exportable();
     let top = state.viewport.rect.center_top();
-    let is_open = &mut state.panels.export;
-    match export::export_ui(ui, is_open, &mut state.export, &of, top) {
+    let mut is_open = state.panels.has(PanelId::EXPORT);
+    let request = export_ui(ui, &mut is_open, &mut state.export, &of, top);
+    state.panels.set(PanelId::EXPORT, is_open);
+    match request {
         Some(ExportRequest::ChoosePlace) => state.ask_for_place(),
         Some(ExportRequest::Start) => state.start_export(),
         None => {}
+    }
+}
+
+pub(super) fn point(ui: &mut Ui, state: &mut State) {
+    let index_in_file = state
+        .inspection
+        .point
+        .as_ref()
+        .map(|point| point.values.index_in_file);
+    let trail = state.player.as_ref().and_then(|player| {
+        let time_s = |frame| player.time_s(frame);
+        state.trails.measure(index_in_file?, time_s)
+    });
+    let names = state.beside.as_ref().map(|beside| {
+        let name = state.sequence_name().unwrap_or_default();
+        [name, beside.name.clone()]
+    });
+    let context = PointContext {
+        camera: &state.camera,
+        names,
+        trail,
+    };
+    let corner = state.viewport.rect.left_top();
+    let trails = &mut state.trails;
+    point_ui(ui, &mut state.inspection, &context, corner, |ui, anchor| {
+        trail_ui(ui, trails, anchor);
+    });
+}
+
+pub(super) fn measuring(ui: &mut Ui, state: &mut State) {
+    let up = state.camera.up.direction();
+    let corner = state.viewport.rect.left_bottom();
+    measuring_ui(ui, &mut state.inspection, up, corner);
+}
+
+pub(super) fn change(ui: &mut Ui, state: &mut State) {
+    let player = state.player.as_ref();
+    let shown = player.and_then(|player| Some((player.shown()?, player.sequence().len())));
+    let colors = state.settings.colors.map;
+    let corner = state.viewport.rect.right_top();
+    change_ui(ui, &mut state.temporal, shown, colors, corner);
+}
+
+/// The list of commands, `more` of them beside those that have keys.
+pub(super) fn palette(ui: &mut Ui, state: &mut State, more: &[CommandEntry]) {
+    if let Some(command) = palette_ui(ui, &mut state.palette, more) {
+        state.run(command);
     }
 }

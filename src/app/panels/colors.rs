@@ -2,8 +2,8 @@
 
 use super::settings::{choice, heading, note_below, row, rows};
 use crate::analysis::{ColorMap, ColorScale};
-use crate::app::State;
 use crate::app::widgets::ramp::{handles_ui, ramp_ui};
+use crate::app::{PanelId, State};
 use crate::cloud::Frame;
 use crate::scene::{Legend, field_title};
 use crate::sequence::{
@@ -47,14 +47,16 @@ pub(super) fn colors_ui(ui: &mut Ui, state: &mut State) {
     }
     let has_legend = shown.is_some_and(|frame| Legend::of(frame).is_some());
     if has_legend {
+        let mut is_open = state.panels.has(PanelId::LEGEND);
         rows(ui, "legend", |ui| {
             row(
                 ui,
                 "Legend",
                 "What the colours mean, over the picture at the right",
-                Checkbox::new(&mut state.panels.legend, "Shown"),
+                Checkbox::new(&mut is_open, "Shown"),
             );
         });
+        state.panels.set(PanelId::LEGEND, is_open);
     }
 }
 

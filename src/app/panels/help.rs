@@ -1,7 +1,7 @@
 //! The list of keys, from the table that dispatches them.
 
 use crate::app::theme::ACCENT;
-use crate::app::{BINDINGS, GESTURES, State};
+use crate::app::{BINDINGS, GESTURES, PanelId, State};
 use egui::{Grid, RichText, ScrollArea, Ui, Window};
 
 /// Width of the window, points.
@@ -9,7 +9,7 @@ const WIDTH: f32 = 640.0;
 
 /// A window with every key and mouse gesture while it is open.
 pub(super) fn help_ui(ui: &mut Ui, state: &mut State) {
-    let mut open = state.panels.help;
+    let mut open = state.panels.has(PanelId::HELP);
     let screen = ui.ctx().content_rect();
     Window::new("Keys and mouse")
         .open(&mut open)
@@ -32,7 +32,7 @@ pub(super) fn help_ui(ui: &mut Ui, state: &mut State) {
                 });
             });
         });
-    state.panels.help = open;
+    state.panels.set(PanelId::HELP, open);
 }
 
 fn heading(ui: &mut Ui, text: &str) {

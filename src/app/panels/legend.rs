@@ -1,7 +1,7 @@
 //! What the colours mean, over the picture: at its upper right.
 
-use crate::app::State;
 use crate::app::widgets::ramp::paint_ramp;
+use crate::app::{PanelId, State};
 use crate::scene::{Legend, LegendBody};
 use egui::{Align2, Color32, FontId, Painter, Rect, Stroke, Vec2, pos2, vec2};
 
@@ -13,7 +13,7 @@ const RAMP: Vec2 = vec2(15.0, 190.0);
 /// The legend of what is drawn, if it is to be shown.
 pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
     // The window of changes has one of its own, in the same place.
-    if !state.panels.legend || state.temporal.change.is_on {
+    if !state.panels.has(PanelId::LEGEND) || state.temporal.change.is_on {
         return;
     }
     let Some(legend) = state.drawn_frame().and_then(|frame| Legend::of(frame)) else {

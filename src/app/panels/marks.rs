@@ -1,10 +1,10 @@
 //! What features paint over the picture: the camera path, trails, points that were clicked on.
 
-use crate::app::State;
 use crate::app::features::camera_path::marks::paint_path;
 use crate::app::features::inspection::marks::paint_inspection;
 use crate::app::features::trails::panel::paint_trails;
 use crate::app::widgets::canvas::Canvas;
+use crate::app::{PanelId, State};
 use egui::{Rect, Ui};
 
 /// Paints the marks of all features, where they are in the picture that is drawn next, or in both.
@@ -20,11 +20,13 @@ fn marks(ui: &Ui, state: &State, rect: Rect, size_px: [u32; 2]) {
     let painter = ui.painter_at(rect);
     let canvas = Canvas::new(&painter, rect, size_px, &state.camera);
     if let Some(path) = state.path.draft.path()
-        && state.panels.path
+        && state.panels.has(PanelId::CAMERA_PATH)
         && !state.path.is_playing()
     {
         paint_path(&canvas, path);
     }
-    paint_trails(&canvas, state);
+    if let Some(player) = &state.player {
+        paint_trails(&canvas, &state.trails, player);
+    }
     paint_inspection(&canvas, &state.inspection);
 }

@@ -1,9 +1,10 @@
 //! The menu bar.
 
 use super::presets::presets_menu;
+use super::table::menu_items;
 use crate::app::command::{Command, keys_of};
 use crate::app::recent::entry_name;
-use crate::app::{Benchmark, Side, State, Tool};
+use crate::app::{Benchmark, PanelId, Side, State, Tool};
 use crate::bench::Suite;
 use crate::playback::Player;
 use crate::scene::{Projection, ViewPreset};
@@ -20,7 +21,12 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
         ui.menu_button("Tools", |ui| tools_menu(ui, state));
         ui.menu_button("Benchmark", |ui| benchmark_menu(ui, state));
         ui.menu_button("Help", |ui| {
-            item(ui, state, "Keys and mouse", Command::ToggleHelp);
+            item(
+                ui,
+                state,
+                "Keys and mouse",
+                Command::TogglePanel(PanelId::HELP),
+            );
             item(ui, state, "Find a command…", Command::TogglePalette);
         });
         if let Some(name) = state.sequence_name() {
@@ -177,38 +183,49 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     item(ui, state, "Paste view", Command::PasteView);
     ui.separator();
     let is_orthographic = state.camera.projection == Projection::Orthographic;
-    for (text, open, command) in [
+    let has_legend = state.panels.has(PanelId::LEGEND);
+    let legend = Command::TogglePanel(PanelId::LEGEND);
+    for (text, is_on, command) in [
         ("Orthographic", is_orthographic, Command::ToggleOrthographic),
-        ("Turntable", state.turntable.is_on, Command::ToggleTurntable),
+        (
+            "Turntable",
+            state.motion.turntable.is_on,
+            Command::ToggleTurntable,
+        ),
         ("Grid", state.settings.backdrop.grid, Command::ToggleGrid),
-        ("Scale bar", state.shows_scale_bar, Command::ToggleScaleBar),
+        (
+            "Scale bar",
+            state.appearance.shows_scale_bar,
+            Command::ToggleScaleBar,
+        ),
         (
             "Thumbnails",
             state.thumbnails.is_on,
             Command::ToggleThumbnails,
         ),
-        ("Legend", state.panels.legend, Command::ToggleLegend),
-        ("Settings", state.panels.settings, Command::ToggleSettings),
-        (
-            "Statistics",
-            state.panels.statistics,
-            Command::ToggleStatistics,
-        ),
-        ("Camera path…", state.panels.path, Command::TogglePath),
-        (
-            "Compare A/B",
-            state.comparison.is_some(),
-            Command::ToggleComparison,
-        ),
-        ("Full screen", state.full_screen, Command::FullScreen),
+        ("Legend", has_legend, legend),
     ] {
-        let button = Button::selectable(open, text).shortcut_text(keys_of(command));
-        if ui.add(button).clicked() {
-            state.run(command);
-            ui.close();
-        }
+        choice(ui, state, (text, is_on), command);
     }
+    for (text, panel) in menu_items() {
+        let is_open = state.panels.has(panel);
+        choice(ui, state, (text, is_open), Command::TogglePanel(panel));
+    }
+    let is_compared = state.comparison.is_some();
+    let compares = ("Compare A/B", is_compared);
+    choice(ui, state, compares, Command::ToggleComparison);
+    let fills_screen = ("Full screen", state.appearance.full_screen);
+    choice(ui, state, fills_screen, Command::FullScreen);
     ui.menu_button("Theme", |ui| theme_menu(ui, state));
+}
+
+/// An item that shows whether it is on.
+fn choice(ui: &mut Ui, state: &mut State, (text, is_on): (&str, bool), command: Command) {
+    let button = Button::selectable(is_on, text).shortcut_text(keys_of(command));
+    if ui.add(button).clicked() {
+        state.run(command);
+        ui.close();
+    }
 }
 
 fn theme_menu(ui: &mut Ui, state: &mut State) {
@@ -229,7 +246,7 @@ fn theme_menu(ui: &mut Ui, state: &mut State) {
             "Dark, whatever the system is",
         ),
     ] {
-        let button = Button::selectable(state.theme == theme, text);
+        let button = Button::selectable(state.appearance.theme == theme, text);
         if ui.add(button).on_hover_text(tooltip).clicked() {
             state.run(Command::Theme(theme));
             ui.close();
@@ -316,7 +333,7 @@ fn benchmark_menu(ui: &mut Ui, state: &mut State) {
     }
     ui.separator();
     if ui.button("Show the last result").clicked() {
-        state.panels.benchmark = true;
+        state.panels.set(PanelId::BENCHMARK, true);
         ui.close();
     }
 }

@@ -1,4 +1,4 @@
-//! The panels, one file each: `fn timeline_ui(ui, &mut State)`. They read and change [`State`] and know no GPU.
+//! The panels, one file each, and a row each of `table.rs`. They read and change [`State`] and know no GPU.
 
 mod bound;
 mod clip;
@@ -17,28 +17,15 @@ mod scale_bar;
 mod settings;
 mod shading;
 mod statistics;
+mod table;
+mod time;
 mod viewport;
 mod voxels;
 
 use super::State;
-use super::features::benchmark::panel::benchmark_ui;
-use super::features::beside::panel::beside_ui;
-use super::features::camera_path::panel::camera_path_ui;
-use super::features::comparison::panel::comparison_ui;
-use super::features::inspection::measuring_panel::measuring_ui;
-use super::features::inspection::point_panel::point_ui;
-use super::features::palette::panel::palette_ui;
-use super::features::temporal::panel::change_ui;
-use super::features::timeline::panel::timeline_ui;
-use bound::export_ui;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, ThemePreference, Ui};
-use help::help_ui;
 use menu::menu_ui;
-use notices::notices_ui;
-use presets::preset_name_ui;
-use question::question_ui;
-use settings::settings_ui;
-use statistics::statistics_ui;
+use table::{PANELS, PanelRow, Place, without_keys};
 use viewport::viewport_ui;
 
 /// Everything in the window, keys included.
@@ -52,45 +39,47 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     if state.pictures().is_some() {
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
         Panel::top("comparison").frame(bar).show(ui, |ui| {
-            comparison_ui(ui, state);
-            beside_ui(ui, state);
+            bound::pair(ui, state);
         });
     }
     let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
     Panel::bottom("timeline")
         .frame(bar)
-        .show(ui, |ui| timeline_ui(ui, state));
-    let side = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
-    if state.panels.settings {
-        Panel::right("settings")
-            .frame(side)
-            .default_size(312.0)
-            .size_range(280.0..=460.0)
-            .show(ui, |ui| settings_ui(ui, state));
-    }
-    if state.panels.statistics {
-        Panel::left("statistics")
-            .frame(side)
-            .default_size(272.0)
-            .size_range(240.0..=420.0)
-            .show(ui, |ui| statistics_ui(ui, state));
+        .show(ui, |ui| bound::timeline(ui, state));
+    for row in PANELS {
+        side_ui(ui, state, row);
     }
     CentralPanel::no_frame().show(ui, |ui| viewport_ui(ui, state));
-    point_ui(ui, state);
-    measuring_ui(ui, state);
-    change_ui(ui, state);
-    camera_path_ui(ui, state);
-    export_ui(ui, state);
-    notices_ui(ui, state);
-    help_ui(ui, state);
-    benchmark_ui(ui, state);
-    preset_name_ui(ui, state);
-    question_ui(ui, state);
-    palette_ui(ui, state);
-    follow_theme(ui.ctx(), state.theme);
+    for row in PANELS {
+        if matches!(row.place, Place::Window) {
+            (row.show)(ui, state);
+        }
+    }
+    if state.palette.is_some() {
+        bound::palette(ui, state, &without_keys());
+    }
+    follow_theme(ui.ctx(), state.appearance.theme);
     state.note_settings(ui.ctx());
     state.follow_poses();
     state.follow_thumbnails();
+}
+
+/// A panel beside the picture, while it is open.
+fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow) {
+    let Some(id) = row.id.filter(|&id| state.panels.has(id)) else {
+        return;
+    };
+    let (panel, width, range) = match &row.place {
+        Place::Left(width, range) => (Panel::left(id.name()), *width, range.clone()),
+        Place::Right(width, range) => (Panel::right(id.name()), *width, range.clone()),
+        Place::Window => return,
+    };
+    let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
+    panel
+        .frame(frame)
+        .default_size(width)
+        .size_range(range)
+        .show(ui, |ui| (row.show)(ui, state));
 }
 
 /// Has the panels run again where another theme was chosen.

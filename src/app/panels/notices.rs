@@ -1,8 +1,8 @@
 //! Messages over the picture, at its lower left, and bars of long work below them.
 
 use crate::app::theme::GOOD;
-use crate::app::work::panel::{shown_works, work_ui};
-use crate::app::{Notice, Severity, State};
+use crate::app::work::panel::work_ui;
+use crate::app::{Benchmark, Notice, PanelId, Severity, State, Work};
 use egui::{Align2, Area, Frame, Id, RichText, ScrollArea, Stroke, Ui, vec2};
 
 /// Width of a message.
@@ -40,6 +40,17 @@ pub(super) fn notices_ui(ui: &mut Ui, state: &mut State) {
     if let Some(id) = dismissed {
         state.notices.dismiss(id);
     }
+}
+
+/// What takes long and has no window of its own that is open.
+fn shown_works(state: &State) -> Vec<&Work> {
+    let measuring = match &state.benchmark {
+        // Its window has the same bar.
+        Benchmark::Running(running) if !state.panels.has(PanelId::BENCHMARK) => Some(&running.work),
+        _ => None,
+    };
+    let works = state.works.list().iter().chain(measuring);
+    works.filter(|work| work.is_long(state.now())).collect()
 }
 
 /// True if it is to be dismissed.

@@ -50,7 +50,7 @@ pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
 }
 
 /// Asks for the name of a new preset: Enter keeps it, Esc or a click elsewhere leaves it.
-pub(super) fn preset_name_ui(ui: &Ui, state: &mut State) {
+pub(super) fn preset_name_ui(ui: &mut Ui, state: &mut State) {
     let Some(name) = &mut state.preset_name else {
         return;
     };

@@ -6,7 +6,7 @@ use crate::app::features::camera_path::Question;
 use egui::{Align2, Button, Ui, Window};
 
 /// Asks before something is lost.
-pub(super) fn question_ui(ui: &Ui, state: &mut State) {
+pub(super) fn question_ui(ui: &mut Ui, state: &mut State) {
     let Some(question) = state.path.question else {
         return;
     };

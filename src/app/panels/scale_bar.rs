@@ -15,7 +15,7 @@ const END: f32 = 4.0;
 /// Paints it at the lower left of the picture in `rect`.
 pub(super) fn scale_bar_ui(ui: &mut Ui, rect: Rect, state: &State) {
     let shown = state.player.as_ref().and_then(|player| player.shown());
-    let Some(frame) = shown.filter(|_| state.shows_scale_bar) else {
+    let Some(frame) = shown.filter(|_| state.appearance.shows_scale_bar) else {
         return;
     };
     let unit = frame.frame.unit();

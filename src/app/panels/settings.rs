@@ -5,8 +5,8 @@ use super::colors::colors_ui;
 use super::footprints::footprints_ui;
 use super::quality::quality_ui;
 use super::shading::shading;
+use super::time::time_ui;
 use super::voxels::octree_ui;
-use crate::app::features::temporal::panel::temporal_settings_ui;
 use crate::app::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 pub(super) use crate::app::widgets::rows::{choice, heading, note_below, row, rows};
 use crate::app::{PresentChoice, State, Turntable};
@@ -46,7 +46,7 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
         }
         colors_ui(ui, state);
         clip_ui(ui, state);
-        temporal_settings_ui(ui, state);
+        time_ui(ui, state);
         heading(ui, "Shading");
         rows(ui, "shading", |ui| shading(ui, &mut state.settings, &drawn));
         heading(ui, "Background");
@@ -62,7 +62,9 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
         heading(ui, "Camera");
         rows(ui, "camera", |ui| camera(ui, state));
         heading(ui, "Window");
-        rows(ui, "window", |ui| present(ui, &mut state.present));
+        rows(ui, "window", |ui| {
+            present(ui, &mut state.appearance.present);
+        });
         ui.add_space(12.0);
         if ui
             .button("Reset to defaults")
@@ -434,7 +436,7 @@ fn camera(ui: &mut Ui, state: &mut State) {
             state.camera.fov_deg = shown;
         }
     }
-    let turntable = &mut state.turntable;
+    let turntable = &mut state.motion.turntable;
     row(
         ui,
         "Turntable",

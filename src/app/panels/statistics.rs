@@ -3,7 +3,9 @@
 use crate::app::State;
 use crate::app::meter::Redraw;
 use crate::app::widgets::numbers::{bytes, grouped};
+use crate::levels::octree::Octree;
 use crate::playback::Player;
+use crate::scene::SceneStats;
 use crate::sequence::PreparedFrame;
 use egui::{DragValue, Grid, Label, RichText, ScrollArea, Ui};
 use std::time::Duration;
@@ -239,10 +241,13 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
             "Writing the records that are uploaded, on a worker",
         );
     });
-    let Some(octree) = frame.levels.octree() else {
-        return;
-    };
-    let scene = state.scene_stats();
+    if let Some(octree) = frame.levels.octree() {
+        octree_ui(ui, octree, timings.octree_ms, &state.scene_stats());
+    }
+}
+
+/// The tree, and what was last drawn of it.
+fn octree_ui(ui: &mut Ui, octree: &Octree, build_ms: f32, scene: &SceneStats) {
     section(ui, "Octree", |ui| {
         row(
             ui,
@@ -271,7 +276,7 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
         row(
             ui,
             "Build",
-            milliseconds(timings.octree_ms.into()),
+            milliseconds(build_ms.into()),
             "Building it, on a worker",
         );
         row(

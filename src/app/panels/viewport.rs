@@ -56,7 +56,7 @@ fn on_pixels(rect: Rect, scale: f32) -> Rect {
 }
 
 fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
-    let pulls = pulls(ui, response, &mut state.grip);
+    let pulls = pulls(ui, response, &mut state.motion.grip);
     let height = f64::from(response.rect.height().max(1.0));
     let camera = &mut state.camera;
     for pull in &pulls {
@@ -81,7 +81,7 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
         }
     }
     if !pulls.is_empty() {
-        state.turntable.is_on = false;
+        state.motion.turntable.is_on = false;
     }
     if response.clicked() || !pulls.is_empty() {
         // A text field that was left by a click elsewhere must give the keys back.

@@ -61,10 +61,10 @@ fn unusual() -> Preferences {
         present: PresentChoice::Cpu,
         loop_mode: LoopMode::PingPong,
         speed: 0.25,
-        panels: OpenPanels {
+        panels: RememberedPanels {
             settings: false,
             statistics: true,
-            ..OpenPanels::default()
+            ..RememberedPanels::default()
         },
         thumbnails: false,
         scale_bar: false,

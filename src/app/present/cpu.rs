@@ -31,9 +31,9 @@ pub(super) struct CpuPresenter {
     window: Arc<Window>,
     surface: Surface<Arc<Window>, Arc<Window>>,
     painter: SoftwarePainter,
-    picture: Picture,
+    picture: CpuPicture,
     /// That of the other side of a comparison, once there was one.
-    other_picture: Option<Picture>,
+    other_picture: Option<CpuPicture>,
     /// Opened when the GPU is chosen to draw.
     context: Option<Arc<Context>>,
     /// What was damaged when the window was presented last, which a buffer of age 2 lacks.
@@ -41,7 +41,7 @@ pub(super) struct CpuPresenter {
 }
 
 /// A 3-D picture and who draws it.
-struct Picture {
+struct CpuPicture {
     texture: TextureId,
     software: CpuRenderer,
     /// What the GPU draws is read back into an image.
@@ -50,7 +50,7 @@ struct Picture {
     version: u64,
 }
 
-impl Picture {
+impl CpuPicture {
     fn new(side: Side) -> Self {
         Self {
             texture: TextureId::User(side as u64),
@@ -108,7 +108,7 @@ impl CpuPresenter {
             window,
             surface,
             painter: SoftwarePainter::new(),
-            picture: Picture::new(Side::A),
+            picture: CpuPicture::new(Side::A),
             other_picture: None,
             context: None,
             last_damage: Vec::new(),
@@ -191,7 +191,7 @@ impl Presenter for CpuPresenter {
             Side::A => &mut self.picture,
             Side::B => self
                 .other_picture
-                .get_or_insert_with(|| Picture::new(Side::B)),
+                .get_or_insert_with(|| CpuPicture::new(Side::B)),
         };
         let known = &mut self.context;
         picture.draw(packet, || {

@@ -7,7 +7,7 @@
 //! painted over it as often as they ask, and those of before, which are on the card already, where only the picture is
 //! new. What the processor draws is copied to such a texture. Pictures and panels are one submission.
 
-use super::gpu_picture::{DrawnBy, Picture};
+use super::gpu_picture::{DrawnBy, GpuPicture};
 use super::presenter::{Painted, Panels, Presenter, PresenterInfo};
 use super::surface::{WindowSurface, acquire};
 use crate::app::meter::GpuWork;
@@ -35,9 +35,9 @@ pub(super) struct GpuPresenter {
     uploaded_for_px: Option<[u32; 2]>,
     /// What was asked of the card since the window was painted.
     work: GpuWork,
-    picture: Picture,
+    picture: GpuPicture,
     /// That of the other side of a comparison, once there was one.
-    other_picture: Option<Picture>,
+    other_picture: Option<GpuPicture>,
 }
 
 impl GpuPresenter {
@@ -53,7 +53,7 @@ impl GpuPresenter {
             ..RendererOptions::default()
         };
         let mut painter = egui_wgpu::Renderer::new(&context.device, surface.format(), options);
-        let picture = Picture::new(&context, &mut painter)?;
+        let picture = GpuPicture::new(&context, &mut painter)?;
         Ok(Self {
             context,
             surface,
@@ -67,7 +67,7 @@ impl GpuPresenter {
         })
     }
 
-    fn picture(&self, side: Side) -> Option<&Picture> {
+    fn picture(&self, side: Side) -> Option<&GpuPicture> {
         match side {
             Side::A => Some(&self.picture),
             Side::B => self.other_picture.as_ref(),
@@ -167,7 +167,7 @@ impl Presenter for GpuPresenter {
         let picture = match (side, &mut self.other_picture) {
             (Side::A, _) => &mut self.picture,
             (Side::B, Some(picture)) => picture,
-            (Side::B, none) => none.insert(Picture::new(&self.context, &mut self.painter)?),
+            (Side::B, none) => none.insert(GpuPicture::new(&self.context, &mut self.painter)?),
         };
         picture.draw(&self.context, &mut self.painter, packet, &mut self.work)
     }

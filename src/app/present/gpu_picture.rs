@@ -10,7 +10,7 @@ use image::RgbaImage;
 use std::sync::Arc;
 
 /// A 3-D picture: who draws it, and the texture that egui shows.
-pub(super) struct Picture {
+pub(super) struct GpuPicture {
     pub(super) renderer: GpuRenderer,
     software: SoftwarePicture,
     pub(super) drawn_by: DrawnBy,
@@ -27,7 +27,7 @@ pub(super) enum DrawnBy {
     Processor,
 }
 
-impl Picture {
+impl GpuPicture {
     pub(super) fn new(
         context: &Arc<Context>,
         painter: &mut egui_wgpu::Renderer,

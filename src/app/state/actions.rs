@@ -2,6 +2,7 @@
 
 use super::dialogs::DialogKind;
 use super::ranges::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
+use super::steering::steer;
 use super::{State, WindowRequest};
 use crate::app::command::{self, Command};
 use crate::app::features::benchmark::Benchmark;
@@ -10,17 +11,15 @@ use crate::app::features::comparison::Comparison;
 use crate::app::features::export::Subject;
 use crate::app::features::palette::Palette;
 use crate::app::history::Edited;
+use crate::app::open_panels::PanelId;
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
 use crate::playback::Player;
-use crate::scene::{Primitive, RendererChoice, Style};
+use crate::scene::{Primitive, Style};
 use crate::sequence::Sequence;
-use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED, PlayRange};
+use crate::timeline::PlayRange;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The speeds that the keys step through.
-const SPEEDS: [f64; 9] = [0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 10.0];
 
 /// The keys change sizes by this factor.
 const SIZE_STEP: f32 = 1.25;
@@ -36,26 +35,15 @@ impl State {
     /// Does what a key or menu asks for.
     pub fn run(&mut self, command: Command) {
         match command {
-            Command::TogglePlay => self.play_with(Player::toggle),
-            Command::Step(count) => self.play_with(|player, now| player.step(count, now)),
-            Command::First => self.play_with(|player, now| player.seek(0, now)),
-            Command::Last => self.play_with(|player, now| player.seek(usize::MAX, now)),
-            Command::ToggleFollow => self.play_with(|player, now| {
-                player.follow_newest(!player.follows_newest(), now);
-            }),
-            Command::NextLoopMode => self.play_with(|player, now| {
-                let next = next_loop_mode(player.clock().loop_mode());
-                player.set_loop_mode(next, now);
-            }),
-            Command::Slower => {
-                self.change_speed(|speed| SPEEDS.iter().rev().copied().find(|&s| s < speed - 1e-9));
-            }
-            Command::Faster => {
-                self.change_speed(|speed| SPEEDS.iter().copied().find(|&s| s > speed + 1e-9));
-            }
-            Command::Reverse => {
-                self.play_with(|player, now| player.set_speed(-player.clock().speed(), now));
-            }
+            Command::TogglePlay
+            | Command::Step(_)
+            | Command::First
+            | Command::Last
+            | Command::ToggleFollow
+            | Command::NextLoopMode
+            | Command::Slower
+            | Command::Faster
+            | Command::Reverse => self.play_with(|player, now| steer(player, command, now)),
             Command::SetIn => self.set_range(PlayRange::beginning_at),
             Command::SetOut => self.set_range(PlayRange::ending_at),
             Command::ClearRange => self.set_range(|_, _| PlayRange::default()),
@@ -66,13 +54,13 @@ impl State {
             Command::FrameAll => self.frame_all(),
             Command::Look(preset) => self.camera.look_from(preset),
             Command::ToggleOrthographic => self.toggle_projection(),
-            Command::ToggleTurntable => self.turntable.is_on ^= true,
+            Command::ToggleTurntable => self.motion.turntable.is_on ^= true,
             Command::Focus => self.focus_at_pointer(),
             Command::CopyView => self.copy_view(),
             Command::PasteView => self.requests.push(WindowRequest::PasteView),
             Command::ToggleTool(tool) => self.inspection.toggle(tool),
             Command::ToggleGrid => self.settings.backdrop.grid ^= true,
-            Command::ToggleScaleBar => self.shows_scale_bar ^= true,
+            Command::ToggleScaleBar => self.appearance.shows_scale_bar ^= true,
             Command::Smaller => self.scale_size(1.0 / SIZE_STEP),
             Command::Larger => self.scale_size(SIZE_STEP),
             Command::OpenFiles => self.ask(DialogKind::OpenFiles, None),
@@ -92,7 +80,6 @@ impl State {
             }
             Command::ToggleExport => self.toggle_export(None),
             Command::ExportPath => self.toggle_export(Some(Subject::Path)),
-            Command::TogglePath => self.panels.path ^= true,
             Command::AddKeyframe => self.add_keyframe(),
             Command::TogglePreview => self.toggle_preview(),
             Command::NewPath => self.ask_or_do(Question::New),
@@ -100,8 +87,6 @@ impl State {
             Command::SavePath => self.save_path(false),
             Command::SavePathAs => self.save_path(true),
             Command::FullScreen => self.requests.push(WindowRequest::FullScreen),
-            Command::ToggleSettings => self.panels.settings ^= true,
-            Command::ToggleStatistics => self.panels.statistics ^= true,
             Command::ToggleComparison => self.toggle_comparison(),
             Command::Undo => {
                 let before = self.history.undo();
@@ -111,9 +96,9 @@ impl State {
                 let after = self.history.redo();
                 self.take_edited(after);
             }
+            Command::TogglePanel(panel) => self.panels.toggle(panel),
             Command::ToggleTrails => self.toggle_trails(),
-            Command::Theme(theme) => self.theme = theme,
-            Command::ToggleLegend => self.panels.legend ^= true,
+            Command::Theme(theme) => self.appearance.theme = theme,
             Command::ToggleThumbnails => self.thumbnails.is_on ^= true,
             Command::RedoThumbnails => self.thumbnails.redo(),
             Command::TogglePalette => {
@@ -122,7 +107,6 @@ impl State {
                     None => Some(Palette::default()),
                 };
             }
-            Command::ToggleHelp => self.panels.help ^= true,
             Command::Escape => self.escape(),
             Command::Quit => self.ask_or_do(Question::Quit),
         }
@@ -147,21 +131,27 @@ impl State {
         };
     }
 
+    /// The settings are those of `side` of two ways to draw from now on.
+    pub(in crate::app) fn edit_side(&mut self, side: Side) {
+        if let Some(comparison) = &mut self.comparison {
+            comparison.edited = side;
+            std::mem::swap(&mut comparison.other, &mut self.settings);
+        }
+    }
+
     fn escape(&mut self) {
         let running = matches!(self.benchmark, Benchmark::Running(_));
         // The key has taken the keyboard from their fields already, so they do not see it.
         let has_closed = self.palette.take().is_some() || self.timeline.renaming.take().is_some();
-        if has_closed || self.stop_preview() || self.path.question.take().is_some() {
-            // One thing at a time.
-        } else if self.panels.export {
-            self.panels.export = false;
-        } else if self.panels.help {
-            self.panels.help = false;
-        } else if self.panels.benchmark && !running {
-            self.panels.benchmark = false;
-        } else if self.inspection.escape() {
-            // One thing at a time.
-        } else if self.full_screen {
+        // One thing at a time.
+        let has_closed = has_closed
+            || self.stop_preview()
+            || self.path.question.take().is_some()
+            || self.panels.close(PanelId::EXPORT)
+            || self.panels.close(PanelId::HELP)
+            || (!running && self.panels.close(PanelId::BENCHMARK))
+            || self.inspection.escape();
+        if !has_closed && self.appearance.full_screen {
             self.requests.push(WindowRequest::FullScreen);
         }
     }
@@ -170,21 +160,6 @@ impl State {
     pub(in crate::app) fn play_with(&mut self, change: impl FnOnce(&mut Player, Duration)) {
         if let Some(player) = &mut self.player {
             change(player, self.now);
-        }
-    }
-
-    /// Takes the playhead in the hand, or lets it go: meanwhile playing rests.
-    pub(in crate::app) fn play_with_scrubbing(&mut self, begin: bool) {
-        let Some(player) = &mut self.player else {
-            return;
-        };
-        if begin {
-            self.scrubbing.resume = player.is_playing();
-            if self.scrubbing.resume {
-                player.toggle(self.now);
-            }
-        } else if std::mem::take(&mut self.scrubbing.resume) && !player.is_playing() {
-            player.toggle(self.now);
         }
     }
 
@@ -213,14 +188,9 @@ impl State {
 
     /// How an export draws: as the window does, but at full resolution.
     pub(in crate::app) fn settings_of_export(&self) -> Style {
-        let renderer = if self.without_gpu == Some(self.settings.renderer) {
-            RendererChoice::Cpu
-        } else {
-            self.settings.renderer
-        };
         Style {
             resolution: 1.0,
-            renderer,
+            renderer: self.main.renderer(self.settings.renderer),
             ..self.drawn_settings()
         }
     }
@@ -228,15 +198,6 @@ impl State {
     /// Draws as `way` from now on.
     pub fn draw_as(&mut self, way: &Style) {
         self.settings = self.settings.drawn_as(way);
-    }
-
-    fn change_speed(&mut self, next: impl Fn(f64) -> Option<f64>) {
-        self.play_with(|player, now| {
-            let speed = player.clock().speed();
-            if let Some(size) = next(speed.abs()) {
-                player.set_speed(size.clamp(MIN_SPEED, MAX_SPEED).copysign(speed), now);
-            }
-        });
     }
 
     fn scale_size(&mut self, factor: f32) {
@@ -254,16 +215,16 @@ impl State {
         let typing = ctx.text_edit_focused();
         let (events, modifiers, now_secs) =
             ctx.input(|input| (input.raw.events.clone(), input.modifiers, input.time));
-        self.fly.note(&events, typing);
+        self.motion.fly.note(&events, typing);
         self.handle_clipboard(ctx);
         for command in command::dispatch(ctx) {
             // While flying, Ctrl is the slow pace and Q the way down.
-            if command != Command::Quit || !self.fly.is_flying() {
+            if command != Command::Quit || !self.motion.fly.is_flying() {
                 self.run(command);
             }
         }
-        if self.fly.is_flying() {
-            self.fly.step(&mut self.camera, now_secs, modifiers);
+        if self.motion.fly.is_flying() {
+            self.motion.fly.step(&mut self.camera, now_secs, modifiers);
             ctx.request_repaint();
         }
     }
@@ -304,16 +265,7 @@ impl State {
     /// From now on the processor draws in place of the graphics card whose device was lost, until a person chooses who
     /// draws.
     pub(in crate::app) fn draw_without_gpu(&mut self) {
-        self.without_gpu = Some(self.settings.renderer);
+        self.main.without_gpu = Some(self.settings.renderer);
         self.forget_picture();
     }
-}
-
-/// Off, loop, ping-pong, off …
-fn next_loop_mode(mode: LoopMode) -> LoopMode {
-    let index = LoopMode::ALL
-        .iter()
-        .position(|&other| other == mode)
-        .unwrap_or(0);
-    LoopMode::ALL[(index + 1) % LoopMode::ALL.len()]
 }

@@ -3,6 +3,7 @@
 use super::dialogs::DialogKind;
 use super::{State, WindowRequest};
 use crate::app::features::camera_path::{Draft, PathFile, Question, read_path, save_path};
+use crate::app::open_panels::PanelId;
 use crate::app::work::works::WorkKind;
 use crate::playback::Player;
 use crate::scene::Camera;
@@ -12,7 +13,7 @@ use std::sync::Arc;
 impl State {
     /// Sets a keyframe of what is shown at the path's time.
     pub(super) fn add_keyframe(&mut self) {
-        self.panels.path = true;
+        self.panels.set(PanelId::CAMERA_PATH, true);
         let frame = self.frame_for_path();
         if let Err(reason) = self.path.set_keyframe(self.camera, frame) {
             self.notices
@@ -46,7 +47,7 @@ impl State {
 
     /// Beyond its last frame the sequence begins anew, as in videos.
     fn show_of_path(&mut self, camera: Camera, frame: usize) {
-        self.turntable.is_on = false;
+        self.motion.turntable.is_on = false;
         self.camera = camera;
         self.play_with(|player, now| {
             let frame = frame % player.sequence().len().max(1);
@@ -70,7 +71,7 @@ impl State {
         if resumes {
             self.play_with(Player::toggle);
         }
-        self.turntable.is_on = false;
+        self.motion.turntable.is_on = false;
     }
 
     /// True if the path was playing.

@@ -233,7 +233,7 @@ impl State {
             beside.companion.waiting_for().is_none()
                 && (beside.drawing.is_drawn() || beside.companion.shown().is_none())
         };
-        self.drawing.is_drawn() && self.beside.as_ref().is_none_or(is_drawn_beside)
+        self.main.drawing.is_drawn() && self.beside.as_ref().is_none_or(is_drawn_beside)
     }
 
     /// What is seen of both pictures, as one: side by side, or on both sides of the line. The first one alone if there

@@ -2,8 +2,9 @@
 
 use super::State;
 use super::dialogs::DialogKind;
-use crate::app::features::export::job::{Job, Shows, run};
+use crate::app::features::export::job::{ExportJob, Shows, run};
 use crate::app::features::export::{ExportEnded, Exportable, Subject};
+use crate::app::open_panels::PanelId;
 use crate::app::work::files::picture_folder;
 use crate::app::work::works::WorkKind;
 use crate::export::{ChangeColors, ExportError, PictureSize, Poses, VideoFormat};
@@ -21,8 +22,9 @@ const LAST_WAIT: Duration = Duration::from_secs(2);
 impl State {
     /// Shows the choices, of `subject` if one is named, or closes them.
     pub(super) fn toggle_export(&mut self, subject: Option<Subject>) {
-        self.panels.export = subject.is_some() || !self.panels.export;
-        if self.panels.export {
+        let is_open = subject.is_some() || !self.panels.has(PanelId::EXPORT);
+        self.panels.set(PanelId::EXPORT, is_open);
+        if is_open {
             let clock = self.player.as_ref().map(Player::clock);
             self.export.begin(subject, picture_folder, clock);
         }
@@ -82,15 +84,15 @@ impl State {
         let name = job.output.file_name().unwrap_or_default();
         let name = format!("Exporting {}", name.to_string_lossy());
         let progress = self.works.begin(WorkKind::Export, name, self.now);
-        self.panels.export = false;
+        self.panels.set(PanelId::EXPORT, false);
         self.tasks
             .start("export", move || ExportEnded(run(job, &progress)));
     }
 
-    fn export_job(&self) -> Option<Job> {
+    fn export_job(&self) -> Option<ExportJob> {
         let player = self.player.as_ref()?;
         let export = &self.export;
-        Some(Job {
+        Some(ExportJob {
             sequence: Arc::clone(player.sequence()),
             settings: self.settings_of_export(),
             poses: self.poses_of_export(),

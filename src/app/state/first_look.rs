@@ -8,7 +8,7 @@
 use super::State;
 use crate::app::first_look::{Chosen, FirstView, Looked, LookedAtMore};
 use crate::math::Aabb;
-use crate::scene::{Camera, FirstLook, Primitive, RendererChoice, Style, UpAxis};
+use crate::scene::{Camera, FirstLook, Primitive, Style, UpAxis};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -29,11 +29,7 @@ impl State {
     }
 
     pub(super) fn resolved(&self, settings: &Style) -> Style {
-        let choice = if self.without_gpu == Some(settings.renderer) {
-            RendererChoice::Cpu
-        } else {
-            settings.renderer
-        };
+        let choice = self.main.renderer(settings.renderer);
         let is_processor = choice.is_processor(self.graphics.is_software);
         self.first_look()
             .map_or(*settings, |look| settings.resolved(look))

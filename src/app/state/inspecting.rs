@@ -25,7 +25,7 @@ impl State {
                 beside.companion.shown()?;
                 (beside.drawing.point_at(place, other_rect), Side::B)
             }
-            None => (self.drawing.point_at(place, rect), Side::A),
+            None => (self.main.drawing.point_at(place, rect), Side::A),
         };
         found.map(|(pick, frame)| (pick, frame, side))
     }
@@ -66,25 +66,25 @@ impl State {
     }
 
     pub(super) fn glide_to(&mut self, camera: Camera) {
-        self.glide = Some(Glide::new(self.camera, camera, self.now));
+        self.motion.glide = Some(Glide::new(self.camera, camera, self.now));
     }
 
     /// Moves a gliding or turning camera on; true if it moved.
     pub(super) fn move_camera_on(&mut self) -> bool {
         let before = self.camera;
-        if let Some(glide) = &mut self.glide
+        if let Some(glide) = &mut self.motion.glide
             && !glide.step(&mut self.camera, self.now)
         {
-            self.glide = None;
+            self.motion.glide = None;
         }
-        self.turntable.step(&mut self.camera, self.now);
+        self.motion.turntable.step(&mut self.camera, self.now);
         self.move_on_path();
         self.camera != before
     }
 
     /// True while [`State::move_camera_on`] has something to do.
     pub(super) fn camera_moves(&self) -> bool {
-        self.glide.is_some() || self.turntable.is_on || self.path.is_playing()
+        self.motion.glide.is_some() || self.motion.turntable.is_on || self.path.is_playing()
     }
 
     pub(super) fn toggle_projection(&mut self) {

@@ -33,20 +33,20 @@ impl State {
                     beside.take_in(distances);
                 }
             }
-            Outcome::MadeFrame(made) => {
+            Outcome::Composed(made) => {
                 if let Some(made) = made {
                     self.temporal.take_in(*made);
                 }
             }
             Outcome::Traced(traced) => self.trails.take_in(traced),
             Outcome::Levels(FrameWithLevels(frame)) => {
-                self.drawing.take_levels(&frame);
+                self.main.drawing.take_levels(&frame);
                 if let Some(beside) = &mut self.beside {
                     beside.drawing.take_levels(&frame);
                 }
             }
             Outcome::InView(made) => {
-                self.drawing.take_surfels_in_view(&made);
+                self.main.drawing.take_surfels_in_view(&made);
                 if let Some(beside) = &mut self.beside {
                     beside.drawing.take_surfels_in_view(&made);
                 }

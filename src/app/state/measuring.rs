@@ -2,6 +2,7 @@
 
 use super::State;
 use crate::app::features::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
+use crate::app::open_panels::PanelId;
 use crate::bench::{LabPoint, Suite};
 use std::sync::Arc;
 
@@ -21,7 +22,7 @@ impl State {
 
     /// Shows the benchmark window and runs `job` in it.
     pub fn start_benchmark_job(&mut self, suite: &str, job: BenchmarkJob) {
-        self.panels.benchmark = true;
+        self.panels.set(PanelId::BENCHMARK, true);
         let at = (self.wake(), self.now);
         self.benchmark.start(suite, job, &self.tasks, at);
     }

@@ -10,6 +10,7 @@ mod files;
 mod first_look;
 mod inspecting;
 mod intake;
+mod main_picture;
 mod measuring;
 mod opening;
 mod options;
@@ -18,6 +19,7 @@ mod parts;
 mod pictures;
 mod ranges;
 mod reading;
+mod steering;
 mod timeline;
 
 pub use dialogs::{DialogAnswer, DialogKind};
@@ -28,8 +30,9 @@ pub(in crate::app) use ranges::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 pub(in crate::app) use reading::PictureStage;
 
 use dialogs::Dialogs;
+use main_picture::MainPicture;
 
-use crate::app::drawing::Drawing;
+use crate::app::appearance::Appearance;
 use crate::app::features::benchmark::Benchmark;
 use crate::app::features::beside::Beside;
 use crate::app::features::camera_path::PathEditor;
@@ -43,23 +46,19 @@ use crate::app::features::thumbnails::Thumbnails;
 use crate::app::features::timeline::Timeline;
 use crate::app::features::trails::Trails;
 use crate::app::first_look::Looked;
-use crate::app::fly::Fly;
-use crate::app::grip::Grip;
 use crate::app::history::History;
-use crate::app::motion::{Glide, Turntable};
+use crate::app::motion::CameraMotion;
 use crate::app::notices::Notices;
 use crate::app::open_panels::OpenPanels;
 use crate::app::preferences::Preferences;
-use crate::app::present_choice::PresentChoice;
 use crate::app::presets::Presets;
 use crate::app::recent::Recent;
 use crate::app::side::Side;
 use crate::app::work::tasks::{Tasks, Wake};
 use crate::app::work::works::Works;
 use crate::math::Aabb;
-use crate::playback::Player;
-use crate::scene::{Camera, RendererChoice, SceneStats, Style};
-use crate::sequence::Paint;
+use crate::playback::{Player, PlayerChange};
+use crate::scene::{Camera, SceneStats, Style};
 use crate::timeline::Clock;
 use glam::DVec3;
 use std::sync::Arc;
@@ -100,14 +99,14 @@ pub struct State {
     pub palette: Option<Palette>,
     /// Markers and curve of the open sequence.
     pub timeline: Timeline,
+    /// What moves the camera.
+    pub motion: CameraMotion,
+    /// How the window looks.
+    pub appearance: Appearance,
     /// The picture's place.
     pub viewport: Viewport,
     /// What is known of the graphics card.
     pub graphics: GraphicsInfo,
-    /// Keys that fly.
-    pub fly: Fly,
-    /// The camera on a turntable.
-    pub turntable: Turntable,
     /// The camera path that is being made.
     pub path: PathEditor,
     /// What a person would export.
@@ -116,44 +115,21 @@ pub struct State {
     pub temporal: Temporal,
     /// Small pictures of the frames.
     pub thumbnails: Thumbnails,
-    /// Whether the picture has a scale bar.
-    pub shows_scale_bar: bool,
-    /// Whether the window is light or dark.
-    pub theme: egui::ThemePreference,
-    /// Who paints the window.
-    pub present: PresentChoice,
     /// The ways of points through time.
     pub trails: Trails,
     /// What was clicked on.
     pub inspection: Inspection,
     /// Work done.
     pub counters: Counters,
-    /// True while the window fills the screen.
-    pub full_screen: bool,
-    /// The picture in the hand.
-    pub(in crate::app) grip: Option<Grip>,
-    /// True between the first and the last move of the playhead by the mouse.
-    pub(in crate::app) scrubbing: Scrubbing,
     pub(in crate::app) tasks: Tasks<Outcome>,
     dialogs: Dialogs,
     options: StateOptions,
     now: Duration,
-    glide: Option<Glide>,
     /// What is made of the open sequence.
     looked: Looked,
     requests: Vec<WindowRequest>,
-    drawing: Drawing,
-    /// Who was chosen to draw when the graphics card's device was lost: the processor draws until that is chosen anew.
-    without_gpu: Option<RendererChoice>,
-    /// What the drawn frame was painted with when this was last looked at: the panels say it.
-    painted_with: Option<Paint>,
-}
-
-/// The playhead in the hand.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(in crate::app) struct Scrubbing {
-    /// Plays on when it is let go.
-    pub(in crate::app) resume: bool,
+    /// The picture of the open sequence.
+    main: MainPicture,
 }
 
 impl State {
@@ -165,7 +141,7 @@ impl State {
             camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
             settings: options.preferences.settings,
             notices: Notices::default(),
-            panels: options.preferences.panels,
+            panels: options.preferences.panels.into(),
             comparison: None,
             works: Works::default(),
             beside: None,
@@ -177,32 +153,23 @@ impl State {
             history: History::default(),
             palette: None,
             timeline: Timeline::default(),
+            motion: CameraMotion::default(),
+            appearance: Appearance::of(&options.preferences),
             viewport: Viewport::default(),
             graphics: GraphicsInfo::default(),
-            fly: Fly::default(),
-            turntable: Turntable::default(),
             path: PathEditor::default(),
             export: Export::default(),
             temporal: Temporal::default(),
             thumbnails: Thumbnails::new(options.preferences.thumbnails),
-            shows_scale_bar: options.preferences.scale_bar,
-            theme: options.preferences.theme,
-            present: options.preferences.present,
             trails: Trails::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),
-            full_screen: false,
-            grip: None,
-            scrubbing: Scrubbing::default(),
             dialogs: Dialogs::default(),
             tasks: Tasks::new(Arc::clone(&options.wake)),
             now: Duration::ZERO,
-            glide: None,
             looked: Looked::default(),
             requests: Vec::new(),
-            drawing: Drawing::default(),
-            without_gpu: None,
-            painted_with: None,
+            main: MainPicture::default(),
             options,
         }
     }
@@ -219,7 +186,7 @@ impl State {
 
     /// Counters of the traversal.
     pub fn scene_stats(&self) -> SceneStats {
-        self.drawing.stats()
+        self.main.drawing.stats()
     }
 
     /// What is kept between runs; the window adds its size.
@@ -231,21 +198,16 @@ impl State {
                 primitive: self.options.preferences.settings.primitive,
                 ..self.settings
             },
-            present: self.present,
+            present: self.appearance.present,
             loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
             speed: clock
                 .map_or(self.options.preferences.speed, Clock::speed)
                 .abs(),
-            panels: OpenPanels {
-                settings: self.panels.settings,
-                statistics: self.panels.statistics,
-                legend: self.panels.legend,
-                ..OpenPanels::default()
-            },
+            panels: self.panels.remembered(),
             thumbnails: self.thumbnails.is_on,
-            scale_bar: self.shows_scale_bar,
-            theme: self.theme,
+            scale_bar: self.appearance.shows_scale_bar,
+            theme: self.appearance.theme,
             window_size: None,
         }
     }
@@ -284,35 +246,9 @@ impl State {
         };
         let is_another_frame = change.visible;
         visible |= change.beyond_frame;
-        if let Some(failure) = change.new_failure {
-            let place = failure.index() + 1;
-            let count = player.sequence().len();
-            self.notices
-                .error(format!("Frame {place} of {count} is left out. {failure}"));
-        }
-        for text in change
-            .other_attributes
-            .into_iter()
-            .chain(change.new_warnings)
-        {
-            self.notices.warn(text);
-        }
-        visible |= self.temporal.follow(player, &settings, &self.tasks, now);
-        if let Some(frame) = player.shown() {
-            self.inspection
-                .follow(Side::A, frame, player.sequence().origin());
-            visible |= self.trails.follow(player, &self.inspection, &self.tasks);
-            if self.looked.is_empty() {
-                let frame = Arc::clone(frame);
-                self.look_first(&frame);
-                visible = true;
-            }
-        }
-        let paint = self.drawn_frame().map(|frame| *frame.paint());
-        if self.painted_with != paint {
-            self.painted_with = paint;
-            visible = true;
-        }
+        let count = player.sequence().len();
+        self.tell_of_frames(change, count);
+        visible |= self.follow_shown(&settings);
         self.follow_thumbnails();
         if let Some(of_b) = of_b {
             visible |= self.follow_beside(of_b);
@@ -324,6 +260,41 @@ impl State {
             false => Change::Nothing,
         };
         Change::of_panels(visible).max(of_frame)
+    }
+
+    /// Says what is new about frames that were read, of `count`.
+    fn tell_of_frames(&mut self, change: PlayerChange, count: usize) {
+        if let Some(failure) = change.new_failure {
+            let place = failure.index() + 1;
+            self.notices
+                .error(format!("Frame {place} of {count} is left out. {failure}"));
+        }
+        let texts = change.other_attributes.into_iter();
+        for text in texts.chain(change.new_warnings) {
+            self.notices.warn(text);
+        }
+    }
+
+    /// Has what features make of the shown frame made. True if something can be seen to change.
+    fn follow_shown(&mut self, settings: &Style) -> bool {
+        let Some(player) = &self.player else {
+            return false;
+        };
+        let mut visible = self
+            .temporal
+            .follow(player, settings, &self.tasks, self.now);
+        if let Some(frame) = player.shown() {
+            self.inspection
+                .follow(Side::A, frame, player.sequence().origin());
+            visible |= self.trails.follow(player, &self.inspection, &self.tasks);
+            if self.looked.is_empty() {
+                let frame = Arc::clone(frame);
+                self.look_first(&frame);
+                visible = true;
+            }
+        }
+        let paint = self.drawn_frame().map(|frame| *frame.paint());
+        visible | (std::mem::replace(&mut self.main.painted_with, paint) != paint)
     }
 
     /// Whether panels show more of the playing frame than its place on the timeline, so that they have to keep step
@@ -390,7 +361,7 @@ impl State {
             pictures,
             camera,
             held,
-            self.drawing.next_deadline(),
+            self.main.drawing.next_deadline(),
             self.beside
                 .as_ref()
                 .and_then(|beside| beside.drawing.next_deadline()),

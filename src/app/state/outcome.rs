@@ -8,7 +8,7 @@ use crate::app::features::beside::FrameDistances;
 use crate::app::features::camera_path::PathFile;
 use crate::app::features::comparison::PictureDifference;
 use crate::app::features::export::ExportEnded;
-use crate::app::features::temporal::Made;
+use crate::app::features::temporal::ComposedFrame;
 use crate::app::features::thumbnails::Delivery;
 use crate::app::features::trails::Traced;
 use crate::app::first_look::LookedAtMore;
@@ -63,7 +63,7 @@ outcomes! {
     /// The points of two frames were compared; `None` if one has none, or nobody waits for it any more.
     Distances(Option<FrameDistances>),
     /// A frame was made of several poses; `None` if nobody waits for it any more.
-    MadeFrame(Option<Box<Made>>),
+    Composed(Option<Box<ComposedFrame>>),
     /// A frame has got levels of detail.
     Levels(FrameWithLevels),
     /// Surfels of what a view shows were estimated.

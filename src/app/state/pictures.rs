@@ -3,7 +3,7 @@
 use super::State;
 use crate::app::drawing::{Drawing, DrawnFrame};
 use crate::app::features::comparison::PicturePair;
-use crate::app::features::temporal::Made;
+use crate::app::features::temporal::ComposedFrame;
 use crate::app::meter::Redraw;
 use crate::render::RenderStats;
 use crate::scene::ScenePacket;
@@ -13,14 +13,14 @@ use std::sync::Arc;
 impl State {
     /// The frame that is drawn: the shown one, or what other poses made of it.
     pub(in crate::app) fn drawn_frame(&self) -> Option<&Arc<PreparedFrame>> {
-        let made = self.temporal.shown().map(Made::frame);
+        let made = self.temporal.shown().map(ComposedFrame::frame);
         made.or_else(|| self.player.as_ref()?.shown())
     }
 
     /// Whether a picture that is coarse because the camera moved is to be drawn as a whole.
     pub(super) fn is_picture_due(&self) -> bool {
         let of_b = self.beside.as_ref().map(|beside| &beside.drawing);
-        let drawings = [Some(&self.drawing), of_b];
+        let drawings = [Some(&self.main.drawing), of_b];
         let mut deadlines = drawings
             .into_iter()
             .flatten()
@@ -30,7 +30,7 @@ impl State {
 
     /// Whether the picture is a coarse one because the camera moved.
     pub(in crate::app) fn is_picture_coarse(&self) -> bool {
-        self.drawing.next_deadline().is_some()
+        self.main.drawing.next_deadline().is_some()
     }
 
     /// The packet to draw, if it differs from the last one.
@@ -38,25 +38,23 @@ impl State {
         let player = self.player.as_ref()?;
         let pose = player.shown()?;
         let made = self.temporal.shown();
-        let frame = made.map_or(pose, Made::frame);
+        let frame = made.map_or(pose, ComposedFrame::frame);
         if self.viewport.size_px.contains(&0) {
             return None;
         }
         let origin = player.sequence().origin();
         let drawn = DrawnFrame {
             frame: Arc::clone(frame),
-            pose: Arc::clone(made.map_or(pose, Made::pose)),
+            pose: Arc::clone(made.map_or(pose, ComposedFrame::pose)),
             origin,
         };
+        self.main.note_choice(self.settings.renderer);
         let settings = self.drawn_settings();
-        if self.without_gpu != Some(self.settings.renderer) {
-            // Somebody has chosen anew.
-            self.without_gpu = None;
-        }
         let size_px = self.viewport.size_px;
-        let packet = self
-            .drawing
-            .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
+        let packet =
+            self.main
+                .drawing
+                .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
         self.counters.pictures += 1;
         self.note_picture();
         Some(packet)
@@ -70,7 +68,7 @@ impl State {
         let draw_ms = self.graphics.picture_ms();
         let settings = self.drawn_settings();
         let Some(player) = &self.player else { return };
-        let noted = self.drawing.note_draw_ms(draw_ms);
+        let noted = self.main.drawing.note_draw_ms(draw_ms);
         // What stands for a frame that is on its way says nothing about its picture, and levels of it would be in its
         // way.
         let is_partial = player.is_partial();
@@ -79,7 +77,7 @@ impl State {
         }
         let is_at_rest = !player.is_playing() && !is_partial;
         let (tasks, now) = (&self.tasks, self.now);
-        self.drawing.prepare(&settings, is_at_rest, tasks, now);
+        self.main.drawing.prepare(&settings, is_at_rest, tasks, now);
         if let Some(beside) = &mut self.beside {
             if let Some(points) = beside.drawing.note_draw_ms(draw_ms) {
                 beside.companion.note_picture_ms(points, draw_ms);
@@ -112,7 +110,7 @@ impl State {
 
     /// Forgets what was drawn: after a new GPU device everything is drawn again.
     pub fn forget_picture(&mut self) {
-        self.drawing.forget_picture();
+        self.main.drawing.forget_picture();
         self.thumbnails.forget_textures();
         if let Some(comparison) = &mut self.comparison {
             comparison.forget_picture();

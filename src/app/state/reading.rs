@@ -1,7 +1,7 @@
 //! Frames that take long to read: their bars, and what becomes of a sequence whose first frame nobody waits for any
 //! more.
 
-use super::{Scrubbing, State};
+use super::State;
 use crate::app::first_look::Looked;
 use crate::app::work::tasks::close;
 use crate::app::work::works::WorkKind;
@@ -58,7 +58,7 @@ impl State {
         let frame = player.shown().filter(|_| self.is_drawn())?;
         Some(match (player.is_partial(), frame.is_sample()) {
             (false, _) => PictureStage::Whole,
-            (true, false) if self.drawing.has_surfels() => PictureStage::SurfelsInView,
+            (true, false) if self.main.drawing.has_surfels() => PictureStage::SurfelsInView,
             (true, false) => PictureStage::AllPoints,
             (true, true) => PictureStage::SomePoints,
         })
@@ -137,13 +137,13 @@ impl State {
         // Its threads end what they are on; nobody waits for that here.
         close(before);
         self.looked = Looked::default();
-        self.glide = None;
-        self.drawing.forget_frame();
+        self.motion.glide = None;
+        self.main.drawing.forget_frame();
         self.temporal.forget_frames();
         self.thumbnails.forget_frames();
         self.trails.forget_points();
         self.inspection.forget_points();
-        self.scrubbing = Scrubbing::default();
+        self.timeline.forget_playhead();
         self.quality.forget();
     }
 }

@@ -19,7 +19,7 @@ impl State {
         self.take_chosen(chosen);
     }
 
-    pub(super) fn keep_timeline(&mut self) {
+    pub(in crate::app) fn keep_timeline(&mut self) {
         if let Some(player) = &self.player
             && let Err(problem) = self.timeline.keep(player.clock().range())
         {
@@ -47,14 +47,9 @@ impl State {
     /// Puts a marker at the playhead, or takes it away.
     pub(in crate::app) fn toggle_marker(&mut self) {
         if let Some(frame) = self.frame_at_playhead() {
-            self.toggle_marker_at(frame);
+            self.timeline.toggle_marker(frame);
+            self.keep_timeline();
         }
-    }
-
-    pub(in crate::app) fn toggle_marker_at(&mut self, frame: usize) {
-        self.timeline.markers.toggle(frame);
-        self.timeline.renaming = None;
-        self.keep_timeline();
     }
 
     /// Goes to the next marker, or to the one before.
@@ -71,14 +66,6 @@ impl State {
         };
         if let Some(frame) = found {
             self.play_with(|player: &mut Player, now| player.seek(frame, now));
-        }
-    }
-
-    /// Gives the marker whose name was being written that name.
-    pub(in crate::app) fn finish_renaming(&mut self) {
-        if let Some((frame, name)) = self.timeline.renaming.take() {
-            self.timeline.markers.rename(frame, &name);
-            self.keep_timeline();
         }
     }
 }

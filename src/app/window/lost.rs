@@ -27,13 +27,13 @@ impl App {
         self.rebuilt_at
             .retain(|&at| now.saturating_sub(at) < RELOSS_WINDOW);
         let is_given_up = self.rebuilt_at.len() >= MAX_REBUILDS;
-        if is_given_up && self.state.present == PresentChoice::Cpu {
+        if is_given_up && self.state.appearance.present == PresentChoice::Cpu {
             self.fail(event_loop, error.into());
             return None;
         }
         self.rebuilt_at.push(now);
         let what_now = if is_given_up {
-            self.state.present = PresentChoice::Cpu;
+            self.state.appearance.present = PresentChoice::Cpu;
             "The processor paints the window now; choose who does in the settings to try again"
         } else if screen.presenter.was_drawn_by_gpu() {
             self.state.draw_without_gpu();
@@ -70,9 +70,9 @@ impl App {
         });
         let opened = match self.open_screen(event_loop, Arc::clone(&window), &mut before) {
             // What was chosen may not be there, but what there was is.
-            Err(error) if choice != self.state.present => {
+            Err(error) if choice != self.state.appearance.present => {
                 self.state.notices.error(error.to_string());
-                self.state.present = choice;
+                self.state.appearance.present = choice;
                 self.open_screen(event_loop, window, &mut before)
             }
             opened => opened,

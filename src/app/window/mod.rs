@@ -290,11 +290,11 @@ impl App {
         window: Arc<Window>,
         before: &mut Option<EguiBefore>,
     ) -> Result<Screen, AppError> {
-        let choice = self.state.present;
+        let choice = self.state.appearance.present;
         let presenter = present::open(choice, &window)?;
         let egui = egui::Context::default();
         apply_theme(&egui);
-        egui.set_theme(self.state.theme);
+        egui.set_theme(self.state.appearance.theme);
         if let Some(before) = before {
             let memory = before.context.memory(Clone::clone);
             egui.memory_mut(|new| *new = memory);

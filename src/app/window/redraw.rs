@@ -26,7 +26,7 @@ const PANELS_INTERVAL: Duration = Duration::from_millis(33);
 
 /// What pictures are to be read back for.
 #[derive(Default)]
-struct Wanted {
+struct ReadBack {
     /// To be written to these files, or to new ones.
     files: Vec<Option<PathBuf>>,
     /// To compare the two sides.
@@ -39,7 +39,7 @@ impl App {
         let Some(mut screen) = self.screen.take() else {
             return;
         };
-        if screen.choice != self.state.present {
+        if screen.choice != self.state.appearance.present {
             self.screen = self.open_anew(event_loop, screen);
             return;
         }
@@ -83,7 +83,7 @@ impl App {
 
         let drawn = self.draw_picture(screen);
         let picture_drawn = begin.elapsed();
-        let Wanted { files, comparison } = self.requests(event_loop, screen);
+        let wanted = self.requests(event_loop, screen);
         let panels = output.as_mut().map(|output| Panels {
             egui: &screen.egui,
             shapes: std::mem::take(&mut output.shapes),
@@ -103,21 +103,7 @@ impl App {
             self.change = Change::Panels;
             self.repaint_at = Some(now + NEWS_INTERVAL);
         }
-        if comparison
-            && let Some(other) = screen
-                .presenter
-                .read(Side::B, self.state.viewport.other_size_px)?
-            && let Some(edited) = screen
-                .presenter
-                .read(Side::A, self.state.viewport.size_px)?
-        {
-            self.state.compare_pictures(edited, other);
-        }
-        for path in files {
-            if let Some(image) = self.read_joined(screen)? {
-                self.state.save_picture(image, path);
-            }
-        }
+        self.read_back(screen, wanted)?;
         self.set_title(screen);
         self.note_preferences(&screen.window);
         let redraw = Redraw {
@@ -130,20 +116,45 @@ impl App {
             painted_px: painted.repainted_px,
             gpu: painted.gpu,
         };
+        self.note_redraw(screen, redraw, painted.presented);
+        self.take_screenshot_if_due(event_loop, screen)
+    }
+
+    /// Reads pictures back and hands them to whom they are for.
+    fn read_back(&mut self, screen: &mut Screen, wanted: ReadBack) -> Result<(), RenderError> {
+        if wanted.comparison
+            && let Some(other) = screen
+                .presenter
+                .read(Side::B, self.state.viewport.other_size_px)?
+            && let Some(edited) = screen
+                .presenter
+                .read(Side::A, self.state.viewport.size_px)?
+        {
+            self.state.compare_pictures(edited, other);
+        }
+        for path in wanted.files {
+            if let Some(image) = self.read_joined(screen)? {
+                self.state.save_picture(image, path);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes notice of how long a redraw took.
+    fn note_redraw(&mut self, screen: &Screen, redraw: Redraw, is_shown: bool) {
         // A wait for the next picture of the screen costs nothing; what is beyond it is a driver, or a window system,
         // that is behind.
-        let idle = painted.waited.min(self.refresh_interval);
+        let idle = redraw.waiting.min(self.refresh_interval);
         let frame_ms = redraw.whole.saturating_sub(idle).as_secs_f64() * 1e3;
         self.state
             .note_redraw(redraw, frame_ms, screen.presenter.stats());
         if let Some(trial) = &mut self.trial {
-            let is_presented = painted.presented && painted.repainted_px > 0;
+            let is_presented = is_shown && redraw.painted_px > 0;
             let is_due = trial.note(&redraw, is_presented, self.begin.elapsed(), &self.state);
             if is_due {
                 self.change = Change::Panels;
             }
         }
-        self.take_screenshot_if_due(event_loop, screen)
     }
 
     /// Says in the log when the program first shows a picture, and when more of its frame.
@@ -239,8 +250,8 @@ impl App {
     }
 
     /// Does what only the window can do; returns what pictures are to be read back for.
-    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Wanted {
-        let mut wanted = Wanted::default();
+    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> ReadBack {
+        let mut wanted = ReadBack::default();
         for request in self.state.take_requests() {
             match request {
                 WindowRequest::Quit => event_loop.exit(),
@@ -256,7 +267,7 @@ impl App {
                     let full = screen.window.fullscreen().is_none();
                     let full_screen = full.then_some(Fullscreen::Borderless(None));
                     screen.window.set_fullscreen(full_screen);
-                    self.state.full_screen = full;
+                    self.state.appearance.full_screen = full;
                 }
             }
         }

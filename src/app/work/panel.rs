@@ -1,20 +1,9 @@
 //! Bars of the long work that is under way, below the notices.
 
+use super::works::{Progress, Work, WorkKind};
 use crate::app::work::works::left_text;
-use crate::app::{Benchmark, Progress, State, Work, WorkKind};
 use egui::{Frame, ProgressBar, Role, Ui, WidgetInfo};
 use std::time::Duration;
-
-/// What takes long and has no window of its own that is open.
-pub(in crate::app) fn shown_works(state: &State) -> Vec<&Work> {
-    let measuring = match &state.benchmark {
-        // Its window has the same bar.
-        Benchmark::Running(running) if !state.panels.benchmark => Some(&running.work),
-        _ => None,
-    };
-    let works = state.works.list().iter().chain(measuring);
-    works.filter(|work| work.is_long(state.now())).collect()
-}
 
 /// A name, a bar with the time left, and a button, so wide.
 pub(in crate::app) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f32) {

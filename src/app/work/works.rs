@@ -30,7 +30,7 @@ pub enum WorkKind {
 
 /// So much was done when the window looked.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct ProgressMark {
     at: Duration,
     done: usize,
 }
@@ -45,7 +45,7 @@ pub struct Work {
     progress: Progress,
     begun: Duration,
     /// When something was first done, and last.
-    seen: Option<(Seen, Seen)>,
+    seen: Option<(ProgressMark, ProgressMark)>,
 }
 
 impl Work {
@@ -80,7 +80,7 @@ impl Work {
     /// Takes notice at `now` of what is done.
     pub fn look(&mut self, now: Duration) {
         let done = self.progress.done();
-        let seen = Seen { at: now, done };
+        let seen = ProgressMark { at: now, done };
         self.seen = match self.seen {
             Some((first, last)) if done == last.done => Some((first, last)),
             Some((first, last)) if done > last.done => Some((first, seen)),

@@ -1,6 +1,5 @@
 //! Ways to draw by time and error: a plot that grows while they are measured. A click on a point draws as it does.
 
-use crate::app::State;
 use crate::app::theme::{ACCENT, GOOD, ODD};
 use crate::bench::LabPoint;
 use crate::scene::{Primitive, RendererChoice};
@@ -13,8 +12,8 @@ const REACH: f32 = 14.0;
 
 const PLOT_HEIGHT: f32 = 300.0;
 
-/// The plot, the chosen way and the ways that no other beats.
-pub(in crate::app) fn lab_ui(ui: &mut Ui, state: &mut State, points: &[Arc<LabPoint>]) {
+/// The plot, the chosen way and the ways that no other beats; returns a way that was chosen now.
+pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Arc<LabPoint>> {
     let id = ui.scope_id().with("chosen way");
     let mut chosen: Option<usize> = ui.data(|data| data.get_temp(id));
     let before = chosen;
@@ -46,12 +45,9 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, state: &mut State, points: &[Arc<LabPo
                 });
         });
     });
-    if chosen != before
-        && let Some(point) = chosen.and_then(|index| points.get(index))
-    {
-        state.draw_as(&point.settings);
-        ui.data_mut(|data| data.insert_temp(id, chosen.unwrap_or_default()));
-    }
+    let point = points.get(chosen.filter(|_| chosen != before)?)?;
+    ui.data_mut(|data| data.insert_temp(id, chosen.unwrap_or_default()));
+    Some(Arc::clone(point))
 }
 
 /// While a run goes on, nobody has marked the front yet.

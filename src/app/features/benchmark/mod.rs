@@ -2,22 +2,17 @@
 
 mod lab;
 pub(in crate::app) mod panel;
+mod task;
+
+pub(in crate::app) use task::benchmark_job;
 
 use crate::app::work::tasks::{TaskOutcome, Tasks, Wake};
 use crate::app::work::works::{Work, WorkKind};
 use crate::bench::{self, LabPoint, Step};
 use crate::locks::lock;
 use crate::progress::Progress;
-use crate::render::gpu::{Context, ContextOptions};
-use crate::scene::RendererChoice;
-use crate::sequence::Sequence;
-use std::path::PathBuf;
-use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
-
-/// How often is looked whether the other window has measured itself.
-const LOOK_INTERVAL: Duration = Duration::from_millis(100);
 
 /// As what a benchmark is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,45 +173,6 @@ impl Benchmark {
     }
 }
 
-/// The job that runs `suite` on `sequence`: with a GPU context of its own, or in a window of its own.
-pub(in crate::app) fn benchmark_job(
-    suite: bench::Suite,
-    name: String,
-    sequence: Arc<Sequence>,
-) -> BenchmarkJob {
-    if suite == bench::Suite::Window {
-        return Box::new(move |report, progress| {
-            report(Step {
-                label: format!("{name}: another window plays, turns and scrubs it"),
-                ..Step::default()
-            });
-            window_job(&sequence, progress)
-        });
-    }
-    Box::new(move |report, progress| {
-        let context =
-            Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
-        let options = bench::BenchOptions {
-            // What a software adapter draws nobody would choose.
-            modes: if context.is_software() {
-                bench::Modes::of_renderer(RendererChoice::Cpu)
-            } else {
-                bench::Modes::default()
-            },
-            truth_folder: bench::BenchOptions::truth_folder_of_person(),
-            ..bench::BenchOptions::new(suite)
-        };
-        let input = bench::Input {
-            name,
-            sequence,
-            shape: None,
-        };
-        let measured = bench::run(&[input], &options, Some(&context), report, progress)
-            .map_err(|error| error.to_string())?;
-        Ok(BenchmarkTable::of(measured))
-    })
-}
-
 impl BenchmarkTable {
     /// The report in a format.
     pub(in crate::app) fn text_as(&self, format: ReportFormat) -> &str {
@@ -245,45 +201,4 @@ impl BenchmarkTable {
             points: measured.points.into_iter().map(Arc::new).collect(),
         }
     }
-}
-
-/// Has this program measure another window of its own: one process has one event loop, and this window's would be
-/// measured with the benchmark's panel in it.
-fn window_job(sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable, String> {
-    let say = |error: std::io::Error| format!("the other window cannot be opened: {error}");
-    let folder = std::env::temp_dir().join(format!("pointreel-window-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).map_err(say)?;
-    let file = folder.join("report.json");
-    let inputs = match sequence.source().inputs() {
-        [] => vec![PathBuf::from("demo:")],
-        inputs => inputs.to_vec(),
-    };
-    let fps = sequence.fps().to_string();
-    let mut program = Command::new(std::env::current_exe().map_err(say)?)
-        .args(["bench", "window"])
-        .args(inputs)
-        .args(["--fps", &fps, "--json"])
-        .arg(&file)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .spawn()
-        .map_err(say)?;
-    let ended = loop {
-        if progress.is_cancelled() {
-            // One that has just ended by itself needs no end.
-            let _ = program.kill();
-        }
-        match program.try_wait().map_err(say)? {
-            Some(status) => break status,
-            None => std::thread::sleep(LOOK_INTERVAL),
-        }
-    };
-    let json = std::fs::read_to_string(&file);
-    // What is left there is cleaned up by the system.
-    let _ = std::fs::remove_dir_all(&folder);
-    if !ended.success() {
-        return Err("the other window was closed before all was measured".to_owned());
-    }
-    let report = bench::window_report_of_json(&json.map_err(say)?)?;
-    Ok(BenchmarkTable::of(report))
 }

@@ -1,12 +1,14 @@
 //! The benchmark window: progress and cancel while it runs, then the table and a bar chart.
 
 use super::lab::lab_ui;
+use super::{Benchmark, BenchmarkTable, ReportFormat};
 use crate::app::theme::ACCENT;
 use crate::app::work::panel::{bar, cancel_button};
-use crate::app::{Benchmark, BenchmarkTable, ReportFormat, State};
-use crate::bench::Table;
+use crate::bench::{LabPoint, Table};
 use egui::{Align2, Grid, RichText, ScrollArea, Ui, Window};
 use egui_plot::{Bar, BarChart, Plot};
+use std::sync::Arc;
+use std::time::Duration;
 
 /// Height of a bar in the chart, points.
 const BAR_HEIGHT: f32 = 22.0;
@@ -14,13 +16,26 @@ const BAR_HEIGHT: f32 = 22.0;
 /// What the window's frame and the menu above it take of a low screen, points.
 const MARGIN: f32 = 90.0;
 
+/// What the panel asks of the window.
+#[derive(Debug, Clone)]
+pub(in crate::app) enum BenchmarkRequest {
+    /// Write the report to a file that is chosen with a dialog.
+    Save(ReportFormat),
+    /// Draw as this way does.
+    DrawAs(Arc<LabPoint>),
+}
+
 /// The window while it is open.
-pub(in crate::app) fn benchmark_ui(ui: &mut Ui, state: &mut State) {
-    let mut open = state.panels.benchmark;
-    let mut export = None;
+pub(in crate::app) fn benchmark_ui(
+    ui: &mut Ui,
+    is_open: &mut bool,
+    benchmark: &Benchmark,
+    now: Duration,
+) -> Option<BenchmarkRequest> {
+    let mut request = None;
     let screen = ui.ctx().content_rect();
     Window::new("Benchmark")
-        .open(&mut open)
+        .open(is_open)
         .collapsible(false)
         .default_width(820.0)
         .pivot(Align2::CENTER_CENTER)
@@ -32,25 +47,21 @@ pub(in crate::app) fn benchmark_ui(ui: &mut Ui, state: &mut State) {
                 .max_height(screen.height() - MARGIN)
                 .min_scrolled_height(screen.height() - MARGIN)
                 .auto_shrink([false, true])
-                .show(ui, |ui| export = contents(ui, state));
+                .show(ui, |ui| request = contents(ui, benchmark, now));
         });
-    state.panels.benchmark = open;
-    if let Some(format) = export {
-        state.ask_for_report(format);
-    }
+    request
 }
 
-/// What the window shows; returns what the person wants to export.
-fn contents(ui: &mut Ui, state: &mut State) -> Option<ReportFormat> {
-    let mut export = None;
-    let points = state.benchmark.points();
-    match &state.benchmark {
+fn contents(ui: &mut Ui, benchmark: &Benchmark, now: Duration) -> Option<BenchmarkRequest> {
+    let mut request = None;
+    let points = benchmark.points();
+    match benchmark {
         Benchmark::Idle => {
             ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused meanwhile.");
         }
         Benchmark::Running(running) => {
             ui.strong(format!("Suite {}", running.suite));
-            bar(ui, &running.work, state.now());
+            bar(ui, &running.work, now);
             ui.label(running.label());
             cancel_button(ui, running.work.progress());
         }
@@ -63,15 +74,18 @@ fn contents(ui: &mut Ui, state: &mut State) -> Option<ReportFormat> {
                 ui.ctx().copy_text(text.clone());
             }
         }
-        Benchmark::Done(table) => export = done(ui, table),
+        Benchmark::Done(table) => request = done(ui, table).map(BenchmarkRequest::Save),
     }
     if !points.is_empty() {
         ui.separator();
-        lab_ui(ui, state, &points);
+        request = lab_ui(ui, &points)
+            .map(BenchmarkRequest::DrawAs)
+            .or(request);
     }
-    export
+    request
 }
 
+/// The tables; returns as what the person wants to save them.
 fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<ReportFormat> {
     ui.strong(format!("Suite {}", table.suite));
     ui.weak(&table.adapter);

@@ -1,21 +1,30 @@
 //! The bar of a second sequence: how it is laid out, which of its frames are shown, and how far it is from the first.
 
+use super::{Beside, FrameDistances, Layout, OneWay};
 use crate::app::features::comparison::panel::{difference_ui, error_map_ui};
 use crate::app::widgets::numbers::rounded_to;
-use crate::app::{Beside, Command, FrameDistances, Layout, OneWay, State};
-use crate::playback::PairBy;
+use crate::playback::{PairBy, Player};
 use egui::{Button, DragValue, RichText, Ui};
 
 /// Offsets that can be dragged to.
 const MAX_OFFSET: i64 = 1_000_000;
 
+/// What the bar asks of the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::app) enum BesideRequest {
+    /// Measure the distances of the shown frames.
+    Measure,
+    /// Back to one sequence.
+    Close,
+}
+
 /// The bar while two sequences are compared.
-pub(in crate::app) fn beside_ui(ui: &mut Ui, state: &mut State) {
-    let (Some(beside), Some(player)) = (&mut state.beside, &state.player) else {
-        return;
-    };
-    let mut command = None;
-    let mut measures = false;
+pub(in crate::app) fn beside_ui(
+    ui: &mut Ui,
+    beside: &mut Beside,
+    player: &Player,
+) -> Option<BesideRequest> {
+    let mut request = None;
     ui.horizontal_wrapped(|ui| {
         layout_ui(ui, beside);
         ui.separator();
@@ -23,7 +32,7 @@ pub(in crate::app) fn beside_ui(ui: &mut Ui, state: &mut State) {
         ui.separator();
         let close = ui.button("Close comparison");
         if close.on_hover_text("Back to one sequence").clicked() {
-            command = Some(Command::CloseComparison);
+            request = Some(BesideRequest::Close);
         }
     });
     ui.horizontal_wrapped(|ui| {
@@ -40,22 +49,19 @@ pub(in crate::app) fn beside_ui(ui: &mut Ui, state: &mut State) {
         } else if distances.is_none() {
             let button = Button::new("Measure distances");
             let is_possible = beside.whole_frames(player).is_some();
-            measures = ui
+            let button = ui
                 .add_enabled(is_possible, button)
                 .on_hover_text("From each point to the nearest of the other frame, both ways")
-                .on_disabled_hover_text("Both frames have to be here with all their points: pause")
-                .clicked();
+                .on_disabled_hover_text("Both frames have to be here with all their points: pause");
+            if button.clicked() {
+                request = Some(BesideRequest::Measure);
+            }
         }
         if let Some(distances) = distances {
             distances_ui(ui, distances);
         }
     });
-    if measures {
-        state.measure_distances();
-    }
-    if let Some(command) = command {
-        state.run(command);
-    }
+    request
 }
 
 fn layout_ui(ui: &mut Ui, beside: &mut Beside) {

@@ -1,9 +1,8 @@
 //! The list of keyframes: when each is reached, what is shown then, and what the sequence does until the next one.
 
-use crate::app::State;
-use crate::app::features::camera_path::Draft;
+use super::request::PathRequest;
+use super::{Draft, PathEditor};
 use crate::app::widgets::names::named;
-use crate::timeline::DEFAULT_FPS;
 use egui::{Button, ComboBox, DragValue, Label, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
@@ -59,12 +58,16 @@ pub(super) fn seconds(value: &mut f64) -> DragValue<'_> {
         .suffix(" s")
 }
 
-pub(in crate::app) fn keyframes_ui(ui: &mut Ui, state: &mut State) {
-    let draft = Arc::clone(&state.path.draft);
+pub(in crate::app) fn keyframes_ui(
+    ui: &mut Ui,
+    path: &mut PathEditor,
+    fps: f64,
+) -> Option<PathRequest> {
+    let draft = Arc::clone(&path.draft);
     let count = draft.keyframes().len();
     if count == 0 {
         ui.weak("Move the camera, then add a keyframe; repeat.");
-        return;
+        return None;
     }
     ui.horizontal(|ui| {
         for (text, width) in COLUMNS {
@@ -72,11 +75,7 @@ pub(in crate::app) fn keyframes_ui(ui: &mut Ui, state: &mut State) {
             ui.add_sized(size, Label::new(RichText::new(text).weak()));
         }
     });
-    let fps = state
-        .player
-        .as_ref()
-        .map_or(DEFAULT_FPS, |player| player.clock().fps());
-    let present = draft.key_at(state.path.time_s);
+    let present = draft.key_at(path.time_s);
     let mut asked = None;
     let row_height = ui.spacing().interact_size.y;
     ScrollArea::vertical()
@@ -89,9 +88,8 @@ pub(in crate::app) fn keyframes_ui(ui: &mut Ui, state: &mut State) {
                 }
             }
         });
-    if let Some((index, what)) = asked {
-        change(state, index, what);
-    }
+    let (index, what) = asked?;
+    change(path, index, what)
 }
 
 fn row(ui: &mut Ui, draft: &Draft, (index, is_present): (usize, bool), fps: f64) -> Option<Asked> {
@@ -191,20 +189,22 @@ fn pace_text(pace: f64) -> String {
     }
 }
 
-fn change(state: &mut State, index: usize, what: Asked) {
+/// Changes the path itself; what is seen of it is the window's to change.
+fn change(path: &mut PathEditor, index: usize, what: Asked) -> Option<PathRequest> {
     match what {
-        Asked::Go => state.set_path_time(state.path.draft.keyframes()[index].time_s),
+        Asked::Go => return Some(PathRequest::GoTo(path.draft.keyframes()[index].time_s)),
+        Asked::Replace => return Some(PathRequest::Replace(index)),
         Asked::Time(time_s) => {
             // The time of the path stays with the keyframe that it is at.
-            let is_present = state.path.draft.key_at(state.path.time_s) == Some(index);
-            state.path.edit(|draft| draft.set_time(index, time_s));
+            let is_present = path.draft.key_at(path.time_s) == Some(index);
+            path.edit(|draft| draft.set_time(index, time_s));
             if is_present {
-                state.path.time_s = state.path.draft.keyframes()[index].time_s;
+                path.time_s = path.draft.keyframes()[index].time_s;
             }
         }
-        Asked::Frame(frame) => state.path.edit(|draft| draft.set_frame(index, frame)),
-        Asked::Rate(rate) => state.path.edit(|draft| draft.set_rate_after(index, rate)),
-        Asked::Replace => state.replace_keyframe(index),
-        Asked::Delete => state.path.edit(|draft| draft.remove(index)),
+        Asked::Frame(frame) => path.edit(|draft| draft.set_frame(index, frame)),
+        Asked::Rate(rate) => path.edit(|draft| draft.set_rate_after(index, rate)),
+        Asked::Delete => path.edit(|draft| draft.remove(index)),
     }
+    None
 }

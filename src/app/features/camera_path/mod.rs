@@ -6,6 +6,7 @@
 mod keyframes;
 pub(in crate::app) mod marks;
 pub(in crate::app) mod panel;
+pub(in crate::app) mod request;
 
 mod draft;
 mod file;

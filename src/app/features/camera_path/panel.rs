@@ -1,37 +1,44 @@
 //! The camera path: its time, its keyframes, its file.
 
+use super::PathEditor;
 use super::keyframes::{keyframes_ui, seconds};
-use crate::app::State;
+use super::request::PathRequest;
 use crate::app::command::{Command, keys_of};
 use crate::app::widgets::names::named;
 use crate::app::widgets::settle::settle;
-use egui::{Align2, Button, Checkbox, RichText, Slider, Ui, Window, vec2};
+use egui::{Align2, Button, Checkbox, Pos2, RichText, Slider, Ui, Window, vec2};
 
 /// Times that are offered, seconds.
 const TIMES_S: std::ops::RangeInclusive<f64> = 0.0..=1e6;
 
-/// The window while it is open.
-pub(in crate::app) fn camera_path_ui(ui: &mut Ui, state: &mut State) {
-    let mut open = state.panels.path;
-    let corner = state.viewport.rect.left_top() + vec2(12.0, 12.0);
+/// The window while it is open, at `corner`. The sequence plays `fps` frames a second.
+pub(in crate::app) fn camera_path_ui(
+    ui: &mut Ui,
+    is_open: &mut bool,
+    path: &mut PathEditor,
+    fps: f64,
+    corner: Pos2,
+) -> Option<PathRequest> {
+    let mut request = None;
     let shown = Window::new("Camera path")
-        .open(&mut open)
+        .open(is_open)
         .resizable(false)
         .pivot(Align2::LEFT_TOP)
-        .default_pos(corner)
+        .default_pos(corner + vec2(12.0, 12.0))
         .show(ui, |ui| {
-            time_ui(ui, state);
+            request = time_ui(ui, path);
             ui.separator();
-            keyframes_ui(ui, state);
+            request = keyframes_ui(ui, path, fps).or(request);
             ui.separator();
-            file_ui(ui, state);
+            request = file_ui(ui, path).map(PathRequest::Run).or(request);
         });
     settle(ui, "Camera path", shown);
-    state.panels.path = open;
+    request
 }
 
-fn time_ui(ui: &mut Ui, state: &mut State) {
-    let mut time_s = state.path.time_s;
+fn time_ui(ui: &mut Ui, path: &mut PathEditor) -> Option<PathRequest> {
+    let mut request = None;
+    let mut time_s = path.time_s;
     ui.horizontal(|ui| {
         let label = ui.label("Time");
         let tooltip =
@@ -41,11 +48,11 @@ fn time_ui(ui: &mut Ui, state: &mut State) {
             .on_hover_text(tooltip);
         let label = ui.label("Step");
         let tooltip = "How far the time moves on after a keyframe at the end";
-        ui.add(seconds(&mut state.path.step_s).range(0.001..=1e5))
+        ui.add(seconds(&mut path.step_s).range(0.001..=1e5))
             .labelled_by(label.id)
             .on_hover_text(tooltip);
     });
-    if let Some(times_s) = state.path.draft.times_s()
+    if let Some(times_s) = path.draft.times_s()
         && times_s.start() < times_s.end()
     {
         ui.spacing_mut().slider_width = ui.available_width();
@@ -58,8 +65,8 @@ fn time_ui(ui: &mut Ui, state: &mut State) {
             time_s = along_s;
         }
     }
-    if time_s != state.path.time_s {
-        state.set_path_time(time_s);
+    if time_s != path.time_s {
+        request = Some(PathRequest::GoTo(time_s));
     }
     ui.horizontal(|ui| {
         for (text, tooltip, command) in [
@@ -68,7 +75,7 @@ fn time_ui(ui: &mut Ui, state: &mut State) {
                 "What is shown becomes the view of the path at this time",
                 Command::AddKeyframe,
             ),
-            if state.path.is_playing() {
+            if path.is_playing() {
                 ("Stop", "Stops where it is (Esc)", Command::TogglePreview)
             } else {
                 (
@@ -82,32 +89,34 @@ fn time_ui(ui: &mut Ui, state: &mut State) {
             let response = ui.add(button).on_hover_text(tooltip);
             named(&response, text);
             if response.clicked() {
-                state.run(command);
+                request = Some(PathRequest::Run(command));
             }
         }
     });
+    request
 }
 
-fn file_ui(ui: &mut Ui, state: &mut State) {
-    let draft = &state.path.draft;
+fn file_ui(ui: &mut Ui, path: &mut PathEditor) -> Option<Command> {
+    let mut asked = None;
+    let draft = &path.draft;
     let mut eases = draft.eases();
     let ease = ui.add(Checkbox::new(&mut eases, "Ease in and out"));
     if ease
         .on_hover_text("The camera starts and ends at rest")
         .changed()
     {
-        state.path.edit(|draft| draft.set_eases(eases));
+        path.edit(|draft| draft.set_eases(eases));
     }
-    let draft = &state.path.draft;
+    let draft = &path.draft;
     let count = draft.keyframes().len();
     let duration_s = draft
         .times_s()
         .map_or(0.0, |times| times.end() - times.start());
-    let name = state.path.file().and_then(|file| file.file_name());
+    let name = path.file().and_then(|file| file.file_name());
     let name = name.map_or("no file yet".into(), |name| name.to_string_lossy());
     ui.horizontal(|ui| {
         ui.weak(format!("{count} keyframes, {duration_s:.2} s, {name}"));
-        if state.path.is_unsaved() {
+        if path.is_unsaved() {
             ui.label(RichText::new("not saved").color(ui.visuals().warn_fg_color));
         }
     });
@@ -155,8 +164,9 @@ fn file_ui(ui: &mut Ui, state: &mut State) {
             let button = button.on_disabled_hover_text("There are no keyframes yet");
             named(&button, name);
             if button.clicked() {
-                state.run(command);
+                asked = Some(command);
             }
         }
     });
+    asked
 }

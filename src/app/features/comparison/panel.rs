@@ -1,15 +1,23 @@
 //! The bar of an A/B view: which side the settings are of, the numbers, and where the pictures differ.
 
-use crate::app::State;
-use crate::app::features::comparison::PicturePair;
+use super::{Comparison, PicturePair};
 use crate::app::side::Side;
 use egui::{Checkbox, Ui};
 
+/// What the bar asks of the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::app) enum ComparisonRequest {
+    /// The settings are those of this side from now on.
+    Edit(Side),
+    /// Back to one picture.
+    Close,
+}
+
 /// The bar while two ways to draw are compared.
-pub(in crate::app) fn comparison_ui(ui: &mut Ui, state: &mut State) {
-    let Some(comparison) = &mut state.comparison else {
-        return;
-    };
+pub(in crate::app) fn comparison_ui(
+    ui: &mut Ui,
+    comparison: &mut Comparison,
+) -> Option<ComparisonRequest> {
     let mut edited = comparison.edited;
     let mut close = false;
     ui.horizontal_wrapped(|ui| {
@@ -38,12 +46,10 @@ pub(in crate::app) fn comparison_ui(ui: &mut Ui, state: &mut State) {
             .on_hover_text("Back to one picture (C)")
             .clicked();
     });
-    if edited != comparison.edited {
-        comparison.edited = edited;
-        std::mem::swap(&mut comparison.other, &mut state.settings);
-    }
     if close {
-        state.comparison = None;
+        Some(ComparisonRequest::Close)
+    } else {
+        (edited != comparison.edited).then_some(ComparisonRequest::Edit(edited))
     }
 }
 

@@ -32,7 +32,7 @@ pub(in crate::app) enum Shows {
 
 /// All that an export needs.
 #[derive(Debug)]
-pub(in crate::app) struct Job {
+pub(in crate::app) struct ExportJob {
     pub(in crate::app) sequence: Arc<Sequence>,
     pub(in crate::app) settings: Style,
     /// What other poses add to each picture.
@@ -63,8 +63,8 @@ pub struct Exported {
 pub struct ExportEnded(pub(in crate::app) Result<Exported, ExportError>);
 
 /// Does `job`, tells `progress` of each picture or part of one, and stops soon after that was cancelled.
-pub(in crate::app) fn run(job: Job, progress: &Progress) -> Result<Exported, ExportError> {
-    let Job {
+pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exported, ExportError> {
+    let ExportJob {
         sequence,
         settings,
         poses,

@@ -1,33 +1,38 @@
 //! What is measured, and the list of what was.
 
-use crate::app::{Gauge, State, Tool};
-use egui::{Align2, Button, Grid, RichText, ScrollArea, Ui, Window, vec2};
+use super::measuring::{Gauge, Measurement};
+use super::{Inspection, Tool};
+use egui::{Align2, Button, Grid, Pos2, RichText, ScrollArea, Ui, Window, vec2};
+use glam::DVec3;
 
-/// The window while the tool is chosen.
-pub(in crate::app) fn measuring_ui(ui: &mut Ui, state: &mut State) {
-    if state.inspection.tool != Tool::Measure {
+/// The window while the tool is chosen, at `corner`. Heights are along `up`.
+pub(in crate::app) fn measuring_ui(
+    ui: &mut Ui,
+    inspection: &mut Inspection,
+    up: DVec3,
+    corner: Pos2,
+) {
+    if inspection.tool != Tool::Measure {
         return;
     }
     let mut open = true;
-    let corner = state.viewport.rect.left_bottom() + vec2(12.0, -12.0);
     Window::new("Measuring")
         .open(&mut open)
         .resizable(false)
         .pivot(Align2::LEFT_BOTTOM)
-        .default_pos(corner)
+        .default_pos(corner + vec2(12.0, -12.0))
         .show(ui, |ui| {
-            gauges(ui, state);
-            if !state.inspection.measurements.is_empty() {
-                list(ui, state);
+            gauges(ui, inspection);
+            if !inspection.measurements.is_empty() {
+                list(ui, &mut inspection.measurements, up);
             }
         });
     if !open {
-        state.inspection.toggle(Tool::Measure);
+        inspection.toggle(Tool::Measure);
     }
 }
 
-fn gauges(ui: &mut Ui, state: &mut State) {
-    let inspection = &mut state.inspection;
+fn gauges(ui: &mut Ui, inspection: &mut Inspection) {
     ui.horizontal(|ui| {
         for (gauge, name, tooltip) in Gauge::ALL {
             let button = Button::selectable(inspection.gauge == gauge, name);
@@ -44,9 +49,7 @@ fn gauges(ui: &mut Ui, state: &mut State) {
     ));
 }
 
-fn list(ui: &mut Ui, state: &mut State) {
-    let up = state.camera.up.direction();
-    let measurements = &mut state.inspection.measurements;
+fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, up: DVec3) {
     let mut deleted = None;
     let height = 0.4 * ui.ctx().content_rect().height();
     ScrollArea::vertical().max_height(height).show(ui, |ui| {

@@ -1,134 +1,60 @@
 //! The values of a point that was clicked on, each of which can be copied.
 
-use crate::app::features::trails::panel::trail_ui;
+use super::{Anchor, Inspected, Inspection, Tool};
+use crate::app::side::Side;
 use crate::app::widgets::numbers::{grouped, significant};
-use crate::app::{Inspected, Side, State, Tool};
-use crate::scene::{PickedNormal, Projection};
-use egui::{Button, Grid, RichText, ScrollArea, Ui, Window, vec2};
+use crate::scene::{Camera, Pick, PickedNormal, Projection};
+use crate::sequence::TrailMeasure;
+use egui::{Button, Grid, Pos2, RichText, ScrollArea, Ui, Window, vec2};
 use glam::DVec3;
 
-/// The window while the tool is chosen or a point is shown.
-pub(in crate::app) fn point_ui(ui: &mut Ui, state: &mut State) {
-    if state.inspection.tool != Tool::Point && state.inspection.point.is_none() {
+/// What the values of a point depend on beside the point.
+#[derive(Debug)]
+pub(in crate::app) struct PointContext<'a> {
+    pub(in crate::app) camera: &'a Camera,
+    /// What both sequences are called, where there are two.
+    pub(in crate::app) names: Option<[String; 2]>,
+    /// Length and speeds of its trail, where that is shown.
+    pub(in crate::app) trail: Option<TrailMeasure>,
+}
+
+/// The window while the tool is chosen or a point is shown, at `corner`, with what another feature has to say `below`.
+pub(in crate::app) fn point_ui(
+    ui: &mut Ui,
+    inspection: &mut Inspection,
+    context: &PointContext<'_>,
+    corner: Pos2,
+    below: impl FnOnce(&mut Ui, Anchor),
+) {
+    if inspection.tool != Tool::Point && inspection.point.is_none() {
         return;
     }
     let mut open = true;
-    let corner = state.viewport.rect.left_top() + vec2(12.0, 12.0);
     Window::new("Point")
         .open(&mut open)
         .resizable(false)
-        .default_pos(corner)
+        .default_pos(corner + vec2(12.0, 12.0))
         .show(ui, |ui| {
-            let Some(point) = &state.inspection.point else {
+            let Some(point) = &inspection.point else {
                 ui.label("Click on a point. Esc ends.");
                 return;
             };
             let height = 0.7 * ui.ctx().content_rect().height();
             ScrollArea::vertical()
                 .max_height(height)
-                .show(ui, |ui| values(ui, state, point));
-            trail_ui(ui, state);
+                .show(ui, |ui| values_ui(ui, point, context));
+            below(ui, point.anchor);
         });
     if !open {
-        state.inspection.point = None;
-        if state.inspection.tool == Tool::Point {
-            state.inspection.toggle(Tool::Point);
+        inspection.point = None;
+        if inspection.tool == Tool::Point {
+            inspection.toggle(Tool::Point);
         }
     }
 }
 
-fn values(ui: &mut Ui, state: &State, point: &Inspected) {
-    let values = &point.values;
-    let mut rows = Vec::new();
-    if let Some(beside) = &state.beside {
-        let name = match point.anchor.side {
-            Side::A => format!("A {}", state.sequence_name().unwrap_or_default()),
-            Side::B => format!("B {}", beside.name),
-        };
-        rows.push(Row::new(
-            "Sequence",
-            name,
-            "Which of the two sequences the point is of",
-        ));
-    }
-    rows.extend([
-        Row::new(
-            "Frame",
-            (values.frame + 1).to_string(),
-            "The frame, counted from 1",
-        ),
-        Row {
-            shown: grouped(u64::from(values.index_in_file)),
-            ..Row::new(
-                "Index",
-                values.index_in_file.to_string(),
-                "Which point of the file it is, counted from 0",
-            )
-        },
-    ]);
-    let DVec3 { x, y, z } = values.position;
-    let tooltip = format!(
-        "Coordinate of the file, scene units; at most {:.1e} off, as frames hold f32 from the sequence's origin",
-        values.precision
-    );
-    // As many decimals as tell neighbours in the frame apart.
-    let decimals = (-values.precision.max(f64::MIN_POSITIVE).log10())
-        .ceil()
-        .clamp(0.0, 12.0);
-    for (name, value) in [("x", x), ("y", y), ("z", z)] {
-        rows.push(Row {
-            shown: format!("{value:.0$}", decimals as usize),
-            ..Row::new(name, value.to_string(), &tooltip)
-        });
-    }
-    if let Some(color) = values.color {
-        let text = color.map(|part| part.to_string()).join(" ");
-        rows.push(Row::new(
-            "Colour",
-            text,
-            "Red, green, blue and alpha of the file, 0 to 255",
-        ));
-    }
-    let drawn = values.drawn_color.map(|part| part.to_string()).join(" ");
-    rows.push(Row::new(
-        "Drawn as",
-        drawn,
-        "Red, green and blue of the picture without light, 0 to 255",
-    ));
-    if let Some(normal) = values.normal {
-        let (normal, tooltip) = match normal {
-            PickedNormal::File(normal) => (normal, "Unit normal of the file"),
-            PickedNormal::Estimated(normal) => (normal, "Unit normal, estimated from neighbours"),
-        };
-        let parts = normal.to_array();
-        rows.push(Row {
-            shown: parts.map(|part| format!("{part:.4}")).join(" "),
-            ..Row::new(
-                "Normal",
-                parts.map(|part| part.to_string()).join(" "),
-                tooltip,
-            )
-        });
-    }
-    for (name, value) in &values.scalars {
-        rows.push(Row::new(
-            name,
-            value.to_string(),
-            "A scalar field of the file",
-        ));
-    }
-    if state.camera.projection == Projection::Perspective {
-        let distance = state.camera.eye_in_world().distance(values.position);
-        rows.push(Row {
-            shown: format!("{distance:.6}"),
-            ..Row::new(
-                "From the eye",
-                distance.to_string(),
-                "Distance from the eye, scene units",
-            )
-        });
-    }
-    rows.extend(trail_rows(state, values.index_in_file));
+fn values_ui(ui: &mut Ui, point: &Inspected, context: &PointContext<'_>) {
+    let rows = value_rows(point, context);
     Grid::new("values")
         .num_columns(3)
         .striped(true)
@@ -142,20 +68,119 @@ fn values(ui: &mut Ui, state: &State, point: &Inspected) {
         .on_hover_text("All values as lines of text")
         .clicked()
     {
-        let lines: Vec<String> = rows.iter().map(Row::line).collect();
+        let lines: Vec<String> = rows.iter().map(ValueRow::line).collect();
         ui.copy_text(lines.concat());
     }
 }
 
-/// How far and how fast the point goes, where its trail is shown.
-fn trail_rows(state: &State, index_in_file: u32) -> Vec<Row> {
-    let measure = state.player.as_ref().and_then(|player| {
-        let time_s = |frame| player.time_s(frame);
-        state.trails.measure(index_in_file, time_s)
-    });
-    let Some(measure) = measure else {
-        return Vec::new();
+fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<ValueRow> {
+    let values = &point.values;
+    let mut rows = Vec::new();
+    if let Some([a, b]) = &context.names {
+        let name = match point.anchor.side {
+            Side::A => format!("A {a}"),
+            Side::B => format!("B {b}"),
+        };
+        rows.push(ValueRow::new(
+            "Sequence",
+            name,
+            "Which of the two sequences the point is of",
+        ));
+    }
+    rows.extend([
+        ValueRow::new(
+            "Frame",
+            (values.frame + 1).to_string(),
+            "The frame, counted from 1",
+        ),
+        ValueRow {
+            shown: grouped(u64::from(values.index_in_file)),
+            ..ValueRow::new(
+                "Index",
+                values.index_in_file.to_string(),
+                "Which point of the file it is, counted from 0",
+            )
+        },
+    ]);
+    rows.extend(place_rows(values));
+    rows.extend(color_rows(values));
+    rows.extend(values.normal.map(normal_row));
+    for (name, value) in &values.scalars {
+        rows.push(ValueRow::new(
+            name,
+            value.to_string(),
+            "A scalar field of the file",
+        ));
+    }
+    if context.camera.projection == Projection::Perspective {
+        let distance = context.camera.eye_in_world().distance(values.position);
+        rows.push(ValueRow {
+            shown: format!("{distance:.6}"),
+            ..ValueRow::new(
+                "From the eye",
+                distance.to_string(),
+                "Distance from the eye, scene units",
+            )
+        });
+    }
+    rows.extend(context.trail.iter().flat_map(trail_rows));
+    rows
+}
+
+fn place_rows(values: &Pick) -> Vec<ValueRow> {
+    let DVec3 { x, y, z } = values.position;
+    let tooltip = format!(
+        "Coordinate of the file, scene units; at most {:.1e} off, as frames hold f32 from the sequence's origin",
+        values.precision
+    );
+    // As many decimals as tell neighbours in the frame apart.
+    let decimals = (-values.precision.max(f64::MIN_POSITIVE).log10())
+        .ceil()
+        .clamp(0.0, 12.0);
+    let row = |(name, value): (&str, f64)| ValueRow {
+        shown: format!("{value:.0$}", decimals as usize),
+        ..ValueRow::new(name, value.to_string(), &tooltip)
     };
+    [("x", x), ("y", y), ("z", z)].map(row).into()
+}
+
+fn color_rows(values: &Pick) -> Vec<ValueRow> {
+    let mut rows = Vec::new();
+    if let Some(color) = values.color {
+        let text = color.map(|part| part.to_string()).join(" ");
+        rows.push(ValueRow::new(
+            "Colour",
+            text,
+            "Red, green, blue and alpha of the file, 0 to 255",
+        ));
+    }
+    let drawn = values.drawn_color.map(|part| part.to_string()).join(" ");
+    rows.push(ValueRow::new(
+        "Drawn as",
+        drawn,
+        "Red, green and blue of the picture without light, 0 to 255",
+    ));
+    rows
+}
+
+fn normal_row(normal: PickedNormal) -> ValueRow {
+    let (normal, tooltip) = match normal {
+        PickedNormal::File(normal) => (normal, "Unit normal of the file"),
+        PickedNormal::Estimated(normal) => (normal, "Unit normal, estimated from neighbours"),
+    };
+    let parts = normal.to_array();
+    ValueRow {
+        shown: parts.map(|part| format!("{part:.4}")).join(" "),
+        ..ValueRow::new(
+            "Normal",
+            parts.map(|part| part.to_string()).join(" "),
+            tooltip,
+        )
+    }
+}
+
+/// How far and how fast the point goes, where its trail is shown.
+fn trail_rows(measure: &TrailMeasure) -> Vec<ValueRow> {
     let values = [
         (
             "Travelled",
@@ -173,14 +198,14 @@ fn trail_rows(state: &State, index_in_file: u32) -> Vec<Row> {
             "The largest speed from one frame to the next, scene units a second",
         ),
     ];
-    let row = |(name, value, tooltip): (&str, f64, &str)| Row {
+    let row = |(name, value, tooltip): (&str, f64, &str)| ValueRow {
         shown: significant(value),
-        ..Row::new(name, value.to_string(), tooltip)
+        ..ValueRow::new(name, value.to_string(), tooltip)
     };
     values.into_iter().map(row).collect()
 }
 
-struct Row {
+struct ValueRow {
     name: String,
     shown: String,
     /// With all digits.
@@ -188,7 +213,7 @@ struct Row {
     tooltip: String,
 }
 
-impl Row {
+impl ValueRow {
     fn new(name: &str, value: String, tooltip: &str) -> Self {
         Self {
             name: name.to_owned(),

@@ -3,6 +3,7 @@
 pub(in crate::app) mod panel;
 
 use crate::app::command::{BINDINGS, Command};
+use crate::app::open_panels::PanelId;
 use egui::ThemePreference;
 
 /// Commands that have no key.
@@ -16,7 +17,10 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
         Command::ToggleThumbnails,
     ),
     ("Make thumbnails anew", Command::RedoThumbnails),
-    ("Show or hide the legend", Command::ToggleLegend),
+    (
+        "Show or hide the legend",
+        Command::TogglePanel(PanelId::LEGEND),
+    ),
     ("Show or hide the scale bar", Command::ToggleScaleBar),
     (
         "Theme of the system",
@@ -40,7 +44,7 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
 
 /// What the palette offers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::app) struct Entry {
+pub(in crate::app) struct CommandEntry {
     pub(in crate::app) text: &'static str,
     /// As a person reads them; empty without any.
     pub(in crate::app) keys: &'static str,
@@ -55,22 +59,23 @@ pub struct Palette {
     pub(in crate::app) chosen: usize,
 }
 
-/// The commands that `query` finds: each of its words is there in the command's text, letter after letter. Those that
+/// The commands that `query` finds, `more` among them: each of its words is there in the command's text, letter after letter. Those that
 /// have the words as they are come first.
-pub(in crate::app) fn find(query: &str) -> Vec<Entry> {
+pub(in crate::app) fn find(query: &str, more: &[CommandEntry]) -> Vec<CommandEntry> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
-    let with_keys = BINDINGS.iter().map(|binding| Entry {
+    let with_keys = BINDINGS.iter().map(|binding| CommandEntry {
         text: binding.text,
         keys: binding.keys,
         command: binding.command,
     });
-    let without = WITHOUT_KEYS.iter().map(|&(text, command)| Entry {
+    let without = WITHOUT_KEYS.iter().map(|&(text, command)| CommandEntry {
         text,
         keys: "",
         command,
     });
-    let mut found: Vec<(usize, Entry)> = with_keys
+    let mut found: Vec<(usize, CommandEntry)> = with_keys
         .chain(without)
+        .chain(more.iter().copied())
         .filter(|entry| entry.command != Command::TogglePalette)
         .filter_map(|entry| {
             let text = entry.text.to_lowercase();
@@ -101,7 +106,10 @@ mod tests {
         assert!(!is_subsequence("gog", "orthographic"));
         assert!(is_subsequence("", ""));
         let texts = |query: &str| -> Vec<&str> {
-            find(query).into_iter().map(|entry| entry.text).collect()
+            find(query, &[])
+                .into_iter()
+                .map(|entry| entry.text)
+                .collect()
         };
         assert_eq!(texts("next mark"), ["Next marker"]);
         assert_eq!(texts("MARK next"), ["Next marker"]);

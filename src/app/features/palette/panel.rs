@@ -1,17 +1,19 @@
 //! The window that finds commands by their names.
 
-use crate::app::State;
-use crate::app::features::palette::{Entry, find};
+use super::{CommandEntry, Palette, find};
+use crate::app::command::Command;
 use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, Window};
 
 /// Size of the window, points.
 const SIZE: [f32; 2] = [460.0, 320.0];
 
-/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes.
-pub(in crate::app) fn palette_ui(ui: &Ui, state: &mut State) {
-    let Some(palette) = &mut state.palette else {
-        return;
-    };
+/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns what to run.
+pub(in crate::app) fn palette_ui(
+    ui: &Ui,
+    open: &mut Option<Palette>,
+    more: &[CommandEntry],
+) -> Option<Command> {
+    let palette = open.as_mut()?;
     let ctx = ui.ctx();
     // Taken before the field sees them: it would move its cursor or lose its focus by them.
     let pressed = |key| ctx.input_mut(|input| input.consume_key(Modifiers::NONE, key));
@@ -39,7 +41,7 @@ pub(in crate::app) fn palette_ui(ui: &Ui, state: &mut State) {
                 palette.chosen = 0;
             }
             field.on_hover_text("Some letters of each word. Enter runs, arrows choose, Esc closes");
-            let found = find(&palette.query);
+            let found = find(&palette.query, more);
             let last = found.len().saturating_sub(1);
             let place = (palette.chosen + usize::from(down)).saturating_sub(usize::from(up));
             palette.chosen = place.min(last);
@@ -62,15 +64,13 @@ pub(in crate::app) fn palette_ui(ui: &Ui, state: &mut State) {
         });
     let command = clicked.or(chosen.filter(|_| is_run));
     if is_closed || command.is_some() {
-        state.palette = None;
+        *open = None;
     }
-    if let Some(command) = command {
-        state.run(command);
-    }
+    command
 }
 
 /// One command.
-fn row(ui: &mut Ui, entry: &Entry, is_chosen: bool) -> Response {
+fn row(ui: &mut Ui, entry: &CommandEntry, is_chosen: bool) -> Response {
     let button = Button::selectable(is_chosen, entry.text)
         .shortcut_text(entry.keys)
         .min_size([ui.available_width(), 0.0].into());

@@ -1,24 +1,27 @@
 //! What other poses say of the shown one: how far it is from one of them in colours, and ghosts of its neighbours.
 //!
 //! How it works. Both make another frame from the one that the player shows, on a thread: the same points in other
-//! colours ([`PreparedFrame::in_colors`]), then with others around them ([`with_ghosts`]). Until it is there the pose
+//! colours ([`PreparedFrame::in_colors`]), then with others around them ([`compose`]). Until it is there the pose
 //! is shown as it is, but for a moment the frame that was made of the pose before stays, so that the picture does not
 //! flicker while playing. What is under way for a pose that the playhead has left is cancelled. Distances are kept, as
 //! they take longest; colours follow from them.
 
 pub(in crate::app) mod panel;
+mod task;
 
-use crate::analysis::ColorMap;
+pub use task::ComposedFrame;
+
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::app::work::works::Progress;
 use crate::measure::Change;
 use crate::playback::Player;
 use crate::scene::{Scene, Style};
 pub use crate::sequence::OnionSkin;
-use crate::sequence::{Ghost, Needs, Paint, PreparedFrame, Sequence, Slot, with_ghosts};
+use crate::sequence::{Ghost, Needs, PreparedFrame, Slot};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
+use task::{ChangeRequest, PoseRequest, compose};
 
 /// Bytes of distances that are kept.
 const MAX_KEPT_BYTES: usize = 256 << 20;
@@ -39,58 +42,6 @@ pub struct ChangeMap {
     pub threshold: f64,
 }
 
-/// All that a frame is made from.
-#[derive(Debug, Clone)]
-struct Request {
-    pose: Arc<PreparedFrame>,
-    change: Option<ChangeRequest>,
-    ghosts: Vec<Ghost>,
-    needs: Needs,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct ChangeRequest {
-    to: usize,
-    range: Option<f64>,
-    map: ColorMap,
-}
-
-impl PartialEq for Request {
-    /// Poses are compared by identity.
-    fn eq(&self, other: &Self) -> bool {
-        let same_ghosts = |(a, b): (&Ghost, &Ghost)| {
-            Arc::ptr_eq(&a.frame, &b.frame) && a.share == b.share && a.tint == b.tint
-        };
-        Arc::ptr_eq(&self.pose, &other.pose)
-            && self.change == other.change
-            && self.needs == other.needs
-            && self.ghosts.len() == other.ghosts.len()
-            && self.ghosts.iter().zip(&other.ghosts).all(same_ghosts)
-    }
-}
-
-/// A frame that was made from a pose and others.
-#[derive(Debug)]
-pub struct Made {
-    request: Request,
-    frame: Arc<PreparedFrame>,
-    change: Option<Arc<Change>>,
-    /// Why there is no change.
-    problem: Option<String>,
-}
-
-impl Made {
-    /// What is drawn.
-    pub(in crate::app) fn frame(&self) -> &Arc<PreparedFrame> {
-        &self.frame
-    }
-
-    /// The pose that it was made from.
-    pub(in crate::app) fn pose(&self) -> &Arc<PreparedFrame> {
-        &self.request.pose
-    }
-}
-
 /// The distances of one pose to another: the frames, and how many points of the first there are.
 type ChangeKey = (usize, usize, usize);
 
@@ -103,8 +54,8 @@ pub struct Temporal {
     pub onion: OnionSkin,
     /// Oldest first.
     known: VecDeque<(ChangeKey, Arc<Change>)>,
-    running: Option<(Request, Progress)>,
-    made: Option<Made>,
+    running: Option<(PoseRequest, Progress)>,
+    made: Option<ComposedFrame>,
     /// Since when the pose of `made` is not that of the playhead.
     left_at: Option<Duration>,
 }
@@ -129,7 +80,7 @@ impl Default for Temporal {
 
 impl Temporal {
     /// What is drawn in place of the shown pose, if there is something.
-    pub(in crate::app) fn shown(&self) -> Option<&Made> {
+    pub(in crate::app) fn shown(&self) -> Option<&ComposedFrame> {
         self.made.as_ref()
     }
 
@@ -168,7 +119,7 @@ impl Temporal {
 
     /// Starts what the shown pose lacks, and cancels what nobody waits for any more. True if another frame is to be
     /// drawn.
-    pub(in crate::app) fn follow<T: TaskOutcome + From<Option<Box<Made>>>>(
+    pub(in crate::app) fn follow<T: TaskOutcome + From<Option<Box<ComposedFrame>>>>(
         &mut self,
         player: &Player,
         settings: &Style,
@@ -201,9 +152,9 @@ impl Temporal {
         is_gone
     }
 
-    fn start<T: TaskOutcome + From<Option<Box<Made>>>>(
+    fn start<T: TaskOutcome + From<Option<Box<ComposedFrame>>>>(
         &mut self,
-        request: Request,
+        request: PoseRequest,
         player: &Player,
         tasks: &Tasks<T>,
     ) {
@@ -223,12 +174,12 @@ impl Temporal {
             }
         });
         tasks.start("poses", move || {
-            make(request, known, other.as_deref(), &sequence, &progress).map(Box::new)
+            compose(request, known, other.as_deref(), &sequence, &progress).map(Box::new)
         });
     }
 
     /// Takes what a task has made, unless something else is wanted by now.
-    pub(in crate::app) fn take_in(&mut self, made: Made) {
+    pub(in crate::app) fn take_in(&mut self, made: ComposedFrame) {
         if let (Some(change), Some(key)) = (&made.change, key(&made.request))
             && self.known_change(&made.request).is_none()
         {
@@ -257,7 +208,7 @@ impl Temporal {
         changes.sum()
     }
 
-    fn known_change(&self, request: &Request) -> Option<Arc<Change>> {
+    fn known_change(&self, request: &PoseRequest) -> Option<Arc<Change>> {
         let key = key(request)?;
         let known = self.known.iter().find(|(known, _)| *known == key);
         known.map(|(_, change)| Arc::clone(change))
@@ -270,7 +221,7 @@ impl Temporal {
     }
 
     /// What is to be made of the shown pose; `None` if it is shown as it is.
-    fn request(&self, player: &Player, settings: &Style) -> Option<Request> {
+    fn request(&self, player: &Player, settings: &Style) -> Option<PoseRequest> {
         let pose = player.shown()?;
         let needs = Scene::needs(settings);
         let frame_count = player.sequence().len();
@@ -285,7 +236,7 @@ impl Temporal {
         };
         let ghosts = Some(self.onion).filter(|onion| onion.is_on);
         let ghosts = ghosts.map_or_else(Vec::new, |onion| onion.around(pose.index, frame_count));
-        let request = Request {
+        let request = PoseRequest {
             pose: Arc::clone(pose),
             change: change.map(|to| ChangeRequest {
                 to,
@@ -299,66 +250,9 @@ impl Temporal {
     }
 }
 
-fn key(request: &Request) -> Option<ChangeKey> {
+fn key(request: &PoseRequest) -> Option<ChangeKey> {
     let pose = &request.pose;
     Some((pose.index, request.change?.to, pose.frame.len()))
-}
-
-/// `None` once nobody waits for it.
-fn make(
-    request: Request,
-    known: Option<Arc<Change>>,
-    other: Option<&PreparedFrame>,
-    sequence: &Sequence,
-    progress: &Progress,
-) -> Option<Made> {
-    let is_wanted = || !progress.is_cancelled();
-    let (mut frame, mut change, mut problem) = (Arc::clone(&request.pose), known, None);
-    if let Some(ChangeRequest { to, range, map }) = request.change {
-        if change.is_none() {
-            let positions = request.pose.frame.positions();
-            let measured = match other {
-                Some(other) => Ok(Change::between(
-                    positions,
-                    other.frame.positions(),
-                    is_wanted,
-                )),
-                None => sequence
-                    .frame(to)
-                    .map(|other| Change::between(positions, other.positions(), is_wanted)),
-            };
-            match measured {
-                Ok(measured) => change = measured.map(Arc::new),
-                Err(error) => problem = Some(error.to_string()),
-            }
-        }
-        if !is_wanted() {
-            return None;
-        }
-        match &change {
-            Some(change) => {
-                let range = range.unwrap_or(change.usual_range());
-                let paint = Paint::change(range, map);
-                frame = Arc::new(frame.in_colors(&change.colors(range, map), paint));
-            }
-            None if problem.is_none() => {
-                problem = Some(format!("Frame {} has no points", to + 1));
-            }
-            None => {}
-        }
-    }
-    if !request.ghosts.is_empty() {
-        match with_ghosts(&frame, &request.ghosts, &request.needs) {
-            Ok(merged) => frame = Arc::new(merged),
-            Err(error) => problem = Some(format!("There are too many ghosts: {error}")),
-        }
-    }
-    is_wanted().then_some(Made {
-        request,
-        frame,
-        change,
-        problem,
-    })
 }
 
 #[cfg(test)]

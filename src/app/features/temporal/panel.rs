@@ -1,44 +1,35 @@
 //! What other poses say of the shown one: the choices, and the numbers of the change with its legend.
 
+use super::{ChangeMap, OnionSkin, Temporal};
 use crate::analysis::ColorMap;
-use crate::app::features::trails;
 use crate::app::widgets::numbers::significant;
 use crate::app::widgets::ramp::paint_ramp;
-use crate::app::widgets::rows::{heading, row, rows};
-use crate::app::{ChangeMap, OnionSkin, State};
+use crate::app::widgets::rows::{row, rows};
 use crate::measure::Change;
-use egui::{Align2, Checkbox, DragValue, Grid, RichText, Sense, Slider, Ui, Window, vec2};
+use crate::sequence::PreparedFrame;
+use egui::{Align2, Checkbox, DragValue, Grid, Pos2, RichText, Sense, Slider, Ui, Window, vec2};
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 /// How far away the other pose may be, frames.
 const STEPS: std::ops::RangeInclusive<i64> = -1000..=1000;
 
-/// The section of the settings.
-pub(in crate::app) fn temporal_settings_ui(ui: &mut Ui, state: &mut State) {
-    heading(ui, "Time");
-    rows(ui, "thumbnails", |ui| {
-        row(
-            ui,
-            "Thumbnails",
-            "Small pictures of the frames over the timeline and in its tooltips, all from one view. They are made while there is time for them",
-            Checkbox::new(&mut state.thumbnails.is_on, "Shown"),
-        );
-    });
-    trails::panel::field_ui(ui, state);
+/// The rows of the settings.
+pub(in crate::app) fn poses_ui(ui: &mut Ui, temporal: &mut Temporal) {
     let OnionSkin {
         is_on,
         before,
         after,
         step,
         strength,
-    } = &mut state.temporal.onion;
+    } = &mut temporal.onion;
     rows(ui, "time", |ui| {
         row(
             ui,
             "Change map",
             "Colours each point by its distance to the nearest point of another frame, and shows the numbers. Without light the \
              colours are those of the legend",
-            Checkbox::new(&mut state.temporal.change.is_on, "Shown"),
+            Checkbox::new(&mut temporal.change.is_on, "Shown"),
         );
         row(
             ui,
@@ -81,51 +72,54 @@ pub(in crate::app) fn temporal_settings_ui(ui: &mut Ui, state: &mut State) {
     });
 }
 
-/// The window while changes are shown.
-pub(in crate::app) fn change_ui(ui: &mut Ui, state: &mut State) {
-    if !state.temporal.change.is_on {
+/// The window while changes are shown, at `corner`: of the `shown` pose of a sequence of so many frames, in the colours
+/// of `colors`.
+pub(in crate::app) fn change_ui(
+    ui: &mut Ui,
+    temporal: &mut Temporal,
+    shown: Option<(&Arc<PreparedFrame>, usize)>,
+    colors: ColorMap,
+    corner: Pos2,
+) {
+    if !temporal.change.is_on {
         return;
     }
     let mut open = true;
-    let corner = state.viewport.rect.right_top() + vec2(-12.0, 12.0);
     Window::new("Change")
         .open(&mut open)
         .resizable(false)
         .pivot(Align2::RIGHT_TOP)
-        .default_pos(corner)
-        .show(ui, |ui| content(ui, state));
-    state.temporal.change.is_on &= open;
+        .default_pos(corner + vec2(-12.0, 12.0))
+        .show(ui, |ui| match shown {
+            Some(shown) => content(ui, temporal, shown, colors),
+            None => _ = ui.weak("Nothing is shown yet"),
+        });
+    temporal.change.is_on &= open;
 }
 
-fn content(ui: &mut Ui, state: &mut State) {
-    let shown = state.player.as_ref().and_then(|player| {
-        let pose = player.shown()?;
-        Some((pose.clone(), player.sequence().len()))
-    });
-    let Some((pose, frame_count)) = shown else {
-        ui.weak("Nothing is shown yet");
-        return;
-    };
-    let mut map = state.temporal.change;
-    let measured = state.temporal.measured(&pose);
+fn content(
+    ui: &mut Ui,
+    temporal: &mut Temporal,
+    (pose, frame_count): (&Arc<PreparedFrame>, usize),
+    colors: ColorMap,
+) {
+    let mut map = temporal.change;
+    let measured = temporal.measured(pose);
     let range = measured.map_or(0.0, |(_, range)| range);
     rows(ui, "change", |ui| choices(ui, &mut map, range));
-    match (
-        state.temporal.other_frame(pose.index, frame_count),
-        measured,
-    ) {
+    match (temporal.other_frame(pose.index, frame_count), measured) {
         (None, _) => {
             ui.weak("The sequence has no such frame");
         }
         (Some(_), None) => {
-            ui.weak(state.temporal.problem().unwrap_or("Being measured…"));
+            ui.weak(temporal.problem().unwrap_or("Being measured…"));
         }
         (Some(other), Some((change, range))) => {
-            legend(ui, range, state.settings.colors.map);
+            legend(ui, range, colors);
             numbers(ui, change, [pose.index, other], map.threshold);
         }
     }
-    state.temporal.change = map;
+    temporal.change = map;
 }
 
 fn choices(ui: &mut Ui, map: &mut ChangeMap, range: f64) {

@@ -37,7 +37,7 @@ pub(super) enum Material {
 
 /// One piece of work.
 #[derive(Debug)]
-pub(super) struct Job {
+pub(super) struct ThumbnailJob {
     pub(super) material: Material,
     /// From where it is seen.
     pub(super) view: Camera,
@@ -47,27 +47,27 @@ pub(super) struct Job {
 
 /// What came of it.
 #[derive(Debug)]
-pub(super) enum Made {
+pub(super) enum Thumbnail {
     /// The picture.
     Picture(ColorImage),
     /// The frame cannot be read or drawn.
     Broken,
 }
 
-impl Job {
+impl ThumbnailJob {
     /// Does it. Whatever goes wrong is told of by whoever shows the frame; here it is a mark.
-    pub(super) fn run(self) -> Made {
+    pub(super) fn run(self) -> Thumbnail {
         let made = catch_unwind(AssertUnwindSafe(|| self.made()));
-        made.ok().flatten().unwrap_or(Made::Broken)
+        made.ok().flatten().unwrap_or(Thumbnail::Broken)
     }
 
-    fn made(&self) -> Option<Made> {
+    fn made(&self) -> Option<Thumbnail> {
         let frame = match &self.material {
             Material::Resident(frame) => Arc::clone(frame),
             Material::File(index) => Arc::new(self.read(*index).ok()?),
         };
         let picture = draw(&frame, &self.view, self.sequence.origin()).ok()?;
-        Some(Made::Picture(picture))
+        Some(Thumbnail::Picture(picture))
     }
 
     /// As many points as a picture needs.
@@ -145,7 +145,7 @@ mod tests {
     use glam::Vec3;
 
     /// Of a cube from zero to one, or of what cannot be read.
-    fn job(index: usize) -> Job {
+    fn job(index: usize) -> ThumbnailJob {
         let decode = |source: &FrameEntry| match source.number {
             Some(0) => {
                 let corners =
@@ -165,7 +165,7 @@ mod tests {
             min: Vec3::ZERO,
             max: Vec3::ONE,
         };
-        Job {
+        ThumbnailJob {
             material: Material::File(index),
             view: Camera::framing(&cube, DVec3::ZERO, UpAxis::Y),
             colors: (Coloring::of(ColorSource::File), ColorHints::NONE),
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_frame_is_drawn_from_its_file_and_broken_ones_are_marks() {
-        let Made::Picture(picture) = job(0).run() else {
+        let Thumbnail::Picture(picture) = job(0).run() else {
             panic!("no picture");
         };
         let [red, behind] = [egui::Color32::RED, egui::Color32::from_rgb(24, 27, 34)];
@@ -190,7 +190,7 @@ mod tests {
         assert!((300..=8 * 81).contains(&count(red)), "{}", count(red));
         assert_eq!(count(red) + count(behind), picture.pixels.len());
         for broken in [1, 2] {
-            assert!(matches!(job(broken).run(), Made::Broken));
+            assert!(matches!(job(broken).run(), Thumbnail::Broken));
         }
     }
 

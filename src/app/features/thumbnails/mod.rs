@@ -10,6 +10,7 @@
 //! the up axis or the source of the colours changes, or somebody asks for new pictures.
 
 mod draw;
+pub(in crate::app) mod panel;
 mod schedule;
 mod store;
 
@@ -21,9 +22,9 @@ use crate::playback::Player;
 use crate::priority;
 use crate::scene::{Camera, FirstLook, UpAxis};
 use crate::sequence::{ColorHints, Coloring, FrameError, Needs, Slot};
-use draw::{Job, Made, Material};
+use draw::{Material, Thumbnail, ThumbnailJob};
 use egui::Context;
-use schedule::{Bustle, Leisure, Wanted};
+use schedule::{Bustle, Leisure, WantedFrames};
 use std::sync::Arc;
 use std::time::Duration;
 use store::Store;
@@ -35,16 +36,16 @@ const INTERVAL: Duration = Duration::from_millis(100);
 const IN_TIME: f64 = 0.9;
 
 /// Up axis and colours: what all pictures have in common.
-type Key = (UpAxis, Coloring, ColorHints);
+type LookKey = (UpAxis, Coloring, ColorHints);
 
 /// The pictures of the open sequence.
 #[derive(Debug)]
 pub struct Thumbnails {
     /// Whether they are shown and made.
     pub is_on: bool,
-    wanted: Wanted,
+    wanted: WantedFrames,
     store: Store,
-    key: Option<Key>,
+    key: Option<LookKey>,
     view: Option<Camera>,
     /// Counts the sets of pictures, so that one of a set that has gone is known as such.
     generation: u64,
@@ -59,14 +60,14 @@ pub struct Thumbnails {
 pub struct Delivery {
     generation: u64,
     frame: usize,
-    made: Made,
+    made: Thumbnail,
 }
 
 impl Thumbnails {
     pub(in crate::app) fn new(is_on: bool) -> Self {
         Self {
             is_on,
-            wanted: Wanted::default(),
+            wanted: WantedFrames::default(),
             store: Store::default(),
             key: None,
             view: None,
@@ -98,7 +99,7 @@ impl Thumbnails {
 
     /// Another sequence was opened.
     pub(in crate::app) fn forget_frames(&mut self) {
-        self.wanted = Wanted::default();
+        self.wanted = WantedFrames::default();
         self.redo();
     }
 
@@ -127,7 +128,7 @@ impl Thumbnails {
         &mut self,
         player: &Player,
         look: &FirstLook,
-        key: Key,
+        key: LookKey,
         is_measured: bool,
         tasks: &Tasks<T>,
         now: Duration,
@@ -160,7 +161,7 @@ impl Thumbnails {
             look.camera_with_up(key.0, player.sequence().origin(), width / height)
         });
         self.begun = Some(now);
-        let job = Job {
+        let job = ThumbnailJob {
             material,
             view,
             colors: (key.1, key.2),
@@ -170,7 +171,12 @@ impl Thumbnails {
     }
 
     /// The next frame there is time for.
-    fn next(&mut self, player: &Player, key: Key, leisure: Leisure) -> Option<(usize, Material)> {
+    fn next(
+        &mut self,
+        player: &Player,
+        key: LookKey,
+        leisure: Leisure,
+    ) -> Option<(usize, Material)> {
         let loader = player.loader();
         let needs = Needs {
             colors: key.1,
@@ -210,7 +216,7 @@ impl Thumbnails {
     fn start<T: TaskOutcome + From<Box<Delivery>>>(
         &mut self,
         frame: usize,
-        job: Job,
+        job: ThumbnailJob,
         tasks: &Tasks<T>,
     ) {
         if self.pool.is_none() {
@@ -247,8 +253,8 @@ impl Thumbnails {
         }
         let frame = delivery.frame;
         match delivery.made {
-            Made::Picture(image) => self.store.insert(frame, image, &self.wanted.all()),
-            Made::Broken => self.store.mark_broken(frame),
+            Thumbnail::Picture(image) => self.store.insert(frame, image, &self.wanted.all()),
+            Thumbnail::Broken => self.store.mark_broken(frame),
         }
     }
 }

@@ -11,14 +11,14 @@ pub(in crate::app) fn strip_frames(frame_count: usize, cells: usize) -> Vec<usiz
 
 /// Frames whose pictures can be seen.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Wanted {
+pub(super) struct WantedFrames {
     /// Those of the strip, in order.
     pub(super) strip: Vec<usize>,
     /// The one under the pointer.
     pub(super) hovered: Option<usize>,
 }
 
-impl Wanted {
+impl WantedFrames {
     /// All of them.
     pub(super) fn all(&self) -> BTreeSet<usize> {
         self.strip.iter().copied().chain(self.hovered).collect()
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn the_pointer_goes_first_then_what_is_near_the_playhead() {
-        let wanted = Wanted {
+        let wanted = WantedFrames {
             strip: strip_frames(100, 5),
             hovered: Some(99),
         };
@@ -131,7 +131,7 @@ mod tests {
         fn every_wanted_frame_is_made_once(
             count in 1usize..500, cells in 1usize..60, playhead in 0usize..500, hovered in prop::option::of(0usize..500),
         ) {
-            let wanted = Wanted { strip: strip_frames(count, cells), hovered };
+            let wanted = WantedFrames { strip: strip_frames(count, cells), hovered };
             prop_assert!(wanted.strip.is_sorted_by(|a, b| a < b) && wanted.strip.iter().all(|&frame| frame < count));
             let mut made = Vec::new();
             while let Some(frame) = wanted.next(playhead, |frame| made.contains(&frame), |_| true) {

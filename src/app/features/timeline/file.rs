@@ -22,7 +22,7 @@ use std::str::FromStr;
 const VERSION: u32 = 1;
 
 #[derive(Serialize)]
-struct Stored<'a> {
+struct TimelineFile<'a> {
     version: u32,
     range: PlayRange,
     markers: &'a [Marker],
@@ -119,7 +119,7 @@ pub(super) fn write(
     markers: &Markers,
     chosen: Chosen,
 ) -> Result<(), String> {
-    let stored = Stored {
+    let stored = TimelineFile {
         version: VERSION,
         range,
         markers: markers.list(),

@@ -12,9 +12,11 @@ pub use curve::Quantity;
 pub use markers::{Marker, Markers};
 
 use crate::app::first_look::Chosen;
+use crate::playback::Player;
 use crate::sequence::Sequence;
 use crate::timeline::PlayRange;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// The marks of the open sequence.
 #[derive(Debug)]
@@ -30,6 +32,8 @@ pub struct Timeline {
     pub(in crate::app) bar_rect: egui::Rect,
     /// What was chosen for the sequence in place of what is guessed.
     pub(in crate::app) chosen: Chosen,
+    /// The playhead is in the hand, and playing goes on when it is let go.
+    resumes: bool,
     /// Where they are kept, if they may be.
     file: Option<PathBuf>,
 }
@@ -43,6 +47,7 @@ impl Default for Timeline {
             curve: Curve::default(),
             bar_rect: egui::Rect::ZERO,
             chosen: Chosen::default(),
+            resumes: false,
             file: None,
         }
     }
@@ -75,5 +80,45 @@ impl Timeline {
             Some(file) => file::write(file, range, &self.markers, self.chosen),
             None => Ok(()),
         }
+    }
+
+    /// Puts a marker at a frame, or takes it away.
+    pub(in crate::app) fn toggle_marker(&mut self, frame: usize) {
+        self.markers.toggle(frame);
+        self.renaming = None;
+    }
+
+    /// Begins to write the name of the marker at `frame`.
+    pub(in crate::app) fn begin_renaming(&mut self, frame: usize) {
+        let mut markers = self.markers.list().iter();
+        let marker = markers.find(|marker| marker.frame == frame);
+        self.renaming = marker.map(|marker| (frame, marker.name.clone()));
+    }
+
+    /// Gives the marker whose name was being written that name.
+    pub(in crate::app) fn finish_renaming(&mut self) {
+        if let Some((frame, name)) = self.renaming.take() {
+            self.markers.rename(frame, &name);
+        }
+    }
+
+    /// Takes the playhead in the hand: meanwhile playing rests.
+    pub(in crate::app) fn take_playhead(&mut self, player: &mut Player, now: Duration) {
+        self.resumes = player.is_playing();
+        if self.resumes {
+            player.toggle(now);
+        }
+    }
+
+    /// Lets the playhead go: what played before plays on.
+    pub(in crate::app) fn let_playhead_go(&mut self, player: &mut Player, now: Duration) {
+        if std::mem::take(&mut self.resumes) && !player.is_playing() {
+            player.toggle(now);
+        }
+    }
+
+    /// Another sequence is opened: there is nothing in the hand.
+    pub(in crate::app) fn forget_playhead(&mut self) {
+        self.resumes = false;
     }
 }

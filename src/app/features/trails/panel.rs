@@ -1,10 +1,11 @@
 //! Trails of points: buttons and numbers beside a point's values, and how they are painted over the picture.
 
+use super::{TrailField, Trails, field_place, pieces};
 use crate::analysis::ColorMap;
-use crate::app::State;
-use crate::app::features::trails::{TrailField, field_place, pieces};
+use crate::app::features::inspection::Anchor;
 use crate::app::theme::ODD;
 use crate::app::widgets::canvas::Canvas;
+use crate::playback::Player;
 use egui::{Button, Checkbox, Color32, RichText, Slider, Stroke, Ui};
 
 use crate::app::widgets::rows::{row, rows};
@@ -16,39 +17,38 @@ const MAX_REASONS: usize = 3;
 const TO_COME: f32 = 0.6;
 
 /// Below the values of a point.
-pub(in crate::app) fn trail_ui(ui: &mut Ui, state: &mut State) {
+pub(in crate::app) fn trail_ui(ui: &mut Ui, trails: &mut Trails, anchor: Anchor) {
     ui.horizontal(|ui| {
-        let trail = Button::selectable(state.trails.is_on, "Trail");
+        let trail = Button::selectable(trails.is_on, "Trail");
         let tooltip = "The way that the point of this index takes from in to out point, and the ways of points that were kept or \
                        measured with. Before the shown frame it is bright (Shift+T)";
         if ui.add(trail).on_hover_text(tooltip).clicked() {
-            state.trails.is_on ^= true;
+            trails.is_on ^= true;
         }
-        let anchor = state.inspection.point.as_ref().map(|point| point.anchor);
-        let Some(anchor) = anchor.filter(|_| state.trails.is_on) else {
+        if !trails.is_on {
             return;
-        };
-        let mut kept = state.trails.kept.iter();
+        }
+        let mut kept = trails.kept.iter();
         let is_kept = kept.any(|kept| kept.index_in_file == anchor.index_in_file);
         let keep = Button::selectable(is_kept, "Keep trail");
         let tooltip = "The trail stays when another point is picked";
         if ui.add(keep).on_hover_text(tooltip).clicked() {
-            state.trails.toggle_kept(anchor);
+            trails.toggle_kept(anchor);
         }
         let forget = Button::new("Forget kept trails");
-        let has_kept = !state.trails.kept.is_empty();
+        let has_kept = !trails.kept.is_empty();
         if has_kept && ui.add(forget).on_hover_text("Only the picked point has a trail then").clicked() {
-            state.trails.kept.clear();
+            trails.kept.clear();
         }
     });
-    if state.trails.is_on {
-        status_ui(ui, state);
+    if trails.is_on {
+        status_ui(ui, trails);
     }
 }
 
 /// How far finding trails is, or where they end and why.
-fn status_ui(ui: &mut Ui, state: &mut State) {
-    if let Some((done, all)) = state.trails.progress() {
+fn status_ui(ui: &mut Ui, trails: &mut Trails) {
+    if let Some((done, all)) = trails.progress() {
         ui.horizontal(|ui| {
             ui.weak(format!(
                 "Looking at frame {} of {all}…",
@@ -56,12 +56,12 @@ fn status_ui(ui: &mut Ui, state: &mut State) {
             ));
             let cancel = ui.add(Button::new("Cancel trails").small());
             if cancel.on_hover_text("Look no further").clicked() {
-                state.trails.cancel();
+                trails.cancel();
             }
         });
         return;
     }
-    let Some(trails) = state.trails.found() else {
+    let Some(trails) = trails.found() else {
         return;
     };
     let breaks = trails.breaks();
@@ -89,12 +89,12 @@ fn status_ui(ui: &mut Ui, state: &mut State) {
 }
 
 /// The rows about trails of other points.
-pub(in crate::app) fn field_ui(ui: &mut Ui, state: &mut State) {
+pub(in crate::app) fn field_ui(ui: &mut Ui, trails: &mut Trails) {
     let TrailField {
         is_on,
         points,
         length,
-    } = &mut state.trails.field;
+    } = &mut trails.field;
     rows(ui, "trails", |ui| {
         row(
             ui,
@@ -121,21 +121,21 @@ pub(in crate::app) fn field_ui(ui: &mut Ui, state: &mut State) {
         );
     });
     if *is_on {
-        status_ui(ui, state);
+        status_ui(ui, trails);
     }
 }
 
 /// Paints all trails.
-pub(in crate::app) fn paint_trails(canvas: &Canvas<'_>, state: &State) {
-    let (Some(trails), Some(player)) = (state.trails.found(), &state.player) else {
+pub(in crate::app) fn paint_trails(canvas: &Canvas<'_>, of: &Trails, player: &Player) {
+    let Some(trails) = of.found() else {
         return;
     };
     let Some(shown) = player.shown().map(|frame| frame.index) else {
         return;
     };
     let origin = player.sequence().origin();
-    let [picked, others] = state.trails.parts();
-    let recent = (shown + 1).saturating_sub(state.trails.field.length + 1)..shown + 1;
+    let [picked, others] = of.parts();
+    let recent = (shown + 1).saturating_sub(of.field.length + 1)..shown + 1;
     let count = others.len();
     for (number, trail) in others.enumerate() {
         let [red, green, blue, _] = ColorMap::Viridis.color(field_place(number, count));

@@ -1,12 +1,11 @@
 //! The bar: what is in memory and what failed, the range that plays, the playhead.
 
-use crate::app::State;
-use crate::app::features::thumbnails::{Look, PICTURE_PX};
+use super::context::TimelineContext;
+use crate::app::features::thumbnails::{Look, PICTURE_PX, Thumbnails};
 use crate::app::theme::{ACCENT, BAD, COARSE, PENDING, RESIDENT};
 use crate::app::widgets::numbers::grouped;
 use crate::playback::{Mark, Player, Run};
-use crate::scene::Scene;
-use crate::sequence::Slot;
+use crate::sequence::{Needs, Slot};
 use crate::timeline::PlayRange;
 use egui::{Color32, Painter, Rect, Response, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
@@ -20,11 +19,11 @@ const MIN_TICK_WIDTH: f32 = 7.0;
 const MIN_FAILED_WIDTH: f32 = 3.0;
 
 /// The bar with its playhead, to scrub on; returns the frame whose tooltip is shown.
-pub(super) fn scrub_bar(ui: &mut Ui, state: &mut State) -> Option<usize> {
+pub(super) fn scrub_bar(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<usize> {
     let size = vec2(ui.available_width(), BAR_HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-    state.timeline.bar_rect = rect;
-    let Some(player) = &state.player else {
+    context.timeline.bar_rect = rect;
+    let Some(player) = context.player.as_deref() else {
         ui.painter()
             .rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
         return None;
@@ -43,28 +42,31 @@ pub(super) fn scrub_bar(ui: &mut Ui, state: &mut State) -> Option<usize> {
     let frame = under_pointer(&response);
     let hovered = frame.filter(|_| response.hovered() && !response.dragged());
     if let Some(frame) = hovered {
-        frame_tooltip(state, response.clone(), frame);
+        frame_tooltip(
+            player,
+            context.thumbnails,
+            &context.needs,
+            (response.clone(), frame),
+        );
     }
-    scrub(state, &response, frame);
+    scrub(context, &response, frame);
     hovered
 }
 
 /// The playhead follows the pointer; playing goes on when it is let go.
-fn scrub(state: &mut State, response: &Response, frame: Option<usize>) {
-    let Some(frame) = frame else { return };
+fn scrub(context: &mut TimelineContext<'_>, response: &Response, frame: Option<usize>) {
+    let (Some(frame), Some(player)) = (frame, context.player.as_deref_mut()) else {
+        return;
+    };
+    let now = context.now;
     if response.drag_started() {
-        state.play_with_scrubbing(true);
+        context.timeline.take_playhead(player, now);
     }
-    if response.dragged() || response.clicked() {
-        let now = state.now();
-        if let Some(player) = &mut state.player
-            && player.clock().frame() != frame
-        {
-            player.seek(frame, now);
-        }
+    if (response.dragged() || response.clicked()) && player.clock().frame() != frame {
+        player.seek(frame, now);
     }
     if response.drag_stopped() {
-        state.play_with_scrubbing(false);
+        context.timeline.let_playhead_go(player, now);
     }
 }
 
@@ -138,10 +140,14 @@ fn paint_playhead(painter: &Painter, rect: Rect, left: f32, right: f32) {
 }
 
 /// Which frame it is, how it looks, and whether it is in memory.
-pub(super) fn frame_tooltip(state: &mut State, response: Response, frame: usize) {
-    let Some(player) = &state.player else { return };
-    let text = tooltip(state, player, frame);
-    let look = state.thumbnails.look(&response.ctx, frame);
+pub(super) fn frame_tooltip(
+    player: &Player,
+    thumbnails: &mut Thumbnails,
+    needs: &Needs,
+    (response, frame): (Response, usize),
+) {
+    let text = tooltip(player, needs, frame);
+    let look = thumbnails.look(&response.ctx, frame);
     response.on_hover_ui_at_pointer(|ui| {
         if let Look::Picture(texture) = look {
             ui.image((texture, PICTURE_PX.map(|edge| edge as f32).into()));
@@ -150,7 +156,7 @@ pub(super) fn frame_tooltip(state: &mut State, response: Response, frame: usize)
     });
 }
 
-fn tooltip(state: &State, player: &Player, frame: usize) -> String {
+fn tooltip(player: &Player, needs: &Needs, frame: usize) -> String {
     let sequence = player.sequence();
     let head = format!(
         "Frame {} of {}, {:.2} s\n{}",
@@ -159,10 +165,7 @@ fn tooltip(state: &State, player: &Player, frame: usize) -> String {
         player.time_s(frame),
         sequence.entry(frame).name
     );
-    let rest = match player
-        .loader()
-        .get(frame, &Scene::needs(&state.drawn_settings()))
-    {
+    let rest = match player.loader().get(frame, needs) {
         Slot::Ready(prepared) => format!(
             "in memory, {} points",
             grouped(prepared.points.len() as u64)

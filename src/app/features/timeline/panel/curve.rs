@@ -1,7 +1,7 @@
 //! The curve under the bar.
 
 use super::bar::frame_at;
-use crate::app::State;
+use super::context::TimelineContext;
 use crate::app::features::timeline::Quantity;
 use crate::app::theme::ACCENT;
 use crate::app::widgets::numbers::grouped;
@@ -14,13 +14,13 @@ const HEIGHT: f32 = 40.0;
 const MARGIN: f32 = 3.0;
 
 /// The curve of the chosen quantity, if there is one.
-pub(super) fn curve_ui(ui: &mut Ui, state: &mut State) {
-    let (Some(player), Some(quantity)) = (&state.player, state.timeline.quantity) else {
+pub(super) fn curve_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) {
+    let (Some(player), Some(quantity)) = (&context.player, context.timeline.quantity) else {
         return;
     };
     let size = vec2(ui.available_width(), HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    let curve = &mut state.timeline.curve;
+    let curve = &mut context.timeline.curve;
     curve.refresh(player.loader(), quantity, rect.width().max(1.0) as usize);
     let name = format!("Curve: {}", quantity.name());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));

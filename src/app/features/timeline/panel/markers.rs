@@ -1,6 +1,7 @@
 //! Flags above the bar, one a marker.
 
-use crate::app::State;
+use super::context::TimelineContext;
+use crate::app::features::timeline::Timeline;
 use crate::app::theme::ODD;
 use egui::{
     Key, Painter, Rect, Role, Sense, Shape, Stroke, TextEdit, Ui, WidgetInfo, Window, pos2, vec2,
@@ -17,17 +18,19 @@ enum Wish {
     Remove,
 }
 
-/// A row of flags, if there are any; a window for the name of one while it is written.
-pub(super) fn markers_ui(ui: &mut Ui, state: &mut State) {
-    let Some(player) = &state.player else { return };
+/// A row of flags, if there are any; a window for the name of one while it is written. True if there are other marks.
+pub(super) fn markers_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> bool {
+    let Some(player) = &context.player else {
+        return false;
+    };
     let count = player.sequence().len();
-    if state.timeline.markers.list().is_empty() {
-        return;
+    if context.timeline.markers.list().is_empty() {
+        return false;
     }
     let size = vec2(ui.available_width(), FLAG[1]);
     let (row, _) = ui.allocate_exact_size(size, Sense::hover());
     let mut wish = None;
-    for marker in state.timeline.markers.list() {
+    for marker in context.timeline.markers.list() {
         let frame = marker.frame;
         if frame >= count {
             break;
@@ -60,24 +63,19 @@ pub(super) fn markers_ui(ui: &mut Ui, state: &mut State) {
         ));
     }
     match wish {
-        Some((frame, Wish::GoTo)) => state.play_with(|player, now| player.seek(frame, now)),
-        Some((frame, Wish::Rename)) => begin_renaming(state, frame),
-        Some((frame, Wish::Remove)) => state.toggle_marker_at(frame),
+        Some((frame, Wish::GoTo)) => context.seek(frame),
+        Some((frame, Wish::Rename)) => context.timeline.begin_renaming(frame),
+        Some((frame, Wish::Remove)) => context.timeline.toggle_marker(frame),
         None => {}
     }
-    name_ui(ui, state);
+    let is_named = name_ui(ui, context.timeline);
+    is_named || matches!(wish, Some((_, Wish::Remove)))
 }
 
-fn begin_renaming(state: &mut State, frame: usize) {
-    let mut markers = state.timeline.markers.list().iter();
-    let marker = markers.find(|marker| marker.frame == frame);
-    state.timeline.renaming = marker.map(|marker| (frame, marker.name.clone()));
-}
-
-/// Asks for a name; Enter or a click elsewhere takes it, Esc leaves the old one.
-fn name_ui(ui: &Ui, state: &mut State) {
-    let Some((frame, name)) = &mut state.timeline.renaming else {
-        return;
+/// Asks for a name; Enter or a click elsewhere takes it, Esc leaves the old one. True if there is another one.
+fn name_ui(ui: &Ui, timeline: &mut Timeline) -> bool {
+    let Some((frame, name)) = &mut timeline.renaming else {
+        return false;
     };
     let screen = ui.ctx().content_rect();
     let mut is_done = false;
@@ -103,10 +101,13 @@ fn name_ui(ui: &Ui, state: &mut State) {
             );
         });
     if ui.input(|input| input.key_pressed(Key::Escape)) {
-        state.timeline.renaming = None;
-    } else if is_done {
-        state.finish_renaming();
+        timeline.renaming = None;
+        return false;
     }
+    if is_done {
+        timeline.finish_renaming();
+    }
+    is_done
 }
 
 /// A pennant that points down to its frame.

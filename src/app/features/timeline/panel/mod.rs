@@ -2,24 +2,30 @@
 //! transport under them.
 
 mod bar;
+mod context;
 mod curve;
 mod markers;
 mod strip;
 mod transport;
 
-use crate::app::State;
+pub(in crate::app) use context::{TimelineContext, TimelineRequest};
+
 use egui::Ui;
 
 /// Thumbnails, markers, bar, curve, transport, place and pace.
-pub(in crate::app) fn timeline_ui(ui: &mut Ui, state: &mut State) {
-    if let Some(player) = &mut state.player {
+pub(in crate::app) fn timeline_ui(
+    ui: &mut Ui,
+    context: &mut TimelineContext<'_>,
+) -> Vec<TimelineRequest> {
+    if let Some(player) = &mut context.player {
         player.refresh_runs();
     }
-    let on_strip = strip::strip_ui(ui, state);
-    markers::markers_ui(ui, state);
-    let on_bar = bar::scrub_bar(ui, state);
-    state.thumbnails.hover(on_strip.or(on_bar));
-    curve::curve_ui(ui, state);
+    let on_strip = strip::strip_ui(ui, context);
+    let keeps = markers::markers_ui(ui, context).then_some(TimelineRequest::Keep);
+    let on_bar = bar::scrub_bar(ui, context);
+    context.thumbnails.hover(on_strip.or(on_bar));
+    curve::curve_ui(ui, context);
     ui.add_space(4.0);
-    transport::row_ui(ui, state);
+    let command = transport::row_ui(ui, context).map(TimelineRequest::Run);
+    keeps.into_iter().chain(command).collect()
 }

@@ -1,7 +1,7 @@
 //! The strip of thumbnails over the bar.
 
 use super::bar::frame_tooltip;
-use crate::app::State;
+use super::context::TimelineContext;
 use crate::app::features::thumbnails::{Look, MAX_CELLS, PICTURE_PX, strip_frames};
 use crate::app::theme::{ACCENT, BAD};
 use egui::{
@@ -16,20 +16,24 @@ const CELL_WIDTH: f32 = HEIGHT * PICTURE_PX[0] as f32 / PICTURE_PX[1] as f32 + 2
 
 /// As many small pictures as fit, each of the frame at its place; a click goes there. Returns the frame whose tooltip
 /// is shown.
-pub(super) fn strip_ui(ui: &mut Ui, state: &mut State) -> Option<usize> {
-    let player = state.player.as_ref().filter(|_| state.thumbnails.is_on)?;
+pub(super) fn strip_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<usize> {
+    let player = context
+        .player
+        .as_deref()
+        .filter(|_| context.thumbnails.is_on)?;
     let count = player.sequence().len();
     let playhead = player.waiting_for().unwrap_or(player.clock().frame());
     let size = vec2(ui.available_width(), HEIGHT);
     let (strip, _) = ui.allocate_exact_size(size, Sense::hover());
     let cells = (strip.width() / CELL_WIDTH).max(1.0) as usize;
     let frames = strip_frames(count, cells.min(MAX_CELLS));
-    state.thumbnails.want(frames.clone());
+    context.thumbnails.want(frames.clone());
     ui.painter()
         .rect_filled(strip, 4.0, ui.visuals().extreme_bg_color);
     let nearest = frames.iter().min_by_key(|frame| frame.abs_diff(playhead));
     let nearest = nearest.copied();
     let mut hovered = None;
+    let mut clicked = None;
     for (number, &frame) in frames.iter().enumerate() {
         let x = |edge: usize| strip.left() + strip.width() * edge as f32 / frames.len() as f32;
         let cell = Rect::from_x_y_ranges(x(number)..=x(number + 1), strip.y_range());
@@ -38,7 +42,7 @@ pub(super) fn strip_ui(ui: &mut Ui, state: &mut State) -> Option<usize> {
             ui.scope_id().with(("thumbnail", frame)),
             Sense::click(),
         );
-        let look = state.thumbnails.look(ui.ctx(), frame);
+        let look = context.thumbnails.look(ui.ctx(), frame);
         let name = match look {
             Look::Picture(_) => format!("Thumbnail of frame {}", frame + 1),
             Look::Broken => format!("Frame {} cannot be read", frame + 1),
@@ -52,12 +56,16 @@ pub(super) fn strip_ui(ui: &mut Ui, state: &mut State) -> Option<usize> {
                 .rect_stroke(picture_rect(cell), 2.0, stroke, StrokeKind::Inside);
         }
         if response.clicked() {
-            state.play_with(|player, now| player.seek(frame, now));
+            clicked = Some(frame);
         }
         if response.hovered() {
             hovered = Some(frame);
-            frame_tooltip(state, response, frame);
+            let of = (response, frame);
+            frame_tooltip(player, context.thumbnails, &context.needs, of);
         }
+    }
+    if let Some(frame) = clicked {
+        context.seek(frame);
     }
     hovered
 }

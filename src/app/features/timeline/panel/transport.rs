@@ -1,8 +1,8 @@
 //! The row under the bar: transport, place, pace.
 
-use crate::app::State;
+use super::context::TimelineContext;
 use crate::app::command::{Command, keys_of};
-use crate::app::features::timeline::Quantity;
+use crate::app::features::timeline::{Quantity, Timeline};
 use crate::app::theme::{BAD, Icon, paint_icon};
 use crate::app::widgets::numbers::grouped;
 use crate::playback::Player;
@@ -17,25 +17,29 @@ use std::time::Duration;
 const ICON_SIZE: f32 = 13.0;
 
 /// Transport and place from the left, pace from the right.
-pub(super) fn row_ui(ui: &mut Ui, state: &mut State) {
+pub(super) fn row_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<Command> {
+    let mut command = None;
     ui.horizontal(|ui| {
         // From the right, so that a narrow window cuts the name of the file and nothing else.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            pace(ui, state);
-            curve_choice(ui, state);
+            pace(ui, context);
+            curve_choice(ui, context.timeline);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                transport(ui, state);
+                command = transport(ui, context.player.as_deref());
                 ui.add_space(6.0);
-                place(ui, state);
+                if let Some(player) = &context.player {
+                    place(ui, player);
+                }
             });
         });
     });
+    command
 }
 
 /// Which number of every frame the curve under the bar shows.
-fn curve_choice(ui: &mut Ui, state: &mut State) {
+fn curve_choice(ui: &mut Ui, timeline: &mut Timeline) {
     let name = |quantity: Option<Quantity>| quantity.map_or("No curve", Quantity::name);
-    let mut quantity = state.timeline.quantity;
+    let mut quantity = timeline.quantity;
     ComboBox::from_id_salt("curve")
         .width(84.0)
         .selected_text(name(quantity))
@@ -49,11 +53,12 @@ fn curve_choice(ui: &mut Ui, state: &mut State) {
         })
         .response
         .on_hover_text("Curve under the bar: a number of every frame that was prepared so far");
-    state.timeline.quantity = quantity;
+    timeline.quantity = quantity;
 }
 
-fn transport(ui: &mut Ui, state: &mut State) {
-    let playing = state.player.as_ref().is_some_and(Player::is_playing);
+fn transport(ui: &mut Ui, player: Option<&Player>) -> Option<Command> {
+    let mut clicked = None;
+    let playing = player.is_some_and(Player::is_playing);
     let (play_icon, play_text) = if playing {
         (Icon::Pause, "Pause")
     } else {
@@ -66,10 +71,11 @@ fn transport(ui: &mut Ui, state: &mut State) {
         (Icon::Forward, "Next frame", Command::Step(1)),
         (Icon::Last, "Last frame", Command::Last),
     ] {
-        if icon_button(ui, icon, text, command, state.player.is_some()).clicked() {
-            state.run(command);
+        if icon_button(ui, icon, text, command, player.is_some()).clicked() {
+            clicked = Some(command);
         }
     }
+    clicked
 }
 
 fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: bool) -> Response {
@@ -107,8 +113,7 @@ fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: b
     response.on_hover_text(format!("{text} ({})", keys_of(command)))
 }
 
-fn place(ui: &mut Ui, state: &State) {
-    let Some(player) = &state.player else { return };
+fn place(ui: &mut Ui, player: &Player) {
     let sequence = player.sequence();
     let frame = player.waiting_for().unwrap_or(player.clock().frame());
     let digits = sequence.len().to_string().len();
@@ -141,9 +146,9 @@ fn place(ui: &mut Ui, state: &State) {
 }
 
 /// From the right: fps asked and held, rate, speed, loop mode.
-fn pace(ui: &mut Ui, state: &mut State) {
-    let now = state.now();
-    let Some(player) = &mut state.player else {
+fn pace(ui: &mut Ui, context: &mut TimelineContext<'_>) {
+    let now = context.now;
+    let Some(player) = context.player.as_deref_mut() else {
         return;
     };
     let held = player.fps_held();

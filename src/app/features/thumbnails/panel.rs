@@ -1,0 +1,17 @@
+//! The row of the settings about thumbnails.
+
+use super::Thumbnails;
+use crate::app::widgets::rows::{row, rows};
+use egui::{Checkbox, Ui};
+
+/// Whether they are shown.
+pub(in crate::app) fn thumbnails_ui(ui: &mut Ui, thumbnails: &mut Thumbnails) {
+    rows(ui, "thumbnails", |ui| {
+        row(
+            ui,
+            "Thumbnails",
+            "Small pictures of the frames over the timeline and in its tooltips, all from one view. They are made while there is time for them",
+            Checkbox::new(&mut thumbnails.is_on, "Shown"),
+        );
+    });
+}

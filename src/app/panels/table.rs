@@ -1,0 +1,120 @@
+//! The table of panels. A new one is a file with its function, and a row here: so it is in the window, in the menu View
+//! and among the commands that are found by name. A key is a row of [`BINDINGS`](crate::app::BINDINGS), if it needs one.
+
+use super::bound;
+use super::help::help_ui;
+use super::notices::notices_ui;
+use super::presets::preset_name_ui;
+use super::question::question_ui;
+use super::settings::settings_ui;
+use super::statistics::statistics_ui;
+use crate::app::command::{Command, keys_of};
+use crate::app::features::palette::CommandEntry;
+use crate::app::{PanelId, State};
+use egui::Ui;
+use std::ops::RangeInclusive;
+
+/// A panel of the window.
+pub(super) struct PanelRow {
+    /// By what a person opens and closes it; `None` of one that comes and goes with what it is about.
+    pub(super) id: Option<PanelId>,
+    /// Its item of the menu View; `None` of one that is opened from elsewhere.
+    menu: Option<&'static str>,
+    pub(super) place: Place,
+    /// Shows it. A window is asked in each pass, and knows whether it is open.
+    pub(super) show: fn(&mut Ui, &mut State),
+}
+
+/// Where a panel is.
+pub(super) enum Place {
+    /// Beside the picture, at the left; how wide at first, and how wide it can be, points.
+    Left(f32, RangeInclusive<f32>),
+    /// The same at the right.
+    Right(f32, RangeInclusive<f32>),
+    /// A window over the picture.
+    Window,
+}
+
+/// All but menu, timeline, picture and the list of commands, in the order in which they are laid out.
+pub(super) const PANELS: &[PanelRow] = &[
+    PanelRow {
+        id: Some(PanelId::SETTINGS),
+        menu: Some("Settings"),
+        place: Place::Right(312.0, 280.0..=460.0),
+        show: settings_ui,
+    },
+    PanelRow {
+        id: Some(PanelId::STATISTICS),
+        menu: Some("Statistics"),
+        place: Place::Left(272.0, 240.0..=420.0),
+        show: statistics_ui,
+    },
+    by_itself(bound::point),
+    by_itself(bound::measuring),
+    by_itself(bound::change),
+    PanelRow {
+        id: Some(PanelId::CAMERA_PATH),
+        menu: Some("Camera path…"),
+        place: Place::Window,
+        show: bound::camera_path,
+    },
+    window(PanelId::EXPORT, bound::export),
+    by_itself(notices_ui),
+    window(PanelId::HELP, help_ui),
+    window(PanelId::BENCHMARK, bound::benchmark),
+    by_itself(preset_name_ui),
+    by_itself(question_ui),
+];
+
+/// A window that is opened from elsewhere than the menu View.
+const fn window(id: PanelId, show: fn(&mut Ui, &mut State)) -> PanelRow {
+    PanelRow {
+        id: Some(id),
+        menu: None,
+        place: Place::Window,
+        show,
+    }
+}
+
+/// A window that comes and goes with what it is about.
+const fn by_itself(show: fn(&mut Ui, &mut State)) -> PanelRow {
+    PanelRow {
+        id: None,
+        menu: None,
+        place: Place::Window,
+        show,
+    }
+}
+
+/// The items of the menu View.
+pub(super) fn menu_items() -> impl Iterator<Item = (&'static str, PanelId)> {
+    PANELS.iter().filter_map(|row| Some((row.menu?, row.id?)))
+}
+
+/// Panels that are found by name and have no key.
+pub(super) fn without_keys() -> Vec<CommandEntry> {
+    let entry = |(text, panel)| CommandEntry {
+        text,
+        keys: "",
+        command: Command::TogglePanel(panel),
+    };
+    let mut entries: Vec<CommandEntry> = menu_items().map(entry).collect();
+    entries.retain(|entry| keys_of(entry.command).is_empty());
+    entries
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_panel_has_two_rows_and_what_is_in_the_menu_can_be_opened() {
+        for (index, row) in PANELS.iter().enumerate() {
+            let others = || PANELS[index + 1..].iter();
+            assert!(row.id.is_none() || others().all(|other| other.id != row.id));
+            assert!(row.menu.is_none() || row.id.is_some(), "{:?}", row.menu);
+            let is_window = matches!(row.place, Place::Window);
+            assert!(is_window || row.id.is_some(), "a side panel is opened");
+        }
+    }
+}
