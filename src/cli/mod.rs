@@ -11,14 +11,18 @@ mod compare_frames;
 mod convert;
 mod device_select;
 mod info;
+mod output;
 mod poses;
 mod progress;
 mod render;
+mod render_arguments;
 mod video;
+mod video_arguments;
 mod view;
 mod warnings;
 
 use clap::{Parser, Subcommand};
+use output::say;
 use std::io::Write as _;
 use std::process::ExitCode;
 use warnings::When;
@@ -44,7 +48,7 @@ enum Verb {
     /// Plays a sequence in a window (the default); without INPUT the built-in demo
     View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, or a video of them, without a window
-    Render(Box<render::RenderArgs>),
+    Render(Box<render_arguments::RenderArgs>),
     /// Measures drawing and octrees by the protocol of the paper, and errors beside times
     Bench(Box<bench::BenchArgs>),
     /// Says what is in a sequence
@@ -121,18 +125,4 @@ fn start_log() {
 
 fn done((): ()) -> ExitCode {
     ExitCode::SUCCESS
-}
-
-/// One line on stderr.
-#[expect(
-    clippy::print_stderr,
-    reason = "the command line speaks to a person here"
-)]
-fn say(line: &str) {
-    eprintln!("{line}");
-}
-
-/// The answer of a verb on stdout. A reader that has left is no failure.
-fn answer(text: &str) {
-    let _ = writeln!(std::io::stdout().lock(), "{text}");
 }

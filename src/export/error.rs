@@ -1,6 +1,7 @@
 //! What stands in the way of a picture or a video.
 
-use super::VideoFormat;
+use super::format::VideoFormat;
+use super::limits::{MAX_EDGE_PX, MAX_PICTURES};
 use crate::headless::HeadlessError;
 use crate::render::RenderError;
 use crate::scene::PathError;
@@ -68,7 +69,7 @@ pub enum ExportError {
     /// A picture beyond any use.
     #[error(
         "a picture of {width}x{height} pixels: edges are from 1 to {} pixels long",
-        super::MAX_EDGE_PX
+        MAX_EDGE_PX
     )]
     PictureSize {
         /// Asked width.
@@ -101,7 +102,7 @@ pub enum ExportError {
         reason: String,
     },
     /// Longer than any video.
-    #[error("{count} pictures are too many: a video has at most {max}", max = super::video::MAX_PICTURES)]
+    #[error("{count} pictures are too many: a video has at most {max}", max = MAX_PICTURES)]
     TooLong {
         /// How many.
         count: usize,

@@ -1,6 +1,7 @@
 //! Why a file cannot be read: which one, where in it, what was expected and what to do.
 
-use super::{Format, ReadOptions};
+use super::format::Format;
+use super::options::ReadOptions;
 use std::fmt;
 use std::path::{Path, PathBuf};
 

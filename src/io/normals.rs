@@ -4,8 +4,14 @@
 //! in the other. What a file holds is read off its header alone, so that a folder of such files costs a small read a
 //! file.
 
+use super::contents::Part;
 use super::error::Fault;
-use super::{Format, IoError, Part, ReadOptions, attributes, mesh, pcd, ply, watched};
+use super::error::IoError;
+use super::format::Format;
+use super::list::first_bytes;
+use super::options::ReadOptions;
+use super::read::read_part_observed;
+use super::{attributes, mesh, watched, xyz};
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
 use std::fs::File;
@@ -38,12 +44,12 @@ pub(crate) fn rows_of(path: &Path) -> Option<Rows> {
     let mut head = Vec::new();
     let file = File::open(path).ok()?;
     file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
-    let names = match Format::detect(path, &head)? {
-        Format::Ply => ply::point_names(&head)?,
-        Format::Pcd => pcd::point_names(&head)?,
-        Format::Xyz => return rows_of_text(&head),
-        _ => return None,
-    };
+    let format = Format::detect(path, &head)?;
+    if format == xyz::FORMAT {
+        return rows_of_text(&head);
+    }
+    let columns = format.codec()?.columns.as_ref()?;
+    let names = (columns.point_names)(&head)?;
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     Some(if attributes::has_positions(&names) {
         Rows::Points
@@ -77,7 +83,7 @@ pub(crate) fn read_with_normals(
 ) -> Result<RawCloud, IoError> {
     // Normals are those of the vertices: a mesh is sampled when it has them.
     let of_vertices = options.with_sample_count(None).with_mesh_sample_count(None);
-    let mut cloud = super::read_part_observed(path, &Part::Whole, &of_vertices, progress)?;
+    let mut cloud = read_part_observed(path, &Part::Whole, &of_vertices, progress)?;
     if cloud.normals.is_none() {
         join(&mut cloud, path, normals, progress);
     }
@@ -86,7 +92,7 @@ pub(crate) fn read_with_normals(
             path: path.to_owned(),
         });
     }
-    if let Some(format) = Format::detect(path, &super::first_bytes(path)?)
+    if let Some(format) = Format::detect(path, &first_bytes(path)?)
         && let Some(count) = options.of_format(format).sample_count
         && !cloud.faces.is_empty()
     {
@@ -121,10 +127,10 @@ fn read_normals(path: &Path, progress: &Progress) -> Result<Vec<[f32; 3]>, IoErr
         path: path.to_owned(),
     };
     let format = Format::detect(path, &bytes).ok_or_else(unknown)?;
-    let normals = match format {
-        Format::Ply => ply::normals(&bytes, progress),
-        Format::Pcd => pcd::normals(&bytes, progress),
-        _ => Err(Fault::header("normals are read from PLY and PCD")),
+    let columns = format.codec().and_then(|codec| codec.columns.as_ref());
+    let normals = match columns {
+        Some(columns) => (columns.normals)(&bytes, progress),
+        None => Err(Fault::header("normals are read from PLY and PCD")),
     };
     normals.map_err(|fault| fault.of(path, format))
 }

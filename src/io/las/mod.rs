@@ -21,12 +21,22 @@ pub(in crate::io) mod write;
 
 pub(in crate::io) use header::take;
 
-use super::ReadOptions;
 use super::error::{Fault, mebibytes};
-use crate::cloud::RawCloud;
+use super::format::{Format, Magic, Traits};
+use super::options::ReadOptions;
+use crate::cloud::{AxisConvention, RawCloud};
 use crate::progress::Progress;
 use header::Header;
 use laz::{Chunk, Compression};
+
+/// ASPRS LAS, LAZ and COPC.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "LAS",
+    extensions: &["las", "laz"],
+    magic: &[Magic::start(b"LASF")],
+    convention: Some(AxisConvention::ZUp),
+    ..Traits::PLAIN
+});
 
 /// What names the record that describes the compression.
 const COMPRESSION_USER: &[u8] = b"laszip encoded";

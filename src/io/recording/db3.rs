@@ -4,9 +4,11 @@
 //! virtual tables, generated columns), so plain tables are asked for; and a damaged one that leads in circles is left
 //! when it yields more rows than the file has bytes for.
 
-use super::super::ReadOptions;
 use super::super::error::Fault;
-use super::{Found, MessagePlace, encoding_of};
+use super::super::options::ReadOptions;
+use super::encoding::encoding_of;
+use super::found::Found;
+use super::message::MessagePlace;
 use rusqlite::{Connection, OpenFlags};
 use std::io::Read as _;
 use std::path::Path;
