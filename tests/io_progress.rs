@@ -58,7 +58,8 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
 fn files(folder: &Path) -> Vec<PathBuf> {
     let ascii_pcd = (0..POINTS).fold(
         format!(
-            "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {POINTS}\nHEIGHT 1\nPOINTS {POINTS}\nDATA ascii\n"
+            "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {POINTS}\nHEIGHT 1\nPOINTS \
+             {POINTS}\nDATA ascii\n"
         ),
         |mut text, index| {
             writeln!(text, "{index} 1 2").unwrap();

@@ -149,17 +149,24 @@ fn files_look_as_other_programs_expect() {
     let text = |format| String::from_utf8(written(format, &cloud)).unwrap();
     assert_eq!(
         text("xyz"),
-        "# x y z red green blue a_b_c scalar_x\n0.1 1e-7 4000000.125 1 2 255 0.10000000149011612 1.0000000200408773e20\n"
+        "# x y z red green blue a_b_c scalar_x\n0.1 1e-7 4000000.125 1 2 255 0.10000000149011612 \
+         1.0000000200408773e20\n"
     );
     assert_eq!(
         text("ply-ascii"),
-        "ply\nformat ascii 1.0\ncomment written by pointreel\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\n\
-         property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float a_b_c\nproperty float scalar_x\nend_header\n\
-         0.1 1e-7 4000000.125 1 2 255 0.1 1e20\n"
+        "ply\nformat ascii 1.0\ncomment written by pointreel\nelement vertex 1\nproperty double x\nproperty double \
+         y\nproperty double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty float \
+         a_b_c\nproperty float scalar_x\nend_header\n0.1 1e-7 4000000.125 1 2 255 0.1 1e20\n"
     );
     let pcd = written("pcd", &cloud);
     let pcd = String::from_utf8_lossy(&pcd);
-    assert!(pcd.contains("FIELDS x y z a_b,c scalar_x rgb\nSIZE 8 8 8 4 4 4\nTYPE F F F F F F\nCOUNT 1 1 1 1 1 1\nWIDTH 1\nHEIGHT 1\n"), "{pcd}");
+    assert!(
+        pcd.contains(
+            "FIELDS x y z a_b,c scalar_x rgb\nSIZE 8 8 8 4 4 4\nTYPE F F F F F F\nCOUNT 1 1 1 1 1 \
+        1\nWIDTH 1\nHEIGHT 1\n"
+        ),
+        "{pcd}"
+    );
     let npy = written("npy", &cloud);
     assert!(
         String::from_utf8_lossy(&npy)

@@ -29,7 +29,8 @@ pub enum ConvertError {
     },
     /// The folder holds frames that were converted otherwise.
     #[error(
-        "{} holds frames of another conversion ({difference}): choose another folder, or --overwrite to convert them anew",
+        "{} holds frames of another conversion ({difference}): choose another folder, or --overwrite to convert them \
+         anew",
         path.display()
     )]
     OtherConversion {

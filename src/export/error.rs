@@ -31,7 +31,8 @@ pub enum ExportError {
     },
     /// The name says no format.
     #[error(
-        "{} is no video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for a file a picture",
+        "{} is no video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for a file a \
+         picture",
         path.display()
     )]
     UnknownFormat {
@@ -79,7 +80,8 @@ pub enum ExportError {
     },
     /// A picture that is drawn in parts cannot be scaled up.
     #[error(
-        "a picture of {width}x{height} pixels is drawn in parts, which cannot be scaled up: leave out --resolution, or draw a smaller one"
+        "a picture of {width}x{height} pixels is drawn in parts, which cannot be scaled up: leave out --resolution, or \
+         draw a smaller one"
     )]
     ScaledParts {
         /// Asked width.
@@ -89,8 +91,8 @@ pub enum ExportError {
     },
     /// Nothing encodes MP4.
     #[error(
-        "MP4 is encoded by ffmpeg, which is not on the PATH: install it (`apt-get install ffmpeg`, `brew install ffmpeg`), or choose .webp, \
-         .gif or PNG files"
+        "MP4 is encoded by ffmpeg, which is not on the PATH: install it (`apt-get install ffmpeg`, `brew install \
+         ffmpeg`), or choose .webp, .gif or PNG files"
     )]
     NoFfmpeg,
     /// The encoder failed.

@@ -109,7 +109,8 @@ fn wrong_size(byte_count: usize, widths: &[usize]) -> Fault {
     Fault::new(
         Place::Byte(byte_count),
         format!(
-            "the file has {byte_count} bytes, which is no multiple of a record of {} bytes: it is truncated, or no list of points",
+            "the file has {byte_count} bytes, which is no multiple of a record of {} bytes: it is truncated, or no \
+             list of points",
             expected.join(" or ")
         ),
     )

@@ -24,7 +24,8 @@ pub enum IoError {
         path: PathBuf,
     },
     /// A file without a byte.
-    #[error("{} is empty (0 bytes): a point cloud was expected, the file may not have been written to its end", path.display())]
+    #[error("{} is empty (0 bytes): a point cloud was expected, the file may not have been written to its \
+        end", path.display())]
     Empty {
         /// The file.
         path: PathBuf,

@@ -106,7 +106,8 @@ fn join(cloud: &mut RawCloud, path: &Path, normals: &Path, progress: &Progress) 
     match read_normals(normals, progress) {
         Ok(read) if read.len() == points => cloud.normals = Some(read),
         Ok(read) => cloud.warnings.push(format!(
-            "{} has {} normals, but {} has {points} points: these normals are left out, and estimated where they are needed",
+            "{} has {} normals, but {} has {points} points: these normals are left out, and estimated where they are \
+             needed",
             normals.display(),
             read.len(),
             path.display()
@@ -141,12 +142,12 @@ mod tests {
     use std::fs;
     use std::num::NonZeroUsize;
 
-    const PCD: &str = "VERSION .7\nFIELDS normal_x normal_y normal_z curvature\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n\
-        WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0 0 1 9\n0 1 0 9\n";
-    const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float nx\nproperty float ny\nproperty float nz\n\
-        end_header\n0 0 1\n0 1 0\n";
-    const POINTS: &str = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
-        end_header\n1 2 3\n4 5 6\n";
+    const PCD: &str = "VERSION .7\nFIELDS normal_x normal_y normal_z curvature\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 \
+        1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0 0 1 9\n0 1 0 9\n";
+    const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float nx\nproperty float ny\nproperty float \
+        nz\nend_header\n0 0 1\n0 1 0\n";
+    const POINTS: &str = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float \
+        z\nend_header\n1 2 3\n4 5 6\n";
     const NORMALS: [[f32; 3]; 2] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]];
 
     fn read_pair(points: &str, normals: &str) -> RawCloud {

@@ -203,7 +203,8 @@ fn table<'a>(array: &Array<'a>, first: &str) -> Result<(Vec<Column<'a>>, usize),
             ""
         };
         return Err(Fault::header(format!(
-            "the array is {shape}, expected a row for each point with 3 to {MAX_COLUMNS} numbers, {first}, y and z first{advice}"
+            "the array is {shape}, expected a row for each point with 3 to {MAX_COLUMNS} numbers, {first}, y and z \
+             first{advice}"
         )));
     }
     let column = |index: usize| array.column(String::new(), index, width, count);

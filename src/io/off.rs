@@ -171,7 +171,8 @@ fn face(
                 "face",
                 index,
                 format!(
-                    "it names vertex {corner}, expected a whole number from 0 to below {vertices}, the count of vertices"
+                    "it names vertex {corner}, expected a whole number from 0 to below {vertices}, the count of \
+                     vertices"
                 ),
             ));
         }

@@ -51,7 +51,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
             format!("the file ends here, but it counts {claimed} triangles: it is truncated"),
         )),
         (None, _) => Err(Fault::header(format!(
-            "the file has {} bytes, fewer than the header of a binary file, and does not begin with `solid` like a text",
+            "the file has {} bytes, fewer than the header of a binary file, and does not begin with `solid` like a \
+             text",
             bytes.len()
         ))),
     }

@@ -127,7 +127,8 @@ fn rows<'a>(header: &Header, bytes: &'a [u8]) -> Result<&'a [u8], Fault> {
                 "point",
                 available.len() / header.point_bytes,
                 format!(
-                    "the file ends here, but its header claims {} points of {} bytes: it is truncated, or its header is wrong",
+                    "the file ends here, but its header claims {} points of {} bytes: it is truncated, or its header \
+                     is wrong",
                     header.count, header.point_bytes
                 ),
             )

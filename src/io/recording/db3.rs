@@ -25,7 +25,8 @@ const LEAST_ROW_BYTES: u64 = 4;
 pub(super) fn find(path: &Path) -> Result<Found, Fault> {
     find_rows(path).map_err(|error| match error {
         Failure::Sql(error) => Fault::header(format!(
-            "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, or is another database"
+            "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, or is \
+             another database"
         )),
         Failure::Said(problem) => Fault::header(problem),
     })
@@ -108,8 +109,8 @@ fn find_rows(path: &Path) -> Result<Found, Failure> {
             .map_err(|error| Failure::Said(format!("message {id} is not readable ({error})")))?;
         if start.starts_with(&ZSTD_MAGIC) {
             return Err(Failure::Said(
-                "the messages are packed one by one with zstd, which is not read: convert the bag with `ros2 bag convert` to \
-                 one without compression, or to MCAP"
+                "the messages are packed one by one with zstd, which is not read: convert the bag with `ros2 bag \
+                 convert` to one without compression, or to MCAP"
                     .to_owned(),
             ));
         }

@@ -197,7 +197,8 @@ impl Cloud<'_> {
         };
         if count * stride != bytes {
             return Err(Fault::header(format!(
-                "{bytes} bytes of points are there, expected a multiple of {stride}, the size of one: the message is truncated"
+                "{bytes} bytes of points are there, expected a multiple of {stride}, the size of one: the message is \
+                 truncated"
             )));
         }
         let needed = count.saturating_mul(size_of::<[f64; 3]>() as u64);

@@ -157,8 +157,8 @@ impl Grid {
         let there = cloud.data.len() as u64;
         if grid.count() > 0 && (point_step == 0 || row_step < row_bytes || needed > there) {
             return Err(Fault::header(format!(
-                "{width} x {height} points of {point_step} bytes in rows of {row_step} need {needed} bytes, {there} are \
-                 there"
+                "{width} x {height} points of {point_step} bytes in rows of {row_step} need {needed} bytes, {there} \
+                 are there"
             )));
         }
         Ok(grid)

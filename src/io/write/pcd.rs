@@ -53,7 +53,8 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
     let sensor = cloud.sensor.unwrap_or_default();
     write!(
         out,
-        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT {} {} {} 1 0 0 0\nPOINTS {count}\nDATA binary\n",
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT {} {} {} 1 0 \
+         0 0\nPOINTS {count}\nDATA binary\n",
         lines.join("\n"),
         sensor.x,
         sensor.y,
