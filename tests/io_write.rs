@@ -35,7 +35,10 @@ fn vectors(count: usize) -> impl Strategy<Value = Vec<[f32; 3]>> {
 }
 
 prop_compose! {
-    fn some_positions(count: usize)(is_wide in any::<bool>(), narrow in vectors(count), wide in prop::collection::vec(prop::array::uniform3(any::<f64>().prop_filter("numbers", |number| !number.is_nan())), count)) -> Positions {
+    fn some_positions(count: usize)(is_wide in any::<bool>(), narrow in vectors(count),
+        wide in prop::collection::vec(
+            prop::array::uniform3(any::<f64>().prop_filter("numbers", |number| !number.is_nan())), count
+        )) -> Positions {
         if is_wide { Positions::F64(wide) } else { Positions::F32(narrow) }
     }
 }
@@ -129,12 +132,15 @@ proptest! {
         let read = read_back("npy", "a.npy", &cloud);
         let first = cloud.scalars.first().filter(|_| cloud.normals.is_none());
         // A scalar of times makes all numbers double.
-        prop_assert!(wide || matches!((&read.positions, &cloud.positions), (Positions::F64(_), _) | (Positions::F32(_), Positions::F32(_))));
+        prop_assert!(wide || matches!((&read.positions, &cloud.positions),
+            (Positions::F64(_), _) | (Positions::F32(_), Positions::F32(_))));
         prop_assert_eq!(as_precise(&read.positions, &cloud.positions), cloud.positions);
-        let opaque = cloud.colors.map(|colors| colors.into_iter().map(|[red, green, blue, _]| [red, green, blue, 255]).collect::<Vec<_>>());
+        let opaque = |[red, green, blue, _]: [u8; 4]| [red, green, blue, 255];
+        let opaque = cloud.colors.map(|colors| colors.into_iter().map(opaque).collect::<Vec<_>>());
         prop_assert_eq!(read.colors, opaque);
         prop_assert_eq!(read.normals, cloud.normals);
-        prop_assert_eq!(read.scalars.first().map(|field| (&field.values, field.offset)), first.map(|field| (&field.values, field.offset)));
+        prop_assert_eq!(read.scalars.first().map(|field| (&field.values, field.offset)),
+            first.map(|field| (&field.values, field.offset)));
     }
 }
 

@@ -104,7 +104,8 @@ pub fn main() -> ExitCode {
 fn start_log() {
     const LEVELS: &str = "RUST_LOG";
     // What these libraries warn of is nothing that a person could mend.
-    let usual = "warn,wgpu_hal=error,wgpu_core=error,winit=error,sctk_adwaita=off,arboard=error,egui_winit=error,rfd=off";
+    let usual = "warn,wgpu_hal=error,wgpu_core=error,winit=error,sctk_adwaita=off,arboard=error,\
+        egui_winit=error,rfd=off";
     let mut log = env_logger::Builder::from_env(env_logger::Env::new().filter_or(LEVELS, usual));
     log.format_target(false);
     if std::env::var_os(LEVELS).is_none() {

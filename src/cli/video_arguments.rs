@@ -12,11 +12,13 @@ pub(super) struct VideoArgs {
     pub(super) video: Option<PathBuf>,
 
     /// Camera path: a JSON file of keyframes, saved in the window or written by hand
-    #[arg(long, value_name = "PATH.json", requires = "video", conflicts_with_all = ["output", "turntable", "frame", "up", "azimuth", "elevation", "distance", "fov"])]
+    #[arg(long, value_name = "PATH.json", requires = "video",
+        conflicts_with_all = ["output", "turntable", "frame", "up", "azimuth", "elevation", "distance", "fov"])]
     pub(super) path: Option<PathBuf>,
 
     /// Turn once about the up axis in so many pictures, while frames play or --frame is held
-    #[arg(long, value_name = "PICTURES", requires = "video", conflicts_with = "output", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "PICTURES", requires = "video", conflicts_with = "output",
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(super) turntable: Option<u32>,
 
     /// Turns of the turntable, negative ones the other way round (usually 1)

@@ -4,8 +4,8 @@ use super::archive::Member;
 use super::recording::Message;
 use std::time::Duration;
 
-/// Which of the frames in a file is meant. What a file holds is found once, by [`super::list`]; a part is then read without
-/// looking at the others.
+/// Which of the frames in a file is meant. What a file holds is found once, by [`super::list`]; a part is then read
+/// without looking at the others.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Part {

@@ -135,7 +135,8 @@ mod tests {
     proptest! {
         #[test]
         fn every_choice_is_read_again(
-            map in 0usize..5, low in -1e12f64..1e12, extent in 0f64..1e12, percent in prop::array::uniform2(0f64..=50.0),
+            map in 0usize..5, low in -1e12f64..1e12, extent in 0f64..1e12,
+            percent in prop::array::uniform2(0f64..=50.0),
             is_fixed: bool, is_logarithmic: bool, one_color: [u8; 3], name in "[a-z (:]{1,20}",
         ) {
             let coloring = Coloring {
