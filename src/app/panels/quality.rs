@@ -15,8 +15,8 @@ pub(super) fn quality_ui(ui: &mut Ui, state: &mut State) {
         choose(ui, state, &quality);
         return;
     }
-    let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. Then one slider \
-                   chooses from fast to exact. What was measured is kept for this sequence";
+    let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. \
+        Then one slider chooses from fast to exact. What was measured is kept for this sequence";
     let measure = ui.add(Button::new("Measure…")).on_hover_text(tooltip);
     if measure.clicked() {
         state.start_benchmark(suites::ERROR);

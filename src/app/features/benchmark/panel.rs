@@ -46,7 +46,8 @@ fn contents(ui: &mut Ui, state: &mut State) -> Option<ReportFormat> {
     let points = state.benchmark.points();
     match &state.benchmark {
         Benchmark::Idle => {
-            ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused meanwhile.");
+            ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused \
+                meanwhile.");
         }
         Benchmark::Running(running) => {
             ui.strong(format!("Suite {}", running.suite));

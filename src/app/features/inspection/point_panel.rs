@@ -165,7 +165,8 @@ fn trail_rows(state: &State, index_in_file: u32) -> Vec<Row> {
         (
             "Mean speed",
             measure.mean_speed,
-            "The length of the trail by its time, scene units a second: by time stamps, else at the frame rate of the timeline",
+            "The length of the trail by its time, scene units a second: by time stamps, else at the frame rate of the \
+             timeline",
         ),
         (
             "Largest speed",

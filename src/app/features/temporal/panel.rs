@@ -20,7 +20,8 @@ pub(in crate::app) fn temporal_settings_ui(ui: &mut Ui, state: &mut State) {
         row(
             ui,
             "Thumbnails",
-            "Small pictures of the frames over the timeline and in its tooltips, all from one view. They are made while there is time for them",
+            "Small pictures of the frames over the timeline and in its tooltips, all from one view. They are made \
+             while there is time for them",
             Checkbox::new(&mut state.thumbnails.is_on, "Shown"),
         );
     });
@@ -36,14 +37,15 @@ pub(in crate::app) fn temporal_settings_ui(ui: &mut Ui, state: &mut State) {
         row(
             ui,
             "Change map",
-            "Colours each point by its distance to the nearest point of another frame, and shows the numbers. Without light the \
-             colours are those of the legend",
+            "Colours each point by its distance to the nearest point of another frame, and shows the numbers. Without \
+             light the colours are those of the legend",
             Checkbox::new(&mut state.temporal.change.is_on, "Shown"),
         );
         row(
             ui,
             "Onion skin",
-            "Ghosts of neighbouring poses, as far as they are in memory: a part of their points, past ones warm, later ones cool",
+            "Ghosts of neighbouring poses, as far as they are in memory: a part of their points, past ones warm, later \
+             ones cool",
             Checkbox::new(is_on, "Shown"),
         );
         if !*is_on {
@@ -142,7 +144,8 @@ fn choices(ui: &mut Ui, map: &mut ChangeMap, range: f64) {
     row(
         ui,
         "Range",
-        "The distance in the last colour: that which 99 % of the points do not exceed, or a fixed one, with which poses can be compared",
+        "The distance in the last colour: that which 99 % of the points do not exceed, or a fixed one, with which \
+         poses can be compared",
         Checkbox::new(&mut is_automatic, "Automatic"),
     );
     if is_automatic {
