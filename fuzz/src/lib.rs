@@ -1,4 +1,5 @@
-//! The readers alone, by their sources: with the window and wgpu around them every target would take ten minutes to build.
+//! The readers alone, by their sources: with the window and wgpu around them every target would take ten minutes to
+//! build.
 
 #![allow(dead_code, reason = "the readers are made for the whole program")]
 
