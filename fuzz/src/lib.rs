@@ -8,6 +8,9 @@ pub mod cloud;
 #[path = "../../src/io/mod.rs"]
 pub mod io;
 
+#[path = "../../src/locks.rs"]
+pub mod locks;
+
 #[path = "../../src/progress.rs"]
 pub mod progress;
 
