@@ -44,16 +44,6 @@ fn cloud(has_scalars: bool) -> RawCloud {
     cloud
 }
 
-const FORMATS: [WriteFormat; 7] = [
-    WriteFormat::PlyBinary,
-    WriteFormat::PlyAscii,
-    WriteFormat::Pcd,
-    WriteFormat::Las,
-    WriteFormat::Laz,
-    WriteFormat::Xyz,
-    WriteFormat::Npy,
-];
-
 /// How long each format is measured.
 const MEASURED: Duration = Duration::from_secs(4);
 
@@ -72,13 +62,13 @@ fn main() {
     println!(
         "format         MB    read ms   1 thread ms (of the read, MB/s)   2 threads ms (of the read, MB/s)   rounds"
     );
-    for format in FORMATS {
+    for format in WriteFormat::all() {
         let name = format.to_string();
         if !wanted.is_empty() && !wanted.contains(&name) {
             continue;
         }
         let path = folder.path().join(format!("{name}.{}", format.extension()));
-        let has_scalars = matches!(format, WriteFormat::Las | WriteFormat::Laz);
+        let has_scalars = ["las", "laz"].contains(&name.as_str());
         let file = File::create(&path).expect("the folder is writable");
         io::write(file, format, &cloud(has_scalars)).expect("the disk has room");
         let megabytes = std::fs::metadata(&path).expect("it was just written").len() as f64 / 1e6;

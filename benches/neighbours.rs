@@ -103,8 +103,8 @@ fn compare_normals(positions: &[Vec3]) {
         .map(|(index, list)| principal_normal(positions, index, list))
         .collect();
     println!(
-        "mean angle to the true normals, {NEIGHBOURS} neighbours of {POINTS} points: {:.4} degrees, of kiddo's neighbours \
-         {:.4}",
+        "mean angle to the true normals, {NEIGHBOURS} neighbours of {POINTS} points: {:.4} degrees, of kiddo's \
+         neighbours {:.4}",
         mean_degrees(&ours, &truth),
         mean_degrees(&theirs, &truth),
     );

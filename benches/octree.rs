@@ -133,7 +133,8 @@ fn take_turns(positions: &[Vec3], colors: &[[u8; 4]], codes: &[u64]) {
     let [sort_ms, both_ms, one_ms, two_ms] = times_ms.map(median);
     println!(
         "{} points, by turns: bare radix sort {sort_ms:.2} ms; build on one thread {one_ms:.2} ms, {:.2} × the sort; \
-         on two {two_ms:.2} ms, {:.2} × as fast, where two bare sorts at once are {:.2} × as fast as one after the other",
+         on two {two_ms:.2} ms, {:.2} × as fast, where two bare sorts at once are {:.2} × as fast as one after the \
+         other",
         codes.len(),
         one_ms / sort_ms,
         one_ms / two_ms,

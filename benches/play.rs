@@ -6,7 +6,7 @@
 //! argument `soak`: 10,000 frames of the former in 256 MiB, so that each is read again and again, and memory at the
 //! beginning, most and at the end.
 
-use pointreel::bench::{BenchOptions, Input, Step, Suite, run};
+use pointreel::bench::{BenchOptions, Input, Step, run, suites};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::io::{WriteFormat, write};
 use pointreel::progress::Progress;
@@ -60,7 +60,7 @@ fn main() {
             sequence: Arc::new(sequence.with_fps(film.fps)),
             shape: None,
         }];
-        let default = BenchOptions::new(Suite::Play);
+        let default = BenchOptions::new(suites::PLAY);
         let options = if is_soak {
             BenchOptions {
                 frames: 10_000,
@@ -89,7 +89,7 @@ impl Film {
             cloud.colors = Some(colors.clone());
             cloud.normals = self.has_normals.then(|| normals.iter().map(at).collect());
             let file = File::create(folder.join(format!("{frame:04}.ply"))).expect("a file");
-            write(file, WriteFormat::PlyBinary, &cloud).expect("a frame");
+            write(file, WriteFormat::default(), &cloud).expect("a frame");
         }
     }
 }

@@ -111,7 +111,8 @@ fn print_size(stop: StopCriterion, tree: &Octree, shapes: &[ShapeRecord]) {
     let peak = memory::peak() - before;
     assert!(read.octree == *tree, "what is read is what was written");
     println!(
-        "{stop:?}: {:.2} bytes a point of masks, {:.2} in all, {:.2} with shapes; {:.1} in memory, {:.1} at peak while reading",
+        "{stop:?}: {:.2} bytes a point of masks, {:.2} in all, {:.2} with shapes; {:.1} in memory, {:.1} at peak while \
+         reading",
         per_point(tree.masks().len()),
         per_point(bare.len()),
         per_point(written(tree, Some(shapes)).len()),

@@ -4,6 +4,16 @@
 //! Two of them are of one kind if they differ in nothing else: in numbers, in names of files, in what is quoted from a
 //! file.
 
+/// Names with commas between them and `last` before the last.
+pub(crate) fn listed(names: &[String], last: &str) -> String {
+    match names {
+        [but_last @ .., name] if !but_last.is_empty() => {
+            format!("{} {last} {name}", but_last.join(", "))
+        }
+        _ => names.concat(),
+    }
+}
+
 /// What `message` says apart from numbers, names of files and what stands between grave accents. Messages of one kind
 /// have the same.
 pub(crate) fn kind_of(message: &str) -> String {
@@ -121,5 +131,14 @@ mod tests {
         let messages = ["b 1", "a 1", "b 2", "c", "b 3", "a 2"];
         assert_eq!(by_kind(messages), [("b 1", 2), ("a 1", 1), ("c", 0)]);
         assert_eq!(by_kind([]), []);
+    }
+
+    #[test]
+    fn a_list_reads_as_a_sentence() {
+        let names = ["one", "two", "three"].map(str::to_owned);
+        assert_eq!(listed(&names, "or"), "one, two or three");
+        assert_eq!(listed(&names[..2], "and"), "one and two");
+        assert_eq!(listed(&names[..1], "and"), "one");
+        assert_eq!(listed(&[], "and"), "");
     }
 }

@@ -7,6 +7,7 @@
 //!   reached through; so a parent that only declares or re-exports a child does not import it, and a child that takes
 //!   what its parent re-exports imports the sibling. Comments, tests, and what is reached without being named (methods
 //!   and fields) do not count.
+//! - Files have at most 600 lines of at most 120 columns.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -218,5 +219,64 @@ fn files_stay_readable() {
         long.is_empty(),
         "split before 600 lines: {}",
         long.join(", ")
+    );
+}
+
+/// Of text that people read side by side: sources, shaders, documents.
+const MOST_COLUMNS: usize = 120;
+
+/// Files of the repository by their extensions, what is built and what is hidden left out.
+fn files_with(extensions: &[&str]) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut folders = vec![PathBuf::from(env!("CARGO_MANIFEST_DIR"))];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy();
+            if name.starts_with('.') || name == "target" || path.is_symlink() {
+                continue;
+            }
+            let extension = path.extension().and_then(|extension| extension.to_str());
+            if path.is_dir() {
+                folders.push(path);
+            } else if extension.is_some_and(|extension| extensions.contains(&extension)) {
+                files.push(path);
+            }
+        }
+    }
+    files
+}
+
+/// Rows of tables cannot be broken, neither in documents nor in comments.
+fn is_row_of_table(line: &str) -> bool {
+    let text = line.trim_start();
+    let text = ["//!", "///", "//"]
+        .iter()
+        .find_map(|sign| text.strip_prefix(sign))
+        .unwrap_or(text);
+    text.trim_start().starts_with('|')
+}
+
+#[test]
+fn no_line_is_wider_than_120_columns() {
+    let files = files_with(&["rs", "wgsl", "md"]);
+    assert!(files.len() > 500, "only {} files were found", files.len());
+    let mut wide = Vec::new();
+    for file in files {
+        let text = fs::read_to_string(&file).unwrap();
+        let is_document = file.extension().is_some_and(|extension| extension == "md");
+        let mut is_code = false;
+        for (line, number) in text.lines().zip(1..) {
+            is_code ^= is_document && line.trim_start().starts_with("```");
+            let may_be_wide = is_code || is_row_of_table(line);
+            if line.chars().count() > MOST_COLUMNS && !may_be_wide {
+                wide.push(format!("{}:{number}", file.display()));
+            }
+        }
+    }
+    assert!(
+        wide.is_empty(),
+        "wider than {MOST_COLUMNS} columns: {}",
+        wide.join(", ")
     );
 }

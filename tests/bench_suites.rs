@@ -8,7 +8,7 @@
 mod common;
 
 use pointreel::bench::{
-    BenchError, BenchOptions, Cell, Column, Input, LabPoint, Report, Row, Step, Suite, run,
+    BenchError, BenchOptions, Cell, Column, Input, LabPoint, Report, Row, Step, Suite, run, suites,
 };
 use pointreel::progress::Progress;
 use pointreel::sequence::{FrameEntry, Sequence, Shape};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 const STRATEGIES: [&str; 5] = ["storage", "uniform", "texture", "vertex", "compute"];
 
 /// Few and small pictures: these tests are about the suites, not about the clock.
-fn small(suite: Suite) -> BenchOptions {
+fn small(suite: &'static Suite) -> BenchOptions {
     BenchOptions {
         viewport_px: [96, 64],
         viewpoints: 2,
@@ -171,7 +171,7 @@ fn assert_draw_rows(report: &Report) {
 
 #[test]
 fn surfels_are_measured_with_every_strategy() {
-    let report = measure(&small(Suite::Surfels));
+    let report = measure(&small(suites::SURFELS));
     assert_draw_rows(&report);
     assert_files_agree(&report);
     // Points and shapes of 16 bytes each, uploaded once a frame; both passes draw all of them.
@@ -194,7 +194,7 @@ fn surfels_are_measured_with_every_strategy() {
 
 #[test]
 fn voxels_are_measured_with_every_strategy() {
-    let report = measure(&small(Suite::Voxels));
+    let report = measure(&small(suites::VOXELS));
     assert_draw_rows(&report);
     assert_files_agree(&report);
     assert!(
@@ -220,7 +220,7 @@ fn voxels_are_measured_with_every_strategy() {
 
 #[test]
 fn octrees_are_measured_at_the_losses_of_the_paper() {
-    let report = measure(&small(Suite::Octree));
+    let report = measure(&small(suites::OCTREE));
     assert_files_agree(&report);
     assert_eq!(numbers(&report, "delta"), [0.02, 0.1, 0.5]);
     for (loss, delta) in numbers(&report, "loss")
@@ -282,7 +282,7 @@ fn errors_are_measured_beside_times() {
         viewport_px: [384, 256],
         frames: 1,
         repeat: 1,
-        ..small(Suite::Accuracy)
+        ..small(suites::ACCURACY)
     };
     let last_step = RefCell::new(None);
     let watch = |step: Step| *last_step.borrow_mut() = Some(step);
@@ -498,7 +498,7 @@ fn progress_reaches_its_total() {
     let never = Progress::default();
     run(
         &demo(),
-        &small(Suite::Octree),
+        &small(suites::OCTREE),
         Some(&common::context()),
         &watch,
         &never,
@@ -517,7 +517,7 @@ fn progress_reaches_its_total() {
 #[test]
 fn a_cancelled_run_stops_at_the_next_step() {
     // A window measures itself, and is cancelled by being closed.
-    for &suite in Suite::ALL.iter().filter(|&&suite| suite != Suite::Window) {
+    for suite in suites::all().filter(|&suite| suite != suites::WINDOW) {
         let progress = Progress::default();
         let seen = RefCell::new(0);
         let watch = |step: Step| {
@@ -552,7 +552,7 @@ fn broken_frames_are_skipped_and_said() {
     let inputs = [input("scans", open())];
     let report = run(
         &inputs,
-        &small(Suite::Octree),
+        &small(suites::OCTREE),
         Some(&common::context()),
         &|_| {},
         &never,
@@ -574,7 +574,7 @@ fn broken_frames_are_skipped_and_said() {
     let inputs = [input("scans", open())];
     let error = run(
         &inputs,
-        &small(Suite::Surfels),
+        &small(suites::SURFELS),
         Some(&common::context()),
         &|_| {},
         &never,
@@ -594,7 +594,7 @@ fn nothing_to_measure_is_an_error() {
             .unwrap_err()
             .to_string()
     };
-    let options = small(Suite::Surfels);
+    let options = small(suites::SURFELS);
     assert_eq!(
         measure(&[], &options),
         "there is nothing to measure: no sequence was named"
@@ -617,7 +617,7 @@ fn nothing_to_measure_is_an_error() {
 
 #[test]
 fn the_renderers_are_measured_side_by_side() {
-    let report = measure(&small(Suite::Render));
+    let report = measure(&small(suites::RENDER));
     assert_files_agree(&report);
     let kinds: Vec<Vec<String>> = report
         .rows
@@ -650,10 +650,10 @@ fn the_renderers_are_measured_side_by_side() {
 #[test]
 fn without_an_adapter_the_processor_is_measured() {
     for suite in [
-        Suite::Surfels,
-        Suite::Voxels,
-        Suite::Render,
-        Suite::Accuracy,
+        suites::SURFELS,
+        suites::VOXELS,
+        suites::RENDER,
+        suites::ACCURACY,
     ] {
         let options = BenchOptions {
             frames: 1,
@@ -672,14 +672,12 @@ fn without_an_adapter_the_processor_is_measured() {
                 .and_then(Cell::number)
                 .is_some()
         };
-        match suite {
-            Suite::Surfels | Suite::Voxels => {
-                assert_eq!(report.rows.len(), 1);
-                assert_eq!(report.cells(&report.rows[0])[1], "processor");
-                assert!(has("draw_ms_median"), "{suite}");
-            }
-            Suite::Render => assert!(has("processor_ms_median") && !has("adapter_ms_median")),
-            _ => {}
+        if suite == suites::SURFELS || suite == suites::VOXELS {
+            assert_eq!(report.rows.len(), 1);
+            assert_eq!(report.cells(&report.rows[0])[1], "processor");
+            assert!(has("draw_ms_median"), "{suite}");
+        } else if suite == suites::RENDER {
+            assert!(has("processor_ms_median") && !has("adapter_ms_median"));
         }
     }
 }
@@ -698,7 +696,7 @@ fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
         repeat: 2,
         modes: "cpu".parse().unwrap(),
         truth_folder,
-        ..BenchOptions::new(Suite::Error)
+        ..BenchOptions::new(suites::ERROR)
     };
     let measured = RefCell::new(Vec::new());
     let watch = |step: Step| measured.borrow_mut().extend(step.measured);
@@ -804,7 +802,7 @@ fn the_page_holds_every_point_and_asks_nobody() {
 fn no_way_among_the_modes_is_an_error() {
     let options = BenchOptions {
         modes: "gpu".parse().unwrap(),
-        ..small(Suite::Error)
+        ..small(suites::ERROR)
     };
     let error = run(&demo(), &options, None, &|_| {}, &Progress::default()).unwrap_err();
     assert!(error.to_string().contains("among the modes"), "{error}");
@@ -814,7 +812,7 @@ fn no_way_among_the_modes_is_an_error() {
 fn playing_is_counted_frame_by_frame() {
     let options = BenchOptions {
         frames: 30,
-        ..small(Suite::Play)
+        ..small(suites::PLAY)
     };
     let inputs = [input("demo", Sequence::demo().with_fps(60.0))];
     let never = Progress::default();

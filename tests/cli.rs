@@ -492,7 +492,8 @@ fn odd_clouds_are_drawn() {
     let clouds = [
         (
             "empty.ply",
-            "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
+            "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float \
+             z\nend_header\n",
         ),
         ("one.xyz", "1 2 3\n"),
         ("equal.xyz", many.as_str()),

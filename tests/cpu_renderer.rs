@@ -404,9 +404,14 @@ proptest! {
         let outline_px = 0.5 * f64::from(size_px[1]) * focal / (distance * distance - 1.0).sqrt();
         let within_px = 0.97 * outline_px - 1.0;
         // From afar the sphere has fewer than a thousand pixels: then one of them may be an opening.
-        for (splatting, pixels_an_opening) in [(Splatting::TwoPassEnlarged, None), (Splatting::Visibility, Some(1000))] {
+        let modes = [(Splatting::TwoPassEnlarged, None), (Splatting::Visibility, Some(1000))];
+        for (splatting, pixels_an_opening) in modes {
             let draw = |background: [u8; 3]| {
-                let settings = Style { surfels: SurfelStyle { splatting, ..SurfelStyle::default() }, backdrop: Backdrop { background: Background::solid(background), ..Backdrop::default() }, ..Style::default() };
+                let settings = Style {
+                    surfels: SurfelStyle { splatting, ..SurfelStyle::default() },
+                    backdrop: Backdrop { background: Background::solid(background), ..Backdrop::default() },
+                    ..Style::default()
+                };
                 draw_on_cpu(&packet_of(&SPHERE, &camera, &settings, size_px))
             };
             let (on_black, on_white) = (draw([0; 3]), draw([255; 3]));

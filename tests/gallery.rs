@@ -89,7 +89,8 @@ fn in_picture(camera: &Camera, place: DVec3) -> Option<[f64; 2]> {
 fn check(name: &str, sequence: Sequence) -> Shown {
     let shown = first_picture(sequence);
     println!(
-        "{name}: {} up {} ({}), {:?}; inside {:.3}, of the trimmed part {:.3}, which fills {:.2}, drawn {:.3}; planes {:.2}, spread {:.1}",
+        "{name}: {} up {} ({}), {:?}; inside {:.3}, of the trimmed part {:.3}, which fills {:.2}, drawn {:.3}; planes \
+         {:.2}, spread {:.1}",
         shown.look.kind.name(),
         shown.look.up.name(),
         shown.look.up_why,

@@ -103,7 +103,8 @@ fn archives_of_every_packing_list_their_frames() {
 fn text_beside_clouds_is_no_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.zip");
-    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float \
+        z\nend_header\n1 2 3\n";
     let files = [("README.txt", "see the web"), ("a.ply", ply)];
     std::fs::write(&path, zipped(&files, CompressionMethod::Stored)).unwrap();
     let entries = io::list(&path, &ReadOptions::default()).unwrap();
@@ -115,7 +116,8 @@ fn text_beside_clouds_is_no_frame() {
 fn members_without_an_extension_are_told_by_their_first_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.zip");
-    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float \
+        z\nend_header\n1 2 3\n";
     let files = [("cloud", ply), ("Makefile", "all:")];
     for bytes in [
         zipped(&files, CompressionMethod::Deflated),

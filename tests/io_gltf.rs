@@ -38,7 +38,8 @@ struct Model {
 impl Model {
     fn new() -> Self {
         Self {
-            json: json!({"asset": {"version": "2.0"}, "accessors": [], "bufferViews": [], "meshes": [{"primitives": [{"attributes": {}}]}], "nodes": [{"mesh": 0}]}),
+            json: json!({"asset": {"version": "2.0"}, "accessors": [], "bufferViews": [],
+                "meshes": [{"primitives": [{"attributes": {}}]}], "nodes": [{"mesh": 0}]}),
             bytes: Vec::new(),
         }
     }
@@ -255,7 +256,8 @@ fn sparse_quantised_and_absent_numbers() {
         .flat_map(|value| value.to_le_bytes())
         .collect();
     let values = model.view(&values);
-    let sparse = json!({"count": 2, "indices": {"bufferView": indices, "componentType": 5121}, "values": {"bufferView": values}});
+    let sparse = json!({"count": 2, "indices": {"bufferView": indices, "componentType": 5121},
+        "values": {"bufferView": values}});
     model.json["accessors"] =
         json!([{"componentType": 5126, "count": 4, "type": "VEC3", "sparse": sparse}]);
     model.primitive()["attributes"]["POSITION"] = json!(0);
@@ -504,7 +506,8 @@ fn rotations_take_the_short_way_and_morphs_add_up() {
     let weights = model.floats("SCALAR", &[[0.0], [0.5], [1.0], [0.5]]);
     model.primitive()["targets"] = json!([{"POSITION": deltas}, {"POSITION": deltas}]);
     model.json["animations"] = json!([{
-        "channels": [{"sampler": 0, "target": {"node": 0, "path": "rotation"}}, {"sampler": 1, "target": {"node": 0, "path": "weights"}}],
+        "channels": [{"sampler": 0, "target": {"node": 0, "path": "rotation"}},
+            {"sampler": 1, "target": {"node": 0, "path": "weights"}}],
         "samplers": [{"input": times, "output": values}, {"input": times, "output": weights}]
     }]);
     let turned = |seconds: f64| positions(&model.pose(seconds, &options))[1];
@@ -549,7 +552,8 @@ fn skins_follow_their_bones() {
     back[12] = -1.0;
     let bound = model.floats("MAT4", &[identity, back]);
     // The node of a skinned mesh does not move it; one without bones' weight stays with it.
-    model.json["nodes"] = json!([{"mesh": 0, "skin": 0, "translation": [100.0, 0.0, 0.0]}, {"translation": [0.0, 2.0, 0.0]}, {"translation": [5.0, 0.0, 0.0]}]);
+    model.json["nodes"] = json!([{"mesh": 0, "skin": 0, "translation": [100.0, 0.0, 0.0]},
+        {"translation": [0.0, 2.0, 0.0]}, {"translation": [5.0, 0.0, 0.0]}]);
     model.json["skins"] = json!([{"joints": [1, 2], "inverseBindMatrices": bound}]);
     assert_eq!(
         positions(&model.read()),

@@ -408,7 +408,8 @@ proptest! {
     fn digits_replaced_in_headers_are_answered(
         file in 0..9usize,
         place in any::<prop::sample::Index>(),
-        number in prop::sample::select(vec!["0", "-1", "4294967295", "1000000000000", "18446744073709551616", "1e308", "nan", ""]),
+        number in prop::sample::select(vec!["0", "-1", "4294967295", "1000000000000", "18446744073709551616", "1e308",
+            "nan", ""]),
     ) {
         let (name, bytes) = valid_files().swap_remove(file);
         let digits: Vec<usize> = (0..bytes.len()).filter(|&at| bytes[at].is_ascii_digit()).collect();
@@ -419,7 +420,8 @@ proptest! {
     }
 
     #[test]
-    fn noise_is_answered(name in prop::sample::select(vec!["a.ply", "a.pcd", "a.xyz", "a.csv", "a"]), bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+    fn noise_is_answered(name in prop::sample::select(vec!["a.ply", "a.pcd", "a.xyz", "a.csv", "a"]),
+        bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         let _ = read(name, &bytes);
     }
 }

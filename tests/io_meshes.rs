@@ -325,10 +325,10 @@ fn ply_gaussian_splats_are_disks() {
 
 #[test]
 fn voxelised_sequences_read_as_they_are() {
-    let file = "ply\nformat ascii 1.0\ncomment Version 2, Copyright 2017, 8i Labs, Inc.\ncomment frame_to_world_scale 0.181985\n\
-                comment frame_to_world_translation -39.1528 3.75652 -46.6228\ncomment width 1023\nelement vertex 2\nproperty float x\n\
-                property float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n\
-                171 63 255 132 107 98\n172 1023 0 1 0 1\n";
+    let file = "ply\nformat ascii 1.0\ncomment Version 2, Copyright 2017, 8i Labs, Inc.\ncomment frame_to_world_scale \
+        0.181985\ncomment frame_to_world_translation -39.1528 3.75652 -46.6228\ncomment width 1023\nelement vertex \
+        2\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty \
+        uchar blue\nend_header\n171 63 255 132 107 98\n172 1023 0 1 0 1\n";
     let cloud = read("longdress_vox10_1051.ply", file.as_bytes());
     assert_eq!(
         positions(&cloud),
@@ -490,7 +490,8 @@ fn meshes_are_sampled_where_asked() {
     let error = io::read_part(&path, &io::Part::Whole, &options.with_max_memory(1000)).unwrap_err();
     assert!(error.to_string().contains("--max-memory"), "{error}");
     // Clouds without faces keep their points.
-    std::fs::write(&path, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n").unwrap();
+    std::fs::write(&path, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float \
+        z\nend_header\n1 2 3\n").unwrap();
     assert_eq!(
         io::read_part(&path, &io::Part::Whole, &options)
             .unwrap()

@@ -142,7 +142,8 @@ fn records_are_read_by_their_names() {
         ),
         ("intensity", &[0.0, 0.5][..])
     );
-    let flat = "[('z', '<f4'), ('', '|V4'), ('y', '<f4'), ('x', '<i4'), ('red', '|u1'), ('green', '|u1'), ('blue', '|u1')]";
+    let flat = "[('z', '<f4'), ('', '|V4'), ('y', '<f4'), ('x', '<i4'), ('red', '|u1'), ('green', '|u1'), ('blue', \
+        '|u1')]";
     let row: Vec<u8> = [
         &3f32.to_le_bytes()[..],
         &[0; 4],

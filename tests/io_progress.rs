@@ -20,8 +20,9 @@ fn cloud() -> RawCloud {
     cloud
 }
 
-fn written(format: WriteFormat) -> Vec<u8> {
+fn written(format: &str) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
+    let format: WriteFormat = format.parse().unwrap();
     io::write(&mut file, format, &cloud()).unwrap();
     file.into_inner()
 }
@@ -57,7 +58,8 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
 fn files(folder: &Path) -> Vec<PathBuf> {
     let ascii_pcd = (0..POINTS).fold(
         format!(
-            "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {POINTS}\nHEIGHT 1\nPOINTS {POINTS}\nDATA ascii\n"
+            "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {POINTS}\nHEIGHT 1\nPOINTS \
+             {POINTS}\nDATA ascii\n"
         ),
         |mut text, index| {
             writeln!(text, "{index} 1 2").unwrap();
@@ -68,13 +70,13 @@ fn files(folder: &Path) -> Vec<PathBuf> {
         writeln!(text, "v {index} 1 2").unwrap();
         text
     });
-    let xyz = written(WriteFormat::Xyz);
+    let xyz = written("xyz");
     let files = [
-        ("rows.ply", written(WriteFormat::PlyBinary)),
-        ("rows.pcd", written(WriteFormat::Pcd)),
-        ("text.ply", written(WriteFormat::PlyAscii)),
+        ("rows.ply", written("ply")),
+        ("rows.pcd", written("pcd")),
+        ("text.ply", written("ply-ascii")),
         ("text.pcd", ascii_pcd.into_bytes()),
-        ("chunks.laz", written(WriteFormat::Laz)),
+        ("chunks.laz", written("laz")),
         ("fields.e57", e57()),
         ("lines.obj", obj.into_bytes()),
         ("packed.xyz.gz", gzip(&xyz)),

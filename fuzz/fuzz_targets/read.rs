@@ -1,4 +1,5 @@
-//! Any bytes as a file of any name: the first byte chooses the extension, so that formats without magic are reached too.
+//! Any bytes as a file of any name: the first byte chooses the extension, so that formats without magic are reached
+//! too.
 
 #![no_main]
 

@@ -1,4 +1,5 @@
-//! The readers alone, by their sources: with the window and wgpu around them every target would take ten minutes to build.
+//! The readers alone, by their sources: with the window and wgpu around them every target would take ten minutes to
+//! build.
 
 #![allow(dead_code, reason = "the readers are made for the whole program")]
 
@@ -6,6 +7,9 @@ pub mod cloud;
 
 #[path = "../../src/io/mod.rs"]
 pub mod io;
+
+#[path = "../../src/locks.rs"]
+pub mod locks;
 
 #[path = "../../src/progress.rs"]
 pub mod progress;

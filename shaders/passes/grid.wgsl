@@ -11,7 +11,8 @@ fn lines(place: vec2f, per_px: vec2f, spacing: f32) -> f32 {
     let cell_px = spacing / per_px;
     let from_line_px = abs(cells - round(cells)) * cell_px;
     let covered = clamp(1.0 - from_line_px, vec2f(0.0), vec2f(1.0));
-    let shown = covered * clamp((cell_px - NARROWEST_CELL_PX) / (WIDEST_CELL_PX - NARROWEST_CELL_PX), vec2f(0.0), vec2f(1.0));
+    let width = (cell_px - NARROWEST_CELL_PX) / (WIDEST_CELL_PX - NARROWEST_CELL_PX);
+    let shown = covered * clamp(width, vec2f(0.0), vec2f(1.0));
     return max(shown.x, shown.y);
 }
 

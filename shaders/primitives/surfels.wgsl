@@ -8,7 +8,8 @@ fn may_be_seen(instance: Instance) -> bool {
     let point = fetch_point(instance);
     let shape = fetch_shape(instance);
     // The quad's corners are √2 radii away.
-    return surfel_may_face_eye(point, shape) && sphere_may_be_seen(point.position, 1.4143 * shape.radius * view.splat_scale);
+    return surfel_may_face_eye(point, shape)
+        && sphere_may_be_seen(point.position, 1.4143 * shape.radius * view.splat_scale);
 }
 
 // Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n × u.

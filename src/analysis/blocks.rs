@@ -10,9 +10,10 @@
 //! the block's rims 30.
 
 use super::neighbours::Neighbours;
+use super::normals;
 use super::point_tree::{LANES, PointTree};
 use super::radii::{self, Limits};
-use super::{NEIGHBOURS_STEPS, PLANES_STEPS, RADII_STEPS, normals};
+use super::steps::{NEIGHBOURS_STEPS, PLANES_STEPS, RADII_STEPS};
 use crate::progress::Progress;
 use glam::Vec3;
 use rayon::prelude::*;

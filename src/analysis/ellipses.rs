@@ -12,10 +12,10 @@
 //! When it wins: where rows of points are closer along than across, as in sweeps of a scanner. Measured apart from
 //! radii, because it takes longer than they do and circles are what is drawn.
 
+use super::directions::DIRECTIONS;
 use super::neighbours::Neighbours;
 use super::openings::TWICE_COSINE;
 use super::point_tree::{PointTree, SlotPoint};
-use super::radii::DIRECTIONS;
 use crate::cloud::Ellipse;
 use glam::Vec3;
 use rayon::prelude::*;

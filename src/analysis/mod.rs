@@ -11,6 +11,7 @@ mod color_maps;
 mod color_places;
 mod color_scale;
 mod colors;
+mod directions;
 mod ellipses;
 mod four_matrices;
 mod lanes;
@@ -25,6 +26,7 @@ mod point_tree;
 mod radii;
 mod robust_planes;
 mod smallest_rows;
+mod steps;
 #[cfg(test)]
 pub(crate) mod test_shapes;
 #[cfg(test)]
@@ -44,6 +46,9 @@ use crate::progress::Progress;
 use blocks::SlotSurface;
 use glam::Vec3;
 use point_tree::PointTree;
+use steps::{
+    NEIGHBOURS_STEPS, OUTWARDS_STEPS, PLANES_STEPS, RADII_STEPS, REPRESENTATIVES_STEPS, TREE_STEPS,
+};
 
 /// Number of neighbours that normals and radii are estimated from.
 ///
@@ -255,15 +260,6 @@ pub fn surface_steps(points: usize, sensor: Option<Vec3>) -> usize {
     };
     points * (per_point + orientation)
 }
-
-/// Steps a point of each stage, in proportion to its time with two threads (`benches/README.md`).
-const TREE_STEPS: usize = 4;
-const NEIGHBOURS_STEPS: usize = 6;
-const PLANES_STEPS: usize = 3;
-const RADII_STEPS: usize = 3;
-/// One thread joins the neighbourhoods.
-const OUTWARDS_STEPS: usize = 32;
-const REPRESENTATIVES_STEPS: usize = 1;
 
 /// The radii of [`estimate_surface`] for points that have normals.
 ///

@@ -12,15 +12,15 @@
 //! When it wins: over more directions, which are never enough for a row of points, whose cells are strips between two
 //! parallel lines.
 
+use super::directions::{DIRECTIONS, QUARTER};
 use super::point_tree::Row;
-use super::radii::{DIRECTIONS, QUARTER};
 
 /// Share of the inverse distance to the last neighbour below which a cell is open between two directions.
 ///
 /// Much less than along a direction: one in two hundred points scattered on a surface has a sharp corner twice as far
 /// out as the last neighbour. It is no opening, and the point may be left with a near duplicate only if it does not
 /// count.
-pub(super) const OPEN: f32 = 1.0 / 64.0;
+pub(super) const OPEN_BETWEEN: f32 = 1.0 / 64.0;
 
 /// Twice the cosine of δ, a 32nd of a turn.
 pub(super) const TWICE_COSINE: f32 = 1.961_570_6;
@@ -36,7 +36,7 @@ pub(super) fn set_open(
     inverse: &mut [Row; DIRECTIONS],
 ) {
     for (lane, known) in known.into_iter().enumerate() {
-        set_open_in_lane(quarter_circle, lines, OPEN * known, inverse, lane);
+        set_open_in_lane(quarter_circle, lines, OPEN_BETWEEN * known, inverse, lane);
     }
 }
 
@@ -87,8 +87,8 @@ fn cosine_and_sine(quarter_circle: &[[f32; 2]; QUARTER], direction: usize) -> [f
 
 #[cfg(test)]
 mod tests {
+    use super::super::directions::quarter_circle;
     use super::super::point_tree::LANES;
-    use super::super::radii::quarter_circle;
     use super::*;
     use std::f32::consts::TAU;
 

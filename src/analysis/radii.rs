@@ -20,6 +20,7 @@
 //! When it wins: over multiples of the mean neighbour distance, which are too small for points at the end of a row and
 //! too large for all others.
 
+use super::directions::{DIRECTIONS, QUARTER, quarter_circle};
 use super::lanes::axes;
 use super::neighbours::Neighbours;
 use super::openings;
@@ -146,23 +147,7 @@ impl Limits {
 const POINTS_PER_TASK: usize = 1 << 10;
 
 /// Share of the inverse distance to the last neighbour below which the cell is open.
-const OPEN: f32 = 0.5;
-
-/// Directions in the tangent plane along which a cell is measured.
-pub(super) const DIRECTIONS: usize = 32;
-
-/// Directions in one quarter of the circle, both ends included. Those in the others are their opposites, along which
-/// everything is as long with the opposite sign, and their mirror images, along which the products are the same.
-pub(super) const QUARTER: usize = DIRECTIONS / 4 + 1;
-
-/// Cosines and sines of the evenly spaced directions of one quarter.
-pub(super) fn quarter_circle() -> [[f32; 2]; QUARTER] {
-    std::array::from_fn(|direction| {
-        let turn = direction as f64 / DIRECTIONS as f64;
-        let (sine, cosine) = (turn * std::f64::consts::TAU).sin_cos();
-        [cosine as f32, sine as f32]
-    })
-}
+const OPEN_ALONG: f32 = 0.5;
 
 /// What the cells of a cloud are measured from.
 struct Cells<'a> {
@@ -261,8 +246,8 @@ fn smallest_extreme<S: Simd>(
 ) -> (f32x8<S>, mask32x8<S>) {
     let zero = f32x8::splat(simd, 0.0);
     let nowhere = f32x8::splat(simd, f32::INFINITY);
-    let open = known * OPEN;
-    let open_between = known * openings::OPEN;
+    let open = known * OPEN_ALONG;
+    let open_between = known * openings::OPEN_BETWEEN;
     let mut smallest = nowhere;
     let mut least_meeting = nowhere;
     let mut before = f32x8::from_slice(simd, &inverse[DIRECTIONS - 1]);

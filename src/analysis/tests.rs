@@ -115,7 +115,8 @@ fn degenerate_clouds_are_not_quadratic() {
 
 proptest! {
     #[test]
-    fn neighbours_of_any_cloud(points in prop::collection::vec(prop::array::uniform3(-6i8..6), 0..150), k in 0usize..20) {
+    fn neighbours_of_any_cloud(points in prop::collection::vec(prop::array::uniform3(-6i8..6), 0..150),
+        k in 0usize..20) {
         let positions: Vec<Vec3> = points.into_iter().map(|p| Vec3::from_array(p.map(f32::from))).collect();
         check_neighbours(&positions, k);
     }

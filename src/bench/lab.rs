@@ -213,7 +213,8 @@ mod tests {
 
     proptest! {
         #[test]
-        fn along_the_front_errors_fall(pairs in prop::collection::vec((0.0f64..9.0, 0.0f64..1.0), 1..40), spent in 0.0f64..9.0) {
+        fn along_the_front_errors_fall(pairs in prop::collection::vec((0.0f64..9.0, 0.0f64..1.0), 1..40),
+            spent in 0.0f64..9.0) {
             let points: Vec<LabPoint> = pairs.iter().map(|&(ms, flip)| point(ms, flip)).collect();
             let quality = Quality::of(&points).unwrap();
             prop_assert!(quality.choices().is_sorted_by(|a, b| a.draw_ms <= b.draw_ms && a.flip >= b.flip));

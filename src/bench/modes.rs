@@ -19,8 +19,8 @@ pub struct Modes {
 /// A word that names no way to draw.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is no mode: expected cpu, gpu, a primitive (surfel, voxel, point), a splatting mode (regular, two-pass-enlarged …) \
-     or an instancing strategy (storage, vertex …), with commas between them"
+    "`{0}` is no mode: expected cpu, gpu, a primitive (surfel, voxel, point), a splatting mode (regular, \
+     two-pass-enlarged …) or an instancing strategy (storage, vertex …), with commas between them"
 )]
 pub struct ParseModeError(String);
 

@@ -50,6 +50,11 @@ fn quantile(ascending: &[f64], fraction: f64) -> f64 {
     below + (above - below) * place.fract()
 }
 
+/// Arithmetic mean; 0 without values.
+pub(super) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

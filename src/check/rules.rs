@@ -55,7 +55,8 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
         FindingKind::DuplicatePoints,
         |facts| facts.duplicate_count,
         |count, frames| {
-            format!("{count} points in {frames} lie exactly where another point does: `pointreel convert --voxel` joins them")
+            format!("{count} points in {frames} lie exactly where another point does: `pointreel convert --voxel` \
+                joins them")
         },
     ));
     findings.extend(counted(
@@ -63,8 +64,8 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
         FindingKind::ZeroNormals,
         |facts| facts.zero_normal_count,
         |count, frames| {
-            format!("{count} normals in {frames} have no length: they are estimated for the picture, `pointreel convert \
-                 --estimate-normals` writes them")
+            format!("{count} normals in {frames} have no length: they are estimated for the picture, `pointreel \
+                convert --estimate-normals` writes them")
         },
     ));
     findings.extend(counted(
@@ -72,7 +73,8 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
         FindingKind::NarrowColors,
         |facts| usize::from(facts.has_narrow_colors),
         |_, frames| {
-            format!("colours of {frames} are 0 to 255 in fields of 16 bits: they are read as 8 bits, other programs may show them black")
+            format!("colours of {frames} are 0 to 255 in fields of 16 bits: they are read as 8 bits, other programs \
+                may show them black")
         },
     ));
     findings.extend(suspicious_scales(facts));
@@ -184,12 +186,14 @@ fn time_jumps(sequence: &Sequence) -> Vec<Finding> {
         frames: vec![index, index + 1],
         message: if *spacing > 0.0 {
             format!(
-                "{spacing:.3} s lie between frames {index} and {} where {median:.3} s are usual: a pause, which is played shortened",
+                "{spacing:.3} s lie between frames {index} and {} where {median:.3} s are usual: a pause, which is \
+                 played shortened",
                 index + 1
             )
         } else {
             format!(
-                "frame {} has a time stamp that is not after that of frame {index}: stamps are not used, --fps says how fast it plays",
+                "frame {} has a time stamp that is not after that of frame {index}: stamps are not used, --fps says \
+                 how fast it plays",
                 index + 1
             )
         },
@@ -280,8 +284,8 @@ fn bounds_jumps(facts: &Facts) -> Vec<Finding> {
                 kind: FindingKind::BoundsJump,
                 frames: vec![before, after],
                 message: format!(
-                    "from frame {before} to {after} the middle moves by {moved:.4} and the diagonal goes from {:.4} to {:.4}: an \
-                     outlier, another unit or another scene",
+                    "from frame {before} to {after} the middle moves by {moved:.4} and the diagonal goes from {:.4} to \
+                     {:.4}: an outlier, another unit or another scene",
                     diagonals[0], diagonals[1]
                 ),
             });
@@ -347,8 +351,8 @@ fn suspicious_scales(facts: &Facts) -> Vec<Finding> {
         findings.push(Finding {
             kind: FindingKind::SuspiciousScale,
             message: format!(
-                "coordinates of {} are of single precision so far from zero that they can only be multiples of {step:.3e}: write them in \
-                 double precision, or nearer to zero",
+                "coordinates of {} are of single precision so far from zero that they can only be multiples of \
+                 {step:.3e}: write them in double precision, or nearer to zero",
                 named(&frames)
             ),
             frames,

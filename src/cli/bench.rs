@@ -3,9 +3,10 @@
 use super::arguments::{
     DEMO_INPUT, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px,
 };
-use super::{answer, say};
+use super::output::{answer, say};
 use crate::app::{self, PresentChoice};
-use crate::bench::{self, BenchOptions, Input, Modes, Report, Step, Suite};
+use crate::bench::{self, BenchOptions, Input, Modes, OptionGroup, Report, Step, Suite, suites};
+use crate::messages::listed;
 use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
@@ -20,11 +21,8 @@ use std::sync::Arc;
 /// Arguments of `pointreel bench`.
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
-    /// surfels, octree or voxels (Tables II, III and IV of the paper), accuracy (errors of stages beside times), render
-    /// (processor beside adapter), play (rate held by the clock, nothing presented), window (rate presented, latency
-    /// and cost of a real window) or error (errors of pictures beside times, for every way to draw)
-    #[arg(value_name = "SUITE")]
-    suite: Suite,
+    #[arg(value_name = "SUITE", value_parser = suites::named, help = help_of_suites())]
+    suite: &'static Suite,
 
     /// Folders, patterns or files, each a sequence of its own; `demo:` is the built-in one, `sphere:`, `torus:`,
     /// `cube:` and `saddle:` are sampled shapes of which `error` knows the truth (`sphere:20000` has 20,000 points
@@ -40,42 +38,58 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
 
-    /// Self-contained page to write the points of time and error to, with their pictures (error only)
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(long, value_name = "FILE.html", help = format!(
+        "Self-contained page to write the points of time and error to, with their pictures ({} only)",
+        names(OptionGroup::Modes)
+    ))]
     html: Option<PathBuf>,
 
-    /// Ways to draw that `error` compares, with commas between: cpu, gpu, surfel, voxel, point, two-pass, vertex …
-    #[arg(long, value_name = "MODES")]
+    #[arg(long, value_name = "MODES", help = format!(
+        "Ways to draw that {} compares, with commas between: cpu, gpu, surfel, voxel, point, two-pass, vertex …",
+        names(OptionGroup::Modes)
+    ))]
     modes: Option<Modes>,
 
-    /// Frames of each sequence, spread evenly [default: 3; 1 for render and error]; for play and window, frames shown
-    /// [default: 300]
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_name = "N", value_parser = count, help = format!(
+        "Frames of each sequence, spread evenly; for {}, frames shown [default: {}]",
+        names(OptionGroup::Playing),
+        defaults(|suite| suite.defaults.frames.to_string())
+    ))]
     frames: Option<usize>,
 
-    /// Frames a second at which `play` and `window` play, in place of those of the sequence
-    #[arg(long, value_name = "FPS", value_parser = frame_rate)]
+    #[arg(long, value_name = "FPS", value_parser = frame_rate, help = format!(
+        "Frames a second at which {} play, in place of those of the sequence",
+        names(OptionGroup::Playing)
+    ))]
     fps: Option<f64>,
 
-    /// Memory in which `play` and `window` keep prepared frames: bytes, or a number with MB, MiB, GB or GiB
-    #[arg(long, value_name = "SIZE", value_parser = byte_count)]
+    #[arg(long, value_name = "SIZE", value_parser = byte_count, help = format!(
+        "Memory in which {} keep prepared frames: bytes, or a number with MB, MiB, GB or GiB",
+        names(OptionGroup::Playing)
+    ))]
     budget: Option<u64>,
 
-    /// Picture size in pixels [default: 1920x1280; 1920x1080 for render, 1280x720 for play and error]; of the window
-    /// itself 1280x800
-    #[arg(long, value_name = "WxH", value_parser = size_px)]
+    #[arg(long, value_name = "WxH", value_parser = size_px, help = format!(
+        "Picture size in pixels; for {}, of the window itself [default: {}]",
+        names(OptionGroup::Window),
+        defaults(|suite| suite.defaults.viewport_px.map(|side_px| side_px.to_string()).join("x"))
+    ))]
     size: Option<[u32; 2]>,
 
-    /// Who paints the window that `window` measures: auto, gpu or cpu
-    #[arg(long, value_name = "WHO")]
+    #[arg(long, value_name = "WHO", help = format!(
+        "Who paints the window that {} measures: auto, gpu or cpu",
+        names(OptionGroup::Window)
+    ))]
     present: Option<PresentChoice>,
 
     /// Who draws the pictures in it: auto, gpu or cpu
     #[arg(long, value_name = "RENDERER")]
     renderer: Option<RendererChoice>,
 
-    /// Directions from which each frame is seen [default: 8; 2 for render and error]
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_name = "N", value_parser = count, help = format!(
+        "Directions from which each frame is seen [default: {}]",
+        defaults(|suite| suite.defaults.viewpoints.to_string())
+    ))]
     viewpoints: Option<usize>,
 
     /// Timed rounds over all viewpoints
@@ -86,27 +100,69 @@ pub(super) struct BenchArgs {
     read: ReadArgs,
 }
 
+/// The list of suites, each with what it is.
+fn help_of_suites() -> String {
+    let suites = suites::all().map(|suite| format!("{suite} ({})", suite.brief));
+    listed(&suites.collect::<Vec<_>>(), "or")
+}
+
+/// The suites that have a use for these options.
+fn names(group: OptionGroup) -> String {
+    let suites = suites::all().filter(|suite| suite.takes(group));
+    let quoted = suites.map(|suite| format!("`{suite}`"));
+    listed(&quoted.collect::<Vec<_>>(), "and")
+}
+
+/// Each value that suites have, with those that have it; the first says nothing of who has it.
+fn defaults(value_of: impl Fn(&Suite) -> String) -> String {
+    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
+    for suite in suites::all() {
+        let value = value_of(suite);
+        match groups.iter_mut().find(|(other, _)| *other == value) {
+            Some((_, names)) => names.push(suite.to_string()),
+            None => groups.push((value, vec![suite.to_string()])),
+        }
+    }
+    let group = |(place, (value, names)): (usize, &(String, Vec<String>))| match place {
+        0 => value.clone(),
+        _ => format!("{value} for {}", listed(names, "and")),
+    };
+    let groups = groups.iter().enumerate().map(group);
+    groups.collect::<Vec<_>>().join("; ")
+}
+
+/// Fails where an option was given for which the suite has no use.
+fn refuse_foreign_options(arguments: &BenchArgs) -> anyhow::Result<()> {
+    let suite = arguments.suite;
+    for (group, options, is_given) in [
+        (
+            OptionGroup::Modes,
+            "--modes and --html",
+            arguments.modes.is_some() || arguments.html.is_some(),
+        ),
+        (
+            OptionGroup::Playing,
+            "--fps and --budget",
+            arguments.fps.is_some() || arguments.budget.is_some(),
+        ),
+        (
+            OptionGroup::Window,
+            "--present and --renderer",
+            arguments.present.is_some() || arguments.renderer.is_some(),
+        ),
+    ] {
+        if is_given && !suite.takes(group) {
+            let takers = suites::all().filter(|suite| suite.takes(group));
+            let takers: Vec<String> = takers.map(|suite| format!("`bench {suite}`")).collect();
+            let takers = listed(&takers, "and");
+            bail!("{options} belong to {takers}, not to `bench {suite}`");
+        }
+    }
+    Ok(())
+}
+
 pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
-    if arguments.suite != Suite::Error && (arguments.modes.is_some() || arguments.html.is_some()) {
-        bail!(
-            "--modes and --html belong to `bench error`, not to `bench {}`",
-            arguments.suite
-        );
-    }
-    let plays = matches!(arguments.suite, Suite::Play | Suite::Window);
-    if !plays && (arguments.fps.is_some() || arguments.budget.is_some()) {
-        bail!(
-            "--fps and --budget belong to `bench play` and `bench window`, not to `bench {}`",
-            arguments.suite
-        );
-    }
-    let chooses = arguments.present.is_some() || arguments.renderer.is_some();
-    if arguments.suite != Suite::Window && chooses {
-        bail!(
-            "--present and --renderer belong to `bench window`, not to `bench {}`",
-            arguments.suite
-        );
-    }
+    refuse_foreign_options(arguments)?;
     let open = OpenOptions {
         fps: arguments.fps,
         ..arguments.read.open_options()
@@ -127,7 +183,7 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         modes: arguments.modes.clone().unwrap_or_default(),
         ..default
     };
-    let report = if arguments.suite == Suite::Window {
+    let report = if arguments.suite.takes(OptionGroup::Window) {
         let present = arguments.present.unwrap_or_default();
         let renderer = arguments.renderer.unwrap_or(RendererChoice::Auto);
         let actions = app::bench_window(&inputs, &options, present, renderer)?;

@@ -1,8 +1,9 @@
 //! `pointreel check`: what may be wrong with a sequence.
 
 use super::arguments::{ReadArgs, open_sequence_and_tell};
+use super::output::{answer, say};
 use super::progress::Bar;
-use super::{answer, say, warnings};
+use super::warnings;
 use crate::check::{CheckReport, check};
 use crate::messages::by_kind;
 use anyhow::Context as _;

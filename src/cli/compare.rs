@@ -1,6 +1,6 @@
 //! `pointreel compare`: how far a picture is from another one of the same size.
 
-use super::{answer, say};
+use super::output::{answer, say};
 use crate::kept::write_whole;
 use crate::measure::{
     PixelDifference, SSIM_WINDOW_PX, SsimError, flip, mean_squared_error, psnr_db, ssim,

@@ -1,7 +1,8 @@
 //! `pointreel compare-frames`: how far the points of one frame are from another frame.
 
 use super::arguments::{ReadArgs, not_negative_f64, open_sequence_and_tell};
-use super::{answer, warnings};
+use super::output::answer;
+use super::warnings;
 use crate::measure::Change;
 use anyhow::{Context as _, bail};
 use clap::Args;

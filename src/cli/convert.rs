@@ -1,8 +1,9 @@
 //! `pointreel convert`: frames in another format, moved, thinned out, with normals.
 
 use super::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
+use super::output::answer;
 use super::progress::Bar;
-use super::{answer, warnings};
+use super::warnings;
 use crate::convert::{Conversion, Edit, Output, Shard, convert};
 use crate::io::WriteFormat;
 use crate::progress::Progress;
@@ -78,10 +79,7 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
             sample_count: open.read.sample_count,
             estimates_normals: arguments.estimate_normals,
         },
-        format: arguments
-            .format
-            .or(format_by_name)
-            .unwrap_or(WriteFormat::PlyBinary),
+        format: arguments.format.or(format_by_name).unwrap_or_default(),
         output: if is_folder {
             Output::Folder(output.clone())
         } else {

@@ -1,7 +1,8 @@
 //! `pointreel info`: what is in the frames of a sequence, in the coordinates of the files.
 
 use super::arguments::{ReadArgs, open_sequence_and_tell};
-use super::{answer, warnings};
+use super::output::answer;
+use super::warnings;
 use crate::check::changed_attributes;
 use crate::scene::{BackFaces, FirstLook, Kind, Primitive, Style};
 use crate::sequence::{Recording, Sequence};
@@ -239,80 +240,28 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
     }
 }
 
-/// The answer for people: a line a frame.
+/// The answer for people: a line a frame, then what is true of all of them.
 fn table(info: &Info) -> String {
     let mut text = format!(
         "{:>6} {:>10} {:>10}  {:<52} attributes, file\n",
         "frame", "points", "finite", "bounds"
     );
-    for frame in &info.frames {
-        // Writing to a String cannot fail.
-        let _ = match &frame.content {
-            Content::Read {
-                points,
-                finite_points,
-                min,
-                max,
-                attributes,
-                faces,
-                assumption,
-                ..
-            } => {
-                let bounds = match (min, max) {
-                    (Some(min), Some(max)) => (0..3)
-                        .map(|axis| format!("{}..{}", short(min[axis]), short(max[axis])))
-                        .collect::<Vec<_>>()
-                        .join(" "),
-                    _ => "none".to_owned(),
-                };
-                let faces = match faces {
-                    0 => String::new(),
-                    faces => format!(" {faces} faces"),
-                };
-                let assumption = assumption
-                    .as_ref()
-                    .map_or_else(String::new, |assumption| format!(", {assumption}"));
-                writeln!(
-                    text,
-                    "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}{assumption}, {}",
-                    frame.index,
-                    attributes.join(" "),
-                    place(frame)
-                )
-            }
-            Content::Failed { error } => {
-                writeln!(text, "{:>6} cannot be read: {error}", frame.index)
-            }
-        };
-    }
+    let lines = info.frames.iter().map(frame_line);
     let attributes = info.frames.iter().filter_map(|frame| match &frame.content {
         Content::Read { attributes, .. } => Some((frame.index, attributes.as_slice())),
         Content::Failed { .. } => None,
     });
-    for finding in changed_attributes(attributes) {
-        let _ = writeln!(text, "{}", finding.message);
-    }
-    for recording in &info.recordings {
-        let topics = recording.topics.iter().map(|topic| {
-            let read = if topic.read { ", read" } else { "" };
-            format!("{} ({} clouds{read})", topic.name, topic.clouds)
-        });
-        let topics: Vec<String> = topics.collect();
-        let _ = writeln!(text, "{}: topics {}", recording.file, topics.join(", "));
-    }
-    if let Some(guess) = &info.guess {
-        let _ = writeln!(
-            text,
-            "shown as {}: {} is up ({}), seen {}; as {}s ({})",
-            guess.kind.name(),
-            guess.up,
-            guess.up_because,
-            guess.from,
-            guess.primitive,
-            guess.primitive_because
-        );
+    let findings = changed_attributes(attributes).into_iter();
+    let lines = lines
+        .chain(findings.map(|finding| finding.message))
+        .chain(info.recordings.iter().map(recording_line))
+        .chain(info.guess.as_ref().map(guess_line));
+    for line in lines {
+        text.push_str(&line);
+        text.push('\n');
     }
     let [x, y, z] = info.origin;
+    // Writing to a String cannot fail.
     let _ = writeln!(
         text,
         "{} frames, {:.3} a second, origin {x} {y} {z}",
@@ -320,6 +269,64 @@ fn table(info: &Info) -> String {
         info.fps
     );
     text
+}
+
+fn frame_line(frame: &FrameInfo) -> String {
+    match &frame.content {
+        Content::Read {
+            points,
+            finite_points,
+            min,
+            max,
+            attributes,
+            faces,
+            assumption,
+            ..
+        } => {
+            let bounds = match (min, max) {
+                (Some(min), Some(max)) => (0..3)
+                    .map(|axis| format!("{}..{}", short(min[axis]), short(max[axis])))
+                    .collect::<Vec<_>>()
+                    .join(" "),
+                _ => "none".to_owned(),
+            };
+            let faces = match faces {
+                0 => String::new(),
+                faces => format!(" {faces} faces"),
+            };
+            let assumption = assumption
+                .as_ref()
+                .map_or_else(String::new, |assumption| format!(", {assumption}"));
+            format!(
+                "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}{assumption}, {}",
+                frame.index,
+                attributes.join(" "),
+                place(frame)
+            )
+        }
+        Content::Failed { error } => format!("{:>6} cannot be read: {error}", frame.index),
+    }
+}
+
+fn recording_line(recording: &RecordingInfo) -> String {
+    let topics = recording.topics.iter().map(|topic| {
+        let read = if topic.read { ", read" } else { "" };
+        format!("{} ({} clouds{read})", topic.name, topic.clouds)
+    });
+    let topics: Vec<String> = topics.collect();
+    format!("{}: topics {}", recording.file, topics.join(", "))
+}
+
+fn guess_line(guess: &Guess) -> String {
+    format!(
+        "shown as {}: {} is up ({}), seen {}; as {}s ({})",
+        guess.kind.name(),
+        guess.up,
+        guess.up_because,
+        guess.from,
+        guess.primitive,
+        guess.primitive_because
+    )
 }
 
 /// The file, which part of it where it has several, and the file with its normals.

@@ -11,14 +11,18 @@ mod compare_frames;
 mod convert;
 mod device_select;
 mod info;
+mod output;
 mod poses;
 mod progress;
 mod render;
+mod render_arguments;
 mod video;
+mod video_arguments;
 mod view;
 mod warnings;
 
 use clap::{Parser, Subcommand};
+use output::say;
 use std::io::Write as _;
 use std::process::ExitCode;
 use warnings::When;
@@ -44,7 +48,7 @@ enum Verb {
     /// Plays a sequence in a window (the default); without INPUT the built-in demo
     View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, or a video of them, without a window
-    Render(Box<render::RenderArgs>),
+    Render(Box<render_arguments::RenderArgs>),
     /// Measures drawing and octrees by the protocol of the paper, and errors beside times
     Bench(Box<bench::BenchArgs>),
     /// Says what is in a sequence
@@ -100,7 +104,8 @@ pub fn main() -> ExitCode {
 fn start_log() {
     const LEVELS: &str = "RUST_LOG";
     // What these libraries warn of is nothing that a person could mend.
-    let usual = "warn,wgpu_hal=error,wgpu_core=error,winit=error,sctk_adwaita=off,arboard=error,egui_winit=error,rfd=off";
+    let usual = "warn,wgpu_hal=error,wgpu_core=error,winit=error,sctk_adwaita=off,arboard=error,\
+        egui_winit=error,rfd=off";
     let mut log = env_logger::Builder::from_env(env_logger::Env::new().filter_or(LEVELS, usual));
     log.format_target(false);
     if std::env::var_os(LEVELS).is_none() {
@@ -121,18 +126,4 @@ fn start_log() {
 
 fn done((): ()) -> ExitCode {
     ExitCode::SUCCESS
-}
-
-/// One line on stderr.
-#[expect(
-    clippy::print_stderr,
-    reason = "the command line speaks to a person here"
-)]
-fn say(line: &str) {
-    eprintln!("{line}");
-}
-
-/// The answer of a verb on stdout. A reader that has left is no failure.
-fn answer(text: &str) {
-    let _ = writeln!(std::io::stdout().lock(), "{text}");
 }

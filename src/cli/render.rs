@@ -1,84 +1,18 @@
 //! `pointreel render`: frames to PNG files, or to a video, with the code that draws the window.
 
-use super::arguments::{FrameRange, PictureArgs, ReadArgs, open_sequence_and_tell, size_px};
-use super::camera_arguments::CameraArgs;
-use super::poses::PosesArgs;
-use super::video::{VideoArgs, render_video};
+use super::arguments::{FrameRange, open_sequence_and_tell};
+use super::render_arguments::RenderArgs;
+use super::video::render_video;
 use super::warnings;
-use crate::export::{Dressed, FRAME_PLACEHOLDER, PictureSize, numbered, write_picture};
+use crate::export::{Dressed, FRAME_PLACEHOLDER, numbered, write_picture};
 use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, Style};
 use crate::sequence::{Loader, LoaderOptions};
 use anyhow::{Context as _, bail};
-use clap::Args;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-
-/// Arguments of `pointreel render`.
-#[derive(Debug, Args)]
-pub(super) struct RenderArgs {
-    /// A folder, a pattern, or files; `demo:` is the built-in sequence
-    #[arg(required = true, value_name = "INPUT")]
-    inputs: Vec<PathBuf>,
-
-    /// PNG file to write; with a range of frames its name must contain {frame}
-    #[arg(
-        short,
-        long,
-        value_name = "OUT.png",
-        required_unless_present = "video",
-        conflicts_with = "video"
-    )]
-    output: Option<PathBuf>,
-
-    /// Frame, or range A..B with both ends included [default: 0, of a video all]
-    #[arg(long, value_name = "N|A..B")]
-    pub(super) frame: Option<FrameRange>,
-
-    /// Picture size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size_px)]
-    size: [u32; 2],
-
-    /// Draw what the colours mean over the picture
-    #[arg(long)]
-    legend: bool,
-    /// Draw a bar of a round length, true at the distance of what the camera looks at
-    #[arg(long)]
-    scale_bar: bool,
-
-    /// JSON file to write counters and times to
-    #[arg(long, value_name = "STATS.json")]
-    stats: Option<PathBuf>,
-
-    #[command(flatten)]
-    pub(super) video: VideoArgs,
-
-    #[command(flatten)]
-    read: ReadArgs,
-
-    #[command(flatten)]
-    picture: PictureArgs,
-
-    #[command(flatten)]
-    pub(super) poses: PosesArgs,
-
-    #[command(flatten)]
-    pub(super) camera: CameraArgs,
-}
-
-impl RenderArgs {
-    /// How large pictures are, and what is behind the cloud.
-    pub(super) fn picture_size(&self) -> PictureSize {
-        PictureSize {
-            is_transparent: self.picture.is_transparent(),
-            has_legend: self.legend,
-            has_scale_bar: self.scale_bar,
-            ..PictureSize::opaque(self.size)
-        }
-    }
-}
 
 #[derive(Serialize)]
 struct Stats {
@@ -144,7 +78,8 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
 fn check_names(output: &Path, FrameRange { first, last }: FrameRange) -> anyhow::Result<()> {
     if first != last && !output.to_string_lossy().contains(FRAME_PLACEHOLDER) {
         bail!(
-            "frames {first}..{last} would all be written to {}: put {FRAME_PLACEHOLDER} into its name, or make a --video",
+            "frames {first}..{last} would all be written to {}: put {FRAME_PLACEHOLDER} into its name, or make a \
+             --video",
             output.display()
         );
     }

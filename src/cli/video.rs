@@ -1,49 +1,20 @@
 //! `pointreel render --video`: a camera path, a turntable, or a camera that stands still while the sequence plays.
 
 use super::arguments::FrameRange;
+use super::output::answer;
 use super::progress::Bar;
-use super::render::RenderArgs;
-use super::{answer, warnings};
+use super::render_arguments::RenderArgs;
+use super::video_arguments::VideoArgs;
+use super::warnings;
 use crate::export::{Video, export_video};
 use crate::headless::{Headless, PictureStats};
 use crate::progress::Progress;
 use crate::scene::{CameraPath, Style};
 use anyhow::bail;
-use clap::Args;
 use std::collections::HashSet;
-use std::path::PathBuf;
 
 /// Pictures a second of a path or a turntable where nobody said how many.
 const DEFAULT_RATE: f64 = 30.0;
-
-/// What a video shows.
-#[derive(Debug, Clone, Default, Args)]
-#[command(next_help_heading = "Video")]
-pub(super) struct VideoArgs {
-    /// Video to write: .mp4 (by ffmpeg), .gif, .webp, or PNG files named by {frame}
-    #[arg(long, value_name = "OUT")]
-    video: Option<PathBuf>,
-
-    /// Camera path: a JSON file of keyframes, saved in the window or written by hand
-    #[arg(long, value_name = "PATH.json", requires = "video", conflicts_with_all = ["output", "turntable", "frame", "up", "azimuth", "elevation", "distance", "fov"])]
-    path: Option<PathBuf>,
-
-    /// Turn once about the up axis in so many pictures, while frames play or --frame is held
-    #[arg(long, value_name = "PICTURES", requires = "video", conflicts_with = "output", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    turntable: Option<u32>,
-
-    /// Turns of the turntable, negative ones the other way round (usually 1)
-    #[arg(long, value_name = "N", requires = "turntable", allow_negative_numbers = true, value_parser = turns)]
-    turns: Option<f64>,
-
-    /// Pictures a second (usually 30, or as the sequence plays)
-    #[arg(long, value_name = "F", requires = "video", conflicts_with = "output", value_parser = rate)]
-    fps: Option<f64>,
-
-    /// How long the video lasts, in place of --fps or of the time of the path
-    #[arg(long, value_name = "S", requires = "video", conflicts_with = "output", value_parser = seconds)]
-    seconds: Option<f64>,
-}
 
 /// Renders the video; returns the frames that could not be read, with the reason.
 pub(super) fn render_video(
@@ -162,23 +133,4 @@ fn path_around(
         [first as f64, frames_per_picture],
     )?;
     Ok((path, per_second, 1.0))
-}
-
-fn number(text: &str, range: std::ops::RangeInclusive<f64>, expected: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|value| range.contains(value))
-        .ok_or_else(|| format!("expected {expected}"))
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    number(text, 0.1..=1000.0, "pictures a second from 0.1 to 1000")
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    number(text, 0.001..=1e6, "seconds from 0.001 to 1000000")
-}
-
-fn turns(text: &str) -> Result<f64, String> {
-    number(text, -1000.0..=1000.0, "turns from -1000 to 1000")
 }

@@ -4,7 +4,7 @@
 //! count is known; a window may stay open for days, so there the first of each kind is said at once. `--verbose` says
 //! all at once.
 
-use super::say;
+use super::output::say;
 use crate::locks::lock;
 use crate::messages::kind_of;
 use std::sync::Mutex;

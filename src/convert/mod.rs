@@ -7,60 +7,22 @@
 //! ([`Record`]), and a folder that holds a conversion with others is refused. Shards take every n-th frame, whoever
 //! runs them.
 
+mod conversion;
 mod edit;
+mod error;
 mod record;
 
+pub use conversion::{Conversion, Output, Shard};
 pub use edit::{Edit, EditError};
+pub use error::ConvertError;
 pub use record::Record;
 
-use crate::io::WriteFormat;
 use crate::kept;
 use crate::progress::Progress;
-use crate::sequence::{FrameEntry, FrameError, Sequence};
+use crate::sequence::{FrameEntry, Sequence};
 use rayon::prelude::*;
 use std::fs;
-use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
-
-/// Which frames, what becomes of them, and where they go.
-#[derive(Debug, Clone)]
-pub struct Conversion {
-    /// Frames, both ends included; all for `None`.
-    pub frames: Option<RangeInclusive<usize>>,
-    /// Every how many-th frame, and from which on: `(0, 1)` for all.
-    pub shard: Shard,
-    /// What becomes of each.
-    pub edit: Edit,
-    /// Format of the files.
-    pub format: WriteFormat,
-    /// Where they go.
-    pub output: Output,
-    /// Write frames that are there already, whatever options they were written with.
-    pub overwrites: bool,
-}
-
-/// A share of the frames: those whose index leaves `index` when divided by `count`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shard {
-    /// Which share, from 0.
-    pub index: usize,
-    /// How many shares there are, at least 1.
-    pub count: usize,
-}
-
-impl Shard {
-    /// Everything.
-    pub const WHOLE: Self = Self { index: 0, count: 1 };
-}
-
-/// Where frames go.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Output {
-    /// One frame to this file.
-    File(PathBuf),
-    /// Frames to files in this folder, named by their number and, if they have one, their time.
-    Folder(PathBuf),
-}
+use std::path::Path;
 
 /// What came of a conversion.
 #[derive(Debug, Default)]
@@ -75,42 +37,6 @@ pub struct Converted {
     pub warnings: Vec<(usize, String)>,
     /// True if it was cancelled before the end.
     pub is_cancelled: bool,
-}
-
-/// Why a frame, or all, cannot be converted.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ConvertError {
-    /// The frame cannot be read.
-    #[error(transparent)]
-    Frame(#[from] FrameError),
-    /// What was asked for cannot be done with this frame.
-    #[error("{}: {reason}", path.display())]
-    Edit {
-        /// The frame's file.
-        path: PathBuf,
-        /// What stands in the way.
-        reason: EditError,
-    },
-    /// The output cannot be written.
-    #[error("{} cannot be written ({reason}): check the folder, its permissions and the space left", path.display())]
-    Write {
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's reason.
-        reason: std::io::Error,
-    },
-    /// The folder holds frames that were converted otherwise.
-    #[error(
-        "{} holds frames of another conversion ({difference}): choose another folder, or --overwrite to convert them anew",
-        path.display()
-    )]
-    OtherConversion {
-        /// The folder.
-        path: PathBuf,
-        /// What is different.
-        difference: String,
-    },
 }
 
 /// Converts frames of `sequence`; `progress` counts those that are done, on several threads, and may be cancelled.

@@ -1,5 +1,6 @@
 use super::*;
 use crate::cloud::{Positions, RawCloud, ScalarField};
+use crate::io::WriteFormat;
 use crate::progress::Progress;
 use crate::sequence::FrameEntry;
 use glam::{DMat4, DVec3};
@@ -141,7 +142,7 @@ fn conversion(folder: &Path) -> Conversion {
         frames: None,
         shard: Shard::WHOLE,
         edit: Edit::default(),
-        format: WriteFormat::PlyBinary,
+        format: WriteFormat::default(),
         output: Output::Folder(folder.to_owned()),
         overwrites: false,
     }
@@ -182,7 +183,7 @@ fn who_starts_again_does_only_what_is_left() {
     assert_eq!((again.written, again.left), (1, 8));
     // Other options are another conversion.
     let other = Conversion {
-        format: WriteFormat::PlyAscii,
+        format: "ply-ascii".parse().unwrap(),
         ..conversion(folder.path())
     };
     let refused = convert(&sequence(), &other, &Progress::default());

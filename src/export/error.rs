@@ -1,6 +1,7 @@
 //! What stands in the way of a picture or a video.
 
-use super::VideoFormat;
+use super::format::VideoFormat;
+use super::limits::{MAX_EDGE_PX, MAX_PICTURES};
 use crate::headless::HeadlessError;
 use crate::render::RenderError;
 use crate::scene::PathError;
@@ -30,7 +31,8 @@ pub enum ExportError {
     },
     /// The name says no format.
     #[error(
-        "{} is no video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for a file a picture",
+        "{} is no video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for a file a \
+         picture",
         path.display()
     )]
     UnknownFormat {
@@ -68,7 +70,7 @@ pub enum ExportError {
     /// A picture beyond any use.
     #[error(
         "a picture of {width}x{height} pixels: edges are from 1 to {} pixels long",
-        super::MAX_EDGE_PX
+        MAX_EDGE_PX
     )]
     PictureSize {
         /// Asked width.
@@ -78,7 +80,8 @@ pub enum ExportError {
     },
     /// A picture that is drawn in parts cannot be scaled up.
     #[error(
-        "a picture of {width}x{height} pixels is drawn in parts, which cannot be scaled up: leave out --resolution, or draw a smaller one"
+        "a picture of {width}x{height} pixels is drawn in parts, which cannot be scaled up: leave out --resolution, or \
+         draw a smaller one"
     )]
     ScaledParts {
         /// Asked width.
@@ -88,8 +91,8 @@ pub enum ExportError {
     },
     /// Nothing encodes MP4.
     #[error(
-        "MP4 is encoded by ffmpeg, which is not on the PATH: install it (`apt-get install ffmpeg`, `brew install ffmpeg`), or choose .webp, \
-         .gif or PNG files"
+        "MP4 is encoded by ffmpeg, which is not on the PATH: install it (`apt-get install ffmpeg`, `brew install \
+         ffmpeg`), or choose .webp, .gif or PNG files"
     )]
     NoFfmpeg,
     /// The encoder failed.
@@ -101,7 +104,7 @@ pub enum ExportError {
         reason: String,
     },
     /// Longer than any video.
-    #[error("{count} pictures are too many: a video has at most {max}", max = super::video::MAX_PICTURES)]
+    #[error("{count} pictures are too many: a video has at most {max}", max = MAX_PICTURES)]
     TooLong {
         /// How many.
         count: usize,

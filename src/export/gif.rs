@@ -4,7 +4,8 @@
 //! picture are, so that what stands still does not flicker.
 
 use super::changes::changed_part;
-use super::{ExportError, FrameSink, VideoStream};
+use super::error::ExportError;
+use super::sink::{FrameSink, VideoStream};
 use crate::kept::Partial;
 use color_quant::NeuQuant;
 use gif::{Encoder, Frame, Repeat};

@@ -8,8 +8,11 @@
 
 mod changes;
 mod error;
+mod format;
 mod gif;
+mod limits;
 mod mp4;
+mod open;
 mod overlay;
 mod picture;
 mod png_files;
@@ -21,11 +24,12 @@ mod video;
 mod webp;
 
 pub use error::ExportError;
+pub use format::VideoFormat;
+pub use limits::MAX_EDGE_PX;
 pub use mp4::has_ffmpeg;
-pub use picture::{
-    MAX_EDGE_PX, PictureSize, check_size, draw_picture, write_picture, write_picture_observed,
-};
+pub use open::open_sink;
+pub use picture::{PictureSize, check_size, draw_picture, write_picture, write_picture_observed};
 pub use png_files::{FRAME_PLACEHOLDER, numbered};
 pub use poses::{ChangeColors, Dressed, Poses, TrailLook};
-pub use sink::{FrameSink, VideoFormat, VideoStream, open_sink};
+pub use sink::{FrameSink, VideoStream};
 pub use video::{PictureDone, Video, export_video, render_path};

@@ -1,6 +1,7 @@
 //! MP4 files: H.264 by the program `ffmpeg`, which takes raw pictures from a pipe.
 
-use super::{ExportError, FrameSink, VideoStream};
+use super::error::ExportError;
+use super::sink::{FrameSink, VideoStream};
 use crate::kept::Partial;
 use image::RgbaImage;
 use std::io::{ErrorKind, Read as _, Write as _};

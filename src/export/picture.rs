@@ -11,7 +11,8 @@
 //! *Alpha* is found by drawing each part on black and on white. What covers a pixel by `alpha` and has the colour `c`
 //! leaves `alpha · c` on black and `alpha · c + 1 - alpha` on white, in every mode and by every renderer.
 
-use super::ExportError;
+use super::error::ExportError;
+use super::limits::MAX_EDGE_PX;
 use super::overlay::{Canvas, draw_legend};
 use super::scale_bar::PaintedBar;
 use crate::headless::{Headless, HeadlessError};
@@ -24,9 +25,6 @@ use image::{RgbaImage, imageops};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
-
-/// Longest edge of a picture.
-pub const MAX_EDGE_PX: u32 = 65_536;
 
 /// Longest edge of a part: its targets take a quarter of a GiB on the GPU.
 const MAX_PART_EDGE_PX: u32 = 4096;

@@ -1,6 +1,7 @@
 //! A PNG file a picture, numbered.
 
-use super::{ExportError, FrameSink, VideoStream};
+use super::error::ExportError;
+use super::sink::{FrameSink, VideoStream};
 use crate::kept::Partial;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _, RgbaImage};

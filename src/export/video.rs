@@ -1,5 +1,6 @@
 //! A camera path drawn picture by picture, and encoded beside.
 
+use super::limits::MAX_PICTURES;
 use super::picture::{self, PictureSize, draw_picture};
 use super::{Dressed, ExportError, FrameSink, Poses, VideoStream, open_sink};
 use crate::headless::{Headless, HeadlessError, PictureStats};
@@ -13,9 +14,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
-
-/// Most pictures of a video: nine hours at 30 a second.
-pub(super) const MAX_PICTURES: usize = 1_000_000;
 
 /// Pictures that wait to be encoded.
 const WAITING_PICTURES: usize = 2;

@@ -5,7 +5,8 @@
 //! container specification (<https://developers.google.com/speed/webp/docs/riff_container>).
 
 use super::changes::{Part, changed_part};
-use super::{ExportError, FrameSink, VideoStream};
+use super::error::ExportError;
+use super::sink::{FrameSink, VideoStream};
 use crate::kept::Partial;
 use image::codecs::webp::WebPEncoder;
 use image::{ExtendedColorType, RgbaImage};

@@ -2,8 +2,6 @@
 
 use super::column::Column;
 use super::error::Fault;
-use super::growing::Growing;
-use crate::cloud::RawCloud;
 
 const POSITIONS: [&str; 3] = ["x", "y", "z"];
 
@@ -56,7 +54,7 @@ const SCALARS: [&str; 22] = [
     "range",
 ];
 
-/// True when [`cloud`] looks at a column of this name.
+/// True when a cloud looks at a column of this name.
 pub(super) fn is_used(name: &str) -> bool {
     is_reserved(name) || is_scalar(&name.to_ascii_lowercase())
 }
@@ -194,11 +192,4 @@ pub(super) fn normals(columns: &[Column<'_>], count: usize) -> Result<Vec<[f32; 
     })?;
     let [x, y, z] = axes.map(|axis| axis.to_f32(count));
     Ok((0..count).map(|row| [x[row], y[row], z[row]]).collect())
-}
-
-/// The cloud of `count` points in `columns`.
-pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fault> {
-    let growing = Growing::new(Roles::of(columns)?, columns, count);
-    growing.append(columns, count, ());
-    Ok(growing.finish())
 }

@@ -12,11 +12,22 @@
 //!    wrong one it holds coordinates and intensities by turns. So the width is taken whose columns change least
 //!    ([`roughness`]). Where that does not decide, it is the most common one.
 
-use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
-use crate::cloud::RawCloud;
+use super::format::{Format, Traits};
+use super::growing;
+use crate::cloud::{AxisConvention, LengthUnit, RawCloud};
 use std::path::Path;
+
+/// Bare f32 records of KITTI and nuScenes, in metres.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "KITTI",
+    extensions: &["bin"],
+    convention: Some(AxisConvention::UsuallyZUp),
+    unit: Some(LengthUnit::Metre),
+    has_times_beside: true,
+    ..Traits::PLAIN
+});
 
 const FLOAT_BYTES: usize = 4;
 /// Widths, the most common first.
@@ -82,7 +93,7 @@ pub(super) fn decode(name: &Path, bytes: &[u8], columns: Option<u8>) -> Result<R
             },
         })
         .collect();
-    let mut cloud = attributes::cloud(&columns, bytes.len() / step)?;
+    let mut cloud = growing::cloud(&columns, bytes.len() / step)?;
     cloud.assumption = Some(format!(
         "{width} numbers a point: {} ({told_by})",
         names.join(" ")
@@ -98,7 +109,8 @@ fn wrong_size(byte_count: usize, widths: &[usize]) -> Fault {
     Fault::new(
         Place::Byte(byte_count),
         format!(
-            "the file has {byte_count} bytes, which is no multiple of a record of {} bytes: it is truncated, or no list of points",
+            "the file has {byte_count} bytes, which is no multiple of a record of {} bytes: it is truncated, or no \
+             list of points",
             expected.join(" or ")
         ),
     )

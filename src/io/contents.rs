@@ -1,11 +1,11 @@
 //! What frames are in a file: most files are one, archives, recordings and animated models are many.
 
-use super::{Format, IoError, ReadOptions};
-use std::path::Path;
+use super::archive::Member;
+use super::recording::Message;
 use std::time::Duration;
 
-/// Which of the frames in a file is meant. What a file holds is found once, by [`list`]; a part is then read without
-/// looking at the others.
+/// Which of the frames in a file is meant. What a file holds is found once, by [`super::list`]; a part is then read
+/// without looking at the others.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Part {
@@ -16,9 +16,9 @@ pub enum Part {
     /// The pose at this time of an animation (glTF).
     Moment(Duration),
     /// A file within an archive.
-    Member(super::archive::Member),
+    Member(Member),
     /// A message of a recording.
-    Message(super::recording::Message),
+    Message(Message),
 }
 
 /// A frame in a file.
@@ -71,23 +71,4 @@ impl Contents {
             topics: Vec::new(),
         }
     }
-}
-
-/// What is in the file at `path`; a file of one frame is not looked at beyond its first bytes. Of a recording, the
-/// point clouds of `topic` are the frames: none where it has no such topic, those of the topic that has the most if
-/// `None`.
-pub fn contents(
-    path: &Path,
-    topic: Option<&str>,
-    options: &ReadOptions,
-) -> Result<Contents, IoError> {
-    match Format::detect(path, &super::first_bytes(path)?) {
-        Some(format) => super::list_format(path, format, topic, options),
-        None => Ok(Contents::of_entries(vec![Entry::whole()])),
-    }
-}
-
-/// The frames of [`contents`], of the topic that has the most.
-pub fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
-    Ok(contents(path, None, options)?.entries)
 }

@@ -3,16 +3,25 @@
 //! The crate has ceilings for what a file may unpack to, and refuses memory that a file merely claims; a panic within
 //! it becomes an error.
 
-use super::ReadOptions;
 use super::arrays;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
+use super::format::{Format, Magic, Traits};
+use super::options::ReadOptions;
 use crate::cloud::{Positions, RawCloud};
 use draco_core::{
     DataType, DecodeLimits, DecoderBuffer, GeometryAttributeType, Mesh, MeshDecoder,
     PointAttribute, PointIndex,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Draco.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "Draco",
+    extensions: &["drc"],
+    magic: &[Magic::start(b"DRACO")],
+    ..Traits::PLAIN
+});
 
 pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
     /// What a point and a face take in the cloud, and beside it while it is read.

@@ -1,6 +1,7 @@
 //! Why a file cannot be read: which one, where in it, what was expected and what to do.
 
-use super::{Format, ReadOptions};
+use super::format::Format;
+use super::options::ReadOptions;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +24,8 @@ pub enum IoError {
         path: PathBuf,
     },
     /// A file without a byte.
-    #[error("{} is empty (0 bytes): a point cloud was expected, the file may not have been written to its end", path.display())]
+    #[error("{} is empty (0 bytes): a point cloud was expected, the file may not have been written to its \
+        end", path.display())]
     Empty {
         /// The file.
         path: PathBuf,

@@ -207,7 +207,7 @@ impl FixedRows {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{attributes, read, read_bytes};
+    use super::super::{growing, read, read_bytes};
     use super::*;
     use crate::cloud::Frame;
 
@@ -278,7 +278,7 @@ mod tests {
         for big_endian in [false, true] {
             let rows = rows(big_endian);
             let bytes = bytes(&rows);
-            let whole = attributes::cloud(&rows.columns(&bytes), COUNT).unwrap();
+            let whole = growing::cloud(&rows.columns(&bytes), COUNT).unwrap();
             assert_eq!(whole.positions.len(), COUNT);
             assert_eq!(whole.scalars.len(), 2);
             // NaN is not equal to itself, but is written alike.

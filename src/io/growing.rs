@@ -3,6 +3,7 @@
 use super::arrays::{Scales, append_colors, append_f32, append_f64};
 use super::attributes::{Colors, Roles};
 use super::column::Column;
+use super::error::Fault;
 use crate::cloud::{Positions, RawCloud, ScalarField};
 use crate::locks::lock;
 use std::sync::{Mutex, PoisonError};
@@ -153,4 +154,11 @@ fn append_packed_colors(colors: &mut Vec<[u8; 4]>, column: &Column<'_>, count: u
         let [blue, green, red, alpha] = bits.to_le_bytes();
         [red, green, blue, if has_alpha { alpha } else { 255 }]
     }));
+}
+
+/// The cloud of `count` points in `columns`.
+pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fault> {
+    let growing = Growing::new(Roles::of(columns)?, columns, count);
+    growing.append(columns, count, ());
+    Ok(growing.finish())
 }

@@ -4,13 +4,18 @@
 //! crates' readers make a value a property or a row, which takes about 40 times as long or more, and one of them
 //! allocates what a header merely claims. Here every size is checked against the bytes there are, or against
 //! [`ReadOptions::max_memory_bytes`], before anything is allocated for it.
+//!
+//! To add a format: a file with its [`Format`] and what decodes it, and a row in the table below.
 
 mod archive;
 mod arrays;
 mod attributes;
 mod bin;
+mod codec;
 mod column;
+mod containers;
 mod contents;
+mod detect;
 mod draco;
 mod e57;
 mod error;
@@ -19,6 +24,7 @@ mod format;
 mod gltf;
 mod growing;
 mod las;
+mod list;
 mod mesh;
 pub(crate) mod natural;
 pub(crate) mod normals;
@@ -30,6 +36,7 @@ mod options;
 mod pcd;
 mod ply;
 mod ptx;
+mod read;
 mod recording;
 mod rows;
 mod shared;
@@ -41,251 +48,84 @@ mod write;
 mod xyz;
 
 pub use archive::Member;
-pub use contents::{Contents, Entry, Part, Topic, contents, list};
+pub use contents::{Contents, Entry, Part, Topic};
+pub use detect::supported_extensions;
 pub use error::{IoError, Place};
-pub use format::{Format, supported_extensions};
+pub use format::Format;
+pub use list::{contents, list};
 pub use natural::natural_order;
 pub use options::ReadOptions;
+pub(crate) use read::read_sample;
+pub use read::{read, read_bytes, read_part, read_part_observed};
 pub use recording::Message;
 pub use shared::SharedFile;
 pub use write::{WriteFormat, write};
 
-use crate::cloud::{RawCloud, even_places};
-use crate::progress::Progress;
-use error::Fault;
-use fixed_rows::FixedRows;
-use std::fs::File;
-use std::io::Read as _;
-use std::path::Path;
-use std::time::Duration;
+use codec::{Codec, NamedColumns};
+use write::{npy as npy_write, pcd as pcd_write, ply as ply_write, text as text_write};
 
-/// Reads the cloud in the file at `path`: by its first bytes, else by its extension. Of a file with many frames, all
-/// that belong together (scans) or the first one.
-pub fn read(path: &Path) -> Result<RawCloud, IoError> {
-    read_part(path, &Part::Whole, &ReadOptions::default())
-}
-
-/// Reads one of the frames that [`list`] found in the file at `path`.
-pub fn read_part(path: &Path, part: &Part, options: &ReadOptions) -> Result<RawCloud, IoError> {
-    read_part_observed(path, part, options, &Progress::default())
-}
-
-/// [`read_part`], which tells `progress` how much of the file is read, then how much of it is decoded where the decoder
-/// can say so, and ends soon after it was cancelled.
-///
-/// # Errors
-/// As [`read_part`], and [`IoError::Cancelled`].
-pub fn read_part_observed(
-    path: &Path,
-    part: &Part,
-    options: &ReadOptions,
-    progress: &Progress,
-) -> Result<RawCloud, IoError> {
-    let cloud = read_watched(path, part, options, progress);
-    if progress.is_cancelled() {
-        return Err(IoError::Cancelled {
-            path: path.to_owned(),
-        });
-    }
-    cloud
-}
-
-fn read_watched(
-    path: &Path,
-    part: &Part,
-    options: &ReadOptions,
-    progress: &Progress,
-) -> Result<RawCloud, IoError> {
-    let failed = |source| IoError::Io {
-        path: path.to_owned(),
-        source,
-    };
-    match part {
-        Part::Member(member) => {
-            let (name, bytes) = archive::read(path, member, options, progress)?;
-            return read_bytes_with(&name, &bytes, &Part::Whole, options, progress);
-        }
-        Part::Message(message) => return recording::read(path, message, options),
-        Part::Whole | Part::Scan(_) | Part::Moment(_) => {}
-    }
-    let magic = first_bytes(path)?;
-    // Archives and recordings may be larger than the memory: their first frame is read alone.
-    if *part == Part::Whole
-        && let Some(format) = Format::detect(path, &magic)
-        && format.is_container()
-    {
-        let entries = list_format(path, format, None, options)?.entries;
-        return match entries.first() {
-            Some(first) if first.part != Part::Whole => {
-                read_watched(path, &first.part, options, progress)
-            }
-            _ => Err(IoError::NoFrame {
-                path: path.to_owned(),
-                format,
-            }),
-        };
-    }
-    if let Some((format, rows)) = fixed_rows(path, &magic) {
-        // Of a header that claims more than there is the reading of whole files has to tell.
-        let available = std::fs::metadata(path).map_err(failed)?.len();
-        let needed = rows.memory_bytes().min(available);
-        if needed > options.max_memory_bytes {
-            let what = format!("{} points", rows.count);
-            let fault = Fault::too_large(&what, needed, options);
-            return Err(fault.of(path, format));
-        }
-        if let Some(cloud) = rows.read(path, progress).map_err(failed)? {
-            return Ok(cloud);
-        }
-    }
-    let bytes = watched::read_file(path, progress).map_err(failed)?;
-    read_bytes_with(path, &bytes, part, options, progress)
-}
-
-/// At most `most_points` of the points in the file at `path`, and how many it has, where its rows are of one length and
-/// it has at least `fewest_points`: one point in each of as many equal parts, without the rest being read. `None`
-/// otherwise, and where looking for them takes longer than `most_time`.
-pub(crate) fn read_sample(
-    path: &Path,
-    most_points: usize,
-    fewest_points: usize,
-    most_time: Duration,
-) -> Result<Option<(RawCloud, usize)>, IoError> {
-    let failed = |source| IoError::Io {
-        path: path.to_owned(),
-        source,
-    };
-    let magic = first_bytes(path)?;
-    let rows = fixed_rows(path, &magic).map(|(_, rows)| rows);
-    let Some(rows) = rows.filter(|rows| rows.count >= fewest_points) else {
-        return Ok(None);
-    };
-    let places = even_places(rows.count, most_points);
-    let cloud = rows.read_at(path, &places, most_time).map_err(failed)?;
-    Ok(cloud.map(|cloud| (cloud, rows.count)))
-}
-
-/// The format and the rows of a file that begins with `magic`, if they are of one length.
-fn fixed_rows(path: &Path, magic: &[u8]) -> Option<(Format, FixedRows)> {
-    let format = Format::detect(path, magic)?;
-    let rows = match format {
-        Format::Ply => ply::fixed_rows(magic),
-        Format::Pcd => pcd::fixed_rows(magic),
-        _ => None,
-    };
-    rows.map(|rows| (format, rows))
-}
-
-/// Reads the cloud in `bytes`; `name` stands in error messages, and its extension tells the format where the first
-/// bytes do not.
-pub fn read_bytes(name: &Path, bytes: &[u8]) -> Result<RawCloud, IoError> {
-    let (options, progress) = (ReadOptions::default(), Progress::default());
-    read_bytes_with(name, bytes, &Part::Whole, &options, &progress)
-}
-
-fn read_bytes_with(
-    name: &Path,
-    bytes: &[u8],
-    part: &Part,
-    options: &ReadOptions,
-    progress: &Progress,
-) -> Result<RawCloud, IoError> {
-    if bytes.is_empty() {
-        return Err(IoError::Empty {
-            path: name.to_owned(),
-        });
-    }
-    let format = Format::detect(name, bytes).ok_or_else(|| IoError::UnknownFormat {
-        path: name.to_owned(),
-    })?;
-    let options = &options.of_format(format);
-    let decoded = match format {
-        Format::Ply => ply::decode(bytes, progress),
-        Format::Pcd => pcd::decode(bytes, progress),
-        Format::Xyz => xyz::decode(bytes, progress),
-        Format::Las => las::decode(bytes, options, progress),
-        Format::E57 => e57::decode(bytes, part, options, progress),
-        Format::Draco => draco::decode(bytes, options),
-        Format::Ptx => ptx::decode(bytes, progress),
-        Format::Bin => bin::decode(name, bytes, options.bin_columns),
-        Format::Obj => obj::decode(bytes, progress),
-        Format::Off => off::decode(bytes),
-        Format::Stl => stl::decode(bytes),
-        Format::Npy => npy::decode(bytes),
-        Format::Npz => npy::decode_archive(bytes, options),
-        Format::Gltf => gltf::decode(name, bytes, part, options),
-        Format::Mcap | Format::Bag | Format::Db3 | Format::Zip | Format::Tar => Err(Fault::header(
-            format!("a {format} file within another file is not read: unpack the outer one first"),
-        )),
-    };
-    finished(decoded, name, format, options)
-}
-
-/// What a decoder has made of a file of `format`, with what the format says of all its clouds.
-fn finished(
-    decoded: Result<RawCloud, Fault>,
-    name: &Path,
-    format: Format,
-    options: &ReadOptions,
-) -> Result<RawCloud, IoError> {
-    let sampled = |mut cloud: RawCloud| {
-        cloud.convention = cloud.convention.or(format.convention());
-        cloud.unit = cloud.unit.or(format.unit());
-        for warning in &mut cloud.warnings {
-            *warning = format!("{}, {warning} ({format} file)", name.display());
-        }
-        if let Some(count) = options.sample_count
-            && !cloud.faces.is_empty()
-        {
-            mesh::sample(&mut cloud, count, options)?;
-        }
-        Ok(cloud)
-    };
-    decoded
-        .and_then(sampled)
-        .map_err(|fault| fault.of(name, format))
-}
-
-/// What is in a file of `format`.
-fn list_format(
-    path: &Path,
-    format: Format,
-    topic: Option<&str>,
-    options: &ReadOptions,
-) -> Result<Contents, IoError> {
-    let entries = match format {
-        Format::Mcap | Format::Bag | Format::Db3 => {
-            return recording::list(path, format, topic, options);
-        }
-        Format::Zip | Format::Tar => archive::list(path, format, options)?,
-        Format::E57 => e57::list(path)?,
-        Format::Gltf => {
-            let bytes = std::fs::read(path).map_err(|source| IoError::Io {
-                path: path.to_owned(),
-                source,
-            })?;
-            gltf::list(path, &bytes, options).map_err(|fault| fault.of(path, format))?
-        }
-        _ => vec![Entry::whole()],
-    };
-    Ok(Contents::of_entries(entries))
-}
-
-/// The first [`Format::MAGIC_BYTES`] of a file, or all if there are fewer.
-fn first_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
-    let failed = |source| IoError::Io {
-        path: path.to_owned(),
-        source,
-    };
-    // A pipe or device may never end; only regular files are read.
-    if !std::fs::metadata(path).map_err(failed)?.is_file() {
-        return Err(IoError::NotAFile {
-            path: path.to_owned(),
-        });
-    }
-    let mut magic = Vec::with_capacity(Format::MAGIC_BYTES);
-    let file = File::open(path).map_err(failed)?;
-    let mut start = file.take(Format::MAGIC_BYTES as u64);
-    start.read_to_end(&mut magic).map_err(failed)?;
-    Ok(magic)
-}
+/// Every format. Extensions are listed in this order; where two formats could be meant, the first one is.
+const TABLE: &[Codec] = &[
+    Codec {
+        columns: Some(NamedColumns {
+            fixed_rows: ply::fixed_rows,
+            point_names: ply::point_names,
+            normals: ply::normals,
+        }),
+        encoders: &[ply_write::BINARY, ply_write::ASCII],
+        ..Codec::reading(ply::FORMAT, |file| ply::decode(file.bytes, file.progress))
+    },
+    Codec {
+        columns: Some(NamedColumns {
+            fixed_rows: pcd::fixed_rows,
+            point_names: pcd::point_names,
+            normals: pcd::normals,
+        }),
+        encoders: &[pcd_write::ENCODER],
+        ..Codec::reading(pcd::FORMAT, |file| pcd::decode(file.bytes, file.progress))
+    },
+    Codec {
+        encoders: &[las::write::LAS, las::write::LAZ],
+        ..Codec::reading(las::FORMAT, |file| {
+            las::decode(file.bytes, file.options, file.progress)
+        })
+    },
+    Codec {
+        list: Some(e57::list),
+        ..Codec::reading(e57::FORMAT, |file| {
+            e57::decode(file.bytes, file.part, file.options, file.progress)
+        })
+    },
+    Codec::reading(draco::FORMAT, |file| {
+        draco::decode(file.bytes, file.options)
+    }),
+    Codec {
+        encoders: &[text_write::ENCODER],
+        ..Codec::reading(xyz::FORMAT, |file| xyz::decode(file.bytes, file.progress))
+    },
+    Codec::reading(ptx::FORMAT, |file| ptx::decode(file.bytes, file.progress)),
+    Codec::reading(obj::FORMAT, |file| obj::decode(file.bytes, file.progress)),
+    Codec::reading(off::FORMAT, |file| off::decode(file.bytes)),
+    Codec::reading(stl::FORMAT, |file| stl::decode(file.bytes)),
+    Codec {
+        list: Some(gltf::list),
+        ..Codec::reading(gltf::FORMAT, |file| {
+            gltf::decode(file.name, file.bytes, file.part, file.options)
+        })
+    },
+    Codec {
+        encoders: &[npy_write::ENCODER],
+        ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes))
+    },
+    Codec::reading(npy::ARCHIVE, |file| {
+        npy::decode_archive(file.bytes, file.options)
+    }),
+    Codec::reading(bin::FORMAT, |file| {
+        bin::decode(file.name, file.bytes, file.options.bin_columns)
+    }),
+    Codec::container(containers::MCAP),
+    Codec::container(containers::BAG),
+    Codec::container(containers::DB3),
+    Codec::container(containers::ZIP),
+    Codec::container(containers::TAR),
+];

@@ -4,8 +4,14 @@
 //! in the other. What a file holds is read off its header alone, so that a folder of such files costs a small read a
 //! file.
 
+use super::contents::Part;
 use super::error::Fault;
-use super::{Format, IoError, Part, ReadOptions, attributes, mesh, pcd, ply, watched};
+use super::error::IoError;
+use super::format::Format;
+use super::list::first_bytes;
+use super::options::ReadOptions;
+use super::read::read_part_observed;
+use super::{attributes, mesh, watched, xyz};
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
 use std::fs::File;
@@ -38,12 +44,12 @@ pub(crate) fn rows_of(path: &Path) -> Option<Rows> {
     let mut head = Vec::new();
     let file = File::open(path).ok()?;
     file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
-    let names = match Format::detect(path, &head)? {
-        Format::Ply => ply::point_names(&head)?,
-        Format::Pcd => pcd::point_names(&head)?,
-        Format::Xyz => return rows_of_text(&head),
-        _ => return None,
-    };
+    let format = Format::detect(path, &head)?;
+    if format == xyz::FORMAT {
+        return rows_of_text(&head);
+    }
+    let columns = format.codec()?.columns.as_ref()?;
+    let names = (columns.point_names)(&head)?;
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     Some(if attributes::has_positions(&names) {
         Rows::Points
@@ -77,7 +83,7 @@ pub(crate) fn read_with_normals(
 ) -> Result<RawCloud, IoError> {
     // Normals are those of the vertices: a mesh is sampled when it has them.
     let of_vertices = options.with_sample_count(None).with_mesh_sample_count(None);
-    let mut cloud = super::read_part_observed(path, &Part::Whole, &of_vertices, progress)?;
+    let mut cloud = read_part_observed(path, &Part::Whole, &of_vertices, progress)?;
     if cloud.normals.is_none() {
         join(&mut cloud, path, normals, progress);
     }
@@ -86,7 +92,7 @@ pub(crate) fn read_with_normals(
             path: path.to_owned(),
         });
     }
-    if let Some(format) = Format::detect(path, &super::first_bytes(path)?)
+    if let Some(format) = Format::detect(path, &first_bytes(path)?)
         && let Some(count) = options.of_format(format).sample_count
         && !cloud.faces.is_empty()
     {
@@ -100,7 +106,8 @@ fn join(cloud: &mut RawCloud, path: &Path, normals: &Path, progress: &Progress) 
     match read_normals(normals, progress) {
         Ok(read) if read.len() == points => cloud.normals = Some(read),
         Ok(read) => cloud.warnings.push(format!(
-            "{} has {} normals, but {} has {points} points: these normals are left out, and estimated where they are needed",
+            "{} has {} normals, but {} has {points} points: these normals are left out, and estimated where they are \
+             needed",
             normals.display(),
             read.len(),
             path.display()
@@ -121,10 +128,10 @@ fn read_normals(path: &Path, progress: &Progress) -> Result<Vec<[f32; 3]>, IoErr
         path: path.to_owned(),
     };
     let format = Format::detect(path, &bytes).ok_or_else(unknown)?;
-    let normals = match format {
-        Format::Ply => ply::normals(&bytes, progress),
-        Format::Pcd => pcd::normals(&bytes, progress),
-        _ => Err(Fault::header("normals are read from PLY and PCD")),
+    let columns = format.codec().and_then(|codec| codec.columns.as_ref());
+    let normals = match columns {
+        Some(columns) => (columns.normals)(&bytes, progress),
+        None => Err(Fault::header("normals are read from PLY and PCD")),
     };
     normals.map_err(|fault| fault.of(path, format))
 }
@@ -135,12 +142,12 @@ mod tests {
     use std::fs;
     use std::num::NonZeroUsize;
 
-    const PCD: &str = "VERSION .7\nFIELDS normal_x normal_y normal_z curvature\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n\
-        WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0 0 1 9\n0 1 0 9\n";
-    const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float nx\nproperty float ny\nproperty float nz\n\
-        end_header\n0 0 1\n0 1 0\n";
-    const POINTS: &str = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
-        end_header\n1 2 3\n4 5 6\n";
+    const PCD: &str = "VERSION .7\nFIELDS normal_x normal_y normal_z curvature\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 \
+        1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0 0 1 9\n0 1 0 9\n";
+    const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float nx\nproperty float ny\nproperty float \
+        nz\nend_header\n0 0 1\n0 1 0\n";
+    const POINTS: &str = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float \
+        z\nend_header\n1 2 3\n4 5 6\n";
     const NORMALS: [[f32; 3]; 2] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]];
 
     fn read_pair(points: &str, normals: &str) -> RawCloud {

@@ -7,6 +7,8 @@
 use super::attributes;
 use super::column::Column;
 use super::error::{Fault, Place};
+use super::format::{Format, Magic, Traits};
+use super::growing;
 use super::options::ReadOptions;
 use super::xyz;
 use crate::cloud::RawCloud;
@@ -15,6 +17,23 @@ use std::io::{Cursor, Read as _};
 mod header;
 
 use header::{Array, Kind};
+
+/// An array of numpy.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "NPY",
+    extensions: &["npy"],
+    magic: &[Magic::start(b"\x93NUMPY")],
+    ..Traits::PLAIN
+});
+
+/// Named arrays of numpy. They are ZIP archives, which only their name tells from others.
+pub(super) const ARCHIVE: Format = Format::new(&Traits {
+    name: "NPZ",
+    extensions: &["npz"],
+    magic: &[Magic::start(b"PK\x03\x04"), Magic::start(b"PK\x05\x06")],
+    needs_extension: true,
+    ..Traits::PLAIN
+});
 
 /// Names of arrays with coordinates.
 const POSITIONS: [&str; 10] = [
@@ -44,7 +63,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
             (records(&array, count)?, count)
         }
     };
-    attributes::cloud(&columns, count)
+    growing::cloud(&columns, count)
 }
 
 /// The arrays of an archive that a cloud has a use for.
@@ -120,7 +139,7 @@ pub(super) fn decode_archive(bytes: &[u8], options: &ReadOptions) -> Result<RawC
             }
         )));
     }
-    attributes::cloud(&columns, count)
+    growing::cloud(&columns, count)
 }
 
 /// Names and bytes of the arrays in an archive, unpacked to no more than may be.
@@ -184,7 +203,8 @@ fn table<'a>(array: &Array<'a>, first: &str) -> Result<(Vec<Column<'a>>, usize),
             ""
         };
         return Err(Fault::header(format!(
-            "the array is {shape}, expected a row for each point with 3 to {MAX_COLUMNS} numbers, {first}, y and z first{advice}"
+            "the array is {shape}, expected a row for each point with 3 to {MAX_COLUMNS} numbers, {first}, y and z \
+             first{advice}"
         )));
     }
     let column = |index: usize| array.column(String::new(), index, width, count);

@@ -5,9 +5,18 @@
 //! textures are left out.
 
 use super::error::{Fault, Place};
+use super::format::{Format, Traits};
 use super::numbers::{parse_number, quoted};
 use crate::cloud::{Positions, RawCloud};
 use crate::progress::Progress;
+
+/// Wavefront OBJ.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "OBJ",
+    extensions: &["obj"],
+    is_for_meshes: true,
+    ..Traits::PLAIN
+});
 
 /// Lines between two looks at whether the model is still wanted.
 const LINES_AT_ONCE: usize = 1 << 14;

@@ -4,11 +4,21 @@
 //! away, so what stands behind the coordinates in a line counts more than the keyword. Text only: the binary variant is
 //! refused.
 
-use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
+use super::format::{Format, Magic, Traits};
+use super::growing;
 use super::numbers::{parse_number, quoted};
 use crate::cloud::RawCloud;
+
+/// Geomview OFF.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "OFF",
+    extensions: &["off"],
+    magic: &[Magic::start(b"OFF\n")],
+    is_for_meshes: true,
+    ..Traits::PLAIN
+});
 
 pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let mut lines = Lines::new(bytes);
@@ -47,7 +57,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let mut cloud = if vertices == 0 {
         RawCloud::from_positions(crate::cloud::Positions::F64(Vec::new()))
     } else {
-        attributes::cloud(&columns, vertices)?
+        growing::cloud(&columns, vertices)?
     };
     for index in 0..faces {
         face(
@@ -161,7 +171,8 @@ fn face(
                 "face",
                 index,
                 format!(
-                    "it names vertex {corner}, expected a whole number from 0 to below {vertices}, the count of vertices"
+                    "it names vertex {corner}, expected a whole number from 0 to below {vertices}, the count of \
+                     vertices"
                 ),
             ));
         }

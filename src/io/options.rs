@@ -1,6 +1,6 @@
 //! What reading may take, and what it makes of meshes.
 
-use super::Format;
+use super::format::Format;
 use std::num::NonZeroUsize;
 
 /// How files are read.

@@ -7,6 +7,8 @@ use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::fixed_rows::{self, FixedRows};
+use super::format::{Format, Traits};
+use super::growing;
 use super::numbers::{Tokens, line_endings, note_row, quoted};
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
@@ -22,11 +24,28 @@ const MAX_LZF_RATIO: usize = 88;
 /// The crate counts the bytes of a block in an i32.
 const MAX_LZF_BYTES: usize = i32::MAX as usize;
 
+/// Point Cloud Library: ascii, binary, compressed.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "PCD",
+    extensions: &["pcd"],
+    looks_like: Some(|_, bytes| begins_like_pcd(bytes)),
+    ..Traits::PLAIN
+});
+
+/// The first line that is no comment begins with VERSION, or with FIELDS as some writers leave VERSION out.
+fn begins_like_pcd(bytes: &[u8]) -> bool {
+    bytes[..bytes.len().min(Format::MAGIC_BYTES)]
+        .split(|&byte| byte == b'\n')
+        .map(<[u8]>::trim_ascii)
+        .find(|line| !line.is_empty() && !line.starts_with(b"#"))
+        .is_some_and(|line| line.starts_with(b"VERSION ") || line.starts_with(b"FIELDS "))
+}
+
 pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
     let (header, payload_start) = parse_header(bytes)?;
     let table = Table::new(&header)?;
     let payload = (&bytes[..payload_start], &bytes[payload_start..]);
-    let mut cloud = table.with_columns(header.data, payload, progress, attributes::cloud)?;
+    let mut cloud = table.with_columns(header.data, payload, progress, growing::cloud)?;
     cloud.sensor = sensor(&header);
     Ok(cloud)
 }

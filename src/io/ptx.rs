@@ -5,13 +5,25 @@
 //! that all scans share; the position and the axes say the same once more. Beams that met nothing are stored at the
 //! scanner: they are kept, as other readers keep them.
 
-use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
+use super::format::{Format, Traits};
+use super::growing;
 use super::rows::{self, Dialect};
-use crate::cloud::{Positions, RawCloud};
+use super::xyz;
+use crate::cloud::{AxisConvention, LengthUnit, Positions, RawCloud};
 use crate::progress::Progress;
 use glam::{DMat4, DVec3, DVec4};
+
+/// Leica PTX: text of scans with poses, in metres. It is known under the names of other text, too.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "PTX",
+    extensions: &["ptx"],
+    looks_like: Some(|name, bytes| xyz::FORMAT.has_extension_of(name) && is_ptx(bytes)),
+    convention: Some(AxisConvention::UsuallyZUp),
+    unit: Some(LengthUnit::Metre),
+    ..Traits::PLAIN
+});
 
 /// Numbers in the lines of a header.
 const HEADER_WIDTHS: [usize; 10] = [1, 1, 3, 3, 3, 3, 4, 4, 4, 4];
@@ -105,7 +117,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
             values: Values::Parsed(values),
         })
         .collect();
-    let mut cloud = attributes::cloud(&columns, count)?;
+    let mut cloud = growing::cloud(&columns, count)?;
     // Several scans were seen from several places.
     cloud.sensor = match sensors.as_slice() {
         [sensor] if sensor.is_finite() => Some(*sensor),

@@ -1,8 +1,11 @@
 //! What the frames of one file share is read once, and fails once.
 
+use super::contents::Part;
 use super::error::IoError;
-use super::gltf::Scene;
-use super::{Format, Part, ReadOptions, finished, read_part_observed, watched};
+use super::gltf::{self, Scene};
+use super::options::ReadOptions;
+use super::read::{finished, read_part_observed};
+use super::watched;
 use crate::cloud::RawCloud;
 use crate::locks::lock;
 use crate::progress::Progress;
@@ -41,7 +44,7 @@ impl SharedFile {
             return read_part_observed(path, part, options, progress).map_err(Arc::new);
         };
         let scene = self.scene(path, options, progress)?;
-        let format = Format::Gltf;
+        let format = gltf::FORMAT;
         let decoded = scene.frame(time.as_secs_f64());
         finished(decoded, path, format, &options.of_format(format)).map_err(Arc::new)
     }
@@ -79,7 +82,7 @@ fn open(
         path: path.to_owned(),
         source,
     })?;
-    let format = Format::Gltf;
+    let format = gltf::FORMAT;
     let scene = Scene::open(path, &bytes, &options.of_format(format));
     let scene = scene.map_err(|fault| fault.of(path, format))?;
     Ok(Arc::new(scene.into_owned()))

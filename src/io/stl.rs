@@ -6,9 +6,19 @@
 //! corner of.
 
 use super::error::{Fault, Place};
+use super::format::{Format, Traits};
 use super::numbers::{Tokens, parse_number, quoted};
-use crate::cloud::{Positions, RawCloud};
+use crate::cloud::{AxisConvention, Positions, RawCloud};
 use std::collections::HashMap;
+
+/// Stereolithography: ascii, binary.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "STL",
+    extensions: &["stl"],
+    convention: Some(AxisConvention::UsuallyZUp),
+    is_for_meshes: true,
+    ..Traits::PLAIN
+});
 
 const HEADER_BYTES: usize = 80;
 /// Header and the count of triangles.
@@ -41,7 +51,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
             format!("the file ends here, but it counts {claimed} triangles: it is truncated"),
         )),
         (None, _) => Err(Fault::header(format!(
-            "the file has {} bytes, fewer than the header of a binary file, and does not begin with `solid` like a text",
+            "the file has {} bytes, fewer than the header of a binary file, and does not begin with `solid` like a \
+             text",
             bytes.len()
         ))),
     }

@@ -3,7 +3,7 @@
 //! What a file claims is held against the limit before anything is unpacked; memory then grows with what really comes
 //! out, so that neither a false claim nor a bomb takes more than it is allowed to.
 
-use super::ReadOptions;
+use super::options::ReadOptions;
 use std::io::{self, Read};
 
 /// How bytes are packed.

@@ -11,12 +11,20 @@
 //! | 7 | x y z, then scalar red green blue (as `.pts`) or red green blue scalar |
 //! | 9 and more | x y z red green blue nx ny nz |
 
-use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
+use super::format::{Format, Traits};
+use super::growing;
 use super::rows::{self, Dialect, Rows};
 use crate::cloud::{Positions, RawCloud};
 use crate::progress::Progress;
+
+/// Text with coordinates in columns.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "text",
+    extensions: &["xyz", "txt", "csv", "asc", "pts"],
+    ..Traits::PLAIN
+});
 
 /// Columns that are looked at.
 const MAX_COLUMNS: usize = 64;
@@ -62,7 +70,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
             values: Values::Parsed(values),
         })
         .collect();
-    attributes::cloud(&columns, count)
+    growing::cloud(&columns, count)
 }
 
 fn cut_short(claimed: usize, count: usize) -> Fault {

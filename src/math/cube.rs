@@ -255,7 +255,8 @@ mod tests {
     proptest! {
         /// Points on the borders of cells, where a reciprocal misplaces: for many edges and levels.
         #[test]
-        fn borders_belong_to_the_upper_cell(edge in 1u32..10_000, exponent in -30i32..30, level in 1u32..=12, index in 0u32..4096) {
+        fn borders_belong_to_the_upper_cell(edge in 1u32..10_000, exponent in -30i32..30, level in 1u32..=12,
+            index in 0u32..4096) {
             let index = index & ((1 << level) - 1);
             let edge = edge as f32 * 2f32.powi(exponent);
             let border = f64::from(edge) * f64::from(index) / f64::from(1u32 << level);
@@ -278,7 +279,8 @@ mod tests {
                 for (index, offset) in morton::decode(code).into_iter().zip(offset) {
                     let lower = f64::from(index) * cell_edge;
                     let last = index == FINEST_CELLS - 1;
-                    prop_assert!(lower <= offset && (offset < lower + cell_edge || last && offset <= lower + cell_edge));
+                    prop_assert!(lower <= offset &&
+                        (offset < lower + cell_edge || last && offset <= lower + cell_edge));
                 }
             }
         }

@@ -176,7 +176,8 @@ mod tests {
             prop_assert_eq!(packed_a.parting(packed_b), (expected, ascends));
             for level in 0..=LEVELS {
                 prop_assert_eq!(packed_a.share_cell(packed_b, level), level < u32::from(expected));
-                prop_assert_eq!((0..3).map(|axis| packed_a.coordinate(axis, level)).collect::<Vec<_>>(), a.map(|index| index >> (LEVELS - level)));
+                prop_assert_eq!((0..3).map(|axis| packed_a.coordinate(axis, level)).collect::<Vec<_>>(),
+                    a.map(|index| index >> (LEVELS - level)));
                 if level > 0 {
                     prop_assert_eq!(packed_a.octant(level), (encode_slowly(a) >> (3 * (LEVELS - level))) as u32 & 7);
                 }

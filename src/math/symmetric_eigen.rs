@@ -346,7 +346,8 @@ mod tests {
         }
 
         #[test]
-        fn the_normal_of_a_pancake_is_exact(x in -1.0f64..1.0, y in -1.0f64..1.0, z in -1.0f64..1.0, flat in 0.0f64..0.1, wide in 0.5f64..1.0) {
+        fn the_normal_of_a_pancake_is_exact(x in -1.0f64..1.0, y in -1.0f64..1.0, z in -1.0f64..1.0,
+            flat in 0.0f64..0.1, wide in 0.5f64..1.0) {
             let direction = DVec3::new(x, y, z);
             prop_assume!(direction.length() > 1e-3);
             let normal = direction.normalize();

@@ -37,7 +37,8 @@ impl FirstAttributes {
             }
         };
         Some(format!(
-            "Frame {} has {}, frame {} has {}: what a file lacks is estimated, so the picture changes from frame to frame.",
+            "Frame {} has {}, frame {} has {}: what a file lacks is estimated, so the picture changes from frame to \
+             frame.",
             first + 1,
             named(had),
             index + 1,

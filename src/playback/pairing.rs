@@ -255,7 +255,8 @@ mod tests {
         }
 
         #[test]
-        fn even_times_are_paired_like_indices(a in 1usize..20, b in 2usize..20, spacing in 1u64..500, offset in -20i64..20) {
+        fn even_times_are_paired_like_indices(a in 1usize..20, b in 2usize..20, spacing in 1u64..500,
+            offset in -20i64..20) {
             let even = |count: usize| at(&(0..count as u64).map(|frame| frame * spacing).collect::<Vec<_>>());
             let times = PairTimes::of(&even(a), &even(b)).unwrap();
             for index in 0..a {

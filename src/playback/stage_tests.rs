@@ -44,7 +44,7 @@ struct Stage {
 }
 
 /// Points of the picture, whether they are surfels, and whether more is to come.
-type Seen = (usize, bool, bool);
+type ShownFrame = (usize, bool, bool);
 
 impl Stage {
     fn new(sequence: &Arc<Sequence>, play: bool, options: LoaderOptions) -> Self {
@@ -67,8 +67,8 @@ impl Stage {
     }
 
     /// What is seen, one picture after the other, until nothing more is to come.
-    fn watch(&mut self) -> Vec<Seen> {
-        let mut seen: Vec<Seen> = Vec::new();
+    fn watch(&mut self) -> Vec<ShownFrame> {
+        let mut seen: Vec<ShownFrame> = Vec::new();
         for _ in 0..50 {
             self.player.update(self.now, &self.settings);
             if let Some(frame) = self.player.shown() {
@@ -90,7 +90,7 @@ impl Stage {
     }
 }
 
-fn seen_of(points: usize) -> Vec<Seen> {
+fn seen_of(points: usize) -> Vec<ShownFrame> {
     Stage::new(&sequence(1, points), true, LoaderOptions::default()).watch()
 }
 

@@ -99,7 +99,9 @@ proptest! {
             let place = origin + Vec3::from_array(place).as_dvec3();
             let is_inside = match in_world {
                 ClipShape::Box { min, max } => (0..3).all(|axis| min[axis] <= place[axis] && place[axis] <= max[axis]),
-                ClipShape::Plane { normal, offset } => normal.x * place.x + normal.y * place.y + normal.z * place.z >= offset,
+                ClipShape::Plane { normal, offset } => {
+                    normal.x * place.x + normal.y * place.y + normal.z * place.z >= offset
+                }
             };
             is_inside != keeps_outside
         };
@@ -150,7 +152,8 @@ proptest! {
             prop_assert!(clip.keeps(origin + place), "{} {:?}", way.primitive, way.codes.footprint);
             // Of whole points it is the one that is drawn there: the same as where there are no others.
             if way.primitive == Primitive::Point {
-                let alone: Vec<Vec3> = places.iter().copied().filter(|place| clip.keeps(origin + place.as_dvec3())).collect();
+                let alone: Vec<Vec3> =
+                    places.iter().copied().filter(|place| clip.keeps(origin + place.as_dvec3())).collect();
                 let alone = self::frame(&alone, origin);
                 let packet = Scene::default().packet(&alone, origin, &camera(origin), &way, SIZE);
                 let other = pick(&packet, &alone, at, 20.0).unwrap();

@@ -20,7 +20,8 @@ const DISTANCE_RANGE: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 pub enum ParseViewError {
     /// Another text, or one of another version.
     #[error(
-        "this is no view: expected a line such as `{HEAD} target 0 0 0 distance 2.5 azimuth 30 elevation 15 fov 45 up y perspective`"
+        "this is no view: expected a line such as `{HEAD} target 0 0 0 distance 2.5 azimuth 30 elevation 15 fov 45 up \
+         y perspective`"
     )]
     NoView,
     /// A part is not there.
@@ -191,7 +192,8 @@ mod tests {
         let text = camera().to_string();
         assert_eq!(
             text,
-            "pointreel view 1: target 4510731.25 -0.1 0.0000001 distance 2.5 azimuth -30 elevation 15 fov 45 up -y orthographic"
+            "pointreel view 1: target 4510731.25 -0.1 0.0000001 distance 2.5 azimuth -30 elevation 15 fov 45 up -y \
+             orthographic"
         );
         assert_eq!(format!("  {text}\n").parse(), Ok(camera()));
     }

@@ -12,14 +12,15 @@
 //! What is made in a hurry is [`Effort::in_time`]; what may be made while all that is due soon is there already is
 //! [`Effort::at_best`], which only drawing limits. Nothing here looks at a clock.
 
+mod average;
 mod drawing;
+mod points;
 
 use super::Detail;
+use average::Average;
 use drawing::Drawing;
+use points::power_of_two;
 use std::time::Duration;
-
-/// Frames of fewer points save nothing worth it.
-const FEWEST_POINTS: u32 = 1 << 13;
 
 /// Points of the first frames that are played, of which nothing is known.
 const FIRST_POINTS: u32 = 1 << 14;
@@ -27,12 +28,9 @@ const FIRST_POINTS: u32 = 1 << 14;
 /// Part of the workers' time that is planned with.
 const PLANNED: f64 = 0.85;
 
-/// Weight of the newest measurement in an average.
-const NEWEST: f64 = 0.25;
-
 /// What making a frame took.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Made {
+pub(super) struct MakingCost {
     /// Decoding alone, milliseconds; `None` if nothing was decoded.
     pub(super) decode_ms: Option<f64>,
     /// Everything after it, milliseconds.
@@ -95,7 +93,7 @@ impl Effort {
     }
 
     /// Takes notice of a frame that was made.
-    pub(super) fn note_made(&mut self, made: &Made) {
+    pub(super) fn note_made(&mut self, made: &MakingCost) {
         self.points_in_file = self.points_in_file.max(made.points_in_file);
         if let Some(decode_ms) = made.decode_ms {
             self.decode_ms.add(decode_ms);
@@ -175,32 +173,9 @@ fn milliseconds(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1e3
 }
 
-/// The power of two at or below `points`, within bounds.
-fn power_of_two(points: f64) -> u32 {
-    let points = points.min(f64::from(1_u32 << 31)) as u32;
-    (1 << points.max(1).ilog2()).max(FEWEST_POINTS)
-}
-
-/// A moving average, and the worst of what is fading from it.
-#[derive(Debug, Clone, Copy, Default)]
-struct Average {
-    mean: Option<f64>,
-    worst: f64,
-}
-
-impl Average {
-    fn add(&mut self, value: f64) {
-        if value.is_finite() {
-            let mean = self.mean.unwrap_or(value);
-            self.mean = Some(mean + NEWEST * (value - mean));
-            // The worst is forgotten at a tenth of that pace.
-            self.worst = value.max(self.worst * (1.0 - 0.1 * NEWEST));
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::points::FEWEST_POINTS;
     use super::*;
 
     const MILLION: usize = 1_000_000;
@@ -220,8 +195,8 @@ mod tests {
         effort
     }
 
-    fn made(decode_ms: f64, ns_per_point: f64, points: usize) -> Made {
-        Made {
+    fn made(decode_ms: f64, ns_per_point: f64, points: usize) -> MakingCost {
+        MakingCost {
             decode_ms: Some(decode_ms),
             rest_ms: ns_per_point * points as f64 / 1e6,
             points,
@@ -305,7 +280,7 @@ mod tests {
         assert_eq!(effort.in_time(), Detail::at_most(FEWEST_POINTS));
         // Of small frames there is nothing to leave out.
         let mut small = played_at(25.0);
-        small.note_made(&Made {
+        small.note_made(&MakingCost {
             points_in_file: 5000,
             ..made(500.0, 1.0, 5000)
         });

@@ -65,7 +65,8 @@ pub enum FrameError {
         path: PathBuf,
     },
     /// The program's own fault, kept to this frame.
-    #[error("{}: the program failed on this frame ({message}); the other frames still play, please report it with the file", path.display())]
+    #[error("{}: the program failed on this frame ({message}); the other frames still play, please report it with the \
+        file", path.display())]
     Panic {
         /// Index in the sequence.
         index: usize,

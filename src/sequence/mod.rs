@@ -1,8 +1,8 @@
 //! A sequence of point clouds through time: finding its files, preparing its frames ahead of the playhead, playing it.
 //!
-//! [`Sequence::discover`] orders files without reading them. [`crate::timeline::Clock`] says which frame is due. A [`Loader`] decodes
-//! and prepares frames on worker threads in the order in which the clock will ask for them, and keeps what a byte
-//! budget allows:
+//! [`Sequence::discover`] orders files without reading them. [`crate::timeline::Clock`] says which frame is due. A
+//! [`Loader`] decodes and prepares frames on worker threads in the order in which the clock will ask for them, and
+//! keeps what a byte budget allows:
 //!
 //! ```no_run
 //! use pointreel::sequence::{Loader, LoaderOptions, Needs, Sequence};
@@ -22,6 +22,7 @@ mod coloring;
 mod detail;
 mod effort;
 mod error;
+mod frames;
 mod ghosts;
 mod loader;
 mod needs;
@@ -31,6 +32,7 @@ mod prepare;
 mod records;
 mod scaled;
 mod stamps;
+mod stopwatch;
 mod trails;
 mod watch;
 
@@ -38,10 +40,11 @@ pub use crate::io::natural_order;
 pub use crate::source::{DecodeFailure, FrameEntry, OpenOptions, Recording, SequenceError, Shape};
 pub use coloring::{
     ColorHints, ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint,
-    PaintValues, ParseColoringError, plain_field_name, value_kind,
+    PaintValues, ParseColoringError, UNIFORM_COLOR, plain_field_name, value_kind,
 };
 pub use detail::Detail;
 pub use error::FrameError;
+pub use frames::Sequence;
 pub use ghosts::{Ghost, with_ghosts};
 #[cfg(test)]
 pub(crate) use loader::simulation;
@@ -51,364 +54,15 @@ pub use loader::{
 pub use needs::Needs;
 pub use onion::OnionSkin;
 pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare, prepare_part};
-pub use records::UNIFORM_COLOR;
 pub use scaled::NO_VALUE_COLOR;
+pub(crate) use stopwatch::milliseconds_since;
 pub use trails::{BreakReason, TrailBreak, TrailMeasure, TrailRequest, Trails};
 pub use watch::watch;
-
-use crate::cloud::{Frame, RawCloud};
-use crate::locks::lock;
-use crate::progress::Progress;
-use crate::source::{self, Decoder, FrameList, Source};
-use crate::timeline::{DEFAULT_FPS, Pace};
-use glam::DVec3;
-use origin::OriginFinder;
-use stamps::Stamps;
-use std::ops::Range;
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::Instant;
-
-/// The frames of a source, their common origin and their pace. Shared between threads behind an [`Arc`]; may grow at
-/// its end.
-pub struct Sequence {
-    source: Arc<dyn Source>,
-    /// Decoders that nobody uses now, and the frame that each has decoded last.
-    decoders: Mutex<Vec<(usize, Box<dyn Decoder>)>>,
-    decode_count: AtomicU64,
-    origin: OriginFinder,
-    fps: Option<f64>,
-    stamps: Mutex<Stamps>,
-}
-
-/// A frame as [`Sequence::load`] gives it.
-pub(crate) struct LoadedFrame {
-    pub(crate) frame: Frame,
-    /// Time of the decoder and of the validation.
-    pub(crate) decode_ms: f32,
-    /// Time of the decoder alone.
-    pub(crate) decoder_ms: f32,
-}
-
-impl Sequence {
-    /// The frames of `source`.
-    pub fn of(source: impl Source + 'static) -> Self {
-        Self::of_shared(Arc::new(source), None)
-    }
-
-    fn of_shared(source: Arc<dyn Source>, fps: Option<f64>) -> Self {
-        Self {
-            source,
-            decoders: Mutex::default(),
-            decode_count: AtomicU64::new(0),
-            origin: OriginFinder::default(),
-            fps,
-            stamps: Mutex::default(),
-        }
-    }
-
-    /// The frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. See
-    /// [`SequenceError`] for what can be wrong.
-    pub fn discover(inputs: &[PathBuf]) -> Result<Self, SequenceError> {
-        Self::open(inputs, &OpenOptions::default())
-    }
-
-    /// [`Sequence::discover`] with a choice of how.
-    pub fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, SequenceError> {
-        Self::open_observed(inputs, options, &Progress::default())
-    }
-
-    /// [`Sequence::open`], where `progress` counts the files that were looked at, and may be cancelled.
-    ///
-    /// # Errors
-    /// As [`Sequence::open`], and [`SequenceError::Cancelled`].
-    pub fn open_observed(
-        inputs: &[PathBuf],
-        options: &OpenOptions,
-        progress: &Progress,
-    ) -> Result<Self, SequenceError> {
-        let source = source::open(inputs, options, progress)?;
-        Ok(Self::of_shared(source, options.fps))
-    }
-
-    /// The sequence embedded in the program: 24 poses of about 8,000 coloured points.
-    pub fn demo() -> Self {
-        Self::of(source::demo())
-    }
-
-    /// Frames that one function decodes: see [`FrameList`].
-    pub fn with_decoder(
-        entries: Vec<FrameEntry>,
-        decode: impl Fn(&FrameEntry) -> Result<RawCloud, DecodeFailure> + Send + Sync + 'static,
-    ) -> Self {
-        Self::of(FrameList::new(entries, move |entry, _| decode(entry)))
-    }
-
-    /// The same frames, of which nothing is decoded yet and the origin is not decided.
-    #[must_use]
-    pub(crate) fn anew(&self) -> Self {
-        Self::of_shared(Arc::clone(&self.source), self.fps)
-    }
-
-    /// Where the frames come from.
-    pub fn source(&self) -> &Arc<dyn Source> {
-        &self.source
-    }
-
-    /// The same sequence at another frame rate; values that are not positive and finite change nothing.
-    #[must_use]
-    pub fn with_fps(mut self, fps: f64) -> Self {
-        if fps.is_finite() && fps > 0.0 {
-            self.fps = Some(fps);
-        }
-        self
-    }
-
-    /// The frames that can be decoded, or are broken: see [`Source::frames`].
-    pub fn frames(&self) -> Range<usize> {
-        self.source.frames()
-    }
-
-    /// Number of frames, broken ones and those that are gone included.
-    pub fn len(&self) -> usize {
-        self.frames().end
-    }
-
-    /// True without frames; a discovered sequence has at least one.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// What is known of every frame, in order.
-    pub fn entries(&self) -> Vec<Arc<FrameEntry>> {
-        (0..self.len()).map(|index| self.entry(index)).collect()
-    }
-
-    /// What is known of frame `index`. Precondition: `index < len()`.
-    pub fn entry(&self, index: usize) -> Arc<FrameEntry> {
-        self.source.entry(index)
-    }
-
-    /// Frames a second at normal speed, for most of the time.
-    pub fn fps(&self) -> f64 {
-        let stamped = || self.stamped_pace().map(|(_, fps)| fps);
-        self.fps.or_else(stamped).unwrap_or(DEFAULT_FPS)
-    }
-
-    /// How long each frame lasts: as its time stamps say, unless a frame rate was chosen.
-    pub fn pace(&self) -> Pace {
-        let stamped = || self.stamped_pace().map(|(pace, _)| pace);
-        match self.fps {
-            Some(_) => Pace::default(),
-            None => stamped().unwrap_or_default(),
-        }
-    }
-
-    /// Pace and frames a second by the time stamps, if every frame has one and they grow.
-    fn stamped_pace(&self) -> Option<(Pace, f64)> {
-        let mut stamps = lock(&self.stamps);
-        stamps.pace(self.len(), |index| self.entry(index).time)
-    }
-
-    /// What is subtracted from file coordinates before they become f32.
-    ///
-    /// Zero unless the coordinates are large against the extent of the cloud; decided by the first frame that can be
-    /// read and has a finite point. The first call decodes that frame, and keeps it for whoever loads it next.
-    pub fn origin(&self) -> DVec3 {
-        // Nobody can cancel it.
-        let never = Progress::default();
-        self.origin.origin(self, &never).unwrap_or_default()
-    }
-
-    /// Takes the origin of `other` where f32 from there keep the detail, so that the same coordinates of both files
-    /// become the same f32. To be said before the origin is asked for; later it changes nothing.
-    pub fn share_origin_with(self: &Arc<Self>, other: &Arc<Self>) {
-        if !Arc::ptr_eq(self, other) {
-            self.origin.share(Arc::clone(other));
-        }
-    }
-
-    /// Decodes frame `index` in file coordinates. A panic of the decoder is an error like any other.
-    pub fn decode(&self, index: usize) -> Result<RawCloud, FrameError> {
-        self.decode_observed(index, &Progress::default())
-    }
-
-    fn decode_observed(&self, index: usize, progress: &Progress) -> Result<RawCloud, FrameError> {
-        let frames = self.source.frames();
-        if index >= frames.end {
-            let count = frames.end;
-            return Err(FrameError::NoSuchFrame { index, count });
-        }
-        let entry = self.entry(index);
-        let path = entry.path.clone();
-        if index < frames.start {
-            return Err(FrameError::Gone { index, path });
-        }
-        self.decode_count.fetch_add(1, Ordering::Relaxed);
-        progress.set(0, 0);
-        let mut decoder = self.decoder_for(index);
-        let decoded = error::catch_panic(index, &path, || {
-            let decoded = decoder.decode(index, &entry, progress);
-            // One that has panicked is not used again.
-            lock(&self.decoders).push((index, decoder));
-            decoded.map_err(|reason| FrameError::Decode {
-                index,
-                path: path.clone(),
-                reason: reason.into(),
-            })
-        });
-        if progress.is_cancelled() {
-            return Err(self.cancelled(index));
-        }
-        progress.set(0, 0);
-        decoded
-    }
-
-    /// A decoder that nobody uses: that of the frame before, if there is one, as it may know what frame `index` is made
-    /// from.
-    fn decoder_for(&self, index: usize) -> Box<dyn Decoder> {
-        let mut idle = lock(&self.decoders);
-        let of_before = idle.iter().position(|&(last, _)| last + 1 == index);
-        let taken = of_before
-            .map(|place| idle.swap_remove(place))
-            .or(idle.pop());
-        drop(idle);
-        taken.map_or_else(|| self.source.decoder(), |(_, decoder)| decoder)
-    }
-
-    /// That the reading of frame `index` was cancelled.
-    pub(crate) fn cancelled(&self, index: usize) -> FrameError {
-        let path = self.entry(index).path.clone();
-        FrameError::Cancelled { index, path }
-    }
-
-    /// [`Sequence::decode`], or what was decoded to decide the origin and nobody has asked for since.
-    pub(crate) fn take_decoded(&self, index: usize) -> Result<RawCloud, FrameError> {
-        match self.origin.take_kept(index) {
-            Some(kept) => kept.map(|(raw, _)| raw),
-            None => self.decode(index),
-        }
-    }
-
-    /// Frame `index`: decoded, validated and moved to [`Sequence::origin`].
-    pub fn frame(&self, index: usize) -> Result<Frame, FrameError> {
-        let progress = Progress::default();
-        self.load(index, Detail::Full, &progress)
-            .map(|loaded| loaded.frame)
-    }
-
-    /// How often a decoder was called so far.
-    pub fn decode_count(&self) -> u64 {
-        self.decode_count.load(Ordering::Relaxed)
-    }
-
-    /// [`Sequence::frame`] in some detail, with its time; takes the frame that decided the origin if it is still kept.
-    ///
-    /// # Errors
-    /// As [`Sequence::frame`], and [`FrameError::Cancelled`] once `progress` is.
-    pub(crate) fn load(
-        &self,
-        index: usize,
-        detail: Detail,
-        progress: &Progress,
-    ) -> Result<LoadedFrame, FrameError> {
-        let origin = self.origin.origin(self, progress);
-        let origin = origin.ok_or_else(|| self.cancelled(index))?;
-        let (raw, decoder_ms) = match self.origin.take_kept(index) {
-            Some(kept) => kept?,
-            None => self.decode_timed(index, progress)?,
-        };
-        let start = Instant::now();
-        let frame = Frame::from_raw_sample(raw, origin, detail.most_points());
-        let frame = frame.map_err(|reason| FrameError::Invalid {
-            index,
-            path: self.entry(index).path.clone(),
-            reason,
-        })?;
-        if let Some(sample) = self.origin.sample() {
-            frame.share_sample(Arc::clone(sample));
-        }
-        Ok(LoadedFrame {
-            frame,
-            decode_ms: decoder_ms + milliseconds_since(start),
-            decoder_ms,
-        })
-    }
-
-    /// At most `most_points` of frame `index`, if it has at least `fewest_points` and they can be read without the
-    /// others.
-    pub(crate) fn load_sample(
-        &self,
-        index: usize,
-        most_points: usize,
-        fewest_points: usize,
-    ) -> Option<LoadedFrame> {
-        let start = Instant::now();
-        let entry = self.entry(index);
-        // What is wrong is said when all of it is read.
-        let sampled = error::catch_panic(index, &entry.path, || {
-            let sample = self.source.sample(index, most_points, fewest_points);
-            sample.map_err(|reason| FrameError::Decode {
-                index,
-                path: entry.path.clone(),
-                reason: reason.into(),
-            })
-        });
-        let (raw, point_count) = sampled.ok().flatten()?;
-        let origin = match index {
-            0 => self.origin.decided_by(&raw)?,
-            _ => self.origin.known()?,
-        };
-        let decoder_ms = milliseconds_since(start);
-        let frame = Frame::from_sampled(raw, origin, point_count).ok()?;
-        Some(LoadedFrame {
-            frame,
-            decode_ms: milliseconds_since(start),
-            decoder_ms,
-        })
-    }
-
-    /// Bytes of the decoded frame kept since the origin was decided.
-    pub(crate) fn kept_bytes(&self) -> usize {
-        self.origin.kept_bytes()
-    }
-
-    /// Gives the memory of [`Sequence::kept_bytes`] back; the frame is decoded again when it is wanted.
-    pub(crate) fn drop_kept(&self) {
-        self.origin.drop_kept();
-    }
-
-    fn decode_timed(
-        &self,
-        index: usize,
-        progress: &Progress,
-    ) -> Result<(RawCloud, f32), FrameError> {
-        let start = Instant::now();
-        let raw = self.decode_observed(index, progress)?;
-        Ok((raw, milliseconds_since(start)))
-    }
-}
-
-impl std::fmt::Debug for Sequence {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter
-            .debug_struct("Sequence")
-            .field("entries", &self.entries())
-            .field("fps", &self.fps())
-            .finish_non_exhaustive()
-    }
-}
-
-/// Wall time since `start` in milliseconds.
-pub(crate) fn milliseconds_since(start: Instant) -> f32 {
-    start.elapsed().as_secs_f32() * 1e3
-}
 
 // The loader hands sequences and frames to worker threads.
 const _: fn() = || {
     fn shared<T: Send + Sync>() {}
-    shared::<Arc<Sequence>>();
+    shared::<std::sync::Arc<Sequence>>();
     shared::<PreparedFrame>();
     shared::<FrameError>();
 };

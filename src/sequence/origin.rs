@@ -15,7 +15,7 @@
 //! is kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice, but for what
 //! was cancelled.
 
-use super::{FrameError, Sequence};
+use super::error::FrameError;
 use crate::cloud::{RawCloud, ValueSample};
 use crate::locks::lock;
 use crate::progress::Progress;
@@ -34,6 +34,21 @@ const FAR_BESIDE_IN_EXTENTS: f64 = 64.0;
 /// A decoded frame with its time in milliseconds, or why there is none.
 type Kept = Result<(RawCloud, f32), FrameError>;
 
+/// The frames that an origin is for.
+pub(super) trait OriginFrames: Send + Sync {
+    fn frame_count(&self) -> usize;
+
+    /// Decodes a frame in file coordinates; with the time that it took in milliseconds.
+    fn decode_timed(
+        &self,
+        index: usize,
+        progress: &Progress,
+    ) -> Result<(RawCloud, f32), FrameError>;
+
+    /// Their origin; `None` if deciding it was cancelled.
+    fn origin_observed(&self, progress: &Progress) -> Option<DVec3>;
+}
+
 /// Decides the origin once, on demand.
 #[derive(Default)]
 pub(super) struct OriginFinder {
@@ -42,7 +57,7 @@ pub(super) struct OriginFinder {
     deciding: Mutex<()>,
     given_up: AtomicUsize,
     /// Whose origin is taken if it can be.
-    beside: OnceLock<Arc<Sequence>>,
+    beside: OnceLock<Arc<dyn OriginFrames>>,
     kept: Mutex<BTreeMap<usize, Kept>>,
     /// Points of the frame that decided it.
     sample: OnceLock<Arc<ValueSample>>,
@@ -50,7 +65,7 @@ pub(super) struct OriginFinder {
 
 impl OriginFinder {
     /// The origin; `None` if that took decoding, which was cancelled.
-    pub(super) fn origin(&self, sequence: &Sequence, progress: &Progress) -> Option<DVec3> {
+    pub(super) fn origin(&self, frames: &dyn OriginFrames, progress: &Progress) -> Option<DVec3> {
         self.known().or_else(|| {
             let given_up = || self.given_up.load(Ordering::Relaxed);
             let before = given_up();
@@ -61,7 +76,7 @@ impl OriginFinder {
                 if given_up() != before {
                     return None;
                 }
-                let origin = self.decide(sequence, progress);
+                let origin = self.decide(frames, progress);
                 if origin.is_none() {
                     self.given_up.fetch_add(1, Ordering::Relaxed);
                 }
@@ -72,7 +87,7 @@ impl OriginFinder {
 
     /// Takes the origin of `other` if that keeps the detail. Says nothing any more once the origin is decided, or for
     /// the second time.
-    pub(super) fn share(&self, other: Arc<Sequence>) {
+    pub(super) fn share(&self, other: Arc<dyn OriginFrames>) {
         if self.beside.set(other).is_err() {
             log::debug!("an origin is shared with one other sequence");
         }
@@ -97,19 +112,19 @@ impl OriginFinder {
         })
     }
 
-    fn decide(&self, sequence: &Sequence, progress: &Progress) -> Option<DVec3> {
-        for index in 0..sequence.len() {
+    fn decide(&self, frames: &dyn OriginFrames, progress: &Progress) -> Option<DVec3> {
+        for index in 0..frames.frame_count() {
             if progress.is_cancelled() {
                 return None;
             }
-            let decoded = sequence.decode_timed(index, progress);
+            let decoded = frames.decode_timed(index, progress);
             let bounds = decoded
                 .as_ref()
                 .map(|(raw, _)| raw.positions.finite_bounds().1);
             match bounds {
                 Ok(Some((min, max))) => {
                     let beside = match self.beside.get() {
-                        Some(other) => Some(other.origin.origin(other, progress)?),
+                        Some(other) => Some(other.origin_observed(progress)?),
                         None => None,
                     };
                     let shared =
@@ -210,6 +225,7 @@ fn origin_of_bounds(min: DVec3, max: DVec3) -> DVec3 {
 mod tests {
     use super::*;
     use crate::cloud::{Positions, even_places};
+    use crate::sequence::Sequence;
     use crate::source::{FrameEntry, FrameList};
     use proptest::prelude::*;
 

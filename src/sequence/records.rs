@@ -1,6 +1,7 @@
 //! Frames → the records that are drawn, each array written in one pass into memory of the right size.
 
 use super::Paint;
+use super::coloring::UNIFORM_RGB;
 use super::scaled::{field, points_in_class_colors, points_on_scale};
 use crate::analysis::{Orientation, Surface, fake_color, splat_radii};
 use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
@@ -10,11 +11,6 @@ use std::borrow::Cow;
 
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 15;
-
-/// The usual colour of every point under [`super::ColorSource::Uniform`]: a light grey that shows shading both ways.
-pub const UNIFORM_COLOR: [u8; 4] = [200, 200, 200, 255];
-
-pub(super) const UNIFORM_RGB: [u8; 3] = [200, 200, 200];
 
 /// Normals and radii of every point of a frame, borrowed where the file has them.
 pub(super) struct CompleteSurface<'a> {

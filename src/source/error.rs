@@ -53,8 +53,8 @@ pub enum SequenceError {
     },
     /// Frames are to be made, but of what is not known.
     #[error(
-        "{input} is nothing that can be made: name demo:, a shape ({shapes}) and 1 to {most_points} points, such as torus:100000, \
-         or a turning one, spin:torus:100000"
+        "{input} is nothing that can be made: name demo:, a shape ({shapes}) and 1 to {most_points} points, such as \
+         torus:100000, or a turning one, spin:torus:100000"
     )]
     NotGenerated {
         /// The input as given.

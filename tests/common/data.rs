@@ -17,8 +17,8 @@ pub(crate) fn shared(name: &str) -> Option<PathBuf> {
     let path = path.display();
     assert!(
         std::env::var_os("CI").is_none_or(|value| value != "true"),
-        "{test} needs {path}, which is not there. With CI=true the data of the tests has to be in the folder shared/data beside that of \
-         the project; without, it is passed over"
+        "{test} needs {path}, which is not there. With CI=true the data of the tests has to be in the folder \
+         shared/data beside that of the project; without, it is passed over"
     );
     // Not by `eprintln!`: the harness keeps what a passing test prints. Should nobody read it, the test goes on.
     let _ = writeln!(std::io::stderr(), "{test} skips {path}: it is not there");

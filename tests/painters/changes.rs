@@ -386,7 +386,8 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
                     .collect();
                 assert!(
                     wrong.is_empty(),
-                    "seed {seed}, step {step}, buffer {index}: {} pixels, {:?} … are not as painted whole; damage {damage:?}",
+                    "seed {seed}, step {step}, buffer {index}: {} pixels, {:?} … are not as painted whole; damage \
+                     {damage:?}",
                     wrong.len(),
                     &wrong[..wrong.len().min(4)]
                 );

@@ -133,8 +133,8 @@ fn kind(ui: &mut Ui, clip: &mut Option<Clip>, shown: &Shown) {
     choice(
         ui,
         "Clipping",
-        "Draws a part of the cloud: a point, splat or voxel stays where its middle is inside. Byte codes cannot be cut: their surfels \
-         are drawn as disks meanwhile",
+        "Draws a part of the cloud: a point, splat or voxel stays where its middle is inside. Byte codes cannot be \
+         cut: their surfels are drawn as disks meanwhile",
         &mut chosen,
         &[
             ("Off", Kind::Off, "All is drawn"),

@@ -67,7 +67,8 @@ fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame
     let mut sources: Vec<(&str, ColorSource, &str)> = vec![(
         "Automatic",
         ColorSource::Auto,
-        "The file's colours if they differ, else its intensity, its classes, the height of a scanned scene or the normal",
+        "The file's colours if they differ, else its intensity, its classes, the height of a scanned scene or the \
+         normal",
     )];
     let has_colors = frame.is_none_or(|frame| frame.colors().is_some());
     if has_colors || coloring.source == ColorSource::File {
@@ -112,7 +113,8 @@ fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame
         (
             "Distance",
             ColorSource::Distance(from),
-            "How far a point is from the sensor, or from the origin of the file where it names none, through a colour map",
+            "How far a point is from the sensor, or from the origin of the file where it names none, through a colour \
+             map",
         ),
     ]);
     let has = |source| frame.is_none_or(|frame| ColorSource::is_of(source, frame));

@@ -5,7 +5,7 @@ use super::table::menu_items;
 use crate::app::command::{Command, keys_of};
 use crate::app::recent::entry_name;
 use crate::app::{Benchmark, PanelId, Side, State, Tool};
-use crate::bench::Suite;
+use crate::bench::suites;
 use crate::playback::Player;
 use crate::scene::{Projection, ViewPreset};
 use egui::{Button, MenuBar, ThemePreference, Ui};
@@ -281,51 +281,10 @@ fn tools_menu(ui: &mut Ui, state: &mut State) {
 fn benchmark_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(200.0);
     let can_start = state.player.is_some() && !matches!(state.benchmark, Benchmark::Running(_));
-    for (suite, text, tooltip) in [
-        (
-            Suite::Surfels,
-            "Surfels × strategies",
-            "Time a frame of each instancing strategy drawing surfels (paper, Table II)",
-        ),
-        (
-            Suite::Octree,
-            "Octree by δ",
-            "Loss, depth, nodes, build and traversal time at δ of 2, 10 and 50 % (paper, Table III)",
-        ),
-        (
-            Suite::Voxels,
-            "Voxels × strategies",
-            "Time a frame of each instancing strategy drawing voxels (paper, Table IV)",
-        ),
-        (
-            Suite::Accuracy,
-            "Accuracy",
-            "Errors beside times: normals of known shapes, octree leaves by δ, pictures by LOD threshold",
-        ),
-        (
-            Suite::Render,
-            "CPU × GPU",
-            "Time a picture by the software renderer and by the graphics card, from three distances",
-        ),
-        (
-            Suite::Play,
-            "Playing",
-            "Play 300 frames by the clock, drawn but not presented: frames a second held, share of points shown, memory",
-        ),
-        (
-            Suite::Window,
-            "Window",
-            "Play, turn and scrub in a window of its own: pictures a second presented, latency, processor time by part",
-        ),
-        (
-            Suite::Error,
-            "Time × error",
-            "Time and error of every way to draw, against the truth; a click on a point draws as it does",
-        ),
-    ] {
+    for suite in suites::all() {
         let button = ui
-            .add_enabled(can_start, Button::new(text))
-            .on_hover_text(tooltip);
+            .add_enabled(can_start, Button::new(suite.title))
+            .on_hover_text(suite.hint);
         if button.clicked() {
             state.start_benchmark(suite);
             ui.close();

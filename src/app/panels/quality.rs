@@ -2,7 +2,7 @@
 
 use super::settings::{heading, row, rows};
 use crate::app::State;
-use crate::bench::{Quality, Suite};
+use crate::bench::{Quality, suites};
 use egui::{Button, DragValue, Slider, Ui};
 
 /// A slider over the ways that no other beats, and the two limits that choose one of them.
@@ -15,11 +15,11 @@ pub(super) fn quality_ui(ui: &mut Ui, state: &mut State) {
         choose(ui, state, &quality);
         return;
     }
-    let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. Then one slider \
-                   chooses from fast to exact. What was measured is kept for this sequence";
+    let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. \
+        Then one slider chooses from fast to exact. What was measured is kept for this sequence";
     let measure = ui.add(Button::new("Measure…")).on_hover_text(tooltip);
     if measure.clicked() {
-        state.start_benchmark(Suite::Error);
+        state.start_benchmark(suites::ERROR);
     }
 }
 

@@ -218,8 +218,8 @@ fn resolution(ui: &mut Ui, settings: &mut Style) {
     row(
         ui,
         "Resolution",
-        "Edge of the picture that is drawn, as a share of the one that is shown: at 50 % a quarter of the pixels are drawn and \
-         scaled up",
+        "Edge of the picture that is drawn, as a share of the one that is shown: at 50 % a quarter of the pixels are \
+         drawn and scaled up",
         share,
     );
 }

@@ -191,7 +191,8 @@ fn picture(ui: &mut Ui, state: &mut State) {
             "Points and voxels in GPU memory now",
         );
         let mut budget_mib = state.graphics.budget_bytes as f64 / f64::from(1 << 20);
-        let tooltip = "Most memory of the graphics card for points and voxels, MiB. What was not drawn for longest makes room";
+        let tooltip = "Most memory of the graphics card for points and voxels, MiB. What was not drawn for longest \
+            makes room";
         if budget_row(ui, "GPU budget", &mut budget_mib, tooltip) {
             state.graphics.budget_bytes = (budget_mib * f64::from(1 << 20)) as u64;
         }

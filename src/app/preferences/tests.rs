@@ -214,7 +214,12 @@ proptest! {
         let [splat_scale, enlargement, point_size_px, size] = sizes;
         let lod = if is_time { Lod::FrameTimeMs(size) } else { Lod::ThresholdPx(size) };
         let stop = StopCriterion::Depth(depth);
-        preferences.settings = Style { surfels: SurfelStyle { splat_scale, enlargement, ..preferences.settings.surfels }, points: PointStyle { size_px: point_size_px }, levels: LevelStyle { stop, lod, ..preferences.settings.levels }, ..preferences.settings };
+        preferences.settings = Style {
+            surfels: SurfelStyle { splat_scale, enlargement, ..preferences.settings.surfels },
+            points: PointStyle { size_px: point_size_px },
+            levels: LevelStyle { stop, lod, ..preferences.settings.levels },
+            ..preferences.settings
+        };
         let offered = preferences.offered();
         prop_assert_eq!(again(offered), (offered, true));
         prop_assert_eq!(offered.offered(), offered);

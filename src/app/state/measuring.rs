@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 impl State {
     /// Measures the open sequence on a thread; playing rests, it would disturb the measurement.
-    pub fn start_benchmark(&mut self, suite: Suite) {
+    pub fn start_benchmark(&mut self, suite: &'static Suite) {
         let Some(player) = &mut self.player else {
             return;
         };

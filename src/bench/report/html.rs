@@ -1,4 +1,4 @@
-//! The report of [`Suite::Error`] as one page: a plot of time against error, the pictures and the errors behind each
+//! The report of the error lab as one page: a plot of time against error, the pictures and the errors behind each
 //! point, and the table. Everything is in the file; it asks nobody for anything.
 
 use super::{Cell, Report};

@@ -1,141 +1,15 @@
 //! What a run found: rows of labels and numbers that the window, the terminal, JSON and CSV all show without knowing
 //! the suite.
 
+mod columns;
 mod html;
 mod text;
 
+pub use columns::{Cell, Column, Row};
+
 use super::scenario::Coverage;
-use super::{BenchOptions, Environment, LabPoint, Suite, suites};
+use super::{BenchOptions, Environment, LabPoint, Suite};
 use serde::ser::{Serialize, SerializeMap, SerializeStruct, Serializer};
-
-/// How the numbers of a column are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Text,
-    Number { decimals: usize },
-    Percent { decimals: usize },
-}
-
-/// A column of a report.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Column {
-    /// Its name in JSON and CSV; carries the unit.
-    pub key: &'static str,
-    /// Its name for people.
-    pub title: &'static str,
-    /// False for what only files show.
-    pub is_shown: bool,
-    format: Format,
-}
-
-impl Column {
-    /// Key of the text column that tells the tables of a report apart, where it has several.
-    pub const TABLE: &'static str = "table";
-
-    pub(super) const fn text(key: &'static str, title: &'static str) -> Self {
-        Self {
-            key,
-            title,
-            is_shown: true,
-            format: Format::Text,
-        }
-    }
-
-    pub(super) const fn number(key: &'static str, title: &'static str, decimals: usize) -> Self {
-        Self {
-            key,
-            title,
-            is_shown: true,
-            format: Format::Number { decimals },
-        }
-    }
-
-    /// A share of 1 that people see in percent.
-    pub(super) const fn percent(key: &'static str, title: &'static str, decimals: usize) -> Self {
-        Self {
-            key,
-            title,
-            is_shown: true,
-            format: Format::Percent { decimals },
-        }
-    }
-
-    pub(super) const fn hidden(self) -> Self {
-        Self {
-            is_shown: false,
-            ..self
-        }
-    }
-
-    /// True for labels, false for numbers.
-    pub fn is_text(&self) -> bool {
-        self.format == Format::Text
-    }
-
-    /// The cell as people see it.
-    fn show(&self, cell: &Cell) -> String {
-        match (cell, self.format) {
-            (Cell::Text(text), _) => text.clone(),
-            (Cell::Missing, _) => "–".to_owned(),
-            (Cell::Number(number), Format::Percent { decimals }) => {
-                format!("{:.decimals$} %", number * 100.0)
-            }
-            (Cell::Number(number), Format::Number { decimals }) => format!("{number:.decimals$}"),
-            (Cell::Number(number), Format::Text) => number.to_string(),
-        }
-    }
-}
-
-/// One value.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
-    /// A label.
-    Text(String),
-    /// A number in the unit of its column.
-    Number(f64),
-    /// Not measured, such as GPU time on an adapter without timestamps.
-    Missing,
-}
-
-impl Cell {
-    pub(super) fn maybe(number: Option<f64>) -> Self {
-        number.map_or(Self::Missing, Self::Number)
-    }
-
-    /// The number, if it is one.
-    pub fn number(&self) -> Option<f64> {
-        match self {
-            Self::Number(number) => Some(*number),
-            Self::Text(_) | Self::Missing => None,
-        }
-    }
-}
-
-impl Serialize for Cell {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Text(text) => serializer.serialize_str(text),
-            // Counts are written without a fraction.
-            Self::Number(number) if number.fract() == 0.0 && number.abs() < 1e15 => {
-                serializer.serialize_i64(*number as i64)
-            }
-            Self::Number(number) => serializer.serialize_f64(*number),
-            Self::Missing => serializer.serialize_none(),
-        }
-    }
-}
-
-/// One row: a cell for each column of the suite.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Row {
-    cells: Vec<Cell>,
-}
-
-impl Row {
-    pub(super) fn new(cells: Vec<Cell>) -> Self {
-        Self { cells }
-    }
-}
 
 /// Rows of one kind, as people see them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -176,7 +50,7 @@ pub struct Report {
     pub rows: Vec<Row>,
     /// What a reader must know: skipped frames and the like.
     pub notes: Vec<String>,
-    /// The ways that [`Suite::Error`] compared, one a row; empty for the other suites.
+    /// The ways to draw that were compared, one a row; empty for suites that compare none.
     pub points: Vec<LabPoint>,
 }
 
@@ -193,21 +67,13 @@ impl Report {
     }
 
     /// Which suite it is of.
-    pub fn suite(&self) -> Suite {
+    pub fn suite(&self) -> &'static Suite {
         self.options.suite
     }
 
     /// All columns, in the order of the cells of a row; those with [`Column::is_shown`] are for people.
     pub fn all_columns(&self) -> &'static [Column] {
-        match self.options.suite {
-            Suite::Surfels | Suite::Voxels => suites::draw::COLUMNS,
-            Suite::Octree => suites::octree::COLUMNS,
-            Suite::Accuracy => suites::accuracy::COLUMNS,
-            Suite::Render => suites::render::COLUMNS,
-            Suite::Play => suites::play::COLUMNS,
-            Suite::Window => suites::window::COLUMNS,
-            Suite::Error => suites::error::COLUMNS,
-        }
+        self.suite().columns
     }
 
     /// The tables that people are shown, in the order of their first rows.
@@ -258,32 +124,22 @@ impl Report {
 
     /// What [`Report::bars`] shows.
     pub fn bars_title(&self) -> &'static str {
-        match self.options.suite {
-            Suite::Surfels | Suite::Voxels => "CPU wall time of a picture, median ms",
-            Suite::Octree => "Build time, median ms",
-            Suite::Render => "Time of a picture on the processor, median ms",
-            Suite::Play => "Frames a second shown",
-            Suite::Window => "Pictures a second presented",
-            Suite::Error => "FLIP of the object, 0 to 1",
-            Suite::Accuracy => "FLIP of the object by LOD threshold in pixels and distance, 0 to 1",
-        }
+        self.suite().bars_title
     }
 
     /// One bar a row: its first cells, which tell it apart, and the number that the suite is about; see
     /// [`Report::bars_title`].
     pub fn bars(&self) -> Vec<(String, f64)> {
-        let count = match self.options.suite {
-            Suite::Surfels | Suite::Octree | Suite::Voxels | Suite::Play | Suite::Error => 2,
-            Suite::Accuracy | Suite::Render | Suite::Window => 3,
-        };
+        let Suite {
+            headline,
+            bar_labels,
+            ..
+        } = self.suite();
         self.rows
             .iter()
             .filter_map(|row| {
-                let labels: Vec<String> = self.cells(row).into_iter().take(count).collect();
-                Some((
-                    labels.join(" "),
-                    self.value(row, self.headline())?.number()?,
-                ))
+                let labels: Vec<String> = self.cells(row).into_iter().take(*bar_labels).collect();
+                Some((labels.join(" "), self.value(row, headline)?.number()?))
             })
             .collect()
     }
@@ -319,18 +175,6 @@ impl Report {
     pub fn to_json(&self) -> String {
         // Numbers, strings and maps with string keys are always JSON.
         serde_json::to_string_pretty(self).unwrap_or_default()
-    }
-
-    fn headline(&self) -> &'static str {
-        match self.options.suite {
-            Suite::Surfels | Suite::Voxels => suites::draw::HEADLINE,
-            Suite::Octree => suites::octree::HEADLINE,
-            Suite::Accuracy => suites::accuracy::HEADLINE,
-            Suite::Render => suites::render::HEADLINE,
-            Suite::Play => suites::play::HEADLINE,
-            Suite::Window => suites::window::HEADLINE,
-            Suite::Error => suites::error::HEADLINE,
-        }
     }
 
     /// Columns of a table for people, with their place in a row: those that some row of it fills.

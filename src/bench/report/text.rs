@@ -1,6 +1,7 @@
 //! A report for the terminal: how it was measured, what that does not include, and aligned tables.
 
-use super::{Report, Suite};
+use super::Report;
+use crate::bench::suite::Defaults;
 use crate::bench::{BenchOptions, COVERAGE_BAND, Coverage};
 use std::fmt::Write as _;
 
@@ -8,7 +9,7 @@ impl Report {
     /// The whole report as text that ends with a line break.
     pub fn to_table(&self) -> String {
         let mut text = self.header();
-        if matches!(self.suite(), Suite::Surfels | Suite::Voxels) {
+        if self.suite().has_paper_layout {
             text.push('\n');
             text.push_str(&align(&self.paper_layout()));
         }
@@ -26,6 +27,14 @@ impl Report {
 
     /// What a reader must know before reading a number.
     pub fn header(&self) -> String {
+        let mut lines = self.protocol_lines();
+        lines.extend(self.sequence_lines());
+        lines.extend(self.note_lines().map(|note| format!("note      {note}")));
+        lines.join("\n") + "\n"
+    }
+
+    /// What was measured, on what, and how.
+    fn protocol_lines(&self) -> Vec<String> {
         let BenchOptions {
             suite,
             viewport_px: [width, height],
@@ -35,11 +44,10 @@ impl Report {
             ..
         } = self.options;
         let environment = &self.environment;
-        let mut lines = vec![
+        vec![
             format!(
                 "pointreel {} bench {suite}: {}",
-                environment.version,
-                suite.description()
+                environment.version, suite.description
             ),
             format!("adapter   {}", environment.adapter),
             format!(
@@ -47,82 +55,40 @@ impl Report {
                 environment.cpu, environment.threads, environment.system
             ),
             format!(
-                "pictures  {width}x{height}, {viewpoints} viewpoints around each frame, {warmup} warm-up and {repeat} timed \
-                 rounds over them"
+                "pictures  {width}x{height}, {viewpoints} viewpoints around each frame, {warmup} warm-up and \
+                 {repeat} timed rounds over them"
             ),
-        ];
-        let [measured, not_measured] = match suite {
-            Suite::Surfels | Suite::Voxels => [
-                "CPU wall time from packet to finished picture (draw ms); GPU time of its passes (GPU ms); copying the \
-                 records to the adapter (upload ms)",
-                "decoding, normals, octrees and traversal, reading back, showing; uploads are not in draw ms",
-            ],
-            Suite::Octree => [
-                "building from positions and colours in memory, in the order of the file and in Morton order, each on one thread and \
-                 on all; traversal into reused memory on all threads; nodes are internal nodes",
-                "decoding, normals, drawing; the adapter only draws the pictures whose coverage is counted",
-            ],
-            Suite::Accuracy => [
-                "normals: angle to the truth on sampled shapes, either sign; noise is the standard deviation along each axis as a \
-                 part of the diameter, outliers are 3 % of it off; tree, neighbours and planes on all threads, by least squares and robust. leaves: from points to the middles of \
-                 their leaves, scene units and cell edges. lod: pictures of voxels, the whole object in view and from 4 times as \
-                 far, against those of all leaves, τ = 0 (– is the truth itself, or a PSNR of equal pictures): PSNR and \
-                 FLIP over the picture, FLIP over the pixels that show the object; to surfels: the same against surfels",
-                "decoding, orientation of normals, radii, building octrees, drawing",
-            ],
-            Suite::Render => [
-                "CPU wall time from packet to finished picture, processor and adapter in turn: the whole object in view, from 4 \
-                 times as far (afar), from 0.3 times (near)",
-                "decoding, normals, octrees, traversal, uploads, reading back, showing",
-            ],
-            Suite::Play => [
-                "the player of the window by the clock, frames decoded and prepared meanwhile: frames a second asked for and shown, \
-                 the share of their files' points that they had, those that had not all (coarse), were not there when due (late) \
-                 or passed unseen (skipped); CPU wall time from packet to finished picture; memory of the whole program at the \
-                 beginning, at most and at the end",
-                "panels, showing; the first frame",
-            ],
-            Suite::Window => [
-                "a real window that plays, is turned and scrubbed by a mouse of 125 moves a second: pictures presented and frames                  held a second, from opening to the first picture (first after), from a move to its presented picture (latency), from the last move to the picture of all points                  (whole after); processor time of all threads (CPU), of those that prepare frames and of a driver's; times of                  drawing, panels, painting and presenting, medians of pictures",
-                "the work of the X server or the compositor, which takes the same cores; the time until a screen shows the picture",
-            ],
-            Suite::Error => [
-                "CPU wall time from camera to finished picture, traversal and uploads of what it chose included; errors against \
-                 the truth (a shape ray-traced, else all points as disks in f64; 8x8 samples a pixel): FLIP over the pixels that \
-                 show the object and over all, PSNR, SSIM, background where the surface is (holes), another surface than a \
-                 splat's diameter away (wrong surface), surface where the background is (too much); bytes uploaded for a first \
-                 picture; on the front is what no other way beats in time and FLIP of the object",
-                "decoding, normals, octrees, reading back, showing",
-            ],
-        };
-        lines.push(format!("measured  {measured}"));
-        lines.push(format!("not       {not_measured}"));
+            format!("measured  {}", suite.measured),
+            format!("not       {}", suite.not_measured),
+        ]
+    }
+
+    /// What each sequence is, and how much of the pictures it covers.
+    fn sequence_lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
         for sequence in &self.sequences {
             lines.push(format!(
                 "sequence  {}: {} of {} frames, {:.0} points",
                 sequence.name, sequence.measured_frames, sequence.frames, sequence.mean_points
             ));
-            let what = match suite {
-                Suite::Voxels => "voxels",
-                _ => "surfels",
-            };
             let coverage = sequence.coverage.as_ref();
-            lines.extend(coverage.map(|coverage| coverage_line(what, coverage)));
+            let line = |coverage| coverage_line(self.suite().covered_by, coverage);
+            lines.extend(coverage.map(line));
         }
-        let is_of_paper = matches!(suite, Suite::Surfels | Suite::Octree | Suite::Voxels);
-        if is_of_paper && viewpoints < BenchOptions::PROTOCOL_VIEWPOINTS {
-            lines.push(format!(
-                "note      the protocol wants at least {} viewpoints",
-                BenchOptions::PROTOCOL_VIEWPOINTS
-            ));
-        }
-        if environment.is_debug_build {
-            lines.push(
-                "note      this program has debug assertions: measure a release build".to_owned(),
-            );
-        }
-        lines.extend(self.notes.iter().map(|note| format!("note      {note}")));
-        lines.join("\n") + "\n"
+        lines
+    }
+
+    /// What may mislead.
+    fn note_lines(&self) -> impl Iterator<Item = String> {
+        let wanted = Defaults::PROTOCOL_VIEWPOINTS;
+        let is_short = self.suite().is_of_paper && self.options.viewpoints < wanted;
+        let short = is_short.then(|| format!("the protocol wants at least {wanted} viewpoints"));
+        let debug = self
+            .environment
+            .is_debug_build
+            .then(|| "this program has debug assertions: measure a release build".to_owned());
+        let notes = self.notes.iter().cloned();
+        short.into_iter().chain(debug).chain(notes)
     }
 
     /// The paper's layout: a line a sequence, a column a strategy, median draw times.
@@ -135,7 +101,7 @@ impl Report {
                 continue;
             };
             let median = self
-                .value(row, self.headline())
+                .value(row, self.suite().headline)
                 .and_then(super::Cell::number);
             let median = median.map_or_else(|| "–".to_owned(), |median| format!("{median:.3}"));
             if !head.contains(strategy) {

@@ -5,9 +5,13 @@
 //! down meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
 //! and timed, warm-up rounds are drawn, then the rounds that count.
 
-use super::{Run, Subject, mean, paper_voxel_settings, surfel_settings};
+use super::paper_settings::{surfel_settings, voxel_settings};
 use crate::bench::report::{Cell, Column, Row};
-use crate::bench::{BenchError, Quantiles, Suite};
+use crate::bench::run::Run;
+use crate::bench::statistics::mean;
+use crate::bench::subject::Subject;
+use crate::bench::suite::{Defaults, Suite};
+use crate::bench::{BenchError, Quantiles};
 use crate::scene::{Scene, ScenePacket, Strategy, Style};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
@@ -26,7 +30,7 @@ fn name_of(way: Option<Strategy>) -> &'static str {
 }
 
 /// Columns of both suites, in the order in which [`Samples::row`] fills them.
-pub(in crate::bench) const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("strategy", "strategy"),
     Column::number("points", "points", 0),
@@ -48,8 +52,37 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("timed_uploads", "uploads in draw ms", 0).hidden(),
 ];
 
-/// The column that a bar chart and the table in the paper's layout show.
-pub(in crate::bench) const HEADLINE: &str = "draw_ms_median";
+/// Drawing surfels by each instancing strategy.
+pub const SURFELS: &Suite = &Suite {
+    name: "surfels",
+    brief: "Table II of the paper",
+    title: "Surfels × strategies",
+    hint: "Time a frame of each instancing strategy drawing surfels (paper, Table II)",
+    description: "drawing surfels, two-pass-enlarged (2x), by instancing strategy",
+    measured: "CPU wall time from packet to finished picture (draw ms); GPU time of its passes (GPU ms); copying the \
+        records to the adapter (upload ms)",
+    not_measured: "decoding, normals, octrees and traversal, reading back, showing; uploads are not in draw ms",
+    covered_by: "surfels",
+    defaults: Defaults::PROTOCOL,
+    takes: &[],
+    is_of_paper: true,
+    has_paper_layout: true,
+    columns: COLUMNS,
+    headline: "draw_ms_median",
+    bars_title: "CPU wall time of a picture, median ms",
+    bar_labels: 2,
+};
+
+/// Drawing voxels by each instancing strategy.
+pub const VOXELS: &Suite = &Suite {
+    name: "voxels",
+    brief: "Table IV of the paper",
+    title: "Voxels × strategies",
+    hint: "Time a frame of each instancing strategy drawing voxels (paper, Table IV)",
+    description: "drawing voxels of the visible set by instancing strategy",
+    covered_by: "voxels",
+    ..*SURFELS
+};
 
 /// What was measured of one sequence with one strategy.
 #[derive(Default)]
@@ -63,12 +96,20 @@ struct Samples {
     timed_uploads: u64,
 }
 
-pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+pub(super) fn measure_surfels(run: &mut Run<'_>) -> Result<(), BenchError> {
+    measure(run, &surfel_settings())
+}
+
+pub(super) fn measure_voxels(run: &mut Run<'_>) -> Result<(), BenchError> {
+    measure(run, &voxel_settings())
+}
+
+fn measure(run: &mut Run<'_>, settings: &Style) -> Result<(), BenchError> {
     let ways = ways(run);
     // One step to prepare a frame, one to place its viewpoints, one for each way.
     let steps_per_frame = 2 + ways.len();
     for subject in run.subjects(steps_per_frame)? {
-        measure_sequence(run, &subject, &ways, steps_per_frame)?;
+        measure_sequence(run, &subject, settings, &ways, steps_per_frame)?;
     }
     Ok(())
 }
@@ -76,11 +117,11 @@ pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 fn measure_sequence(
     run: &mut Run<'_>,
     subject: &Subject<'_>,
+    settings: &Style,
     ways: &[Option<Strategy>],
     steps_per_frame: usize,
 ) -> Result<(), BenchError> {
-    let settings = settings(run.options.suite);
-    let needs = Scene::needs(&settings);
+    let needs = Scene::needs(settings);
     let mut samples: Vec<Samples> = ways.iter().map(|_| Samples::default()).collect();
     let (mut point_counts, mut depths) = (Vec::new(), Vec::new());
     let mut coverages = Vec::new();
@@ -105,7 +146,7 @@ fn measure_sequence(
             "{} frame {index}: placing viewpoints",
             subject.name
         ))?;
-        let viewpoints = run.viewpoints(subject, &frame, &settings)?;
+        let viewpoints = run.viewpoints(subject, &frame, settings)?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         // The pictures whose coverage was counted left the streams on the adapter; a renderer takes a copy for another
         // cloud, so that its upload can be measured.
@@ -113,7 +154,7 @@ fn measure_sequence(
         frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
         let packets: Vec<ScenePacket> = viewpoints
             .iter()
-            .map(|viewpoint| packet(run, subject, &frame, &viewpoint.camera, &settings))
+            .map(|viewpoint| packet(run, subject, &frame, &viewpoint.camera, settings))
             .collect();
         for (&way, samples) in ways.iter().zip(&mut samples) {
             run.begin_step(format!("{} frame {index}: {}", subject.name, name_of(way)))?;
@@ -128,14 +169,6 @@ fn measure_sequence(
         .map(|(&way, samples)| samples.row(subject.name, way, mean(&point_counts), depth));
     run.finish(subject, &point_counts, &coverages, rows);
     Ok(())
-}
-
-/// What the paper's tables draw; for Table IV cells of its δ, down to a pixel.
-fn settings(suite: Suite) -> Style {
-    match suite {
-        Suite::Voxels => paper_voxel_settings(),
-        _ => surfel_settings(),
-    }
 }
 
 /// A packet with a visible set of its own: each viewpoint keeps its voxels resident.

@@ -9,10 +9,14 @@
 //! Traversals run on all threads. Each fills memory that the one before it left, as playing does; the viewpoints are
 //! those from which surfels cover 25 to 85 % of the picture.
 
+use super::paper_settings::surfel_settings;
 use super::traversals::Traversals;
-use super::{Run, Subject, mean, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
+use crate::bench::run::Run;
 use crate::bench::runner::milliseconds_since;
+use crate::bench::statistics::mean;
+use crate::bench::subject::Subject;
+use crate::bench::suite::{Defaults, Suite};
 use crate::bench::{BenchError, Quantiles};
 use crate::levels::octree::{Octree, StopCriterion};
 use crate::scene::{Camera, Scene};
@@ -32,7 +36,7 @@ const LOD_PX: f32 = 1.0;
 const STEPS_PER_FRAME: usize = 2 + DELTAS.len();
 
 /// In the order in which [`Samples::row`] fills them.
-pub(in crate::bench) const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::percent("delta", "δ", 0),
     Column::number("points", "points", 0),
@@ -82,8 +86,26 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("threads", "threads", 0).hidden(),
 ];
 
-/// The column that a bar chart shows.
-pub(in crate::bench) const HEADLINE: &str = "build_file_order_one_thread_ms_median";
+/// Building and traversing octrees of three depths.
+pub const OCTREE: &Suite = &Suite {
+    name: "octree",
+    brief: "Table III of the paper",
+    title: "Octree by δ",
+    hint: "Loss, depth, nodes, build and traversal time at δ of 2, 10 and 50 % (paper, Table III)",
+    description: "building and traversing octrees by acceptable loss",
+    measured: "building from positions and colours in memory, in the order of the file and in Morton order, each on \
+        one thread and on all; traversal into reused memory on all threads; nodes are internal nodes",
+    not_measured: "decoding, normals, drawing; the adapter only draws the pictures whose coverage is counted",
+    covered_by: "surfels",
+    defaults: Defaults::PROTOCOL,
+    takes: &[],
+    is_of_paper: true,
+    has_paper_layout: false,
+    columns: COLUMNS,
+    headline: "build_file_order_one_thread_ms_median",
+    bars_title: "Build time, median ms",
+    bar_labels: 2,
+};
 
 /// How an octree is built.
 #[derive(Debug, Clone, Copy)]
@@ -137,7 +159,7 @@ struct Samples {
     traversals: Traversals,
 }
 
-pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let one_thread = one_thread()?;
     for subject in run.subjects(STEPS_PER_FRAME)? {
         measure_sequence(run, &subject, &one_thread)?;

@@ -7,20 +7,22 @@
 //!
 //! What it shows: whether the rate is held, what it costs in points where it is, and whether memory stays where it was.
 
-use super::{Run, Subject};
 use crate::bench::report::{Cell, Column, Row};
+use crate::bench::run::Run;
+use crate::bench::subject::Subject;
+use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::bench::{BenchError, Quantiles};
 use crate::playback::Player;
 use crate::render::{AnyRenderer, Renderer};
 use crate::scene::{Camera, Primitive, Scene, Style};
 use crate::sequence::{LoaderOptions, PreparedFrame};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
 
 /// Columns, in the order in which [`Played::row`] fills them.
-pub(in crate::bench) const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("primitive", "primitive"),
     Column::text("renderer", "renderer").hidden(),
@@ -40,18 +42,44 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("resident_end_mib", "end", 0),
 ];
 
-/// The column that a bar chart shows.
-pub(in crate::bench) const HEADLINE: &str = "fps_held";
+/// Playing by the clock: what rate is held, with how many points, in how much memory.
+pub const PLAY: &Suite = &Suite {
+    name: "play",
+    brief: "rate held by the clock, nothing presented",
+    title: "Playing",
+    hint: "Play 300 frames by the clock, drawn but not presented: frames a second held, share of points shown, \
+        memory",
+    description: "playing by the clock, drawn but not presented: rate held, points shown, late and skipped frames, \
+        memory",
+    measured: "the player of the window by the clock, frames decoded and prepared meanwhile: frames a second asked for \
+        and shown, the share of their files' points that they had, those that had not all (coarse), were not there \
+        when due (late) or passed unseen (skipped); CPU wall time from packet to finished picture; memory of the whole \
+        program at the beginning, at most and at the end",
+    not_measured: "panels, showing; the first frame",
+    covered_by: "surfels",
+    defaults: Defaults {
+        viewport_px: [1280, 720],
+        viewpoints: 1,
+        frames: 300,
+    },
+    takes: &[OptionGroup::Playing],
+    is_of_paper: false,
+    has_paper_layout: false,
+    columns: COLUMNS,
+    headline: "fps_held",
+    bars_title: "Frames a second shown",
+    bar_labels: 2,
+};
 
 const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primitive::Voxel];
 
 /// Frames between two looks at memory.
 const LOOK_EVERY: u64 = 64;
 
-pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let wanted = run.options.frames;
     for subject in run.subjects(0)? {
-        run.steps_total += PRIMITIVES.len();
+        run.add_steps(PRIMITIVES.len());
         let mut rows = Vec::new();
         let mut points = Vec::new();
         for primitive in PRIMITIVES {
@@ -90,73 +118,11 @@ struct Played {
 /// Plays until as many frames were shown as are wanted, or none can be.
 fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Style) -> Result<Played, BenchError> {
     let (wake, woken) = sync_channel(1);
-    let mut options = LoaderOptions {
-        keeps_coarse_frames: true,
-        wake: Arc::new(move || {
-            // A full channel has a wake in it already.
-            let _ = wake.try_send(());
-        }),
-        ..LoaderOptions::default()
-    };
-    if let Some(budget_bytes) = run.options.budget_bytes {
-        options.budget_bytes = budget_bytes;
-    }
+    let options = loader_options(run.options.budget_bytes, wake);
     let mut player = Player::new(Arc::clone(subject.sequence), options, true)?;
-    let mut screen = Screen {
-        renderer: AnyRenderer::open(settings.renderer)?,
-        scene: Scene::that_remembers(),
-        camera: None,
-        settings,
-        viewport_px: run.options.viewport_px,
-        subject,
-        pictures_ms: Vec::new(),
-        points: 0,
-        points_in_files: 0,
-    };
+    let mut screen = Screen::new(run, subject, settings)?;
     let mut memory = Memory::new();
-    // A single frame is shown once, however long it is played.
-    let wanted = match subject.sequence.len() {
-        1 => 1,
-        _ => run.options.frames as u64,
-    };
-    let begin = Instant::now();
-    let mut first_shown = None;
-    let mut last: Option<Arc<PreparedFrame>> = None;
-    let mut looked_at = 0;
-    while player.frames_shown() < wanted {
-        run.check_cancelled()?;
-        player.update(begin.elapsed(), settings);
-        if let Some(failure) = player.failure()
-            && player.loader().stats().failed_frames + 1 >= subject.sequence.len()
-        {
-            // One frame alone does not play.
-            return Err(BenchError::NoFrame {
-                sequence: subject.name.to_owned(),
-                reason: failure.to_string(),
-            });
-        }
-        let new = player
-            .shown()
-            .filter(|shown| !last.as_ref().is_some_and(|last| Arc::ptr_eq(last, shown)));
-        if let Some(frame) = new.map(Arc::clone) {
-            // The clock starts with the first frame, however long its picture takes.
-            first_shown.get_or_insert_with(|| begin.elapsed());
-            let picture_ms = screen.draw(&frame)?;
-            player.note_picture_ms(frame.frame.len(), picture_ms);
-            last = Some(frame);
-        } else {
-            sleep(&woken, player.next_deadline(), begin);
-        }
-        if player.frames_shown() >= looked_at + LOOK_EVERY || last.is_none() {
-            looked_at = player.frames_shown();
-            memory.look();
-        }
-    }
-    memory.look();
-    let played = begin
-        .elapsed()
-        .saturating_sub(first_shown.unwrap_or_default());
-    let seconds = played.as_secs_f64();
+    let seconds = play_by_the_clock(run, &mut player, &mut screen, &mut memory, &woken)?;
     let stats = player.loader().stats();
     let shown = player.frames_shown();
     Ok(Played {
@@ -174,6 +140,78 @@ fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Style) -> Result<Played
         loader_peak_bytes: stats.peak_bytes,
         resident_bytes: memory.begin_peak_end,
     })
+}
+
+/// As in the window.
+fn loader_options(budget_bytes: Option<usize>, wake: SyncSender<()>) -> LoaderOptions {
+    let default = LoaderOptions::default();
+    LoaderOptions {
+        keeps_coarse_frames: true,
+        budget_bytes: budget_bytes.unwrap_or(default.budget_bytes),
+        wake: Arc::new(move || {
+            // A full channel has a wake in it already.
+            let _ = wake.try_send(());
+        }),
+        ..default
+    }
+}
+
+/// Draws each frame that is new; returns how long it played, seconds.
+fn play_by_the_clock(
+    run: &Run<'_>,
+    player: &mut Player,
+    screen: &mut Screen<'_>,
+    memory: &mut Memory,
+    woken: &Receiver<()>,
+) -> Result<f64, BenchError> {
+    // A single frame is shown once, however long it is played.
+    let wanted = match screen.subject.sequence.len() {
+        1 => 1,
+        _ => run.options.frames as u64,
+    };
+    let begin = Instant::now();
+    let mut first_shown = None;
+    let mut last: Option<Arc<PreparedFrame>> = None;
+    let mut looked_at = 0;
+    while player.frames_shown() < wanted {
+        run.check_cancelled()?;
+        player.update(begin.elapsed(), screen.settings);
+        check_failures(player, screen.subject)?;
+        let new = player
+            .shown()
+            .filter(|shown| !last.as_ref().is_some_and(|last| Arc::ptr_eq(last, shown)));
+        if let Some(frame) = new.map(Arc::clone) {
+            // The clock starts with the first frame, however long its picture takes.
+            first_shown.get_or_insert_with(|| begin.elapsed());
+            let picture_ms = screen.draw(&frame)?;
+            player.note_picture_ms(frame.frame.len(), picture_ms);
+            last = Some(frame);
+        } else {
+            sleep(woken, player.next_deadline(), begin);
+        }
+        if player.frames_shown() >= looked_at + LOOK_EVERY || last.is_none() {
+            looked_at = player.frames_shown();
+            memory.look();
+        }
+    }
+    memory.look();
+    let played = begin
+        .elapsed()
+        .saturating_sub(first_shown.unwrap_or_default());
+    Ok(played.as_secs_f64())
+}
+
+/// Fails where no two frames can be read: one alone does not play.
+fn check_failures(player: &Player, subject: &Subject<'_>) -> Result<(), BenchError> {
+    match player.failure() {
+        Some(failure) if player.loader().stats().failed_frames + 1 >= subject.sequence.len() => {
+            Err(BenchError::NoFrame {
+                sequence: subject.name.to_owned(),
+                reason: failure.to_string(),
+            })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Sleeps until the deadline or a wake, a tenth of a second at most.
@@ -198,7 +236,25 @@ struct Screen<'a> {
     points_in_files: u64,
 }
 
-impl Screen<'_> {
+impl<'a> Screen<'a> {
+    fn new(
+        run: &Run<'_>,
+        subject: &'a Subject<'a>,
+        settings: &'a Style,
+    ) -> Result<Self, BenchError> {
+        Ok(Self {
+            renderer: AnyRenderer::open(settings.renderer)?,
+            scene: Scene::that_remembers(),
+            camera: None,
+            settings,
+            viewport_px: run.options.viewport_px,
+            subject,
+            pictures_ms: Vec::new(),
+            points: 0,
+            points_in_files: 0,
+        })
+    }
+
     /// Milliseconds from the frame to its finished picture.
     fn draw(&mut self, frame: &PreparedFrame) -> Result<f64, BenchError> {
         let origin = self.subject.sequence.origin();

@@ -6,16 +6,19 @@
 //!
 //! What it shows: costs that follow the cells and pixels that are seen, not those that there are.
 
-use super::{Run, Subject, mean, mean_position};
 use crate::bench::report::{Cell, Column, Row};
+use crate::bench::run::Run;
 use crate::bench::runner::Runner;
+use crate::bench::statistics::mean;
+use crate::bench::subject::{Subject, mean_position};
+use crate::bench::suite::{Defaults, Suite};
 use crate::bench::{BenchError, Quantiles};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, Primitive, Scene, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
 
 /// Columns, in the order in which [`Samples::row`] fills them.
-pub(in crate::bench) const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("primitive", "primitive"),
     Column::text("view", "view"),
@@ -31,8 +34,30 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("samples", "pictures", 0).hidden(),
 ];
 
-/// The column that a bar chart shows.
-pub(in crate::bench) const HEADLINE: &str = "processor_ms_median";
+/// Drawing on the processor and on the adapter, from three distances.
+pub const RENDER: &Suite = &Suite {
+    name: "render",
+    brief: "processor beside adapter",
+    title: "CPU × GPU",
+    hint: "Time a picture by the software renderer and by the graphics card, from three distances",
+    description: "drawing on the processor and on the adapter, from three distances",
+    measured: "CPU wall time from packet to finished picture, processor and adapter in turn: the whole object in view, \
+        from 4 times as far (afar), from 0.3 times (near)",
+    not_measured: "decoding, normals, octrees, traversal, uploads, reading back, showing",
+    covered_by: "surfels",
+    defaults: Defaults {
+        viewport_px: [1920, 1080],
+        viewpoints: 2,
+        frames: 1,
+    },
+    takes: &[],
+    is_of_paper: false,
+    has_paper_layout: false,
+    columns: COLUMNS,
+    headline: "processor_ms_median",
+    bars_title: "Time of a picture on the processor, median ms",
+    bar_labels: 3,
+};
 
 /// Distances as parts of the one that shows the whole object.
 const VIEWS: [(&str, f64); 3] = [("whole", 1.0), ("afar", 4.0), ("near", 0.3)];
@@ -50,7 +75,7 @@ struct Samples {
     adapter_ms: Vec<f64>,
 }
 
-pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let mut processor = Runner::new(AnyRenderer::cpu());
     for subject in run.subjects(STEPS_PER_FRAME)? {
         measure_sequence(run, &mut processor, &subject)?;

@@ -1,8 +1,9 @@
 //! Traversals by the clock, for every suite that reports them.
 
-use super::{Run, Subject};
 use crate::bench::BenchError;
+use crate::bench::run::Run;
 use crate::bench::runner::milliseconds_since;
+use crate::bench::subject::Subject;
 use crate::levels::octree::Octree;
 use crate::scene::Camera;
 use std::hint::black_box;

@@ -5,10 +5,15 @@
 //! compositor does afterwards is work of other processes: it takes the same cores, but is in no time and no share here.
 
 use crate::bench::report::{Cell, Column, Row};
-use crate::bench::{BenchOptions, Environment, Input, Quantiles, Report, SequenceSummary, Suite};
+use crate::bench::run::Run;
+use crate::bench::statistics::mean;
+use crate::bench::suite::{Defaults, OptionGroup, Suite};
+use crate::bench::{
+    BenchError, BenchOptions, Environment, Input, Quantiles, Report, SequenceSummary,
+};
 
 /// Columns, in the order in which [`WindowAction::row`] fills them.
-pub(in crate::bench) const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("primitive", "primitive"),
     Column::text("action", "action"),
@@ -46,8 +51,35 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("gpu_uploaded_kib", "uploaded KiB a picture", 1).hidden(),
 ];
 
-/// The column that a bar chart shows.
-pub(in crate::bench) const HEADLINE: &str = "fps_presented";
+/// A real window that plays, is turned and scrubbed: what it presents, how late, and what that costs.
+pub const WINDOW: &Suite = &Suite {
+    name: "window",
+    brief: "rate presented, latency and cost of a real window",
+    title: "Window",
+    hint: "Play, turn and scrub in a window of its own: pictures a second presented, latency, processor time by \
+        part",
+    description: "a real window, played, turned and scrubbed: rate presented, latency, processor time by part",
+    measured: "a real window that plays, is turned and scrubbed by a mouse of 125 moves a second: pictures presented \
+        and frames held a second, from opening to the first picture (first after), from a move to its presented \
+        picture (latency), from the last move to the picture of all points (whole after); processor time of all \
+        threads (CPU), of those that prepare frames and of a driver's; times of drawing, panels, painting and \
+        presenting, medians of pictures",
+    not_measured: "the work of the X server or the compositor, which takes the same cores; the time until a screen \
+        shows the picture",
+    covered_by: "surfels",
+    defaults: Defaults {
+        viewport_px: [1280, 800],
+        viewpoints: 1,
+        frames: 300,
+    },
+    takes: &[OptionGroup::Playing, OptionGroup::Window],
+    is_of_paper: false,
+    has_paper_layout: false,
+    columns: COLUMNS,
+    headline: "fps_presented",
+    bars_title: "Pictures a second presented",
+    bar_labels: 3,
+};
 
 /// What came of one action in the window. Times are milliseconds.
 #[derive(Debug, Clone, Default)]
@@ -168,6 +200,11 @@ fn percentile_95(values: &[f64]) -> Option<f64> {
     Some(sorted[(0.95 * last as f64).ceil() as usize])
 }
 
+/// Only a window can; see [`window_report`].
+pub(super) fn measure(_run: &mut Run<'_>) -> Result<(), BenchError> {
+    Err(BenchError::NeedsWindow)
+}
+
 /// The report of what a window found of `inputs`.
 pub fn window_report(inputs: &[Input], options: BenchOptions, actions: &[WindowAction]) -> Report {
     let mut report = Report::new(options, Environment::detect(None));
@@ -184,7 +221,7 @@ pub fn window_report(inputs: &[Input], options: BenchOptions, actions: &[WindowA
                 name: input.name.clone(),
                 frames: input.sequence.len(),
                 measured_frames: input.sequence.len(),
-                mean_points: super::mean(&means),
+                mean_points: mean(&means),
                 coverage: None,
             }
         })
@@ -194,7 +231,8 @@ pub fn window_report(inputs: &[Input], options: BenchOptions, actions: &[WindowA
     }
     report.rows = actions.iter().map(WindowAction::row).collect();
     report.notes.push(
-        "presented is what was handed to the window system: its own work (X server, compositor) is in no time and no share here"
+        "presented is what was handed to the window system: its own work (X server, compositor) is in no time and no \
+         share here"
             .to_owned(),
     );
     report
@@ -207,7 +245,7 @@ pub fn window_report_of_json(json: &str) -> Result<Report, String> {
     let rows = read["rows"]
         .as_array()
         .ok_or_else(|| no_report(&"it has no rows"))?;
-    let mut report = Report::new(BenchOptions::new(Suite::Window), Environment::detect(None));
+    let mut report = Report::new(BenchOptions::new(WINDOW), Environment::detect(None));
     if let Some(adapter) = read["environment"]["adapter"].as_str() {
         adapter.clone_into(&mut report.environment.adapter);
     }
@@ -248,7 +286,7 @@ mod tests {
             gpu: Some([100, 400, 204_800]),
             ..WindowAction::default()
         };
-        let report = window_report(&[], BenchOptions::new(Suite::Window), &[action]);
+        let report = window_report(&[], BenchOptions::new(WINDOW), &[action]);
         let row = &report.rows[0];
         let number = |key: &str| report.value(row, key).unwrap().number();
         assert_eq!(number("fps_presented"), Some(50.0));

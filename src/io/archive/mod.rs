@@ -4,66 +4,27 @@
 //! without the others. Nothing is ever unpacked to disk: names in an archive are names for people, not paths. A
 //! compressed TAR cannot be entered in the middle, so it is unpacked once into memory that its members share.
 
+mod member;
 mod tar;
 mod zip;
 
+pub use member::Member;
+
+use super::contents::{Entry, Part};
+use super::error::IoError;
 use super::error::{Fault, Place};
+use super::format::Format;
 use super::natural::natural_order;
+use super::options::ReadOptions;
 use super::unpack::{Packing, reader, unpack, unpack_unknown};
 use super::watched::Watched;
-use super::{Entry, Format, IoError, Part, ReadOptions, timestamps};
+use super::{containers, timestamps, xyz};
 use crate::progress::Progress;
-use std::fmt;
+use member::{MemberPlace, Unpacked, clean};
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
-use std::ops::Range;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// A file within an archive.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Member {
-    /// Name within the archive, cleaned: no roots, no parents, no control characters.
-    name: String,
-    place: MemberPlace,
-}
-
-/// Where a member's bytes are.
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum MemberPlace {
-    /// In the archive's file.
-    Packed {
-        offset: u64,
-        packed_bytes: u64,
-        unpacked_bytes: u64,
-        packing: Packing,
-        crc: Option<u32>,
-    },
-    /// In the unpacked archive.
-    Memory(Unpacked, Range<usize>),
-    /// The whole file is this member, packed with gzip.
-    Gzip,
-    /// Nowhere: why it cannot be read.
-    Unreadable(String),
-}
-
-/// An unpacked archive. A `Vec`, as making a slice of it would copy all of it once more.
-#[derive(Clone)]
-struct Unpacked(Arc<Vec<u8>>);
-
-impl PartialEq for Unpacked {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
-    }
-}
-
-impl Eq for Unpacked {}
-
-impl fmt::Debug for Unpacked {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} unpacked bytes", self.0.len())
-    }
-}
 
 /// The frames in the archive at `path`, in natural order of their names.
 pub(super) fn list(
@@ -77,7 +38,7 @@ pub(super) fn list(
     let mut magic = [0; 2];
     let is_gzip = file.read(&mut magic).map_err(failed)? == 2 && magic == *b"\x1f\x8b";
     file.rewind().map_err(failed)?;
-    let mut members = if format == Format::Zip {
+    let mut members = if format == containers::ZIP {
         zip::members(file).map_err(invalid)?
     } else if is_gzip {
         // What is in it is told by what comes out first.
@@ -109,7 +70,7 @@ pub(super) fn list(
     };
     members.retain(|member| is_frame(path, member));
     let is_text =
-        |member: &Member| Format::of_extension(Path::new(&member.name)) == Some(Format::Xyz);
+        |member: &Member| Format::of_extension(Path::new(&member.name)) == Some(xyz::FORMAT);
     // Text beside clouds of other formats is about them: README.txt, poses.txt.
     if !members.iter().all(is_text) {
         members.retain(|member| !is_text(member));
@@ -138,8 +99,8 @@ pub(super) fn read(
     let failed = io_error(path);
     let name = path.join(&member.name);
     let format = match member.place {
-        MemberPlace::Packed { crc: Some(_), .. } => Format::Zip,
-        _ => Format::Tar,
+        MemberPlace::Packed { crc: Some(_), .. } => containers::ZIP,
+        _ => containers::TAR,
     };
     let invalid = |offset: u64, problem: String| {
         Fault::new(Place::Byte(offset as usize), problem).of(&name, format)
@@ -202,27 +163,6 @@ fn io_error(path: &Path) -> impl Fn(std::io::Error) -> IoError + Copy {
         path: path.to_owned(),
         source,
     }
-}
-
-/// A name without what would lead out of a folder or garble a message.
-fn clean(name: &str) -> String {
-    let name: String = name
-        .chars()
-        .map(|c| match c {
-            // Some writers on Windows use its own separator.
-            '\\' => '/',
-            c if c.is_control() => '?',
-            c => c,
-        })
-        .collect();
-    let parts: Vec<_> = Path::new(&name)
-        .components()
-        .filter_map(|component| match component {
-            Component::Normal(part) => Some(part.to_string_lossy()),
-            _ => None,
-        })
-        .collect();
-    parts.join("/")
 }
 
 /// True for files that hold a frame: in a format that is one cloud by its extension, or else by its first bytes; not

@@ -2,7 +2,7 @@
 
 use super::super::error::Fault;
 use super::super::unpack::Packing;
-use super::{Member, MemberPlace, Unpacked, clean};
+use super::member::{Member, MemberPlace, Unpacked, clean};
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek};
 

@@ -2,7 +2,7 @@
 
 use super::super::error::Fault;
 use super::super::unpack::Packing;
-use super::{Member, MemberPlace, clean};
+use super::member::{Member, MemberPlace, clean};
 use std::fs::File;
 use zip::{CompressionMethod, ZipArchive};
 

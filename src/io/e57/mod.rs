@@ -7,10 +7,13 @@
 mod scan;
 mod streams;
 
+use super::contents::{Entry, Part};
 use super::error::Fault;
+use super::error::IoError;
+use super::format::{Format, Holding, Magic, Traits};
+use super::options::ReadOptions;
 use super::watched::Watched;
-use super::{Entry, Format, IoError, Part, ReadOptions};
-use crate::cloud::{Positions, RawCloud, ScalarField};
+use crate::cloud::{AxisConvention, LengthUnit, Positions, RawCloud, ScalarField};
 use crate::progress::Progress;
 use ::e57::{E57Reader, PointCloud};
 use glam::DVec3;
@@ -20,6 +23,17 @@ use std::io::{BufReader, Cursor, Read, Seek};
 use std::path::Path;
 use std::time::Duration;
 use streams::Pages;
+
+/// ASTM E57 of laser scanners; E2807 has it in metres.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "E57",
+    extensions: &["e57"],
+    magic: &[Magic::start(b"ASTM-E57")],
+    convention: Some(AxisConvention::UsuallyZUp),
+    unit: Some(LengthUnit::Metre),
+    holds: Holding::Scans,
+    ..Traits::PLAIN
+});
 
 /// All scans, or the one that `part` names.
 pub(super) fn decode(
@@ -75,7 +89,7 @@ pub(super) fn decode(
 }
 
 /// The scans in the file at `path` that have points, or all of it if that is not more than one.
-pub(super) fn list(path: &Path) -> Result<Vec<Entry>, IoError> {
+pub(super) fn list(path: &Path, _options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
@@ -83,7 +97,7 @@ pub(super) fn list(path: &Path) -> Result<Vec<Entry>, IoError> {
     let file = File::open(path).map_err(failed)?;
     let length = file.metadata().map_err(failed)?.len();
     let scans = open(BufReader::new(file), length)
-        .map_err(|fault| fault.of(path, Format::E57))?
+        .map_err(|fault| fault.of(path, FORMAT))?
         .pointclouds();
     let with_points = scans
         .iter()

@@ -53,8 +53,8 @@ pub(super) fn check_claims(
                 "scan",
                 index,
                 format!(
-                    "it claims {} points, more than can be in a file of {file_bytes} bytes: the file is truncated, or its \
-                     description is wrong",
+                    "it claims {} points, more than can be in a file of {file_bytes} bytes: the file is truncated, or \
+                     its description is wrong",
                     scan.records
                 ),
             ));

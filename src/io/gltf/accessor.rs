@@ -216,7 +216,8 @@ impl Source<'_> {
                 "accessor",
                 accessor,
                 format!(
-                    "its {count} entries of {entry_bytes} bytes go beyond the {} bytes of its view: the file is damaged",
+                    "its {count} entries of {entry_bytes} bytes go beyond the {} bytes of its view: the file is \
+                     damaged",
                     bytes.len()
                 ),
             ));

@@ -18,14 +18,27 @@ mod nodes;
 mod scene;
 
 use super::contents::{Entry, Part};
-use super::error::Fault;
+use super::error::{Fault, IoError};
+use super::format::{Format, Holding, Magic, Traits};
 use super::options::ReadOptions;
-use crate::cloud::RawCloud;
+use crate::cloud::{AxisConvention, LengthUnit, RawCloud};
 use accessor::Source;
 use buffers::Buffers;
 pub(super) use scene::Scene;
 use std::path::Path;
 use std::time::Duration;
+
+/// glTF and GLB, in metres (glTF 2.0, §3.4).
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "glTF",
+    extensions: &["gltf", "glb"],
+    magic: &[Magic::start(b"glTF")],
+    convention: Some(AxisConvention::YUp),
+    unit: Some(LengthUnit::Metre),
+    holds: Holding::Moments,
+    is_for_meshes: true,
+    ..Traits::PLAIN
+});
 
 /// Frames a second of animations.
 const FRAME_RATE: f64 = 24.0;
@@ -33,8 +46,16 @@ const FRAME_RATE: f64 = 24.0;
 /// Longer animations end there: more than an hour.
 const MAX_FRAMES: usize = 100_000;
 
-/// The frames of the file `path`, which holds `bytes`.
-pub(super) fn list(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<Entry>, Fault> {
+/// The frames of the file at `path`.
+pub(super) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
+    let bytes = std::fs::read(path).map_err(|source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    list_bytes(path, &bytes, options).map_err(|fault| fault.of(path, FORMAT))
+}
+
+fn list_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<Entry>, Fault> {
     let (document, binary) = document::parse(bytes, options)?;
     if document.animations.is_empty() {
         return Ok(vec![Entry::whole()]);

@@ -60,8 +60,8 @@ impl Header {
     pub(super) fn read(bytes: &[u8]) -> Result<Self, Fault> {
         if bytes.len() < MIN_HEADER_BYTES || !bytes.starts_with(b"LASF") {
             return Err(Fault::header(format!(
-                "a LAS file begins with LASF and a header of {MIN_HEADER_BYTES} bytes at least, this one has {} bytes: it \
-                 is truncated, or no LAS file",
+                "a LAS file begins with LASF and a header of {MIN_HEADER_BYTES} bytes at least, this one has {} bytes: \
+                 it is truncated, or no LAS file",
                 bytes.len()
             )));
         }

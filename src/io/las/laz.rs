@@ -45,7 +45,8 @@ impl Compression {
     pub(super) fn new(header: &Header, data: &[u8]) -> Result<Self, Fault> {
         let unknown = |reason: String| {
             Fault::header(format!(
-                "the compression is not understood ({reason}): rewrite the file with another program, or without compression"
+                "the compression is not understood ({reason}): rewrite the file with another program, or without \
+                 compression"
             ))
         };
         let record = LazVlr::read_from(data).map_err(|error| unknown(error.to_string()))?;
@@ -99,7 +100,8 @@ impl Compression {
         if self.record.uses_variable_size_chunks() {
             return unpacked.unwrap_or_else(|| {
                 Err(Fault::header(
-                    "the table of the chunks is missing or damaged: the file is truncated, or was not written to its end",
+                    "the table of the chunks is missing or damaged: the file is truncated, or was not written to its \
+                     end",
                 ))
             });
         }

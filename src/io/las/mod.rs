@@ -21,12 +21,22 @@ pub(in crate::io) mod write;
 
 pub(in crate::io) use header::take;
 
-use super::ReadOptions;
 use super::error::{Fault, mebibytes};
-use crate::cloud::RawCloud;
+use super::format::{Format, Magic, Traits};
+use super::options::ReadOptions;
+use crate::cloud::{AxisConvention, RawCloud};
 use crate::progress::Progress;
 use header::Header;
 use laz::{Chunk, Compression};
+
+/// ASPRS LAS, LAZ and COPC.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "LAS",
+    extensions: &["las", "laz"],
+    magic: &[Magic::start(b"LASF")],
+    convention: Some(AxisConvention::ZUp),
+    ..Traits::PLAIN
+});
 
 /// What names the record that describes the compression.
 const COMPRESSION_USER: &[u8] = b"laszip encoded";
@@ -117,7 +127,8 @@ fn rows<'a>(header: &Header, bytes: &'a [u8]) -> Result<&'a [u8], Fault> {
                 "point",
                 available.len() / header.point_bytes,
                 format!(
-                    "the file ends here, but its header claims {} points of {} bytes: it is truncated, or its header is wrong",
+                    "the file ends here, but its header claims {} points of {} bytes: it is truncated, or its header \
+                     is wrong",
                     header.count, header.point_bytes
                 ),
             )

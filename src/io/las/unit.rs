@@ -105,15 +105,24 @@ mod tests {
         }
         let texts = [
             (
-                r#"PROJCS["UTM",GEOGCS["WGS 84",DATUM["D",SPHEROID["S",6378137,298.25]],UNIT["degree",0.0174532925199433]],PROJECTION["P"],UNIT["metre",1,AUTHORITY["EPSG","9001"]],AXIS["E",EAST]]"#,
+                concat!(
+                    r#"PROJCS["UTM",GEOGCS["WGS 84",DATUM["D",SPHEROID["S",6378137,298.25]],UNIT["degree","#,
+                    r#"0.0174532925199433]],PROJECTION["P"],UNIT["metre",1,AUTHORITY["EPSG","9001"]],AXIS["E",EAST]]"#,
+                ),
                 Some(LengthUnit::Metre),
             ),
             (
-                r#"COMPD_CS["c",PROJCS["CA",GEOGCS["g",UNIT["degree",0.017]],UNIT["US survey foot [x]",0.304800609601219]],VERT_CS["v",UNIT["metre",1]]]"#,
+                concat!(
+                    r#"COMPD_CS["c",PROJCS["CA",GEOGCS["g",UNIT["degree",0.017]],UNIT["US survey foot [x]","#,
+                    r#"0.304800609601219]],VERT_CS["v",UNIT["metre",1]]]"#,
+                ),
                 Some(LengthUnit::SurveyFoot),
             ),
             (
-                r#"PROJCRS["p",BASEGEOGCRS["b",DATUM["d",ELLIPSOID["e",6378137,298.25,LENGTHUNIT["metre",1]]]],CS[Cartesian,2],AXIS["E",east],LENGTHUNIT["foot",0.3048]]"#,
+                concat!(
+                    r#"PROJCRS["p",BASEGEOGCRS["b",DATUM["d",ELLIPSOID["e",6378137,298.25,LENGTHUNIT["metre",1]]]],"#,
+                    r#"CS[Cartesian,2],AXIS["E",east],LENGTHUNIT["foot",0.3048]]"#,
+                ),
                 Some(LengthUnit::Foot),
             ),
             (

@@ -6,8 +6,9 @@
 //! bits.
 
 use crate::cloud::{Positions, RawCloud, ScalarField};
+use crate::io::write::{Encoder, Output};
 use laz::{LazVlrBuilder, ParLasZipCompressor};
-use std::io::{Error, Result, Seek, Write};
+use std::io::{Error, Result};
 
 const HEADER_BYTES: usize = 375;
 const RECORD_HEADER_BYTES: usize = 54;
@@ -88,12 +89,22 @@ impl Axis {
     }
 }
 
+/// LAS.
+pub(in crate::io) const LAS: &Encoder = &Encoder {
+    name: "las",
+    extension: "las",
+    write: |out, cloud| write(out, cloud, false),
+};
+
+/// LAS, compressed.
+pub(in crate::io) const LAZ: &Encoder = &Encoder {
+    name: "laz",
+    extension: "laz",
+    write: |out, cloud| write(out, cloud, true),
+};
+
 /// Writes the finite points of `cloud`, with colours, `intensity`, `classification` and `gps_time` if they are there.
-pub(in crate::io) fn write(
-    mut out: impl Write + Seek + Send + Sync,
-    cloud: &RawCloud,
-    compressed: bool,
-) -> Result<()> {
+pub(super) fn write(out: &mut dyn Output, cloud: &RawCloud, compressed: bool) -> Result<()> {
     let points = Points::new(cloud);
     let compression = compressed
         .then(|| LazVlrBuilder::default().with_point_format(points.format(), 0))

@@ -113,7 +113,8 @@ impl<'a> Array<'a> {
         };
         let text = String::from_utf8_lossy(header);
         let mut array = Dictionary::parse(&text).ok_or_else(|| {
-            fault("the header is not understood: expected a dictionary of `descr`, `fortran_order` and `shape`, and types that are numbers")
+            fault("the header is not understood: expected a dictionary of `descr`, `fortran_order` and `shape`, and \
+                types that are numbers")
         })?;
         array.payload = payload;
         array.check_claim(start + length)?;
@@ -137,8 +138,8 @@ impl<'a> Array<'a> {
             return Err(Fault::new(
                 Place::Byte(start),
                 format!(
-                    "{} bytes follow the header, but it claims an array of {:?} entries of {} bytes: the file is truncated, or its header \
-                     is wrong",
+                    "{} bytes follow the header, but it claims an array of {:?} entries of {} bytes: the file is \
+                     truncated, or its header is wrong",
                     self.payload.len(),
                     self.shape,
                     self.row_bytes()

@@ -7,7 +7,7 @@ use super::super::error::{Fault, Place};
 use super::super::numbers::{Tokens, note_row, quoted};
 use super::faces::{FaceList, Faces};
 use super::header::{Element, Header, Kind, Property};
-use super::{KeptColumns, POINTS};
+use super::kept_columns::{KeptColumns, POINTS};
 use crate::progress::Progress;
 
 /// The columns of `vertex` and the triangles in the file `bytes`, of whose elements the first are `elements`.

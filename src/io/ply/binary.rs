@@ -8,7 +8,7 @@ use super::super::error::Fault;
 use super::super::fixed_rows::{Field, FixedRows};
 use super::faces::{FaceList, Faces};
 use super::header::{Element, Header, Kind, Property};
-use super::{KeptColumns, POINTS};
+use super::kept_columns::{KeptColumns, POINTS};
 
 /// The columns of `vertex` and the triangles in `payload`, of whose elements the first are `elements`.
 pub(super) fn read<'a>(

@@ -84,8 +84,8 @@ impl Faces {
                 &element.name,
                 row,
                 format!(
-                    "it names vertex {index}, expected a whole number from 0 to below {}, the count of vertices: the file is damaged, \
-                     or its faces belong to another one",
+                    "it names vertex {index}, expected a whole number from 0 to below {}, the count of vertices: the \
+                     file is damaged, or its faces belong to another one",
                     self.vertex_count
                 ),
             ));

@@ -9,20 +9,33 @@ mod ascii;
 mod binary;
 mod faces;
 mod header;
+mod kept_columns;
 mod splats;
 
 use super::attributes;
-use super::column::{Column, Values};
+use super::column::Column;
 use super::error::Fault;
 use super::fixed_rows::FixedRows;
+use super::format::{Format, Magic, Traits};
+use super::growing;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
 use faces::{FaceList, Faces};
-use header::{Element, Header, Kind};
+use header::Header;
+use kept_columns::POINTS;
 use ply_rs_bw::ply::Encoding;
 
-/// The element whose rows are points.
-const POINTS: &str = "vertex";
+/// Stanford polygon file: ascii, little and big endian.
+pub(super) const FORMAT: Format = Format::new(&Traits {
+    name: "PLY",
+    extensions: &["ply"],
+    magic: &[
+        Magic::start(b"ply\n"),
+        Magic::start(b"ply\r"),
+        Magic::start(b"ply "),
+    ],
+    ..Traits::PLAIN
+});
 
 pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
     let Rows {
@@ -30,7 +43,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
         count,
         faces,
     } = read_rows(bytes, progress)?;
-    let mut cloud = attributes::cloud(&columns, count)?;
+    let mut cloud = growing::cloud(&columns, count)?;
     splats::apply(&columns, &mut cloud);
     faces.put_into(&mut cloud);
     Ok(cloud)
@@ -103,42 +116,4 @@ pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
         header.byte_size < head.len()
             && !rows.fields.iter().any(|field| splats::is_used(&field.name))
     })
-}
-
-/// Parsed columns of the properties that a cloud has a use for.
-struct KeptColumns {
-    columns: Vec<Column<'static>>,
-    /// Column of each property.
-    column_of: Vec<Option<usize>>,
-}
-
-impl KeptColumns {
-    fn new(vertex: &Element) -> Self {
-        let mut kept = Self {
-            columns: Vec::new(),
-            column_of: Vec::new(),
-        };
-        let is_used = |name: &str| attributes::is_used(name) || splats::is_used(name);
-        for property in &vertex.properties {
-            let scalar = match property.kind {
-                Kind::Scalar(scalar) if is_used(&property.name) => Some(scalar),
-                _ => None,
-            };
-            kept.column_of.push(scalar.map(|_| kept.columns.len()));
-            kept.columns.extend(scalar.map(|scalar| Column {
-                name: property.name.clone(),
-                scalar,
-                values: Values::Parsed(Vec::with_capacity(vertex.count)),
-            }));
-        }
-        kept
-    }
-
-    fn push(&mut self, property: usize, value: f64) {
-        if let Some(column) = self.column_of[property]
-            && let Values::Parsed(values) = &mut self.columns[column].values
-        {
-            values.push(value);
-        }
-    }
 }

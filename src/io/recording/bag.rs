@@ -3,12 +3,15 @@
 //! Connections (topics) and the index of a chunk stand behind the chunks, so one walk over the heads of the records
 //! meets them. A bag that was not closed has neither: then its chunks are looked into.
 
-use super::super::ReadOptions;
 use super::super::error::{Fault, Place};
+use super::super::options::ReadOptions;
 use super::super::unpack::Packing;
 use super::bytes::Bytes;
+use super::chunk::Chunk;
+use super::encoding::encoding_of;
+use super::found::Found;
+use super::message::MessagePlace;
 use super::walk::Walk;
-use super::{Chunk, Found, MessagePlace, encoding_of};
 use std::time::Duration;
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";

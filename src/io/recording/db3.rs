@@ -4,9 +4,11 @@
 //! virtual tables, generated columns), so plain tables are asked for; and a damaged one that leads in circles is left
 //! when it yields more rows than the file has bytes for.
 
-use super::super::ReadOptions;
 use super::super::error::Fault;
-use super::{Found, MessagePlace, encoding_of};
+use super::super::options::ReadOptions;
+use super::encoding::encoding_of;
+use super::found::Found;
+use super::message::MessagePlace;
 use rusqlite::{Connection, OpenFlags};
 use std::io::Read as _;
 use std::path::Path;
@@ -23,7 +25,8 @@ const LEAST_ROW_BYTES: u64 = 4;
 pub(super) fn find(path: &Path) -> Result<Found, Fault> {
     find_rows(path).map_err(|error| match error {
         Failure::Sql(error) => Fault::header(format!(
-            "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, or is another database"
+            "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, or is \
+             another database"
         )),
         Failure::Said(problem) => Fault::header(problem),
     })
@@ -106,8 +109,8 @@ fn find_rows(path: &Path) -> Result<Found, Failure> {
             .map_err(|error| Failure::Said(format!("message {id} is not readable ({error})")))?;
         if start.starts_with(&ZSTD_MAGIC) {
             return Err(Failure::Said(
-                "the messages are packed one by one with zstd, which is not read: convert the bag with `ros2 bag convert` to \
-                 one without compression, or to MCAP"
+                "the messages are packed one by one with zstd, which is not read: convert the bag with `ros2 bag \
+                 convert` to one without compression, or to MCAP"
                     .to_owned(),
             ));
         }

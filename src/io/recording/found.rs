@@ -1,7 +1,8 @@
 //! What the walk over a recording finds: topics, and where their point clouds are.
 
-use super::super::{Contents, Entry, Part, Topic};
-use super::{Encoding, Message, MessagePlace};
+use super::super::contents::{Contents, Entry, Part, Topic};
+use super::encoding::Encoding;
+use super::message::{Message, MessagePlace};
 use std::collections::{BTreeMap, HashMap};
 use std::time::Duration;
 

@@ -1,10 +1,10 @@
 //! `foxglove.PointCloud`: rows of points whose fields are named, as a message of Protocol Buffers or as JSON;
 //! <https://docs.foxglove.dev/docs/sdk/schemas/point-cloud>.
 
-use super::super::ReadOptions;
-use super::super::attributes;
 use super::super::column::{Column, Scalar, Values};
 use super::super::error::Fault;
+use super::super::growing;
+use super::super::options::ReadOptions;
 use super::protobuf::{Fields, Value};
 use crate::cloud::{Positions, RawCloud};
 use base64::Engine as _;
@@ -197,7 +197,8 @@ impl Cloud<'_> {
         };
         if count * stride != bytes {
             return Err(Fault::header(format!(
-                "{bytes} bytes of points are there, expected a multiple of {stride}, the size of one: the message is truncated"
+                "{bytes} bytes of points are there, expected a multiple of {stride}, the size of one: the message is \
+                 truncated"
             )));
         }
         let needed = count.saturating_mul(size_of::<[f64; 3]>() as u64);
@@ -206,7 +207,7 @@ impl Cloud<'_> {
         }
         let columns: Result<Vec<_>, _> =
             self.fields.iter().map(|field| self.column(field)).collect();
-        let mut cloud = attributes::cloud(&columns?, count as usize)?;
+        let mut cloud = growing::cloud(&columns?, count as usize)?;
         self.pose.apply(&mut cloud)?;
         Ok(cloud)
     }

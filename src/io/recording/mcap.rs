@@ -4,12 +4,15 @@
 //! unpack every chunk to find a channel. Schemas and channels stand in the summary at the end, too, so one walk over
 //! the heads of the records meets them all, whether there is a summary or not.
 
-use super::super::ReadOptions;
 use super::super::error::{Fault, Place};
+use super::super::options::ReadOptions;
 use super::super::unpack::Packing;
 use super::bytes::Bytes;
+use super::chunk::Chunk;
+use super::encoding::{Encoding, encoding_of};
+use super::found::Found;
+use super::message::MessagePlace;
 use super::walk::Walk;
-use super::{Chunk, Encoding, Found, MessagePlace, encoding_of};
 use std::collections::HashMap;
 use std::time::Duration;
 

@@ -8,101 +8,33 @@
 
 mod bag;
 mod bytes;
+mod chunk;
 mod db3;
+mod encoding;
 mod found;
 mod foxglove;
 mod mcap;
+mod message;
 mod pointcloud2;
 mod protobuf;
 mod walk;
 
+pub use message::Message;
+
+use super::containers;
+use super::contents::Contents;
+use super::error::IoError;
 use super::error::{Fault, Place};
+use super::format::Format;
+use super::options::ReadOptions;
 use super::unpack::{Packing, unpack};
-use super::{Contents, Format, IoError, ReadOptions};
 use crate::cloud::RawCloud;
-use found::Found;
+use encoding::Encoding;
+use message::MessagePlace;
 use pointcloud2::Serialisation;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
-use std::time::Duration;
-
-/// A message with a point cloud.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Message {
-    place: MessagePlace,
-    encoding: Encoding,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum MessagePlace {
-    /// So many bytes from there on in the file.
-    File { offset: u64, byte_count: u64 },
-    /// The same within an unpacked chunk.
-    Chunk {
-        chunk: Chunk,
-        offset: u64,
-        byte_count: u64,
-    },
-    /// The row with this id in the table of messages.
-    Row(i64),
-}
-
-/// Where many messages are packed together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Chunk {
-    offset: u64,
-    packed_bytes: u64,
-    unpacked_bytes: u64,
-    packing: Packing,
-    /// Zero where there is none.
-    crc: u32,
-}
-
-/// What a message with a point cloud is, and how its fields are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Encoding {
-    /// `sensor_msgs/PointCloud2` as ROS writes it.
-    Ros(Serialisation),
-    /// `foxglove.PointCloud` in Protocol Buffers.
-    Protobuf,
-    /// `foxglove.PointCloud` in JSON.
-    Json,
-}
-
-impl Encoding {
-    /// When the cloud was taken, if `start`, the first bytes of the message, says so.
-    fn stamp(self, start: &[u8]) -> Option<Duration> {
-        match self {
-            Self::Ros(serialisation) => pointcloud2::stamp(start, serialisation),
-            Self::Protobuf => foxglove::protobuf_stamp(start),
-            Self::Json => foxglove::json_stamp(start),
-        }
-    }
-
-    /// The cloud of a message.
-    fn decode(self, message: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
-        match self {
-            Self::Ros(serialisation) => pointcloud2::decode(message, serialisation, options),
-            Self::Protobuf => foxglove::decode_protobuf(message, options),
-            Self::Json => foxglove::decode_json(message, options),
-        }
-    }
-}
-
-/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1, of ROS 2 and of
-/// Foxglove.
-fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
-    let is_ros = ["sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2"].contains(&kind);
-    let is_foxglove = kind == "foxglove.PointCloud";
-    match encoding {
-        "ros1" if is_ros => Some(Encoding::Ros(Serialisation::Ros1)),
-        "cdr" if is_ros => Some(Encoding::Ros(Serialisation::Cdr)),
-        "protobuf" if is_foxglove => Some(Encoding::Protobuf),
-        "json" if is_foxglove => Some(Encoding::Json),
-        _ => None,
-    }
-}
 
 /// The topics of the recording at `path`, and the point clouds of `topic` (of the one that has the most, if `None`) in
 /// the order of their time.
@@ -116,13 +48,14 @@ pub(super) fn list(
         path: path.to_owned(),
         source,
     };
-    let found = if format == Format::Db3 {
+    let found = if format == containers::DB3 {
         db3::find(path)
     } else {
         let mut walk = walk::Walk::new(File::open(path).map_err(failed)?).map_err(failed)?;
-        match format {
-            Format::Mcap => mcap::find(&mut walk, options),
-            _ => bag::find(&mut walk, options),
+        if format == containers::MCAP {
+            mcap::find(&mut walk, options)
+        } else {
+            bag::find(&mut walk, options)
         }
     };
     let found = found.map_err(|fault| fault.of(path, format))?;
@@ -137,7 +70,7 @@ pub(super) fn read(
 ) -> Result<RawCloud, IoError> {
     let (format, place) = match (&message.place, message.encoding) {
         (&MessagePlace::Row(row), _) => (
-            Format::Db3,
+            containers::DB3,
             Place::Entry {
                 list: "message".to_owned(),
                 index: row as usize,
@@ -145,9 +78,11 @@ pub(super) fn read(
         ),
         (&MessagePlace::File { offset, .. } | &MessagePlace::Chunk { offset, .. }, encoding) => (
             // A ROS 1 message may be in an MCAP file, too; the file's name says which.
-            match (encoding, Format::of_extension(path)) {
-                (Encoding::Ros(Serialisation::Ros1), Some(Format::Bag)) => Format::Bag,
-                _ => Format::Mcap,
+            match encoding {
+                Encoding::Ros(Serialisation::Ros1) if containers::BAG.has_extension_of(path) => {
+                    containers::BAG
+                }
+                _ => containers::MCAP,
             },
             Place::Byte(offset as usize),
         ),
@@ -190,27 +125,4 @@ pub(super) fn read(
             ..cloud
         })
         .map_err(|fault| invalid(format!("the point cloud: {}", fault.problem)))
-}
-
-impl Chunk {
-    /// The chunk's bytes; the error is a sentence without its place.
-    fn unpack(
-        &self,
-        file: &mut (impl std::io::Read + std::io::Seek),
-        options: &ReadOptions,
-    ) -> Result<Vec<u8>, String> {
-        file.seek(SeekFrom::Start(self.offset))
-            .map_err(|error| error.to_string())?;
-        let bytes = unpack(
-            self.packing,
-            file.by_ref().take(self.packed_bytes),
-            self.unpacked_bytes,
-            options,
-        )
-        .map_err(|problem| format!("the chunk: {problem}"))?;
-        if self.crc != 0 && crc32fast::hash(&bytes) != self.crc {
-            return Err("the chunk's checksum is wrong: it is damaged".to_owned());
-        }
-        Ok(bytes)
-    }
 }

@@ -1,11 +1,12 @@
 //! `sensor_msgs/PointCloud2`: rows of points whose fields are named, in the serialisations of ROS 1 and ROS 2.
 
-use super::super::ReadOptions;
-use super::super::attributes;
 use super::super::column::{Column, Scalar, Values};
 use super::super::error::Fault;
+use super::super::growing;
+use super::super::options::ReadOptions;
 use super::bytes::Bytes;
 use crate::cloud::{AxisConvention, RawCloud};
+use std::borrow::Cow;
 use std::time::Duration;
 
 /// Kind of CDR and options, before the message itself.
@@ -114,80 +115,114 @@ pub(super) fn decode(
     let cloud = parse(message, serialisation).ok_or_else(|| {
         Fault::header("the message ends before its last field: it is truncated or damaged")
     })?;
-    let (width, height) = (u64::from(cloud.width), u64::from(cloud.height));
-    let (point_step, row_step) = (u64::from(cloud.point_step), u64::from(cloud.row_step));
-    let count = width * height;
-    let row_bytes = width * point_step;
-    // Rows of one line need no step; some writers leave it at zero.
-    let row_step = if height <= 1 { row_bytes } else { row_step };
-    let needed = row_step
-        .saturating_mul(height.saturating_sub(1))
-        .saturating_add(row_bytes);
-    if count > 0 && (point_step == 0 || row_step < row_bytes || needed > cloud.data.len() as u64) {
-        return Err(Fault::header(format!(
-            "{width} x {height} points of {point_step} bytes in rows of {row_step} need {needed} bytes, {} are there",
-            cloud.data.len()
-        )));
+    let grid = Grid::of(&cloud)?;
+    let needed = grid.count().saturating_mul(size_of::<[f64; 3]>() as u64);
+    if needed > options.max_memory_bytes {
+        return Err(Fault::too_large("the cloud", needed, options));
     }
-    if count.saturating_mul(size_of::<[f64; 3]>() as u64) > options.max_memory_bytes {
-        return Err(Fault::too_large(
-            "the cloud",
-            count * size_of::<[f64; 3]>() as u64,
-            options,
-        ));
-    }
-    let without_gaps: Vec<u8>;
-    let bytes = if count == 0 || row_step == row_bytes {
-        cloud.data
-    } else {
-        without_gaps = cloud
-            .data
-            .chunks(row_step as usize)
-            .take(height as usize)
-            .flat_map(|row| &row[..row_bytes as usize])
-            .copied()
-            .collect();
-        &without_gaps
-    };
-    let mut columns = Vec::new();
-    for field in &cloud.fields {
-        let Some(scalar) = scalar(field.datatype) else {
-            return Err(Fault::header(format!(
-                "field `{}` is of type {}, expected 1 to 8",
-                field.name, field.datatype
-            )));
+    let bytes = grid.without_gaps(cloud.data);
+    let column = |field| column(field, &cloud, &grid, &bytes);
+    let columns = cloud.fields.iter().map(column);
+    let columns = columns.collect::<Result<Vec<_>, Fault>>()?;
+    let mut read = growing::cloud(&columns, grid.count() as usize)?;
+    read.convention = Some(convention(&cloud));
+    Ok(read)
+}
+
+/// Where the points are in the bytes of a cloud.
+struct Grid {
+    width: u64,
+    height: u64,
+    point_step: u64,
+    row_step: u64,
+}
+
+impl Grid {
+    /// Fails where there are fewer bytes than that.
+    fn of(cloud: &Cloud<'_>) -> Result<Self, Fault> {
+        let (width, height) = (u64::from(cloud.width), u64::from(cloud.height));
+        let (point_step, row_step) = (u64::from(cloud.point_step), u64::from(cloud.row_step));
+        let row_bytes = width * point_step;
+        // Rows of one line need no step; some writers leave it at zero.
+        let row_step = if height <= 1 { row_bytes } else { row_step };
+        let needed = row_step
+            .saturating_mul(height.saturating_sub(1))
+            .saturating_add(row_bytes);
+        let grid = Self {
+            width,
+            height,
+            point_step,
+            row_step,
         };
-        // Some drivers count a lone number as none. Of several numbers the first is read.
-        let numbers = u64::from(field.count.max(1));
-        let end = u64::from(field.offset) + numbers * scalar.byte_size() as u64;
-        if end > point_step && count > 0 {
+        let there = cloud.data.len() as u64;
+        if grid.count() > 0 && (point_step == 0 || row_step < row_bytes || needed > there) {
             return Err(Fault::header(format!(
-                "field `{}` ends at byte {end} of a point, which has {point_step}",
-                field.name
+                "{width} x {height} points of {point_step} bytes in rows of {row_step} need {needed} bytes, {there} \
+                 are there"
             )));
         }
-        columns.push(Column {
-            name: field.name.clone(),
-            scalar,
-            values: Values::Packed {
-                bytes,
-                start: field.offset as usize,
-                step: point_step as usize,
-                big_endian: cloud.big_endian,
-            },
-        });
+        Ok(grid)
     }
-    let is_optical = cloud
-        .frame_id
-        .windows(OPTICAL.len())
-        .any(|part| part == OPTICAL);
-    let mut read = attributes::cloud(&columns, count as usize)?;
-    read.convention = Some(if is_optical {
+
+    fn count(&self) -> u64 {
+        self.width * self.height
+    }
+
+    /// The bytes of all points, one after the other.
+    fn without_gaps<'a>(&self, data: &'a [u8]) -> Cow<'a, [u8]> {
+        let row_bytes = self.width * self.point_step;
+        if self.count() == 0 || self.row_step == row_bytes {
+            return Cow::Borrowed(data);
+        }
+        let rows = data
+            .chunks(self.row_step as usize)
+            .take(self.height as usize);
+        let points = rows.flat_map(|row| &row[..row_bytes as usize]);
+        Cow::Owned(points.copied().collect())
+    }
+}
+
+/// The numbers of a field. Some drivers count a lone number as none; of several the first is read.
+fn column<'a>(
+    field: &Field,
+    cloud: &Cloud<'_>,
+    grid: &Grid,
+    bytes: &'a [u8],
+) -> Result<Column<'a>, Fault> {
+    let Some(scalar) = scalar(field.datatype) else {
+        return Err(Fault::header(format!(
+            "field `{}` is of type {}, expected 1 to 8",
+            field.name, field.datatype
+        )));
+    };
+    let numbers = u64::from(field.count.max(1));
+    let end = u64::from(field.offset) + numbers * scalar.byte_size() as u64;
+    if end > grid.point_step && grid.count() > 0 {
+        return Err(Fault::header(format!(
+            "field `{}` ends at byte {end} of a point, which has {}",
+            field.name, grid.point_step
+        )));
+    }
+    Ok(Column {
+        name: field.name.clone(),
+        scalar,
+        values: Values::Packed {
+            bytes,
+            start: field.offset as usize,
+            step: grid.point_step as usize,
+            big_endian: cloud.big_endian,
+        },
+    })
+}
+
+/// By the name of the frame of reference.
+fn convention(cloud: &Cloud<'_>) -> AxisConvention {
+    let mut parts = cloud.frame_id.windows(OPTICAL.len());
+    if parts.any(|part| part == OPTICAL) {
         AxisConvention::Camera
     } else {
         AxisConvention::UsuallyZUp
-    });
-    Ok(read)
+    }
 }
 
 fn scalar(datatype: u8) -> Option<Scalar> {

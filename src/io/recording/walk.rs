@@ -1,7 +1,7 @@
 //! Steps over the records of a file, reading only what is asked for.
 
-use super::super::ReadOptions;
-use super::Chunk;
+use super::super::options::ReadOptions;
+use super::chunk::Chunk;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 

@@ -6,10 +6,17 @@
 
 use super::super::xyz;
 use super::columns::{CHUNK_BYTES, Colors, Column, Type, columns};
+use super::encoder::{Encoder, Output};
 use crate::cloud::RawCloud;
-use std::io::Write;
 
-pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<()> {
+/// A bare table of numpy: positions, with colours and normals, or with one scalar.
+pub(in crate::io) const ENCODER: &Encoder = &Encoder {
+    name: "npy",
+    extension: "npy",
+    write: |out, cloud| write(out, cloud),
+};
+
+fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
     let columns = columns(cloud, Colors::Untyped, ["nx", "ny", "nz"], str::to_owned);
     let columns = told_by_number(columns, cloud);
     let is_double = columns.iter().any(|column| column.kind() == Type::F64);

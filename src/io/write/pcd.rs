@@ -1,10 +1,17 @@
 //! PCD, binary: point after point.
 
 use super::columns::{CHUNK_BYTES, Colors, Type, columns, plain_name};
+use super::encoder::{Encoder, Output};
 use crate::cloud::RawCloud;
-use std::io::Write;
 
-pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<()> {
+/// PCD 0.7, binary: all but faces.
+pub(in crate::io) const ENCODER: &Encoder = &Encoder {
+    name: "pcd",
+    extension: "pcd",
+    write: |out, cloud| write(out, cloud),
+};
+
+fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
     let name = |name: &str| match plain_name(name, |sign| sign.is_ascii_graphic()) {
         // Alone it is the name of padding.
         plain if plain == "_" => "scalar__".to_owned(),
@@ -46,7 +53,8 @@ pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<(
     let sensor = cloud.sensor.unwrap_or_default();
     write!(
         out,
-        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT {} {} {} 1 0 0 0\nPOINTS {count}\nDATA binary\n",
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT {} {} {} 1 0 \
+         0 0\nPOINTS {count}\nDATA binary\n",
         lines.join("\n"),
         sensor.x,
         sensor.y,

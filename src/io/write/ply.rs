@@ -1,10 +1,24 @@
 //! PLY, binary and as text.
 
 use super::columns::{CHUNK_BYTES, Colors, Column, Type, columns, plain_name};
+use super::encoder::{Encoder, Output};
 use crate::cloud::RawCloud;
-use std::io::Write;
 
-pub(super) fn write(out: &mut impl Write, cloud: &RawCloud, is_text: bool) -> std::io::Result<()> {
+/// PLY, little endian: holds all but where the sensor stood.
+pub(in crate::io) const BINARY: &Encoder = &Encoder {
+    name: "ply",
+    extension: "ply",
+    write: |out, cloud| write(out, cloud, false),
+};
+
+/// PLY as text: the same.
+pub(in crate::io) const ASCII: &Encoder = &Encoder {
+    name: "ply-ascii",
+    extension: "ply",
+    write: |out, cloud| write(out, cloud, true),
+};
+
+fn write(out: &mut dyn Output, cloud: &RawCloud, is_text: bool) -> std::io::Result<()> {
     let columns = columns(cloud, Colors::Typed, ["nx", "ny", "nz"], name);
     header(out, cloud, &columns, is_text)?;
     if is_text {
@@ -27,7 +41,7 @@ fn name(name: &str) -> String {
 }
 
 fn header(
-    out: &mut impl Write,
+    out: &mut dyn Output,
     cloud: &RawCloud,
     columns: &[Column<'_>],
     is_text: bool,
@@ -70,7 +84,7 @@ fn index_type(cloud: &RawCloud) -> &'static str {
     }
 }
 
-fn binary(out: &mut impl Write, cloud: &RawCloud, columns: &[Column<'_>]) -> std::io::Result<()> {
+fn binary(out: &mut dyn Output, cloud: &RawCloud, columns: &[Column<'_>]) -> std::io::Result<()> {
     let mut bytes = Vec::new();
     for row in 0..cloud.positions.len() {
         for column in columns {
@@ -91,7 +105,7 @@ fn binary(out: &mut impl Write, cloud: &RawCloud, columns: &[Column<'_>]) -> std
     Ok(())
 }
 
-fn text(out: &mut impl Write, cloud: &RawCloud, columns: &[Column<'_>]) -> std::io::Result<()> {
+fn text(out: &mut dyn Output, cloud: &RawCloud, columns: &[Column<'_>]) -> std::io::Result<()> {
     super::text::rows(out, cloud.positions.len(), columns)?;
     for [a, b, c] in &cloud.faces {
         writeln!(out, "3 {a} {b} {c}")?;

@@ -1,10 +1,17 @@
 //! Text with a point a line.
 
 use super::columns::{CHUNK_BYTES, Colors, Column, columns, plain_name};
+use super::encoder::{Encoder, Output};
 use crate::cloud::RawCloud;
-use std::io::Write;
 
-pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<()> {
+/// A point a line and the names of the columns in its first: all but faces and the sensor.
+pub(in crate::io) const ENCODER: &Encoder = &Encoder {
+    name: "xyz",
+    extension: "xyz",
+    write: |out, cloud| write(out, cloud),
+};
+
+fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
     let name = |name: &str| {
         plain_name(name, |sign| {
             !sign.is_whitespace() && !sign.is_control() && !",;\"#".contains(sign)
@@ -21,7 +28,7 @@ pub(super) fn write(out: &mut impl Write, cloud: &RawCloud) -> std::io::Result<(
 
 /// A line for each of the `count` rows.
 pub(super) fn rows(
-    out: &mut impl Write,
+    out: &mut dyn Output,
     count: usize,
     columns: &[Column<'_>],
 ) -> std::io::Result<()> {

@@ -29,7 +29,8 @@ proptest! {
     ) {
         const FRAMED: f64 = 0.95;
         let origin = DVec3::new(far, 0.5 * far, -far);
-        let points: Vec<Vec3> = points.into_iter().map(|point| Vec3::from_array(point) * Vec3::from_array(stretch)).collect();
+        let points: Vec<Vec3> =
+            points.into_iter().map(|point| Vec3::from_array(point) * Vec3::from_array(stretch)).collect();
         let bounds = Aabb::from_points(&points);
         let mut camera = Camera {
             azimuth_deg,
@@ -45,7 +46,8 @@ proptest! {
         // A cloud that lies along the view has no width that could fill the picture.
         let view = camera.view_from_world_rotation();
         let center = bounds.center().as_dvec3();
-        let is_wide = |point: &Vec3| (view * (point.as_dvec3() - center)).truncate().length() > f64::from(0.02 * bounds.radius());
+        let is_wide = |point: &Vec3|
+            (view * (point.as_dvec3() - center)).truncate().length() > f64::from(0.02 * bounds.radius());
         prop_assume!(points.iter().any(is_wide));
         camera.zoom(0.9);
         let out = farthest_out(&camera, &points, origin, size_px);

@@ -176,7 +176,8 @@ impl CameraPath {
         let up = up.name();
         let lines: Vec<String> = self.keyframes.iter().map(line).collect();
         format!(
-            "{{\n  \"pointreel_path\": {VERSION},\n  \"ease\": {},\n  \"up\": \"{up}\",\n  \"projection\": \"{projection}\",\n  \"keyframes\": [\n    {}\n  ]\n}}\n",
+            "{{\n  \"pointreel_path\": {VERSION},\n  \"ease\": {},\n  \"up\": \"{up}\",\n  \"projection\": \
+             \"{projection}\",\n  \"keyframes\": [\n    {}\n  ]\n}}\n",
             self.eases,
             lines.join(",\n    ")
         )

@@ -55,7 +55,8 @@ pub enum PathError {
     },
     /// Not after the keyframe before it.
     #[error(
-        "keyframe {number} is at {time_s} s and the one before it at {before_s} s: expected times that ascend by a microsecond at least"
+        "keyframe {number} is at {time_s} s and the one before it at {before_s} s: expected times that ascend by a \
+         microsecond at least"
     )]
     NotAscending {
         /// Which keyframe.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// As it is read.
 #[derive(Deserialize)]
 #[serde(untagged)]
-pub(super) enum Stored {
+enum StoredColoring {
     Word(ColorSource),
     Parts(Parts),
 }
@@ -17,7 +17,7 @@ pub(super) enum Stored {
 /// What is not there is as usual.
 #[derive(Deserialize)]
 #[serde(default)]
-pub(super) struct Parts {
+struct Parts {
     source: ColorSource,
     map: ColorMap,
     range: ColorRange,
@@ -38,11 +38,11 @@ impl Default for Parts {
     }
 }
 
-impl From<Stored> for Coloring {
-    fn from(stored: Stored) -> Self {
+impl From<StoredColoring> for Coloring {
+    fn from(stored: StoredColoring) -> Self {
         match stored {
-            Stored::Word(source) => Self::of(source),
-            Stored::Parts(parts) => Self {
+            StoredColoring::Word(source) => Self::of(source),
+            StoredColoring::Parts(parts) => Self {
                 source: parts.source,
                 map: parts.map,
                 range: parts.range,
@@ -50,6 +50,12 @@ impl From<Stored> for Coloring {
                 one_color: parts.one_color,
             },
         }
+    }
+}
+
+impl<'de> Deserialize<'de> for Coloring {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        StoredColoring::deserialize(deserializer).map(Self::from)
     }
 }
 
@@ -129,7 +135,8 @@ mod tests {
     proptest! {
         #[test]
         fn every_choice_is_read_again(
-            map in 0usize..5, low in -1e12f64..1e12, extent in 0f64..1e12, percent in prop::array::uniform2(0f64..=50.0),
+            map in 0usize..5, low in -1e12f64..1e12, extent in 0f64..1e12,
+            percent in prop::array::uniform2(0f64..=50.0),
             is_fixed: bool, is_logarithmic: bool, one_color: [u8; 3], name in "[a-z (:]{1,20}",
         ) {
             let coloring = Coloring {

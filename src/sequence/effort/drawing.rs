@@ -6,7 +6,8 @@
 //! that no more fit, more are tried all the same, since the workers, which are busiest at the beginning, slow drawing
 //! as well: after each attempt without success, the next waits four times as long: a few pictures are late each time.
 
-use super::{Average, FEWEST_POINTS, power_of_two};
+use super::average::Average;
+use super::points::{FEWEST_POINTS, power_of_two};
 
 /// What pictures have told.
 #[derive(Debug, Clone, Copy)]

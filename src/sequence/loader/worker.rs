@@ -4,15 +4,14 @@ use super::queue::{Job, NextStage, Queue};
 use super::readings::{ReadingStage, Readings};
 use super::stages;
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::locks::lock;
 use crate::memory;
 use crate::priority;
 use crate::progress::Progress;
-use crate::sequence::effort::Made;
+use crate::sequence::effort::MakingCost;
 use crate::sequence::error::catch_panic;
 use crate::sequence::prepare::{complete_observed, prepare, prepare_observed, prepare_sample};
-use crate::sequence::{
-    FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError, lock,
-};
+use crate::sequence::{FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 /// What the loader shares with its workers.
@@ -142,10 +141,10 @@ pub(super) struct Finished {
 }
 
 impl Finished {
-    fn made(&self) -> Made {
+    fn made(&self) -> MakingCost {
         let frame = &self.frame.frame;
         let rest_ms = self.frame.timings.total_ms() - self.decoder_ms.unwrap_or(0.0);
-        Made {
+        MakingCost {
             decode_ms: self.decoder_ms.map(f64::from),
             rest_ms: f64::from(rest_ms),
             points: frame.len(),

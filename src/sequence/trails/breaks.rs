@@ -44,7 +44,8 @@ impl TrailBreak {
                 other + first
             ),
             BreakReason::OtherOrder { before } => format!(
-                "the points of frame {frame} seem to be in another order than those of frame {}: indices do not stay with the points",
+                "the points of frame {frame} seem to be in another order than those of frame {}: indices do not stay \
+                 with the points",
                 before + first
             ),
             BreakReason::Unreadable => format!("frame {frame} cannot be read"),

@@ -60,7 +60,7 @@ pub struct Trails {
 }
 
 /// What is looked at in a frame.
-struct Seen {
+struct FramePlaces {
     witnesses: Vec<Vec3>,
     followed: Vec<Vec3>,
 }
@@ -95,7 +95,7 @@ impl Trails {
             let resident = resident(index);
             let looked = look(sequence, index, resident, request.points_in_file, |at| {
                 let places = |indices: &[u32]| indices.iter().map(|&index| at(index)).collect();
-                Seen {
+                FramePlaces {
                     witnesses: places(&witnesses),
                     followed: places(followed),
                 }
@@ -183,7 +183,7 @@ impl<'a> Walk<'a> {
     }
 
     /// A frame of as many points.
-    fn go_through(&mut self, frame: usize, seen: Seen) {
+    fn go_through(&mut self, frame: usize, seen: FramePlaces) {
         if let Some((last, witnesses)) = &self.before
             && !keeps_order(witnesses, &seen.witnesses)
         {

@@ -46,7 +46,8 @@ mod tests {
         /// However points are shuffled, that is noticed; however all of them move together, it is not taken for that.
         #[test]
         fn shuffled_points_are_noticed_and_moving_ones_are_not(
-            seed in 0u64..1000, shift in prop::array::uniform3(-100f32..100.0), size in 0.9f32..1.1, turn_deg in -30f32..30.0,
+            seed in 0u64..1000, shift in prop::array::uniform3(-100f32..100.0), size in 0.9f32..1.1,
+            turn_deg in -30f32..30.0,
         ) {
             // Places without any order, as those of a file may be.
             let fraction = |number: u64| {
@@ -54,7 +55,8 @@ mod tests {
                 let z = (z ^ z >> 31).wrapping_mul(0x94d0_49bb_1331_11eb);
                 ((z ^ z >> 29) >> 40) as f32 / (1u64 << 24) as f32
             };
-            let before: Vec<Vec3> = (0..256).map(|i| Vec3::new(fraction(3 * i), fraction(3 * i + 1), fraction(3 * i + 2))).collect();
+            let place = |i: u64| Vec3::new(fraction(3 * i), fraction(3 * i + 1), fraction(3 * i + 2));
+            let before: Vec<Vec3> = (0..256).map(place).collect();
             let turned = glam::Quat::from_rotation_z(turn_deg.to_radians());
             let moved: Vec<Vec3> = before.iter().map(|&at| turned * at * size + Vec3::from_array(shift)).collect();
             prop_assert!(keeps_order(&before, &moved));

@@ -174,7 +174,7 @@ fn place_of(file: &Path) -> (PathBuf, String) {
 
 /// Folder and stem of the frame whose normals `file` would hold by its name.
 fn base_of(file: &Path) -> Option<(PathBuf, String)> {
-    if !matches!(Format::of_extension(file), Some(Format::Ply | Format::Pcd)) {
+    if !Format::of_extension(file).is_some_and(Format::names_columns) {
         return None;
     }
     let (folder, stem) = place_of(file);

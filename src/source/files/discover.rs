@@ -12,12 +12,12 @@
 //! (`companions.rs`).
 
 use super::companions::{Companions, Known};
-use super::recording::topics_of;
+use super::recording::{Recording, topics_of};
 use super::stamps::stamp;
-use super::{FrameEntry, OpenOptions, Recording, SequenceError};
 use crate::io::natural::{Run, Runs, natural_order, split_name};
 use crate::io::{self, Format};
 use crate::progress::Progress;
+use crate::source::{FrameEntry, OpenOptions, SequenceError};
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -103,7 +103,7 @@ impl Discovered {
         let format = Format::of_extension(&path);
         // A file of one frame by its name is not opened here: there may be a hundred thousand.
         let may_hold_many = format.is_none_or(Format::holds_many);
-        let stays_whole = format == Some(Format::E57) && options.merge_scans;
+        let stays_whole = options.merge_scans && format.is_some_and(Format::holds_scans);
         let listed = (may_hold_many && !stays_whole)
             .then(|| io::contents(&path, options.topic.as_deref(), &options.read));
         match listed {

@@ -8,7 +8,9 @@ mod stamps;
 pub use recording::Recording;
 pub(super) use recording::topics_of;
 
-use super::{Content, DecodeFailure, Decoder, FrameEntry, FrameSample, SequenceError, Source};
+use super::{
+    Content, DecodeFailure, Decoder, FrameEntry, FrameSample, OpenOptions, SequenceError, Source,
+};
 use crate::cloud::RawCloud;
 use crate::io::normals::read_with_normals;
 use crate::io::{self, Part, ReadOptions, SharedFile};
@@ -21,19 +23,6 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, RwLock};
 use std::time::Duration;
-
-/// How inputs are opened.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct OpenOptions {
-    /// How files are read.
-    pub read: ReadOptions,
-    /// Frames a second, in place of what time stamps say.
-    pub fps: Option<f64>,
-    /// The scans of an E57 file are one frame, not a frame each.
-    pub merge_scans: bool,
-    /// The topic of recordings whose point clouds are the frames; of each the one that has the most if `None`.
-    pub topic: Option<Arc<str>>,
-}
 
 /// Frames in files. Folders and patterns are looked at again.
 #[derive(Debug)]

@@ -34,7 +34,7 @@ fn times_beside(entries: &[FrameEntry]) -> Option<Vec<Duration>> {
     let folder = entries.first()?.path.parent()?;
     let is_scan = |entry: &FrameEntry| {
         entry.path.parent() == Some(folder)
-            && Format::of_extension(&entry.path) == Some(Format::Bin)
+            && Format::of_extension(&entry.path).is_some_and(Format::has_times_beside)
     };
     if !entries.iter().all(is_scan) {
         return None;

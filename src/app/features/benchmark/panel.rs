@@ -57,7 +57,8 @@ fn contents(ui: &mut Ui, benchmark: &Benchmark, now: Duration) -> Option<Benchma
     let points = benchmark.points();
     match benchmark {
         Benchmark::Idle => {
-            ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused meanwhile.");
+            ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused \
+                meanwhile.");
         }
         Benchmark::Running(running) => {
             ui.strong(format!("Suite {}", running.suite));

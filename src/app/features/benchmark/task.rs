@@ -16,11 +16,11 @@ const LOOK_INTERVAL: Duration = Duration::from_millis(100);
 
 /// The job that runs `suite` on `sequence`: with a GPU context of its own, or in a window of its own.
 pub(in crate::app) fn benchmark_job(
-    suite: bench::Suite,
+    suite: &'static bench::Suite,
     name: String,
     sequence: Arc<Sequence>,
 ) -> BenchmarkJob {
-    if suite == bench::Suite::Window {
+    if suite.takes(bench::OptionGroup::Window) {
         return Box::new(move |report, progress| {
             report(Step {
                 label: format!("{name}: another window plays, turns and scrubs it"),

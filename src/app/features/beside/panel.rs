@@ -95,7 +95,8 @@ fn pairing_ui(ui: &mut Ui, beside: &mut Beside) {
         .on_hover_text("Frames of the same number belong together");
     let tooltip = match companion.times() {
         Some(times) if times.counts_from_first() => {
-            "The frames taken at the same time belong together, counted from the first frame of each: their clocks never meet"
+            "The frames taken at the same time belong together, counted from the first frame of each: their clocks \
+             never meet"
         }
         _ => "The frames taken at the same time belong together",
     };

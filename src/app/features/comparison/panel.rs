@@ -67,8 +67,8 @@ pub(in crate::app) fn difference_ui(ui: &mut Ui, pictures: &PicturePair) {
         Some(difference) => {
             let numbers = numbers(difference.flip, difference.psnr_db, difference.ssim);
             ui.monospace(numbers).on_hover_text(
-                "Of the whole pictures. FLIP: 0 equal, 1 as different as can be. PSNR: infinite for equal pictures. SSIM: 1 for \
-                 equal pictures",
+                "Of the whole pictures. FLIP: 0 equal, 1 as different as can be. PSNR: infinite for equal pictures. \
+                 SSIM: 1 for equal pictures",
             );
         }
         None => {

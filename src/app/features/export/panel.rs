@@ -71,7 +71,8 @@ pub(in crate::app) fn export_ui(
                 row(
                     ui,
                     "Scale bar",
-                    "A bar of a round length at the lower left; in perspective it is true at the distance of the middle of the orbit",
+                    "A bar of a round length at the lower left; in perspective it is true at the distance of the \
+                     middle of the orbit",
                     Checkbox::new(&mut export.has_scale_bar, "Drawn"),
                 );
                 request = place(ui, export, of);

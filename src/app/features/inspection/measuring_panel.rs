@@ -58,7 +58,8 @@ fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, up: DVec3) {
                 let value = measurement.gauge.text(measurement.value(up));
                 ui.label(measurement.gauge.name());
                 ui.label(RichText::new(value).monospace())
-                    .on_hover_text("Scene units, angles in degrees; points are followed through frames of as many points");
+                    .on_hover_text("Scene units, angles in degrees; points are followed through frames of as many \
+                        points");
                 let delete = ui
                     .add(Button::new("Delete").small())
                     .on_hover_text("Delete this measurement");

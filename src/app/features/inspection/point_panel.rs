@@ -190,7 +190,8 @@ fn trail_rows(measure: &TrailMeasure) -> Vec<ValueRow> {
         (
             "Mean speed",
             measure.mean_speed,
-            "The length of the trail by its time, scene units a second: by time stamps, else at the frame rate of the timeline",
+            "The length of the trail by its time, scene units a second: by time stamps, else at the frame rate of the \
+             timeline",
         ),
         (
             "Largest speed",

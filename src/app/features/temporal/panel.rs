@@ -27,14 +27,15 @@ pub(in crate::app) fn poses_ui(ui: &mut Ui, temporal: &mut Temporal) {
         row(
             ui,
             "Change map",
-            "Colours each point by its distance to the nearest point of another frame, and shows the numbers. Without light the \
-             colours are those of the legend",
+            "Colours each point by its distance to the nearest point of another frame, and shows the numbers. Without \
+             light the colours are those of the legend",
             Checkbox::new(&mut temporal.change.is_on, "Shown"),
         );
         row(
             ui,
             "Onion skin",
-            "Ghosts of neighbouring poses, as far as they are in memory: a part of their points, past ones warm, later ones cool",
+            "Ghosts of neighbouring poses, as far as they are in memory: a part of their points, past ones warm, later \
+             ones cool",
             Checkbox::new(is_on, "Shown"),
         );
         if !*is_on {
@@ -136,7 +137,8 @@ fn choices(ui: &mut Ui, map: &mut ChangeMap, range: f64) {
     row(
         ui,
         "Range",
-        "The distance in the last colour: that which 99 % of the points do not exceed, or a fixed one, with which poses can be compared",
+        "The distance in the last colour: that which 99 % of the points do not exceed, or a fixed one, with which \
+         poses can be compared",
         Checkbox::new(&mut is_automatic, "Automatic"),
     );
     if is_automatic {

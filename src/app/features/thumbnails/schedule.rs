@@ -129,7 +129,8 @@ mod tests {
     proptest! {
         #[test]
         fn every_wanted_frame_is_made_once(
-            count in 1usize..500, cells in 1usize..60, playhead in 0usize..500, hovered in prop::option::of(0usize..500),
+            count in 1usize..500, cells in 1usize..60, playhead in 0usize..500,
+            hovered in prop::option::of(0usize..500),
         ) {
             let wanted = WantedFrames { strip: strip_frames(count, cells), hovered };
             prop_assert!(wanted.strip.is_sorted_by(|a, b| a < b) && wanted.strip.iter().all(|&frame| frame < count));
@@ -141,7 +142,8 @@ mod tests {
             let mut sorted = made.clone();
             sorted.sort_unstable();
             prop_assert!(sorted.into_iter().eq(wanted.all()));
-            let nearness: Vec<usize> = made.iter().skip(usize::from(hovered.is_some())).map(|frame| frame.abs_diff(playhead)).collect();
+            let nearness: Vec<usize> =
+                made.iter().skip(usize::from(hovered.is_some())).map(|frame| frame.abs_diff(playhead)).collect();
             prop_assert!(nearness.is_sorted());
         }
     }

@@ -132,7 +132,8 @@ mod tests {
 
         #[test]
         fn pictures_never_take_more_than_the_budget_and_wanted_ones_stay(
-            frames in prop::collection::vec(0usize..2000, 300..700), wanted in prop::collection::btree_set(0usize..2000, 0..MAX_CELLS),
+            frames in prop::collection::vec(0usize..2000, 300..700),
+            wanted in prop::collection::btree_set(0usize..2000, 0..MAX_CELLS),
         ) {
             let mut store = Store::default();
             let mut inserted = BTreeSet::new();

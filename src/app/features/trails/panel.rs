@@ -20,8 +20,8 @@ const TO_COME: f32 = 0.6;
 pub(in crate::app) fn trail_ui(ui: &mut Ui, trails: &mut Trails, anchor: Anchor) {
     ui.horizontal(|ui| {
         let trail = Button::selectable(trails.is_on, "Trail");
-        let tooltip = "The way that the point of this index takes from in to out point, and the ways of points that were kept or \
-                       measured with. Before the shown frame it is bright (Shift+T)";
+        let tooltip = "The way that the point of this index takes from in to out point, and the ways of points that \
+            were kept or measured with. Before the shown frame it is bright (Shift+T)";
         if ui.add(trail).on_hover_text(tooltip).clicked() {
             trails.is_on ^= true;
         }
@@ -72,8 +72,8 @@ fn status_ui(ui: &mut Ui, trails: &mut Trails) {
         }
         let text = RichText::new(text).color(ui.visuals().warn_fg_color);
         ui.label(text).on_hover_text(
-            "Trails break here. Points are followed by their index in the file, which means nothing where frames have other numbers of \
-             points or seem to have them in another order",
+            "Trails break here. Points are followed by their index in the file, which means nothing where frames have \
+             other numbers of points or seem to have them in another order",
         );
     }
     if breaks.len() > MAX_REASONS {
@@ -99,7 +99,8 @@ pub(in crate::app) fn field_ui(ui: &mut Ui, trails: &mut Trails) {
         row(
             ui,
             "Trails",
-            "The ways of points that are spread evenly over the file, over the last frames; only where frames have as many points",
+            "The ways of points that are spread evenly over the file, over the last frames; only where frames have as \
+             many points",
             Checkbox::new(is_on, "Shown"),
         );
         if !*is_on {

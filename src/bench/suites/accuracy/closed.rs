@@ -4,18 +4,21 @@
 //! whose cells are smaller than the spacing of the points, and with leaves as large as the spacing, lit by their faces
 //! and by normals. Surfels are the measure, since they are made to close the surface.
 
+use super::columns::{CLOSED, row};
 use super::pictures::{Drawing, draw, parts};
-use super::{CLOSED, row};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
-use crate::bench::suites::{Run, Subject, mean, paper_voxel_settings};
+use crate::bench::run::Run;
+use crate::bench::statistics::mean;
+use crate::bench::subject::Subject;
+use crate::bench::suites::paper_settings::voxel_settings;
 use crate::levels::octree::StopCriterion;
 use crate::scene::{BackFaces, LevelStyle, Scene, Style, SurfelStyle, VoxelLight, VoxelStyle};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 
 /// The ways to draw voxels, and the words for them.
 fn ways() -> [(&'static str, Style); 3] {
-    let paper = paper_voxel_settings();
+    let paper = voxel_settings();
     let stop = StopCriterion::Spacing;
     let faces = Style {
         levels: LevelStyle {

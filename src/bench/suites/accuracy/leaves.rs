@@ -5,10 +5,11 @@
 //! of a cube to its points, 0.960 for an edge of 2). Each point is looked up by its place in f64, with none of the code
 //! that built the tree; a point whose cell is no leaf is counted.
 
-use super::{LEAVES, row};
+use super::columns::{LEAVES, row};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
-use crate::bench::suites::{Run, mean};
+use crate::bench::run::Run;
+use crate::bench::statistics::mean;
 use crate::levels::octree::{Octree, StopCriterion};
 use crate::sequence::PreparedFrame;
 use glam::{DVec3, Vec3};

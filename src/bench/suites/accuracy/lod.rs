@@ -9,11 +9,14 @@
 //! has a leaf of its own, smaller than its share of the surface, and coarser cells close the gaps. So each picture is
 //! also compared with that of surfels, which close the surface; part of that error is that cubes are shaded as cubes.
 
-use super::pictures::{Drawing, Picture, draw, parts};
-use super::{LOD, row, voxel_settings};
+use super::columns::{LOD, row};
+use super::pictures::{Drawing, ObjectPart, draw, parts};
 use crate::bench::report::{Cell, Row};
+use crate::bench::run::Run;
+use crate::bench::statistics::mean;
+use crate::bench::subject::Subject;
+use crate::bench::suites::paper_settings::{surfel_settings, voxel_settings_at};
 use crate::bench::suites::traversals::Traversals;
-use crate::bench::suites::{Run, Subject, mean, surfel_settings};
 use crate::bench::{BenchError, Quantiles};
 use crate::measure::psnr_db;
 use crate::sequence::PreparedFrame;
@@ -51,7 +54,7 @@ impl Samples {
         let cameras = subject.views(frame, run.options.viewpoints, distance);
         for camera in &cameras {
             let mut draw = |settings| draw(run, subject, frame, camera, settings);
-            let settings = LOD_PX.map(voxel_settings);
+            let settings = LOD_PX.map(voxel_settings_at);
             let drawings: Vec<Drawing> = std::iter::once(surfel_settings())
                 .chain(settings)
                 .map(&mut draw)
@@ -82,14 +85,14 @@ impl Samples {
 }
 
 impl ThresholdSamples {
-    fn add(&mut self, picture: &Picture, surfels: &Picture) -> Result<(), BenchError> {
+    fn add(&mut self, picture: &ObjectPart, surfels: &ObjectPart) -> Result<(), BenchError> {
         self.object_share.push(picture.object_share());
         let error = picture.compare(surfels)?;
         self.flip_surfels.push(error.flip_object_mean);
         Ok(())
     }
 
-    fn compare(&mut self, picture: &Picture, truth: &Picture) -> Result<(), BenchError> {
+    fn compare(&mut self, picture: &ObjectPart, truth: &ObjectPart) -> Result<(), BenchError> {
         let error = picture.compare(truth)?;
         self.squared_error.push(error.squared);
         self.flip.push(error.flip_mean);

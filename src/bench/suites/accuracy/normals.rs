@@ -4,11 +4,11 @@
 //! Signs are not compared: they come later, from the neighbourhood graph or the sensor. The time is that of the whole
 //! estimate (tree, neighbours, planes) on all threads that the program has.
 
-use super::{NORMALS, row};
+use super::columns::{NORMALS, row};
 use crate::analysis::{PlaneFit, estimate_planes};
 use crate::bench::report::Cell;
+use crate::bench::run::Run;
 use crate::bench::runner::milliseconds_since;
-use crate::bench::suites::Run;
 use crate::bench::{BenchError, Quantiles};
 use crate::measure::{AngularError, Orientation};
 use crate::source::{OUTLIERS, Sampled, Shape};
@@ -64,7 +64,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
                     let keys = keys(fit);
                     cells.extend(keys.into_iter().zip(values.map(Cell::maybe)));
                 }
-                run.report.rows.push(row(NORMALS, &cells));
+                run.add_rows([row(NORMALS, &cells)]);
             }
         }
     }

@@ -8,7 +8,8 @@
 //! than drawing.
 
 use crate::bench::BenchError;
-use crate::bench::suites::{Run, Subject};
+use crate::bench::run::Run;
+use crate::bench::subject::Subject;
 use crate::measure::{PIXELS_PER_DEGREE, Perceived, mean_squared_error};
 use crate::render::RenderError;
 use crate::scene::{Backdrop, Background, Camera, Scene, Style};
@@ -27,7 +28,7 @@ pub(super) struct Drawing {
 }
 
 /// The part of a [`Drawing`] that is compared.
-pub(super) struct Picture {
+pub(super) struct ObjectPart {
     /// Pixels of the whole drawing.
     whole_count: usize,
     image: RgbaImage,
@@ -87,7 +88,7 @@ pub(super) fn draw(
 }
 
 /// The parts of `drawings` (of one view) that are compared.
-pub(super) fn parts(drawings: &[Drawing]) -> impl Iterator<Item = Picture> {
+pub(super) fn parts(drawings: &[Drawing]) -> impl Iterator<Item = ObjectPart> {
     let part = object_rectangle(drawings);
     drawings.iter().map(move |drawing| drawing.part(&part))
 }
@@ -118,7 +119,7 @@ fn object_rectangle(drawings: &[Drawing]) -> [Range<u32>; 2] {
 }
 
 impl Drawing {
-    fn part(&self, [x, y]: &[Range<u32>; 2]) -> Picture {
+    fn part(&self, [x, y]: &[Range<u32>; 2]) -> ObjectPart {
         let width = self.image.width();
         let pixels = y.clone().flat_map(|row| {
             let row = (row * width) as usize;
@@ -133,7 +134,7 @@ impl Drawing {
             y.end - y.start,
         )
         .to_image();
-        Picture {
+        ObjectPart {
             whole_count: self.shows_object.len(),
             perceived: Perceived::of(&image, PIXELS_PER_DEGREE),
             image,
@@ -142,7 +143,7 @@ impl Drawing {
     }
 }
 
-impl Picture {
+impl ObjectPart {
     /// What the mean of something over this part is over the whole, if it is 0 elsewhere.
     fn over_whole(&self, mean: f64) -> f64 {
         mean * self.shows_object.len() as f64 / self.whole_count.max(1) as f64

@@ -12,10 +12,13 @@
 mod view;
 mod ways;
 
-use super::{Run, Subject, mean};
 use crate::bench::lab::{LabPoint, mark_front};
 use crate::bench::report::{Cell, Column, Row};
+use crate::bench::run::Run;
 use crate::bench::runner::{Runner, milliseconds_since};
+use crate::bench::statistics::mean;
+use crate::bench::subject::Subject;
+use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::bench::truth_cache::TruthCache;
 use crate::bench::{BenchError, Quantiles};
 use crate::levels::Lod;
@@ -31,10 +34,10 @@ use image::RgbaImage;
 use image::imageops::{FilterType, resize};
 use std::sync::Arc;
 use std::time::Instant;
-use view::{Drawn, PictureError, View};
+use view::{DrawnWay, PictureError, View};
 
 /// Columns, in the order in which [`Samples::row`] fills them.
-pub(in crate::bench) const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("way", "way"),
     Column::text("front", "front"),
@@ -65,8 +68,33 @@ pub(in crate::bench) const COLUMNS: &[Column] = &[
     Column::number("pictures", "pictures", 0).hidden(),
 ];
 
-/// The column that a bar chart shows.
-pub(in crate::bench) const HEADLINE: &str = "flip_object_mean";
+/// Errors of pictures beside their times, for every way to draw.
+pub const ERROR: &Suite = &Suite {
+    name: "error",
+    brief: "errors of pictures beside times, for every way to draw",
+    title: "Time × error",
+    hint: "Time and error of every way to draw, against the truth; a click on a point draws as it does",
+    description: "errors of pictures against the truth beside their times, for every way to draw",
+    measured: "CPU wall time from camera to finished picture, traversal and uploads of what it chose included; errors \
+        against the truth (a shape ray-traced, else all points as disks in f64; 8x8 samples a pixel): FLIP over the \
+        pixels that show the object and over all, PSNR, SSIM, background where the surface is (holes), another surface \
+        than a splat's diameter away (wrong surface), surface where the background is (too much); bytes uploaded for a \
+        first picture; on the front is what no other way beats in time and FLIP of the object",
+    not_measured: "decoding, normals, octrees, reading back, showing",
+    covered_by: "surfels",
+    defaults: Defaults {
+        viewport_px: [1280, 720],
+        viewpoints: 2,
+        frames: 1,
+    },
+    takes: &[OptionGroup::Modes],
+    is_of_paper: false,
+    has_paper_layout: false,
+    columns: COLUMNS,
+    headline: "flip_object_mean",
+    bars_title: "FLIP of the object, 0 to 1",
+    bar_labels: 2,
+};
 
 /// Width of the small pictures of a report, pixels.
 const THUMBNAIL_WIDTH_PX: u32 = 240;
@@ -96,7 +124,7 @@ struct Runners {
     cache: TruthCache,
 }
 
-pub(in crate::bench) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let all = ways::ways(!run.runner.is_processor());
     let modes = &run.options.modes;
     let ways: Vec<Style> = all.into_iter().filter(|way| modes.admit(way)).collect();
@@ -174,7 +202,7 @@ fn measure_sequence(
         .map(|(point, samples)| samples.row(point))
         .collect();
     run.finish(subject, &point_counts, &coverages, rows);
-    run.report.points.extend(points);
+    run.add_points(points);
     Ok(())
 }
 
@@ -206,7 +234,7 @@ fn measure_way(
         &mut runners.processor
     };
     for view in views {
-        crate::bench::check_cancelled(progress)?;
+        BenchError::check_cancelled(progress)?;
         let uploaded_before = runner.stats().uploaded_bytes;
         let (drawn_packet, visited_nodes) = packet(view, way);
         let image = runner.image(&drawn_packet)?;
@@ -224,7 +252,7 @@ fn measure_way(
         };
         let on_white = runner.image(&white_packet)?;
         let depth = depths(&mut runners.depths, &drawn_packet)?;
-        let drawn = Drawn {
+        let drawn = DrawnWay {
             image,
             on_white,
             depth,
@@ -237,7 +265,7 @@ fn measure_way(
     }
     for round in 0..options.warmup + options.repeat {
         for view in views {
-            crate::bench::check_cancelled(progress)?;
+            BenchError::check_cancelled(progress)?;
             let start = Instant::now();
             let (packet, _) = packet(view, way);
             runner.draw(&packet)?;

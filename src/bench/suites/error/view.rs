@@ -34,7 +34,7 @@ pub(super) struct PictureError {
 }
 
 /// A picture of a way to draw.
-pub(super) struct Drawn {
+pub(super) struct DrawnWay {
     pub(super) image: RgbaImage,
     /// The same on white, by which the object is told from the background.
     pub(super) on_white: RgbaImage,
@@ -83,7 +83,7 @@ impl View {
     }
 
     /// How far `drawn` is from the truth.
-    pub(super) fn compare(&self, drawn: Drawn) -> Result<(PictureError, RgbaImage), BenchError> {
+    pub(super) fn compare(&self, drawn: DrawnWay) -> Result<(PictureError, RgbaImage), BenchError> {
         let size_px = self.truth.depth.size_px;
         let depth = drawn.depth.map(|depth| enlarged(&depth, size_px));
         let image = scaled_to(drawn.image, size_px);

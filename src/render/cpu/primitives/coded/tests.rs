@@ -75,7 +75,8 @@ prop_compose! {
         distance in 0.1f64..20.0,
         fov_deg in 20f64..100.0,
     ) -> Camera {
-        Camera { target_in_world: DVec3::ZERO, distance, azimuth_deg, elevation_deg, fov_deg, up: UpAxis::Y, projection: Projection::Perspective }
+        Camera { target_in_world: DVec3::ZERO, distance, azimuth_deg, elevation_deg, fov_deg, up: UpAxis::Y,
+            projection: Projection::Perspective }
     }
 }
 

@@ -1,0 +1,84 @@
+//! How to measure, and what.
+
+use super::lab::LabPoint;
+use super::modes::Modes;
+use super::suite::{Defaults, Suite};
+use crate::kept;
+use crate::sequence::{Sequence, Shape};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// How to measure.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct BenchOptions {
+    /// What to measure.
+    pub suite: &'static Suite,
+    /// Picture size; at least 1×1.
+    pub viewport_px: [u32; 2],
+    /// Directions from which each frame is seen; at least 1. The protocol wants 8.
+    pub viewpoints: usize,
+    /// Frames of each sequence, spread evenly; at least 1. For suites that play how many are shown, turn after turn.
+    pub frames: usize,
+    /// Memory for prepared frames of suites that play, bytes; the loader's default if `None`.
+    pub budget_bytes: Option<usize>,
+    /// Rounds over all viewpoints before the clocks count.
+    pub warmup: usize,
+    /// Rounds over all viewpoints that count; at least 1.
+    pub repeat: usize,
+    /// Which ways to draw are compared, by the suite that compares them; all by default.
+    pub modes: Modes,
+    /// Where true pictures are kept for the next run; `None` keeps none.
+    #[serde(skip)]
+    pub truth_folder: Option<PathBuf>,
+}
+
+impl BenchOptions {
+    /// The paper's protocol for `suite`; for those that are not the paper's, what takes minutes instead of hours.
+    pub fn new(suite: &'static Suite) -> Self {
+        let Defaults {
+            viewport_px,
+            viewpoints,
+            frames,
+        } = suite.defaults;
+        Self {
+            suite,
+            viewport_px,
+            viewpoints,
+            frames,
+            budget_bytes: None,
+            warmup: 1,
+            repeat: 3,
+            modes: Modes::default(),
+            truth_folder: None,
+        }
+    }
+
+    /// The folder of this person for [`BenchOptions::truth_folder`]; `None` where the system has no such place.
+    pub fn truth_folder_of_person() -> Option<PathBuf> {
+        kept::cached_place_of("truth")
+    }
+}
+
+/// A sequence to measure.
+#[derive(Debug, Clone)]
+pub struct Input {
+    /// Its name in reports.
+    pub name: String,
+    /// Its frames.
+    pub sequence: Arc<Sequence>,
+    /// The shape that it was sampled from, if its truth is known.
+    pub shape: Option<Shape>,
+}
+
+/// What a run says of itself.
+#[derive(Debug, Clone, Default)]
+pub struct Step {
+    /// Steps done.
+    pub done: usize,
+    /// Steps of the whole run; 0 while unknown.
+    pub total: usize,
+    /// What is being measured now.
+    pub label: String,
+    /// A way to draw that has just been measured, if this is said because of it.
+    pub measured: Option<Arc<LabPoint>>,
+}

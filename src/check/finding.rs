@@ -1,0 +1,47 @@
+//! What a rule finds.
+
+use serde::Serialize;
+
+/// What kind of thing was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum FindingKind {
+    /// Numbers are missing between the names of two frames.
+    NumberGap,
+    /// Time stamps that do not grow, or a pause between two of them.
+    TimeJump,
+    /// A frame cannot be read.
+    UnreadableFrame,
+    /// A part of a frame's file cannot be read, but its points can.
+    UnreadablePart,
+    /// A frame without a point.
+    EmptyFrame,
+    /// A frame does not have the attributes of the others.
+    ChangedAttributes,
+    /// Coordinates that are NaN or infinite.
+    NonFinitePoints,
+    /// Points at exactly the same place.
+    DuplicatePoints,
+    /// The cloud jumps, or its size does.
+    BoundsJump,
+    /// Colours of 8 bits in fields of 16.
+    NarrowColors,
+    /// Normals of no length.
+    ZeroNormals,
+    /// Extents that speak of another unit, or coordinates that lose digits.
+    SuspiciousScale,
+    /// Frames that look as if another axis was up.
+    ChangedUpAxis,
+}
+
+/// Something that a person should look at.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// What kind of thing it is.
+    pub kind: FindingKind,
+    /// Indices of the frames in which it is.
+    pub frames: Vec<usize>,
+    /// What was found and what to do, in a sentence.
+    pub message: String,
+}

@@ -1,0 +1,73 @@
+//! What `pointreel render` is told.
+
+use super::arguments::{FrameRange, PictureArgs, ReadArgs, size_px};
+use super::camera_arguments::CameraArgs;
+use super::poses::PosesArgs;
+use super::video_arguments::VideoArgs;
+use crate::export::PictureSize;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `pointreel render`.
+#[derive(Debug, Args)]
+pub(super) struct RenderArgs {
+    /// A folder, a pattern, or files; `demo:` is the built-in sequence
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
+
+    /// PNG file to write; with a range of frames its name must contain {frame}
+    #[arg(
+        short,
+        long,
+        value_name = "OUT.png",
+        required_unless_present = "video",
+        conflicts_with = "video"
+    )]
+    pub(super) output: Option<PathBuf>,
+
+    /// Frame, or range A..B with both ends included [default: 0, of a video all]
+    #[arg(long, value_name = "N|A..B")]
+    pub(super) frame: Option<FrameRange>,
+
+    /// Picture size in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size_px)]
+    pub(super) size: [u32; 2],
+
+    /// Draw what the colours mean over the picture
+    #[arg(long)]
+    pub(super) legend: bool,
+    /// Draw a bar of a round length, true at the distance of what the camera looks at
+    #[arg(long)]
+    pub(super) scale_bar: bool,
+
+    /// JSON file to write counters and times to
+    #[arg(long, value_name = "STATS.json")]
+    pub(super) stats: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(super) video: VideoArgs,
+
+    #[command(flatten)]
+    pub(super) read: ReadArgs,
+
+    #[command(flatten)]
+    pub(super) picture: PictureArgs,
+
+    #[command(flatten)]
+    pub(super) poses: PosesArgs,
+
+    #[command(flatten)]
+    pub(super) camera: CameraArgs,
+}
+
+impl RenderArgs {
+    /// How large pictures are, and what is behind the cloud.
+    pub(super) fn picture_size(&self) -> PictureSize {
+        PictureSize {
+            is_transparent: self.picture.is_transparent(),
+            has_legend: self.legend,
+            has_scale_bar: self.scale_bar,
+            ..PictureSize::opaque(self.size)
+        }
+    }
+}

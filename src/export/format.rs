@@ -1,0 +1,34 @@
+//! What a video is written as.
+
+use std::fmt;
+
+/// What a video is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VideoFormat {
+    /// A PNG file a picture.
+    PngFiles,
+    /// 256 colours a picture.
+    Gif,
+    /// Lossless.
+    Webp,
+    /// H.264, by `ffmpeg`.
+    Mp4,
+}
+
+impl fmt::Display for VideoFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::PngFiles => "PNG",
+            Self::Gif => "GIF",
+            Self::Webp => "WebP",
+            Self::Mp4 => "MP4",
+        })
+    }
+}
+
+impl VideoFormat {
+    /// Whether it can hold soft transparency.
+    pub fn has_alpha(self) -> bool {
+        matches!(self, Self::PngFiles | Self::Webp)
+    }
+}

@@ -1,0 +1,77 @@
+//! What a row of the table of formats can do.
+
+use super::contents::{Entry, Part};
+use super::error::{Fault, IoError};
+use super::fixed_rows::FixedRows;
+use super::format::Format;
+use super::options::ReadOptions;
+use super::write::Encoder;
+use crate::cloud::RawCloud;
+use crate::progress::Progress;
+use std::path::Path;
+
+/// A file to decode.
+pub(super) struct Encoded<'a> {
+    pub(super) format: Format,
+    /// It stands in messages, and what lies beside the file is found by it.
+    pub(super) name: &'a Path,
+    /// All of it, at least a byte.
+    pub(super) bytes: &'a [u8],
+    /// What of it is wanted.
+    pub(super) part: &'a Part,
+    pub(super) options: &'a ReadOptions,
+    pub(super) progress: &'a Progress,
+}
+
+type Decode = fn(&Encoded<'_>) -> Result<RawCloud, Fault>;
+
+/// The frames in a file.
+type List = fn(&Path, &ReadOptions) -> Result<Vec<Entry>, IoError>;
+
+/// Normals as they stand in the file, a row each.
+type Normals = fn(&[u8], &Progress) -> Result<Vec<[f32; 3]>, Fault>;
+
+/// A format, and how it is read and written.
+pub(super) struct Codec {
+    pub(super) format: Format,
+    pub(super) decode: Decode,
+    /// `None` where a file is one frame, or its frames are files or messages within it.
+    pub(super) list: Option<List>,
+    /// Where points are rows with named columns.
+    pub(super) columns: Option<NamedColumns>,
+    /// The ways to write it.
+    pub(super) encoders: &'static [&'static Encoder],
+}
+
+/// What can be had of rows without reading all of them.
+pub(super) struct NamedColumns {
+    /// Where the points are in a file that begins so, if they can be read without the whole of it.
+    pub(super) fixed_rows: fn(&[u8]) -> Option<FixedRows>,
+    /// Names of what each point has in a file that begins so.
+    pub(super) point_names: fn(&[u8]) -> Option<Vec<String>>,
+    /// The normals in a file that may have no points.
+    pub(super) normals: Normals,
+}
+
+impl Codec {
+    /// A format of one cloud a file that is read.
+    pub(super) const fn reading(format: Format, decode: Decode) -> Self {
+        Self {
+            format,
+            decode,
+            list: None,
+            columns: None,
+            encoders: &[],
+        }
+    }
+
+    /// A format of which the frames are read one by one.
+    pub(super) const fn container(format: Format) -> Self {
+        Self::reading(format, |file| {
+            Err(Fault::header(format!(
+                "a {} file within another file is not read: unpack the outer one first",
+                file.format
+            )))
+        })
+    }
+}

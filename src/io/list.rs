@@ -1,0 +1,68 @@
+//! Which frames are in a file.
+
+use super::contents::{Contents, Entry};
+use super::error::IoError;
+use super::format::{Format, Holding};
+use super::options::ReadOptions;
+use super::{archive, recording};
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+/// What is in the file at `path`; a file of one frame is not looked at beyond its first bytes. Of a recording, the
+/// point clouds of `topic` are the frames: none where it has no such topic, those of the topic that has the most if
+/// `None`.
+pub fn contents(
+    path: &Path,
+    topic: Option<&str>,
+    options: &ReadOptions,
+) -> Result<Contents, IoError> {
+    match Format::detect(path, &first_bytes(path)?) {
+        Some(format) => list_format(path, format, topic, options),
+        None => Ok(Contents::of_entries(vec![Entry::whole()])),
+    }
+}
+
+/// The frames of [`contents`], of the topic that has the most.
+pub fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
+    Ok(contents(path, None, options)?.entries)
+}
+
+/// What is in a file of `format`.
+pub(super) fn list_format(
+    path: &Path,
+    format: Format,
+    topic: Option<&str>,
+    options: &ReadOptions,
+) -> Result<Contents, IoError> {
+    let entries = match format.holds() {
+        Holding::Messages => return recording::list(path, format, topic, options),
+        Holding::Members => archive::list(path, format, options)?,
+        Holding::Cloud | Holding::Scans | Holding::Moments => {
+            match format.codec().and_then(|codec| codec.list) {
+                Some(list) => list(path, options)?,
+                None => vec![Entry::whole()],
+            }
+        }
+    };
+    Ok(Contents::of_entries(entries))
+}
+
+/// The first [`Format::MAGIC_BYTES`] of a file, or all if there are fewer.
+pub(super) fn first_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    // A pipe or device may never end; only regular files are read.
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
+        return Err(IoError::NotAFile {
+            path: path.to_owned(),
+        });
+    }
+    let mut magic = Vec::with_capacity(Format::MAGIC_BYTES);
+    let file = File::open(path).map_err(failed)?;
+    let mut start = file.take(Format::MAGIC_BYTES as u64);
+    start.read_to_end(&mut magic).map_err(failed)?;
+    Ok(magic)
+}

@@ -1,0 +1,189 @@
+//! From a file to a cloud.
+
+use super::codec::Encoded;
+use super::contents::Part;
+use super::error::{Fault, IoError};
+use super::fixed_rows::FixedRows;
+use super::format::Format;
+use super::list::{first_bytes, list_format};
+use super::options::ReadOptions;
+use super::{archive, mesh, recording, watched};
+use crate::cloud::{RawCloud, even_places};
+use crate::progress::Progress;
+use std::path::Path;
+use std::time::Duration;
+
+/// Reads the cloud in the file at `path`: by its first bytes, else by its extension. Of a file with many frames, all
+/// that belong together (scans) or the first one.
+pub fn read(path: &Path) -> Result<RawCloud, IoError> {
+    read_part(path, &Part::Whole, &ReadOptions::default())
+}
+
+/// Reads one of the frames that [`super::list`] found in the file at `path`.
+pub fn read_part(path: &Path, part: &Part, options: &ReadOptions) -> Result<RawCloud, IoError> {
+    read_part_observed(path, part, options, &Progress::default())
+}
+
+/// [`read_part`], which tells `progress` how much of the file is read, then how much of it is decoded where the decoder
+/// can say so, and ends soon after it was cancelled.
+///
+/// # Errors
+/// As [`read_part`], and [`IoError::Cancelled`].
+pub fn read_part_observed(
+    path: &Path,
+    part: &Part,
+    options: &ReadOptions,
+    progress: &Progress,
+) -> Result<RawCloud, IoError> {
+    let cloud = read_watched(path, part, options, progress);
+    if progress.is_cancelled() {
+        return Err(IoError::Cancelled {
+            path: path.to_owned(),
+        });
+    }
+    cloud
+}
+
+fn read_watched(
+    path: &Path,
+    part: &Part,
+    options: &ReadOptions,
+    progress: &Progress,
+) -> Result<RawCloud, IoError> {
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    match part {
+        Part::Member(member) => {
+            let (name, bytes) = archive::read(path, member, options, progress)?;
+            return read_bytes_with(&name, &bytes, &Part::Whole, options, progress);
+        }
+        Part::Message(message) => return recording::read(path, message, options),
+        Part::Whole | Part::Scan(_) | Part::Moment(_) => {}
+    }
+    let magic = first_bytes(path)?;
+    // Archives and recordings may be larger than the memory: their first frame is read alone.
+    if *part == Part::Whole
+        && let Some(format) = Format::detect(path, &magic)
+        && format.is_container()
+    {
+        let entries = list_format(path, format, None, options)?.entries;
+        return match entries.first() {
+            Some(first) if first.part != Part::Whole => {
+                read_watched(path, &first.part, options, progress)
+            }
+            _ => Err(IoError::NoFrame {
+                path: path.to_owned(),
+                format,
+            }),
+        };
+    }
+    if let Some((format, rows)) = fixed_rows(path, &magic) {
+        // Of a header that claims more than there is the reading of whole files has to tell.
+        let available = std::fs::metadata(path).map_err(failed)?.len();
+        let needed = rows.memory_bytes().min(available);
+        if needed > options.max_memory_bytes {
+            let what = format!("{} points", rows.count);
+            let fault = Fault::too_large(&what, needed, options);
+            return Err(fault.of(path, format));
+        }
+        if let Some(cloud) = rows.read(path, progress).map_err(failed)? {
+            return Ok(cloud);
+        }
+    }
+    let bytes = watched::read_file(path, progress).map_err(failed)?;
+    read_bytes_with(path, &bytes, part, options, progress)
+}
+
+/// At most `most_points` of the points in the file at `path`, and how many it has, where its rows are of one length and
+/// it has at least `fewest_points`: one point in each of as many equal parts, without the rest being read. `None`
+/// otherwise, and where looking for them takes longer than `most_time`.
+pub(crate) fn read_sample(
+    path: &Path,
+    most_points: usize,
+    fewest_points: usize,
+    most_time: Duration,
+) -> Result<Option<(RawCloud, usize)>, IoError> {
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let magic = first_bytes(path)?;
+    let rows = fixed_rows(path, &magic).map(|(_, rows)| rows);
+    let Some(rows) = rows.filter(|rows| rows.count >= fewest_points) else {
+        return Ok(None);
+    };
+    let places = even_places(rows.count, most_points);
+    let cloud = rows.read_at(path, &places, most_time).map_err(failed)?;
+    Ok(cloud.map(|cloud| (cloud, rows.count)))
+}
+
+/// The format and the rows of a file that begins with `magic`, if they are of one length.
+fn fixed_rows(path: &Path, magic: &[u8]) -> Option<(Format, FixedRows)> {
+    let format = Format::detect(path, magic)?;
+    let columns = format.codec()?.columns.as_ref()?;
+    let rows = (columns.fixed_rows)(magic);
+    rows.map(|rows| (format, rows))
+}
+
+/// Reads the cloud in `bytes`; `name` stands in error messages, and its extension tells the format where the first
+/// bytes do not.
+pub fn read_bytes(name: &Path, bytes: &[u8]) -> Result<RawCloud, IoError> {
+    let (options, progress) = (ReadOptions::default(), Progress::default());
+    read_bytes_with(name, bytes, &Part::Whole, &options, &progress)
+}
+
+fn read_bytes_with(
+    name: &Path,
+    bytes: &[u8],
+    part: &Part,
+    options: &ReadOptions,
+    progress: &Progress,
+) -> Result<RawCloud, IoError> {
+    if bytes.is_empty() {
+        return Err(IoError::Empty {
+            path: name.to_owned(),
+        });
+    }
+    let unknown = || IoError::UnknownFormat {
+        path: name.to_owned(),
+    };
+    let format = Format::detect(name, bytes).ok_or_else(unknown)?;
+    let codec = format.codec().ok_or_else(unknown)?;
+    let options = &options.of_format(format);
+    let decoded = (codec.decode)(&Encoded {
+        format,
+        name,
+        bytes,
+        part,
+        options,
+        progress,
+    });
+    finished(decoded, name, format, options)
+}
+
+/// What a decoder has made of a file of `format`, with what the format says of all its clouds.
+pub(super) fn finished(
+    decoded: Result<RawCloud, Fault>,
+    name: &Path,
+    format: Format,
+    options: &ReadOptions,
+) -> Result<RawCloud, IoError> {
+    let sampled = |mut cloud: RawCloud| {
+        cloud.convention = cloud.convention.or(format.convention());
+        cloud.unit = cloud.unit.or(format.unit());
+        for warning in &mut cloud.warnings {
+            *warning = format!("{}, {warning} ({format} file)", name.display());
+        }
+        if let Some(count) = options.sample_count
+            && !cloud.faces.is_empty()
+        {
+            mesh::sample(&mut cloud, count, options)?;
+        }
+        Ok(cloud)
+    };
+    decoded
+        .and_then(sampled)
+        .map_err(|fault| fault.of(name, format))
+}

@@ -1,0 +1,25 @@
+//! Where a message with a point cloud is.
+
+use super::chunk::Chunk;
+use super::encoding::Encoding;
+
+/// A message with a point cloud.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    pub(super) place: MessagePlace,
+    pub(super) encoding: Encoding,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum MessagePlace {
+    /// So many bytes from there on in the file.
+    File { offset: u64, byte_count: u64 },
+    /// The same within an unpacked chunk.
+    Chunk {
+        chunk: Chunk,
+        offset: u64,
+        byte_count: u64,
+    },
+    /// The row with this id in the table of messages.
+    Row(i64),
+}

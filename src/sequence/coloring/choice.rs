@@ -1,0 +1,51 @@
+//! The choice of colours.
+
+use super::range::ColorRange;
+use super::source::ColorSource;
+use crate::analysis::ColorMap;
+
+/// The usual colour of every point under [`ColorSource::Uniform`]: a light grey that shows shading both ways.
+pub const UNIFORM_COLOR: [u8; 4] = [200, 200, 200, 255];
+
+/// The same without alpha.
+pub(in crate::sequence) const UNIFORM_RGB: [u8; 3] = [200, 200, 200];
+
+/// How points are coloured. What is not there to be coloured by is replaced as [`ColorSource::Auto`] would.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coloring {
+    /// What colours show.
+    pub source: ColorSource,
+    /// How numbers become colours.
+    pub map: ColorMap,
+    /// The numbers in the first and the last colour.
+    pub range: ColorRange,
+    /// Steps of colour are steps of the logarithm; evenly where no number is above zero.
+    pub is_logarithmic: bool,
+    /// Red, green and blue of [`ColorSource::Uniform`].
+    pub one_color: [u8; 3],
+}
+
+impl Coloring {
+    /// A source, and the rest as usual.
+    pub const fn of(source: ColorSource) -> Self {
+        Self {
+            source,
+            map: ColorMap::Viridis,
+            range: ColorRange::USUAL,
+            is_logarithmic: false,
+            one_color: UNIFORM_RGB,
+        }
+    }
+}
+
+impl Default for Coloring {
+    fn default() -> Self {
+        Self::of(ColorSource::Auto)
+    }
+}
+
+impl From<ColorSource> for Coloring {
+    fn from(source: ColorSource) -> Self {
+        Self::of(source)
+    }
+}

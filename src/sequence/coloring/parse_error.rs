@@ -1,0 +1,10 @@
+//! Why a text says nothing of colours.
+
+/// A text that is no way to colour.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` is no {what}: expected {expected}")]
+pub struct ParseColoringError {
+    pub(in crate::sequence) what: &'static str,
+    pub(in crate::sequence) text: String,
+    pub(in crate::sequence) expected: &'static str,
+}

@@ -1,0 +1,17 @@
+//! How inputs are opened.
+
+use crate::io::ReadOptions;
+use std::sync::Arc;
+
+/// How inputs are opened.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct OpenOptions {
+    /// How files are read.
+    pub read: ReadOptions,
+    /// Frames a second, in place of what time stamps say.
+    pub fps: Option<f64>,
+    /// The scans of an E57 file are one frame, not a frame each.
+    pub merge_scans: bool,
+    /// The topic of recordings whose point clouds are the frames; of each the one that has the most if `None`.
+    pub topic: Option<Arc<str>>,
+}

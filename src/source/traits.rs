@@ -1,0 +1,115 @@
+//! What every source of frames can do.
+
+use super::entry::FrameEntry;
+use super::error::SequenceError;
+use super::files::{Recording, topics_of};
+use crate::cloud::RawCloud;
+use crate::io::Topic;
+use crate::progress::Progress;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+/// Why a decoder failed; its message names the file, the place in it and what was expected.
+pub type DecodeFailure = Box<dyn std::error::Error + Send + Sync>;
+
+/// Some points of a frame, and how many it has.
+pub type FrameSample = (RawCloud, usize);
+
+/// Where the frames of a sequence come from. Shared between threads.
+pub trait Source: Send + Sync {
+    /// The frames that can be decoded now: up to the newest, from the oldest that is not gone for good. Frames keep
+    /// their numbers.
+    fn frames(&self) -> Range<usize>;
+
+    /// What is known of a frame before it is decoded, be it gone or not. Precondition: it is before the end of
+    /// [`Source::frames`].
+    fn entry(&self, index: usize) -> Arc<FrameEntry>;
+
+    /// Something that decodes frames of this source, for one thread at a time.
+    fn decoder(&self) -> Box<dyn Decoder>;
+
+    /// At most `most_points` of a frame that has at least `fewest_points`, without reading the others, and how many it
+    /// has; `None` where that cannot be done.
+    fn sample(
+        &self,
+        _index: usize,
+        _most_points: usize,
+        _fewest_points: usize,
+    ) -> Result<Option<FrameSample>, DecodeFailure> {
+        Ok(None)
+    }
+
+    /// Whether its frames come while it is open and are gone for good some time later. Who opens it is shown the
+    /// newest.
+    fn is_live(&self) -> bool {
+        false
+    }
+
+    /// Whether frames may come while it is open.
+    fn may_grow(&self) -> bool {
+        false
+    }
+
+    /// Takes frames that came behind the last one; says how many.
+    fn look_again(&self) -> Result<usize, SequenceError> {
+        Ok(0)
+    }
+
+    /// [`Source::look_again`] once there is something, or after this time: a stream wakes up when a frame comes, a
+    /// folder is looked at from time to time.
+    fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
+        thread::sleep(at_most);
+        self.look_again()
+    }
+
+    /// What a person opened: nothing for what is no file.
+    fn inputs(&self) -> &[PathBuf] {
+        &[]
+    }
+
+    /// The recordings among what was opened.
+    fn recordings(&self) -> &[Recording] {
+        &[]
+    }
+
+    /// The topics with point clouds of all recordings together, in the order of their names.
+    fn topics(&self) -> Vec<Topic> {
+        topics_of(self.recordings())
+    }
+
+    /// What of the inputs is left out, a sentence each.
+    fn notes(&self) -> &[String] {
+        &[]
+    }
+}
+
+/// Decodes frames of one source. It may keep what several frames share, such as an open file or the frame before, but
+/// gives the same answer whatever it decoded before.
+pub trait Decoder: Send {
+    /// The point cloud of frame `index`, which `entry` tells of, in file coordinates. Says how far it is; what it
+    /// returns after it was cancelled is not looked at.
+    fn decode(
+        &mut self,
+        index: usize,
+        entry: &FrameEntry,
+        progress: &Progress,
+    ) -> Result<RawCloud, DecodeFailure>;
+}
+
+/// A function that decodes every frame by itself.
+impl<F> Decoder for F
+where
+    F: FnMut(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure> + Send,
+{
+    fn decode(
+        &mut self,
+        _index: usize,
+        entry: &FrameEntry,
+        progress: &Progress,
+    ) -> Result<RawCloud, DecodeFailure> {
+        self(entry, progress)
+    }
+}
