@@ -10,8 +10,8 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, LightStyle, Lighting, PointStyle, Primitive,
-    Scene, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
+    BackFaces, Backdrop, Background, Camera, Content, DrawingStyle, LightStyle, Lighting,
+    PointStyle, Primitive, Scene, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ fn assert_agreement(renderer: &mut GpuRenderer, packet: &ScenePacket, what: &str
     let mut reference = None;
     for &strategy in Strategy::ALL {
         let mut packet = packet.clone();
-        packet.settings.strategy = strategy;
+        packet.settings.drawing.strategy = strategy;
         let image = draw_with(renderer, &packet);
         let empty = *image.get_pixel(0, 0);
         assert!(
@@ -221,7 +221,7 @@ fn many_batches_and_chunks_draw_what_one_draws() {
     let mut chunked = GpuRenderer::new(chunked).unwrap();
     for &strategy in Strategy::ALL {
         let mut packet = packet.clone();
-        packet.settings.strategy = strategy;
+        packet.settings.drawing.strategy = strategy;
         let image = draw_with(&mut chunked, &packet);
         assert_eq!(
             common::difference(&reference, &image),
@@ -240,7 +240,10 @@ fn many_batches_and_chunks_draw_what_one_draws() {
 fn the_compute_strategy_leaves_nothing_of_an_earlier_cloud() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let settings = Style {
-        strategy: Strategy::Compute,
+        drawing: DrawingStyle {
+            strategy: Strategy::Compute,
+            ..plain().drawing
+        },
         ..plain()
     };
     let full = surfels(&sphere(1500, 1.0), &camera_at(3.0), settings, [64, 64]);

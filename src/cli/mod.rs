@@ -14,6 +14,7 @@ mod info;
 mod poses;
 mod progress;
 mod render;
+mod style_arguments;
 mod video;
 mod view;
 mod warnings;

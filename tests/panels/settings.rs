@@ -84,11 +84,14 @@ fn every_setting_can_be_changed_and_reset() {
     slide(&mut harness, "Enlargement", 3.0);
     assert_eq!(harness.state().settings.surfels.enlargement, 3.0);
     choose(&mut harness, "Renderer", "CPU");
-    assert_eq!(harness.state().settings.renderer, RendererChoice::Cpu);
+    assert_eq!(
+        harness.state().settings.drawing.renderer,
+        RendererChoice::Cpu
+    );
     choose(&mut harness, "Instancing", "Compute");
-    assert_eq!(harness.state().settings.strategy, Strategy::Compute);
+    assert_eq!(harness.state().settings.drawing.strategy, Strategy::Compute);
     slide(&mut harness, "Resolution", 0.5);
-    assert_eq!(harness.state().settings.resolution, 0.5);
+    assert_eq!(harness.state().settings.drawing.resolution, 0.5);
     slide(&mut harness, "Splat scale", 2.5);
     assert_eq!(harness.state().settings.surfels.splat_scale, 2.5);
     choose(&mut harness, "Back faces", "Drawn");

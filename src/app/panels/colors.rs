@@ -1,11 +1,13 @@
 //! What colours show: the source, of those that are there, and how its numbers become colours.
 
 use super::settings::{choice, heading, note_below, row, rows};
+use super::style::word;
 use crate::analysis::{ColorMap, ColorScale};
 use crate::app::State;
 use crate::app::widgets::ramp::{handles_ui, ramp_ui};
 use crate::cloud::Frame;
-use crate::scene::{Legend, field_title};
+use crate::scene::describe::Described;
+use crate::scene::{Legend, coloring, field_title};
 use crate::sequence::{
     ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint, PaintValues,
     PreparedFrame, plain_field_name, value_kind,
@@ -135,8 +137,8 @@ fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame
     ));
     choice(
         ui,
-        "Colours",
-        "Where the colours of points come from",
+        coloring::COLORS.title,
+        coloring::COLORS.hint,
         &mut coloring.source,
         &sources,
     );
@@ -216,45 +218,17 @@ fn height_axis(ui: &mut Ui, coloring: &mut Coloring) {
 }
 
 fn one_color(ui: &mut Ui, coloring: &mut Coloring) {
-    let tooltip = "The colour of all points";
-    let label = ui.label("Point colour").on_hover_text(tooltip);
+    let Described { title, hint, .. } = coloring::ONE_COLOR;
+    let label = ui.label(title).on_hover_text(hint);
     ui.color_edit_button_srgb(&mut coloring.one_color)
         .labelled_by(label.id)
-        .on_hover_text(tooltip);
+        .on_hover_text(hint);
     ui.end_row();
 }
 
 fn map(ui: &mut Ui, coloring: &mut Coloring) {
-    let maps = ColorMap::ALL.map(|map| match map {
-        ColorMap::Viridis => (
-            "Viridis",
-            map,
-            "Dark violet to yellow, evenly lighter, also for the colour-blind",
-        ),
-        ColorMap::Turbo => (
-            "Turbo",
-            map,
-            "Blue over green to red: many colours, so that details are told apart",
-        ),
-        ColorMap::Magma => (
-            "Magma",
-            map,
-            "Black over purple to pale yellow, evenly lighter",
-        ),
-        ColorMap::Grey => ("Grey", map, "Black to white"),
-        ColorMap::Diverging => (
-            "Diverging",
-            map,
-            "Blue over grey to red: for values on both sides of a middle",
-        ),
-    });
-    choice(
-        ui,
-        "Colour map",
-        "How numbers become colours",
-        &mut coloring.map,
-        &maps,
-    );
+    let texts = (coloring::MAP.title, coloring::MAP.hint);
+    word(ui, texts, &mut coloring.map, &ColorMap::ALL, coloring::MAPS);
 }
 
 /// Whether a range is of percentiles or of numbers.
@@ -287,8 +261,8 @@ fn range(
         let mut kind = before;
         choice(
             ui,
-            "Colour range",
-            "Which values have the first and the last colour. What is beyond has the colour of the nearer end",
+            coloring::RANGE.title,
+            coloring::RANGE.hint,
             &mut kind,
             &[
                 (
@@ -309,8 +283,8 @@ fn range(
         ends(ui, &mut coloring.range, scale);
         row(
             ui,
-            "Logarithm",
-            "Equal steps of colour are equal factors; evenly where no value is above zero",
+            coloring::LOGARITHM.title,
+            coloring::LOGARITHM.hint,
             Checkbox::new(&mut coloring.is_logarithmic, "On"),
         );
     });

@@ -3,7 +3,6 @@
 mod bound;
 mod clip;
 mod colors;
-mod footprints;
 mod help;
 mod legend;
 mod marks;
@@ -15,10 +14,9 @@ mod quality;
 mod question;
 mod scale_bar;
 mod settings;
-mod shading;
 mod statistics;
+mod style;
 mod viewport;
-mod voxels;
 
 use super::State;
 use super::features::benchmark::panel::benchmark_ui;

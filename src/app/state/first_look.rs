@@ -29,10 +29,10 @@ impl State {
     }
 
     pub(super) fn resolved(&self, settings: &Style) -> Style {
-        let choice = if self.without_gpu == Some(settings.renderer) {
+        let choice = if self.without_gpu == Some(settings.drawing.renderer) {
             RendererChoice::Cpu
         } else {
-            settings.renderer
+            settings.drawing.renderer
         };
         let is_processor = choice.is_processor(self.graphics.is_software);
         self.first_look()

@@ -49,7 +49,7 @@ impl State {
             origin,
         };
         let settings = self.drawn_settings();
-        if self.without_gpu != Some(self.settings.renderer) {
+        if self.without_gpu != Some(self.settings.drawing.renderer) {
             // Somebody has chosen anew.
             self.without_gpu = None;
         }

@@ -8,7 +8,7 @@
 use super::{Run, Subject, mean, paper_voxel_settings, surfel_settings};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::{BenchError, Quantiles, Suite};
-use crate::scene::{Scene, ScenePacket, Strategy, Style};
+use crate::scene::{DrawingStyle, Scene, ScenePacket, Strategy, Style};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -160,7 +160,10 @@ fn measure_way(
         .iter()
         .map(|packet| ScenePacket {
             settings: Style {
-                strategy: way.unwrap_or(packet.settings.strategy),
+                drawing: DrawingStyle {
+                    strategy: way.unwrap_or(packet.settings.drawing.strategy),
+                    ..packet.settings.drawing
+                },
                 ..packet.settings
             },
             ..packet.clone()

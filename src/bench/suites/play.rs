@@ -103,7 +103,7 @@ fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Style) -> Result<Played
     }
     let mut player = Player::new(Arc::clone(subject.sequence), options, true)?;
     let mut screen = Screen {
-        renderer: AnyRenderer::open(settings.renderer)?,
+        renderer: AnyRenderer::open(settings.drawing.renderer)?,
         scene: Scene::that_remembers(),
         camera: None,
         settings,

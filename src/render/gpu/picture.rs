@@ -93,7 +93,7 @@ impl Plan {
     }
 
     pub(super) fn geometry_keys(&self, packet: &ScenePacket) -> impl Iterator<Item = GeometryKey> {
-        let strategy = packet.settings.strategy;
+        let strategy = packet.settings.drawing.strategy;
         let amplification = self.amplification;
         // The faces of a cube that do not face the eye are never right to draw.
         let cull_back_faces = amplification.draws_cells() || packet.settings.culls_back_faces();

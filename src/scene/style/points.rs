@@ -1,16 +1,27 @@
 //! How points are drawn that stay points.
 
-/// How points are drawn that stay points.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct PointStyle {
-    /// Edge of a drawn point in pixels.
-    #[serde(rename = "point_size_px")]
-    pub size_px: f32,
-}
+use super::describe::{Label, Numbers, Place, Section, Unit, Values, When, group};
 
-impl Default for PointStyle {
-    fn default() -> Self {
-        Self { size_px: 2.0 }
+group! {
+    /// How points are drawn that stay points.
+    PointStyle {
+        /// Edge of a drawn point in pixels.
+        size_px: f32 = 2.0, "point_size_px" SIZE_PX {
+            flag: "point-size",
+            value_name: "PX",
+            help: "Edge of a point in pixels",
+            title: "Point size",
+            hint: "Edge of the square drawn for a point, pixels (+ and -)",
+            section: Section::Points,
+            when: When::Points,
+            label: Label::Always(Place::What, "{} px"),
+            values: Values::Number(Numbers {
+                kept: [1.0, 32.0],
+                offered: [1.0, 32.0],
+                unit: Unit::Is(" px"),
+                decimals: 1,
+                ..Numbers::USUAL
+            }),
+        }
     }
 }
