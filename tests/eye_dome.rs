@@ -90,7 +90,10 @@ fn lit() -> Style {
 fn of_points() -> Style {
     Style {
         primitive: Primitive::Point,
-        points: PointStyle { size_px: 3.0 },
+        points: PointStyle {
+            size_px: 3.0,
+            ..PointStyle::default()
+        },
         ..lit()
     }
 }
@@ -278,6 +281,7 @@ fn both_renderers_light_points_and_voxels_alike() {
         let settings = Style {
             points: PointStyle {
                 size_px: point_size_px,
+                ..PointStyle::default()
             },
             ..of_points()
         };

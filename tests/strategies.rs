@@ -11,7 +11,8 @@ use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
     BackFaces, Backdrop, Background, Camera, Content, DrawingStyle, LightStyle, Lighting,
-    PointStyle, Primitive, Scene, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
+    PointShape, PointStyle, Primitive, Scene, ScenePacket, Splatting, Strategy, Style, SurfelStyle,
+    UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -183,19 +184,20 @@ fn voxels_in_all_lights() {
 fn points_of_one_and_of_several_pixels() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(5000, 1.0);
-    for point_size_px in [1.0, 2.0, 5.0] {
+    let sizes = [1.0, 2.0, 5.0].into_iter();
+    for (size_px, &shape) in
+        sizes.flat_map(|size_px| PointShape::ALL.iter().map(move |shape| (size_px, shape)))
+    {
         let settings = Style {
             primitive: Primitive::Point,
-            points: PointStyle {
-                size_px: point_size_px,
-            },
+            points: PointStyle { size_px, shape },
             ..plain()
         };
         let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
         assert_agreement(
             &mut renderer,
             &packet,
-            &format!("points of {point_size_px} px"),
+            &format!("points of {size_px} px, {shape}"),
         );
     }
 }

@@ -87,7 +87,10 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Style); 4] {
             "Every point as a square of 2 px",
             Style {
                 primitive: Primitive::Point,
-                points: PointStyle { size_px: 2.0 },
+                points: PointStyle {
+                    size_px: 2.0,
+                    ..PointStyle::default()
+                },
                 ..settings
             },
         ),

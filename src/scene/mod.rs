@@ -34,8 +34,8 @@ pub use scale_bar::ScaleBar;
 pub(crate) use style::choices;
 pub use style::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointStyle,
-    Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle,
-    coloring, describe,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointShape,
+    PointStyle, Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight,
+    VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

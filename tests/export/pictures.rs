@@ -54,7 +54,10 @@ fn ways() -> Vec<Style> {
         },
         Style {
             primitive: Primitive::Point,
-            points: PointStyle { size_px: 5.0 },
+            points: PointStyle {
+                size_px: 5.0,
+                ..PointStyle::default()
+            },
             ..settings()
         },
         Style {

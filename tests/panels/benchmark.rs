@@ -149,7 +149,10 @@ fn points() -> Vec<Arc<LabPoint>> {
     };
     let points_2_px = Style {
         primitive: Primitive::Point,
-        points: PointStyle { size_px: 2.0 },
+        points: PointStyle {
+            size_px: 2.0,
+            ..PointStyle::default()
+        },
         ..cpu
     };
     let voxels = Style {

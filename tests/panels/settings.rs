@@ -9,8 +9,8 @@ use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::levels::Lod;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::scene::{
-    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, Primitive,
-    RendererChoice, Splatting, Strategy, Style, UpAxis, VoxelLight,
+    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, PointShape,
+    Primitive, RendererChoice, Splatting, Strategy, Style, UpAxis, VoxelLight,
 };
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence};
 use std::sync::Arc;
@@ -156,6 +156,8 @@ fn every_setting_can_be_changed_and_reset() {
     tap(&mut harness, "Points");
     slide(&mut harness, "Point size", 4.0);
     assert_eq!(harness.state().settings.points.size_px, 4.0);
+    choose(&mut harness, "Shape", "Disk");
+    assert_eq!(harness.state().settings.points.shape, PointShape::Disk);
     tap(&mut harness, "Surfels");
     assert_eq!(harness.state().settings.primitive, Primitive::Surfel);
 

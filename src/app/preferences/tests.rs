@@ -6,7 +6,7 @@ use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, Primitive,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive,
     RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
@@ -25,7 +25,10 @@ fn unusual() -> Preferences {
                 enlargement: 3.5,
                 back_faces: BackFaces::Drawn,
             },
-            points: PointStyle { size_px: 7.0 },
+            points: PointStyle {
+                size_px: 7.0,
+                shape: PointShape::Disk,
+            },
             voxels: VoxelStyle {
                 light: VoxelLight::Faces,
             },
@@ -97,6 +100,10 @@ fn of_version_6() -> Preferences {
             backdrop: Backdrop {
                 grid: false,
                 ..unusual.settings.backdrop
+            },
+            points: PointStyle {
+                shape: PointShape::Square,
+                ..unusual.settings.points
             },
             ..unusual.settings
         },
@@ -175,6 +182,7 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
                 is_logarithmic: true,
                 one_color: [9, 8, 7],
             },
+            points: of_version_6().settings.points,
             ..unusual().settings
         },
         ..unusual()
@@ -239,7 +247,7 @@ proptest! {
         let [splat_scale, enlargement, point_size_px, size] = sizes;
         let lod = if is_time { Lod::FrameTimeMs(size) } else { Lod::ThresholdPx(size) };
         let stop = StopCriterion::Depth(depth);
-        preferences.settings = Style { surfels: SurfelStyle { splat_scale, enlargement, ..preferences.settings.surfels }, points: PointStyle { size_px: point_size_px }, levels: LevelStyle { stop, lod, ..preferences.settings.levels }, ..preferences.settings };
+        preferences.settings = Style { surfels: SurfelStyle { splat_scale, enlargement, ..preferences.settings.surfels }, points: PointStyle { size_px: point_size_px, ..preferences.settings.points }, levels: LevelStyle { stop, lod, ..preferences.settings.levels }, ..preferences.settings };
         let offered = preferences.offered();
         prop_assert_eq!(again(offered), (offered, true));
         prop_assert_eq!(offered.offered(), offered);

@@ -56,7 +56,10 @@ fn of_version_1() -> Style {
             enlargement: 3.5,
             back_faces: BackFaces::Drawn,
         },
-        points: PointStyle { size_px: 7.0 },
+        points: PointStyle {
+            size_px: 7.0,
+            ..PointStyle::default()
+        },
         voxels: VoxelStyle {
             // The file is older than the choice.
             light: VoxelLight::Normals,

@@ -19,7 +19,7 @@ use super::residency::StreamKey;
 use super::shaders::{Amplification, GeometryPass, ScreenPass};
 use super::targets::Targets;
 use crate::render::RenderError;
-use crate::scene::{EyeDomeLight, Primitive, ScenePacket, Splatting};
+use crate::scene::{EyeDomeLight, PointShape, Primitive, ScenePacket, Splatting};
 
 /// What a packet asks for.
 #[derive(Debug)]
@@ -44,8 +44,11 @@ impl Plan {
             Primitive::Point if settings.points.size_px <= 1.0 => Amplification::Pixel,
             Primitive::Point => Amplification::Square,
         };
+        let is_round =
+            amplification == Amplification::Square && settings.points.shape == PointShape::Disk;
         let (geometry, resolve): (&'static [GeometryPass], _) =
             match (settings.primitive, settings.surfels.splatting) {
+                (Primitive::Point, _) if is_round => (&[GeometryPass::RoundPoint], None),
                 (Primitive::Point, _) => (&[GeometryPass::Point], None),
                 (Primitive::Voxel, _) => (&[GeometryPass::Solid], None),
                 (_, Splatting::Regular) => (&[GeometryPass::Regular], None),
@@ -255,6 +258,7 @@ fn begin_geometry<'e>(
         GeometryPass::NoDepth => begin(encoder, "splat without depth", keep_color, None),
         GeometryPass::Solid => begin(encoder, "solid", keep_color, clear_depth),
         GeometryPass::Point => begin(encoder, "point", keep_color, clear_depth),
+        GeometryPass::RoundPoint => begin(encoder, "round point", keep_color, clear_depth),
     }
 }
 

@@ -77,17 +77,20 @@ pub enum GeometryPass {
     Solid,
     /// Unlit points.
     Point,
+    /// The same, round.
+    RoundPoint,
 }
 
 impl GeometryPass {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Visibility,
         Self::Attribute,
         Self::Regular,
         Self::NoDepth,
         Self::Solid,
         Self::Point,
+        Self::RoundPoint,
     ];
 
     /// Which amplifications the pass draws.
@@ -98,6 +101,7 @@ impl GeometryPass {
             }
             Self::Solid => amplification.draws_cells(),
             Self::Point => matches!(amplification, Amplification::Pixel | Amplification::Square),
+            Self::RoundPoint => amplification == Amplification::Square,
         }
     }
 
@@ -108,6 +112,7 @@ impl GeometryPass {
             Self::Regular | Self::NoDepth => include_str!("../../../shaders/passes/splat.wgsl"),
             Self::Solid => include_str!("../../../shaders/passes/solid.wgsl"),
             Self::Point => include_str!("../../../shaders/passes/point.wgsl"),
+            Self::RoundPoint => include_str!("../../../shaders/passes/round_point.wgsl"),
         }
     }
 }

@@ -31,7 +31,7 @@ pub use levels::LevelStyle;
 pub use light::{EyeDome, LightStyle, Lighting};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
-pub use points::PointStyle;
+pub use points::{PointShape, PointStyle};
 pub use surfels::{BackFaces, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 

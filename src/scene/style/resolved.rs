@@ -70,7 +70,10 @@ impl Style {
                 back_faces,
                 ..self.surfels
             },
-            points: PointStyle { size_px },
+            points: PointStyle {
+                size_px,
+                ..self.points
+            },
             light: LightStyle {
                 eye_dome,
                 ..self.light

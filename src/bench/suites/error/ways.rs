@@ -82,6 +82,7 @@ fn of_renderer(base: &Style) -> Vec<Style> {
     ways.extend([1.0, 2.0, 3.0].map(|point_size_px| Style {
         points: PointStyle {
             size_px: point_size_px,
+            ..PointStyle::default()
         },
         ..point
     }));

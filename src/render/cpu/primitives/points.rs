@@ -1,18 +1,20 @@
-//! Points: pixels, or squares of pixels, of one colour and one depth.
+//! Points: pixels, or squares or disks of pixels, of one colour and one depth.
 
 use crate::cloud::PointRecord;
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{lane_numbers, lanes_below, words};
 use crate::render::cpu::tile::{LANES, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
+use crate::scene::PointShape;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, i32x8};
 use std::ops::Range;
 
 /// Points of a packet.
 pub(in crate::render::cpu) struct Points<'a> {
     pub(in crate::render::cpu) records: &'a [PointRecord],
-    /// Edge of the squares.
+    /// Edge of the squares, or diameter of the disks.
     pub(in crate::render::cpu) size_px: f32,
+    pub(in crate::render::cpu) shape: PointShape,
 }
 
 impl Placed for Points<'_> {
@@ -43,6 +45,7 @@ impl Points<'_> {
     pub(in crate::render::cpu) const NONE: Self = Self {
         records: &[],
         size_px: 1.0,
+        shape: PointShape::Square,
     };
 
     /// Draws those of some records that touch a tile. Of two as far away the later one is seen.
@@ -61,7 +64,14 @@ impl Points<'_> {
                 if self.size_px <= 1.0 {
                     draw_pixels(simd, tile, clip, records.len(), &projected);
                 } else {
-                    self.draw_squares(tile, clip, records.len(), &projected);
+                    match self.shape {
+                        PointShape::Square => {
+                            self.draw_squares(tile, clip, records.len(), &projected);
+                        }
+                        PointShape::Disk => {
+                            self.draw_disks(tile, clip, records.len(), &projected);
+                        }
+                    }
                 }
             }
         }
@@ -92,6 +102,47 @@ impl Points<'_> {
             for y in range(projected.y_px[point], 1) {
                 let row = (y - tile.origin[1]) as usize * WIDTH;
                 for x in columns.clone() {
+                    put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
+                }
+            }
+        }
+    }
+}
+
+impl Points<'_> {
+    #[inline(always)]
+    fn draw_disks<S: Simd>(
+        &self,
+        tile: &mut Tile,
+        clip: PixelRect,
+        count: usize,
+        projected: &Projected<S>,
+    ) {
+        let radius = 0.5 * self.size_px;
+        for point in 0..count {
+            let depth = projected.depth[point];
+            if !(depth > 0.0 && depth <= 1.0) {
+                continue;
+            }
+            let key = key(depth.to_bits(), projected.color[point].to_bits());
+            let [x_px, y_px] = [projected.x_px[point], projected.y_px[point]];
+            let own = [x_px, y_px].map(|place| place.floor() as i32);
+            let [top, bottom] = [y_px - radius, y_px + radius].map(|end| end.floor() as i32);
+            for y in top.max(clip.start[1])..(bottom + 1).min(clip.end[1]) {
+                let aside = y as f32 + 0.5 - y_px;
+                let half2 = radius * radius - aside * aside;
+                // Pixels whose middles are in the circle, and the one that the point is in.
+                let half = half2.max(0.0).sqrt();
+                let mut start = (x_px - half - 0.5).ceil() as i32;
+                let mut end = (x_px + half + 0.5).floor() as i32;
+                if y == own[1] {
+                    start = start.min(own[0]);
+                    end = end.max(own[0] + 1);
+                } else if half2 < 0.0 {
+                    continue;
+                }
+                let row = (y - tile.origin[1]) as usize * WIDTH;
+                for x in start.max(clip.start[0])..end.min(clip.end[0]) {
                     put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
                 }
             }

@@ -69,7 +69,7 @@ pub(super) fn geometry_state(pass: GeometryPass) -> PassState {
         GeometryPass::Regular => splat::regular_state(),
         GeometryPass::NoDepth => splat::no_depth_state(),
         GeometryPass::Solid => solid::state(),
-        GeometryPass::Point => point::state(),
+        GeometryPass::Point | GeometryPass::RoundPoint => point::state(),
     }
 }
 
