@@ -485,7 +485,11 @@ proptest! {
         // From afar the sphere has fewer than a thousand pixels: then one of them may be an opening.
         for (splatting, pixels_an_opening) in [(Splatting::TwoPassEnlarged, None), (Splatting::Visibility, Some(1000))] {
             let draw = |background: [u8; 3]| {
-                let settings = Style { surfels: SurfelStyle { splatting, ..SurfelStyle::default() }, backdrop: Backdrop { background: Background::solid(background), ..Backdrop::default() }, ..Style::default() };
+                let settings = Style {
+                    surfels: SurfelStyle { splatting, ..SurfelStyle::default() },
+                    backdrop: Backdrop { background: Background::solid(background), ..Backdrop::default() },
+                    ..Style::default()
+                };
                 draw_on_cpu(&packet_of(&SPHERE, &camera, &settings, size_px))
             };
             let (on_black, on_white) = (draw([0; 3]), draw([255; 3]));

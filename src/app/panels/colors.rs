@@ -6,11 +6,11 @@ use crate::analysis::{ColorMap, ColorScale};
 use crate::app::State;
 use crate::app::widgets::ramp::{handles_ui, ramp_ui};
 use crate::cloud::Frame;
-use crate::scene::describe::Described;
+use crate::scene::describe::{Described, Word};
 use crate::scene::{Legend, coloring, field_title};
 use crate::sequence::{
-    ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint, PaintValues,
-    PreparedFrame, plain_field_name, value_kind,
+    ColorRange, ColorSource, Coloring, FieldName, HeightAxis, Paint, PaintValues, PreparedFrame,
+    plain_field_name, value_kind,
 };
 use egui::{Checkbox, DragValue, Ui};
 use std::sync::Arc;
@@ -60,81 +60,10 @@ pub(super) fn colors_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// All that a frame can be coloured by: what it does not have is not listed.
 fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame>>) {
     let frame = shown.map(|shown| &*shown.frame);
     let named = fields(frame);
-    let mut sources: Vec<(&str, ColorSource, &str)> = vec![(
-        "Automatic",
-        ColorSource::Auto,
-        "The file's colours if they differ, else its intensity, its classes, the height of a scanned scene or the normal",
-    )];
-    let has_colors = frame.is_none_or(|frame| frame.colors().is_some());
-    if has_colors || coloring.source == ColorSource::File {
-        sources.push((
-            "From the file",
-            ColorSource::File,
-            "Red, green and blue of the file",
-        ));
-    }
-    if frame.is_none() || coloring.source == ColorSource::Scalar(None) {
-        sources.push((
-            "Scalar",
-            ColorSource::Scalar(None),
-            "Intensity or another scalar of the file through a colour map",
-        ));
-    }
-    let tooltip = "A scalar field of the file through a colour map";
-    sources.extend(
-        named
-            .iter()
-            .map(|(title, name)| (title.as_str(), ColorSource::Scalar(Some(*name)), tooltip)),
-    );
-    let axis = match coloring.source {
-        ColorSource::Height(axis) => axis,
-        _ => HeightAxis::Auto,
-    };
-    let from = match coloring.source {
-        ColorSource::Distance(from) => from,
-        _ => DistanceFrom::Sensor,
-    };
-    sources.extend([
-        (
-            "Height",
-            ColorSource::Height(axis),
-            "How high a point is, through a colour map",
-        ),
-        (
-            "Normal",
-            ColorSource::Normal,
-            "The direction of the normal as a colour (the paper's fake colour)",
-        ),
-        (
-            "Distance",
-            ColorSource::Distance(from),
-            "How far a point is from the sensor, or from the origin of the file where it names none, through a colour map",
-        ),
-    ]);
-    let has = |source| frame.is_none_or(|frame| ColorSource::is_of(source, frame));
-    if has(ColorSource::Time) || coloring.source == ColorSource::Time {
-        sources.push((
-            "Time",
-            ColorSource::Time,
-            "When a point was measured, through a colour map",
-        ));
-    }
-    if has(ColorSource::Class) || coloring.source == ColorSource::Class {
-        sources.push((
-            "Class",
-            ColorSource::Class,
-            "What a point is: the standard classes of LAS in their usual colours",
-        ));
-    }
-    sources.push((
-        "One colour",
-        ColorSource::Uniform,
-        "The same for all points",
-    ));
+    let sources = sources(coloring.source, frame, &named);
     choice(
         ui,
         coloring::COLORS.title,
@@ -149,6 +78,42 @@ fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame
     }
 }
 
+/// All that a frame can be coloured by: what it does not have is not listed, unless it is chosen. Axis and place of the
+/// chosen source stay as they are.
+fn sources<'a>(
+    chosen: ColorSource,
+    frame: Option<&Frame>,
+    named: &'a [(String, FieldName)],
+) -> Vec<(&'a str, ColorSource, &'a str)> {
+    let tooltip = "A scalar field of the file through a colour map";
+    let fields = named
+        .iter()
+        .map(|(title, name)| (title.as_str(), ColorSource::Scalar(Some(*name)), tooltip));
+    let mut listed = Vec::new();
+    for (source, word) in ColorSource::ALL.into_iter().zip(coloring::SOURCES.list) {
+        let is_there = match source {
+            ColorSource::File => frame.is_none_or(|frame| frame.colors().is_some()),
+            // A frame has its fields by their names.
+            ColorSource::Scalar(_) => frame.is_none(),
+            ColorSource::Time | ColorSource::Class => frame.is_none_or(|frame| source.is_of(frame)),
+            _ => true,
+        };
+        let is_detailed = matches!(source, ColorSource::Height(_) | ColorSource::Distance(_));
+        let source = if is_detailed && source.name() == chosen.name() {
+            chosen
+        } else {
+            source
+        };
+        if is_there || source == chosen {
+            listed.push((word.title, source, word.hint));
+        }
+        if matches!(source, ColorSource::Scalar(_)) {
+            listed.extend(fields.clone());
+        }
+    }
+    listed
+}
+
 /// The fields of a frame with their titles.
 fn fields(frame: Option<&Frame>) -> Vec<(String, FieldName)> {
     let fields = frame.map_or(&[][..], Frame::scalar_fields);
@@ -158,17 +123,9 @@ fn fields(frame: Option<&Frame>) -> Vec<(String, FieldName)> {
         .collect();
     // Titles are told apart by what they were made from.
     let is_twice = |title: &str, all: &[(String, FieldName)]| {
-        let taken = [
-            "Automatic",
-            "From the file",
-            "Height",
-            "Normal",
-            "Distance",
-            "Time",
-            "Class",
-            "One colour",
-        ];
-        taken.contains(&title) || all.iter().filter(|(other, _)| other == title).count() > 1
+        let is_taken = |word: &Word| word.title == title && word.word != "scalar";
+        let of_sources = coloring::SOURCES.list.iter().any(is_taken);
+        of_sources || all.iter().filter(|(other, _)| other == title).count() > 1
     };
     let all = named.clone();
     for (title, name) in &mut named {

@@ -80,8 +80,8 @@ fn unusual() -> Preferences {
     }
 }
 
-/// As the first program of version 6 wrote it, which had no [`PresentChoice`], no [`VoxelLight`], no eye-dome lighting, no
-/// grid and no scale bar; nothing in it is by default.
+/// As the first program of version 6 wrote it, which had no [`PresentChoice`], no [`VoxelLight`], no eye-dome lighting,
+/// no grid and no scale bar; nothing in it is by default.
 const OF_VERSION_6: &str = include_str!("versions/6.json");
 
 /// What [`OF_VERSION_6`] says.
@@ -162,8 +162,8 @@ fn all_choices_survive() {
     }
 }
 
-/// What the files in `versions` say: one of each version, as its first program wrote it when nothing was by default, and
-/// one of the last program whose settings had no groups. Each lacks what later ones have.
+/// What the files in `versions` say: one of each version, as its first program wrote it when nothing was by default,
+/// and one of the last program whose settings had no groups. Each lacks what later ones have.
 fn of_versions() -> [(&'static str, Preferences); 7] {
     let usual = Preferences::default();
     let last = Preferences {
@@ -247,7 +247,10 @@ proptest! {
         let [splat_scale, enlargement, point_size_px, size] = sizes;
         let lod = if is_time { Lod::FrameTimeMs(size) } else { Lod::ThresholdPx(size) };
         let stop = StopCriterion::Depth(depth);
-        preferences.settings = Style { surfels: SurfelStyle { splat_scale, enlargement, ..preferences.settings.surfels }, points: PointStyle { size_px: point_size_px, ..preferences.settings.points }, levels: LevelStyle { stop, lod, ..preferences.settings.levels }, ..preferences.settings };
+        let style = &mut preferences.settings;
+        style.surfels = SurfelStyle { splat_scale, enlargement, ..style.surfels };
+        style.points.size_px = point_size_px;
+        style.levels = LevelStyle { stop, lod, ..style.levels };
         let offered = preferences.offered();
         prop_assert_eq!(again(offered), (offered, true));
         prop_assert_eq!(offered.offered(), offered);

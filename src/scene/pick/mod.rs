@@ -1,10 +1,11 @@
 //! Which point of the cloud is under a pixel, exactly as it is drawn.
 //!
 //! **How it works.** The ray through the middle of the pixel is held against the records of the packet that the picture
-//! was drawn from, in f64, by the rules of the renderers: a point where its square or disk covers the pixel, a surfel where the
-//! ray meets its disk, a voxel where it meets its cube. Records stand in Morton order, so the boxes around 64 of them
-//! are small, and all but a few are passed by (`ray.rs`). Of blended surfels the one that adds most to the pixel is
-//! picked. Where nothing covers the pixel, what is nearest to it within a radius is: thin things can be clicked on.
+//! was drawn from, in f64, by the rules of the renderers: a point where its square or disk covers the pixel, a surfel
+//! where the ray meets its disk, a voxel where it meets its cube. Records stand in Morton order, so the boxes around 64
+//! of them are small, and all but a few are passed by (`ray.rs`). Of blended surfels the one that adds most to the
+//! pixel is picked. Where nothing covers the pixel, what is nearest to it within a radius is: thin things can be
+//! clicked on.
 //!
 //! **Why on the processor.** It costs one read of the positions (`benches/pick.rs`), does not depend on who draws, and
 //! answers at once: a buffer of indices would be one more target for every pass, cannot hold what is blended, and has

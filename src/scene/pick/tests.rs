@@ -100,7 +100,12 @@ proptest! {
         let back_faces = if culled { BackFaces::Culled } else { BackFaces::Drawn };
         let shape = if is_round { PointShape::Disk } else { PointShape::Square };
         for &primitive in Primitive::ALL {
-            let settings = Style { primitive, surfels: SurfelStyle { back_faces, ..SurfelStyle::default() }, points: PointStyle { size_px, shape }, ..Style::default() };
+            let settings = Style {
+                primitive,
+                surfels: SurfelStyle { back_faces, ..SurfelStyle::default() },
+                points: PointStyle { size_px, shape },
+                ..Style::default()
+            };
             let packet = packet_of(&frame, origin, &camera, &settings);
             let oracle = Oracle { packet: &packet, px: DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5) };
             let found = pick(&packet, &frame, place_px, 0.0);

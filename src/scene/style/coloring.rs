@@ -63,6 +63,60 @@ pub const ONE_COLOR: Described = Described {
 
 const HEADING: &str = "Colours";
 
+/// As [`ColorSource::ALL`](crate::sequence::ColorSource::ALL).
+pub const SOURCES: &Words = &Words {
+    what: "source of colours",
+    list: &[
+        Word {
+            word: "auto",
+            title: "Automatic",
+            hint: "The file's colours if they differ, else its intensity, its classes, the height of a \
+            scanned scene or the normal",
+        },
+        Word {
+            word: "file",
+            title: "From the file",
+            hint: "Red, green and blue of the file",
+        },
+        Word {
+            word: "scalar",
+            title: "Scalar",
+            hint: "Intensity or another scalar of the file through a colour map",
+        },
+        Word {
+            word: "height",
+            title: "Height",
+            hint: "How high a point is, through a colour map",
+        },
+        Word {
+            word: "normal",
+            title: "Normal",
+            hint: "The direction of the normal as a colour (the paper's fake colour)",
+        },
+        Word {
+            word: "distance",
+            title: "Distance",
+            hint: "How far a point is from the sensor, or from the origin of the file where it names none, \
+            through a colour map",
+        },
+        Word {
+            word: "time",
+            title: "Time",
+            hint: "When a point was measured, through a colour map",
+        },
+        Word {
+            word: "class",
+            title: "Class",
+            hint: "What a point is: the standard classes of LAS in their usual colours",
+        },
+        Word {
+            word: "uniform",
+            title: "One colour",
+            hint: "The same for all points",
+        },
+    ],
+};
+
 /// As [`ColorMap::ALL`](crate::analysis::ColorMap::ALL).
 pub const MAPS: &Words = &Words {
     what: "map of colours",

@@ -67,7 +67,8 @@ group! {
             value_name: "STRATEGY",
             help: "How instances reach the GPU",
             title: "Instancing",
-            hint: "How instances reach the GPU's vertex stage. All strategies draw the same picture; their speed differs",
+            hint: "How instances reach the GPU's vertex stage. All strategies draw the same picture; their speed \
+                   differs",
             label: Label::If(When::Gpu, Place::Who, "{}"),
             values: Values::Words(Strategy::WORDS),
         }
@@ -78,8 +79,8 @@ group! {
             value_name: "SHARE",
             help: "Draw a picture of this share of its edges, 0.25 to 1, and scale it up",
             title: "Resolution",
-            hint: "Edge of the picture that is drawn, as a share of the one that is shown: at 50 % a quarter of the pixels \
-                   are drawn and scaled up",
+            hint: "Edge of the picture that is drawn, as a share of the one that is shown: at 50 % a quarter of the \
+                   pixels are drawn and scaled up",
             label: Label::Unusual(Place::HowFine, "at {}"),
             values: Values::Number(Numbers {
                 kept: [0.25, 1.0],

@@ -215,7 +215,8 @@ group! {
             help: "Draw surfels of octree cells, as --lod… says, instead of all points",
             heading: HEADING,
             title: "Surfel detail",
-            hint: "One surfel for all points of an octree's cell that is small on the screen: fewer are drawn from afar",
+            hint: "One surfel for all points of an octree's cell that is small on the screen: fewer are drawn from \
+                   afar",
             section: Section::Surfels,
             when: When::Surfels,
             values: Values::Switch("By the octree"),

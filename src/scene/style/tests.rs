@@ -179,7 +179,15 @@ fn what_is_not_offered_becomes_the_nearest() {
 }
 
 #[test]
-fn maps_of_colours_have_their_words() {
+fn sources_and_maps_of_colours_have_their_words() {
+    let names = ColorSource::ALL.map(ColorSource::name);
+    assert!(
+        coloring::SOURCES
+            .list
+            .iter()
+            .map(|source| source.word)
+            .eq(names)
+    );
     let names = ColorMap::ALL.map(ColorMap::name);
     assert!(coloring::MAPS.list.iter().map(|map| map.word).eq(names));
 }
