@@ -20,8 +20,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Camera, CodeStyle, Footprint, LightStyle, Lighting, NormalBits, Primitive, RendererChoice,
-    Scene, ScenePacket, Style, UpAxis,
+    Camera, CodeStyle, DrawingStyle, Footprint, LightStyle, Lighting, NormalBits, Primitive,
+    RendererChoice, Scene, ScenePacket, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
@@ -53,11 +53,14 @@ fn frame() -> PreparedFrame {
 
 fn settings(footprint: Footprint, normal_bits: NormalBits) -> Style {
     Style {
-        renderer: RendererChoice::Cpu,
         codes: CodeStyle {
             footprint,
             normal_bits,
             ..CodeStyle::default()
+        },
+        drawing: DrawingStyle {
+            renderer: RendererChoice::Cpu,
+            ..DrawingStyle::default()
         },
         ..Style::default()
     }

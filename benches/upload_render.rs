@@ -17,7 +17,9 @@ use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
 use pointreel::math::{Aabb, Cube, order_of_codes};
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
-use pointreel::scene::{Camera, Content, Primitive, ScenePacket, Strategy, Style, Surfels, UpAxis};
+use pointreel::scene::{
+    Camera, Content, DrawingStyle, Primitive, ScenePacket, Strategy, Style, Surfels, UpAxis,
+};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -65,7 +67,10 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
         view: camera.transform(DVec3::ZERO, SIZE_PX),
         settings: Style {
             primitive,
-            strategy,
+            drawing: DrawingStyle {
+                strategy,
+                ..DrawingStyle::default()
+            },
             ..Style::default()
         },
         content: {

@@ -220,6 +220,18 @@ fn render_draws_every_primitive_mode_and_strategy() {
             "{flags:?}"
         );
     }
+    let points = |shape| {
+        with(&[
+            "--primitive",
+            "point",
+            "--point-size",
+            "5",
+            "--point-shape",
+            shape,
+        ])
+        .0
+    };
+    assert!(points("disk") != points("square"));
     let (disks, _) = with(&["--renderer", "cpu"]);
     for footprint in ["masks", "pixels"] {
         let coded = ["--renderer", "cpu", "--footprint", footprint];

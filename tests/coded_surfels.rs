@@ -21,8 +21,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    BackFaces, Camera, CodeStyle, FirstLook, Footprint, LevelStyle, LightStyle, Lighting,
-    NormalBits, OffsetBits, RendererChoice, Scene, Splatting, Style, SurfelStyle,
+    BackFaces, Camera, CodeStyle, DrawingStyle, FirstLook, Footprint, LevelStyle, LightStyle,
+    Lighting, NormalBits, OffsetBits, RendererChoice, Scene, Splatting, Style, SurfelStyle,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::path::Path;
@@ -77,7 +77,6 @@ fn ball(count: u32, radius: f32, is_white: bool, settings: &Style) -> PreparedFr
 /// By the processor, from the byte code.
 fn coded() -> Style {
     Style {
-        renderer: RendererChoice::Cpu,
         // White alone would not be taken for colours.
         colors: pointreel::sequence::ColorSource::File.into(),
         levels: LevelStyle {
@@ -87,6 +86,10 @@ fn coded() -> Style {
         codes: CodeStyle {
             footprint: Footprint::Masks,
             ..plain().codes
+        },
+        drawing: DrawingStyle {
+            renderer: RendererChoice::Cpu,
+            ..plain().drawing
         },
         ..plain()
     }

@@ -13,8 +13,8 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, LightStyle, Lighting, PointStyle, Primitive,
-    Scene, ScenePacket, Splatting, Style, SurfelStyle, Voxels,
+    BackFaces, Backdrop, Background, Camera, Content, LightStyle, Lighting, PointShape, PointStyle,
+    Primitive, Scene, ScenePacket, Splatting, Style, SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -115,18 +115,97 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
 
 #[test]
 fn points_of_one_pixel_and_of_many() {
-    for point_size_px in [1.0, 2.0, 3.5, 16.0] {
-        let settings = Style {
-            primitive: Primitive::Point,
-            points: PointStyle {
-                size_px: point_size_px,
-            },
-            ..Style::default()
-        };
-        // A software adapter rounds to a 256th of a pixel before it asks which one a point is in.
-        assert_same_picture(&surfel_scene(settings, 1.9), 38.0, 2e-3);
-        assert_same_picture(&surfel_scene(settings, 0.7), 38.0, 2e-3);
+    for size_px in [1.0, 1.2, 2.0, 3.5, 16.0] {
+        for &shape in PointShape::ALL {
+            let settings = Style {
+                primitive: Primitive::Point,
+                points: PointStyle { size_px, shape },
+                ..Style::default()
+            };
+            // A software adapter rounds to a 256th of a pixel before it asks which one a point is in.
+            assert_same_picture(&surfel_scene(settings, 1.9), 38.0, 2e-3);
+            assert_same_picture(&surfel_scene(settings, 0.7), 38.0, 2e-3);
+        }
     }
+}
+
+/// A round point `aside_px` to the right of and above the middle of the middle pixel, as rows of `#` and `.`, as both
+/// renderers draw it.
+#[track_caller]
+fn round_point(size_px: f32, aside_px: f32) -> Vec<String> {
+    let settings = Style {
+        primitive: Primitive::Point,
+        points: PointStyle {
+            size_px,
+            shape: PointShape::Disk,
+        },
+        backdrop: Backdrop {
+            background: Background::solid([0; 3]),
+            ..Backdrop::default()
+        },
+        ..Style::default()
+    };
+    let packet_of = |position: Vec3| {
+        let mut points = sphere(1, 1.0);
+        points[0].position = position;
+        points[0].color = [255; 3];
+        surfels(&points, &camera_at(3.0), settings, [9, 9])
+    };
+    let middle = packet_of(Vec3::ZERO);
+    let px_per_unit = 0.5 * 9.0 * middle.view.focal[1] / 3.0;
+    let place = Vec3::new(aside_px, aside_px, 0.0) / px_per_unit;
+    let packet = packet_of(place);
+    let [cpu, gpu] = [draw_on_cpu(&packet), draw(&packet)].map(|image| {
+        image
+            .rows()
+            .map(|row| row.map(|pixel| if pixel.0[0] > 0 { '#' } else { '.' }))
+            .map(String::from_iter)
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(cpu, gpu, "processor and GPU");
+    cpu
+}
+
+#[test]
+fn a_round_point_is_the_pixels_whose_middles_are_in_its_circle() {
+    let seven = [
+        ".........",
+        "...###...",
+        "..#####..",
+        ".#######.",
+        ".#######.",
+        ".#######.",
+        "..#####..",
+        "...###...",
+        ".........",
+    ];
+    assert_eq!(round_point(7.0, 0.0), seven);
+    // No middle is in the circle: the pixel that the point is in is drawn in any case.
+    let own = [
+        ".........",
+        ".........",
+        ".........",
+        ".........",
+        "....#....",
+        ".........",
+        ".........",
+        ".........",
+        ".........",
+    ];
+    assert_eq!(round_point(1.2, 0.45), own);
+    // Four middles are in it.
+    let four = [
+        ".........",
+        ".........",
+        ".........",
+        "....##...",
+        "....##...",
+        ".........",
+        ".........",
+        ".........",
+        ".........",
+    ];
+    assert_eq!(round_point(2.0, 0.45), four);
 }
 
 #[test]

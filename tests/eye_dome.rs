@@ -12,8 +12,9 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, EyeDome, GroundPlane, LightStyle, Lighting, PointStyle,
-    Primitive, Projection, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
+    Backdrop, Background, Camera, Content, DrawingStyle, EyeDome, GroundPlane, LightStyle,
+    Lighting, PointStyle, Primitive, Projection, ScenePacket, Splatting, Strategy, Style,
+    SurfelStyle, UpAxis,
 };
 
 const GRAY: [u8; 3] = [200; 3];
@@ -89,7 +90,10 @@ fn lit() -> Style {
 fn of_points() -> Style {
     Style {
         primitive: Primitive::Point,
-        points: PointStyle { size_px: 3.0 },
+        points: PointStyle {
+            size_px: 3.0,
+            ..PointStyle::default()
+        },
         ..lit()
     }
 }
@@ -260,7 +264,13 @@ fn both_renderers_light_surfels_alike_in_every_mode() {
         assert_same_picture(&ball(settings), &format!("dome_{splatting}"));
     }
     for &strategy in Strategy::ALL {
-        let settings = Style { strategy, ..lit() };
+        let settings = Style {
+            drawing: DrawingStyle {
+                strategy,
+                ..lit().drawing
+            },
+            ..lit()
+        };
         assert_same_picture(&ball(settings), &format!("dome_{strategy}"));
     }
 }
@@ -271,6 +281,7 @@ fn both_renderers_light_points_and_voxels_alike() {
         let settings = Style {
             points: PointStyle {
                 size_px: point_size_px,
+                ..PointStyle::default()
             },
             ..of_points()
         };

@@ -405,6 +405,7 @@ fn points_are_squares_of_their_size_whatever_the_distance() {
             primitive: Primitive::Point,
             points: PointStyle {
                 size_px: point_size_px,
+                ..PointStyle::default()
             },
             ..plain()
         };

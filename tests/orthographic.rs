@@ -26,7 +26,10 @@ const ECEF: DVec3 = DVec3::new(4_510_720.0, -3_911_168.0, 2_207_744.0);
 fn settings(primitive: Primitive) -> Style {
     Style {
         primitive,
-        points: PointStyle { size_px: 1.0 },
+        points: PointStyle {
+            size_px: 1.0,
+            ..PointStyle::default()
+        },
         light: LightStyle {
             lighting: Lighting::Unlit,
             ..LightStyle::default()

@@ -11,8 +11,8 @@ use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, LevelStyle, LightStyle, Lighting, PointStyle, Primitive,
-    Projection, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
+    Backdrop, Background, Camera, Content, LevelStyle, LightStyle, Lighting, PointShape,
+    PointStyle, Primitive, Projection, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
 };
 use pointreel::sequence::{
     ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare,
@@ -147,11 +147,14 @@ fn slots(frame: &PreparedFrame) -> HashMap<Color, usize> {
 
 #[test]
 fn points_are_picked_as_both_renderers_draw_them() {
-    for (point_size_px, least_shown) in [(1.0, 1_000), (4.5, 2_000)] {
+    let (square, disk) = (PointShape::Square, PointShape::Disk);
+    for (size_px, shape, least_shown) in [
+        (1.0, square, 1_000),
+        (4.5, square, 2_000),
+        (4.5, disk, 2_000),
+    ] {
         let settings = Style {
-            points: PointStyle {
-                size_px: point_size_px,
-            },
+            points: PointStyle { size_px, shape },
             ..settings(Primitive::Point)
         };
         let frame = torus(30_000, &settings);
@@ -170,8 +173,11 @@ fn points_are_picked_as_both_renderers_draw_them() {
                 |px| pick(&packet, &frame, px, 0.0),
                 |found, slot| found == slot,
             );
-            assert!(share > least_share, "{share} at {point_size_px} px");
-            assert!(shown > least_shown, "{shown} pixels at {point_size_px} px");
+            assert!(share > least_share, "{share} at {size_px} px, {shape}");
+            assert!(
+                shown > least_shown,
+                "{shown} pixels at {size_px} px, {shape}"
+            );
         }
     }
 }
@@ -299,7 +305,10 @@ fn a_point_inside_the_voxel_that_is_seen_is_picked() {
 #[test]
 fn parallel_rays_pick_what_they_draw() {
     let settings = Style {
-        points: PointStyle { size_px: 3.0 },
+        points: PointStyle {
+            size_px: 3.0,
+            ..PointStyle::default()
+        },
         ..settings(Primitive::Point)
     };
     let frame = torus(30_000, &settings);

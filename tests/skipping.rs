@@ -10,8 +10,8 @@ use pointreel::levels::Lod;
 use pointreel::render::gpu::GpuRenderer;
 use pointreel::render::{RenderError, RenderStats, Renderer};
 use pointreel::scene::{
-    Camera, Content, LevelStyle, LightStyle, Lighting, Primitive, Scene, ScenePacket, Splatting,
-    Strategy, Style, SurfelStyle,
+    Camera, Content, DrawingStyle, LevelStyle, LightStyle, Lighting, Primitive, Scene, ScenePacket,
+    Splatting, Strategy, Style, SurfelStyle,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -36,7 +36,10 @@ fn an_untouched_picture_costs_nothing() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for &strategy in Strategy::ALL {
         let settings = Style {
-            strategy,
+            drawing: DrawingStyle {
+                strategy,
+                ..plain().drawing
+            },
             ..plain()
         };
         let packet = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
@@ -55,7 +58,10 @@ fn a_moved_camera_uploads_nothing() {
     for &strategy in Strategy::ALL {
         let mut renderer = GpuRenderer::new(common::context()).unwrap();
         let settings = Style {
-            strategy,
+            drawing: DrawingStyle {
+                strategy,
+                ..plain().drawing
+            },
             ..plain()
         };
         let mut packet = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);

@@ -10,8 +10,9 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, LightStyle, Lighting, PointStyle, Primitive,
-    Scene, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
+    BackFaces, Backdrop, Background, Camera, Content, DrawingStyle, LightStyle, Lighting,
+    PointShape, PointStyle, Primitive, Scene, ScenePacket, Splatting, Strategy, Style, SurfelStyle,
+    UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -21,7 +22,7 @@ fn assert_agreement(renderer: &mut GpuRenderer, packet: &ScenePacket, what: &str
     let mut reference = None;
     for &strategy in Strategy::ALL {
         let mut packet = packet.clone();
-        packet.settings.strategy = strategy;
+        packet.settings.drawing.strategy = strategy;
         let image = draw_with(renderer, &packet);
         let empty = *image.get_pixel(0, 0);
         assert!(
@@ -206,19 +207,20 @@ fn voxels_in_all_lights() {
 fn points_of_one_and_of_several_pixels() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(5000, 1.0);
-    for point_size_px in [1.0, 2.0, 5.0] {
+    let sizes = [1.0, 2.0, 5.0].into_iter();
+    for (size_px, &shape) in
+        sizes.flat_map(|size_px| PointShape::ALL.iter().map(move |shape| (size_px, shape)))
+    {
         let settings = Style {
             primitive: Primitive::Point,
-            points: PointStyle {
-                size_px: point_size_px,
-            },
+            points: PointStyle { size_px, shape },
             ..plain()
         };
         let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
         assert_agreement(
             &mut renderer,
             &packet,
-            &format!("points of {point_size_px} px"),
+            &format!("points of {size_px} px, {shape}"),
         );
     }
 }
@@ -244,7 +246,7 @@ fn many_batches_and_chunks_draw_what_one_draws() {
     let mut chunked = GpuRenderer::new(chunked).unwrap();
     for &strategy in Strategy::ALL {
         let mut packet = packet.clone();
-        packet.settings.strategy = strategy;
+        packet.settings.drawing.strategy = strategy;
         let image = draw_with(&mut chunked, &packet);
         assert_eq!(
             common::difference(&reference, &image),
@@ -263,7 +265,10 @@ fn many_batches_and_chunks_draw_what_one_draws() {
 fn the_compute_strategy_leaves_nothing_of_an_earlier_cloud() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let settings = Style {
-        strategy: Strategy::Compute,
+        drawing: DrawingStyle {
+            strategy: Strategy::Compute,
+            ..plain().drawing
+        },
         ..plain()
     };
     let full = surfels(&sphere(1500, 1.0), &camera_at(3.0), settings, [64, 64]);

@@ -35,10 +35,11 @@ pub struct History {
 }
 
 /// The last change.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Change {
     at: Duration,
-    fields: u32,
+    /// See [`changed_fields`].
+    fields: Vec<&'static str>,
     /// Begun by a button that has been held since.
     is_held: bool,
 }
@@ -58,7 +59,7 @@ impl History {
         let fields = changed_fields(present, edited);
         let before = std::mem::replace(present, edited.clone());
         let goes_on = goes_on_by_hand
-            || self.last.is_some_and(|last| {
+            || self.last.as_ref().is_some_and(|last| {
                 last.fields == fields && now.saturating_sub(last.at) <= GESTURE
             });
         if !goes_on {
@@ -92,36 +93,16 @@ impl History {
     }
 }
 
-/// A bit for each field that differs.
-fn changed_fields(before: &Edited, after: &Edited) -> u32 {
-    let (a, b) = (&before.settings, &after.settings);
-    let differs = [
-        before.path != after.path,
-        a.primitive != b.primitive,
-        a.renderer != b.renderer,
-        a.surfels.splatting != b.surfels.splatting,
-        a.strategy != b.strategy,
-        a.surfels.splat_scale != b.surfels.splat_scale,
-        a.surfels.enlargement != b.surfels.enlargement,
-        a.surfels.back_faces != b.surfels.back_faces,
-        a.light.lighting != b.light.lighting,
-        a.voxels.light != b.voxels.light,
-        a.light.eye_dome != b.light.eye_dome,
-        a.light.eye_dome_strength != b.light.eye_dome_strength,
-        a.backdrop.grid != b.backdrop.grid,
-        a.backdrop.background != b.backdrop.background,
-        a.colors != b.colors,
-        a.points.size_px != b.points.size_px,
-        a.levels.stop != b.levels.stop,
-        a.levels.lod != b.levels.lod,
-        a.levels.surfel_lod != b.levels.surfel_lod,
-        a.resolution != b.resolution,
-        a.codes.footprint != b.codes.footprint,
-        a.codes.normal_bits != b.codes.normal_bits,
-        a.codes.offset_bits != b.codes.offset_bits,
-    ];
-    let bit = |bits: u32, &differs: &bool| bits << 1 | u32::from(differs);
-    differs.iter().fold(0, bit)
+/// The settings that differ, by their names in files, and `path` if that does.
+fn changed_fields(before: &Edited, after: &Edited) -> Vec<&'static str> {
+    let path = (before.path != after.path).then_some("path");
+    let settings = before.settings.settings().into_iter();
+    let changed = settings
+        .zip(after.settings.settings())
+        .filter(|((_, before), (_, after))| before != after);
+    path.into_iter()
+        .chain(changed.map(|((described, _), _)| described.key))
+        .collect()
 }
 
 #[cfg(test)]

@@ -9,11 +9,8 @@
 
 use super::open_panels::RememberedPanels;
 use super::present_choice::PresentChoice;
-use super::state::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use crate::kept::{self, Fields};
-use crate::levels::Lod;
-use crate::levels::octree::StopCriterion;
-use crate::scene::{LevelStyle, LightStyle, PointStyle, Style, SurfelStyle};
+use crate::scene::Style;
 use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED};
 use egui::ThemePreference;
 use serde::{Deserialize, Serialize};
@@ -27,9 +24,6 @@ const VERSION: u32 = 6;
 
 /// A slider that is being dragged is not written at each of its steps.
 const WRITE_DELAY: Duration = Duration::from_secs(1);
-
-/// Further factor of the enlarged passes, from the slider or the command line.
-const ENLARGEMENT_RANGE: RangeInclusive<f32> = 0.01..=100.0;
 
 /// Edges of a window, logical pixels.
 const WINDOW_EDGE_RANGE: RangeInclusive<f64> = 100.0..=16_384.0;
@@ -100,7 +94,7 @@ impl Preferences {
     /// be squeezed to nothing.
     fn offered(self) -> Self {
         Self {
-            settings: offered_settings(self.settings),
+            settings: self.settings.nearest(),
             speed: self.speed.clamp(MIN_SPEED, MAX_SPEED),
             window_size: self
                 .window_size
@@ -134,43 +128,6 @@ fn unknown_fields(stored: &Fields) -> Fields {
     unknown
         .map(|(name, value): (&String, &Value)| (name.clone(), value.clone()))
         .collect()
-}
-
-/// The nearest settings that the window offers.
-pub(super) fn offered_settings(settings: Style) -> Style {
-    let clamp = |value: f32, range: RangeInclusive<f32>| value.clamp(*range.start(), *range.end());
-    Style {
-        resolution: clamp(settings.resolution, Style::RESOLUTIONS),
-        surfels: SurfelStyle {
-            splat_scale: clamp(settings.surfels.splat_scale, SPLAT_SCALE_RANGE),
-            enlargement: clamp(settings.surfels.enlargement, ENLARGEMENT_RANGE),
-            ..settings.surfels
-        },
-        points: PointStyle {
-            size_px: clamp(settings.points.size_px, POINT_SIZE_RANGE_PX),
-        },
-        levels: LevelStyle {
-            stop: offered_stop(settings.levels.stop),
-            lod: settings.levels.lod.offered(),
-            ..settings.levels
-        },
-        light: LightStyle {
-            eye_dome_strength: clamp(settings.light.eye_dome_strength, Style::EYE_DOME_STRENGTHS),
-            ..settings.light
-        },
-        ..settings
-    }
-}
-
-/// The nearest stop criterion that the window offers.
-fn offered_stop(stop: StopCriterion) -> StopCriterion {
-    match stop {
-        StopCriterion::Spacing => StopCriterion::Spacing,
-        StopCriterion::Loss(delta) if delta.is_nan() => StopCriterion::default(),
-        StopCriterion::Loss(delta) => StopCriterion::Loss(delta.clamp(0.0, Style::MAX_DELTA)),
-        StopCriterion::Depth(depth) => StopCriterion::Depth(depth.min(*Lod::LEVELS.end())),
-        StopCriterion::PointsPerOctant(points) => StopCriterion::PointsPerOctant(points.max(1)),
-    }
 }
 
 /// The file of the preferences, and when it is to be written next.

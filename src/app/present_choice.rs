@@ -6,12 +6,9 @@ choices! {
     /// Who brings the window's picture onto the screen.
     #[derive(Default)]
     PresentChoice, "way to present" {
-        /// The processor where there is no real GPU, else the graphics library.
         #[default]
-        Auto = "auto",
-        /// The graphics library, whatever its adapter is.
-        Gpu = "gpu",
-        /// The processor, without any driver.
-        Cpu = "cpu",
+        Auto = "auto", "Automatic", "The GPU if there is a real one, else the processor";
+        Gpu = "gpu", "GPU", "The adapter of the graphics library, be it a software one";
+        Cpu = "cpu", "CPU", "The processor, without any driver: only what has changed is painted";
     }
 }

@@ -5,11 +5,12 @@
 //! later one wrote beside what is known here goes when the list is written anew; a file of which something could not be
 //! read is copied first (`kept/lenient.rs`).
 
-use super::preferences::offered_settings;
 use crate::kept::{self, Fields};
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{LevelStyle, PointStyle, Primitive, Style, VoxelLight, VoxelStyle};
+use crate::scene::{
+    DrawingStyle, LevelStyle, PointStyle, Primitive, Style, VoxelLight, VoxelStyle,
+};
 use serde::Serialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -54,11 +55,14 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Style); 4] {
             "Fast",
             "Surfels of octree cells up to 2 px, at half the resolution",
             Style {
-                resolution: 0.5,
                 levels: LevelStyle {
                     surfel_lod: true,
                     lod: Lod::ThresholdPx(2.0),
                     ..settings.levels
+                },
+                drawing: DrawingStyle {
+                    resolution: 0.5,
+                    ..settings.drawing
                 },
                 ..settings
             },
@@ -67,10 +71,13 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Style); 4] {
             "Exact",
             "Every point as a surfel at full resolution",
             Style {
-                resolution: 1.0,
                 levels: LevelStyle {
                     surfel_lod: false,
                     ..settings.levels
+                },
+                drawing: DrawingStyle {
+                    resolution: 1.0,
+                    ..settings.drawing
                 },
                 ..settings
             },
@@ -80,7 +87,10 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Style); 4] {
             "Every point as a square of 2 px",
             Style {
                 primitive: Primitive::Point,
-                points: PointStyle { size_px: 2.0 },
+                points: PointStyle {
+                    size_px: 2.0,
+                    ..PointStyle::default()
+                },
                 ..settings
             },
         ),
@@ -134,7 +144,7 @@ impl Presets {
         if name.is_empty() {
             return Err("A preset needs a name".to_owned());
         }
-        let settings = offered_settings(settings);
+        let settings = settings.nearest();
         match self.list.binary_search_by(|preset| preset.name.cmp(&name)) {
             Ok(place) => self.list[place].settings = settings,
             Err(_) if self.list.len() >= MAX_PRESETS => {
@@ -189,7 +199,7 @@ fn presets_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Preset> {
             continue;
         }
         let mut unread_here = Vec::new();
-        let settings = offered_settings(kept::fields(settings, &mut unread_here));
+        let settings = kept::fields::<Style>(settings, &mut unread_here).nearest();
         unread.extend(
             unread_here
                 .iter()

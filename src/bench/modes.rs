@@ -35,7 +35,7 @@ impl Modes {
 
     /// Whether `settings`, which name who draws, are among them.
     pub fn admit(&self, settings: &Style) -> bool {
-        let is_gpu = settings.renderer == RendererChoice::Gpu;
+        let is_gpu = settings.drawing.renderer == RendererChoice::Gpu;
         let is_surfel = settings.draws_surfels();
         let primitive = if is_surfel {
             Primitive::Surfel
@@ -48,9 +48,9 @@ impl Modes {
         } else {
             any_what || self.primitives.contains(&primitive)
         };
-        let how =
-            self.strategies.is_empty() || is_gpu && self.strategies.contains(&settings.strategy);
-        let who = self.renderers.is_empty() || self.renderers.contains(&settings.renderer);
+        let how = self.strategies.is_empty()
+            || is_gpu && self.strategies.contains(&settings.drawing.strategy);
+        let who = self.renderers.is_empty() || self.renderers.contains(&settings.drawing.renderer);
         who && what && how
     }
 }
@@ -83,21 +83,27 @@ impl FromStr for Modes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::SurfelStyle;
+    use crate::scene::{DrawingStyle, SurfelStyle};
 
     #[test]
     fn words_of_a_group_are_alternatives_and_groups_are_conditions() {
         let surfel = |renderer, splatting| Style {
-            renderer,
             surfels: SurfelStyle {
                 splatting,
                 ..SurfelStyle::default()
+            },
+            drawing: DrawingStyle {
+                renderer,
+                ..DrawingStyle::default()
             },
             ..Style::default()
         };
         let voxel = Style {
             primitive: Primitive::Voxel,
-            renderer: RendererChoice::Cpu,
+            drawing: DrawingStyle {
+                renderer: RendererChoice::Cpu,
+                ..DrawingStyle::default()
+            },
             ..Style::default()
         };
         let (cpu, gpu) = (RendererChoice::Cpu, RendererChoice::Gpu);

@@ -1,14 +1,12 @@
 //! Arguments that several verbs share.
 
 use super::colors::ColorArgs;
+use super::style_arguments::StyleArgs;
 use super::warnings;
 use crate::io::ReadOptions;
-use crate::levels::Lod;
-use crate::levels::octree::StopCriterion;
 use crate::scene::{
-    BackFaces, Backdrop, Background, Clip, ClipShape, CodeStyle, EyeDome, Footprint, LevelStyle,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointStyle,
-    Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle,
+    BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style,
+    SurfelStyle,
 };
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use clap::Args;
@@ -24,7 +22,6 @@ pub(super) const DEMO_INPUT: &str = "demo:";
 
 /// Headings of the help.
 pub(super) const VIEW: &str = "View";
-const LEVEL_OF_DETAIL: &str = "Level of detail";
 
 /// Opens what a person named; nothing is the built-in sequence.
 pub(super) fn open_sequence(
@@ -106,73 +103,15 @@ impl ReadArgs {
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Picture")]
 pub(super) struct PictureArgs {
-    /// What points become: surfel, voxel or point
-    #[arg(long, value_name = "PRIMITIVE")]
-    primitive: Option<Primitive>,
+    #[command(flatten)]
+    style: StyleArgs,
 
-    /// Who draws: auto (a real GPU, else the processor), gpu or cpu
-    #[arg(long, value_name = "RENDERER")]
-    renderer: Option<RendererChoice>,
-
-    /// regular, no-depth, visibility, two-pass, enlarged or two-pass-enlarged
-    #[arg(long, value_name = "MODE")]
-    splatting: Option<Splatting>,
-
-    /// Factor on every splat radius
-    #[arg(long, value_name = "S", value_parser = positive)]
-    splat_scale: Option<f32>,
-
-    /// Further factor of the enlarged passes
-    #[arg(long, value_name = "S", value_parser = positive)]
-    enlargement: Option<f32>,
-
-    /// storage, uniform, texture, vertex or compute
-    #[arg(long, value_name = "STRATEGY")]
-    instancing: Option<Strategy>,
-
-    /// Edge of a point in pixels
-    #[arg(long, value_name = "PX", value_parser = positive)]
-    point_size: Option<f32>,
-
-    /// Where light is evaluated: none, surfel, vertex or fragment
-    #[arg(long, value_name = "WHERE")]
-    lighting: Option<Lighting>,
-
-    /// What the light of voxels falls on: normals (the surface in them) or faces
-    #[arg(long, value_name = "WHAT")]
-    voxel_light: Option<VoxelLight>,
-
-    /// dusk, black, gray, white, sky, transparent (in files), #rrggbb or #rrggbb-#rrggbb
-    #[arg(long, value_name = "COLOR")]
+    #[arg(long, value_name = Backdrop::BACKGROUND.value_name, help = Backdrop::BACKGROUND.help)]
     background: Option<Behind>,
 
-    /// Surfels that face away: auto (left out if closed), drawn, darker or culled
-    #[arg(long, value_name = "FACES")]
-    back_faces: Option<BackFaces>,
-
     /// The same as --back-faces drawn
-    #[arg(long, conflicts_with = "back_faces")]
+    #[arg(long, conflicts_with = SurfelStyle::BACK_FACES.flag)]
     two_sided: bool,
-
-    /// Draw surfels of octree cells, as --lod… says, instead of all points
-    #[arg(long, help_heading = LEVEL_OF_DETAIL)]
-    surfel_lod: bool,
-
-    /// Draw a picture of this share of its edges, 0.25 to 1, and scale it up
-    #[arg(long, value_name = "SHARE", value_parser = resolution)]
-    resolution: Option<f32>,
-
-    /// What the processor draws surfels from: disks, or byte codes as masks or pixels
-    #[arg(long, value_name = "FOOTPRINT")]
-    footprint: Option<Footprint>,
-
-    /// Bits of the normals of byte codes: 13, 15 or 17
-    #[arg(long, value_name = "BITS")]
-    normal_bits: Option<NormalBits>,
-
-    /// Bits of the offsets along normals of byte codes: 0, 2 or 3
-    #[arg(long, value_name = "BITS")]
-    offset_bits: Option<OffsetBits>,
 
     /// Draw only points from the first to the second corner, coordinates of the file
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true, value_parser = clip_box)]
@@ -184,15 +123,6 @@ pub(super) struct PictureArgs {
 
     #[command(flatten)]
     colors: ColorArgs,
-
-    #[command(flatten)]
-    shown: ShownArgs,
-
-    #[command(flatten)]
-    stop: StopArgs,
-
-    #[command(flatten)]
-    lod: LodArgs,
 }
 
 /// What is behind the cloud.
@@ -222,148 +152,26 @@ impl PictureArgs {
 
     /// What was chosen for points to become.
     pub(super) fn primitive(&self) -> Option<Primitive> {
-        self.primitive
+        self.style.given(Style::PRIMITIVE.key)
     }
 
     /// `default`, but for what is given.
     pub(super) fn settings_over(&self, default: Style) -> Style {
-        Style {
-            primitive: self.primitive.unwrap_or(default.primitive),
-            renderer: self.renderer.unwrap_or(default.renderer),
-            strategy: self.instancing.unwrap_or(default.strategy),
-            colors: self.colors.over(default.colors),
-            resolution: self.resolution.unwrap_or(default.resolution),
-            surfels: SurfelStyle {
-                splatting: self.splatting.unwrap_or(default.surfels.splatting),
-                splat_scale: self.splat_scale.unwrap_or(default.surfels.splat_scale),
-                enlargement: self.enlargement.unwrap_or(default.surfels.enlargement),
-                back_faces: self
-                    .back_faces
-                    .or(self.two_sided.then_some(BackFaces::Drawn))
-                    .unwrap_or(default.surfels.back_faces),
-            },
-            points: PointStyle {
-                size_px: self.point_size.unwrap_or(default.points.size_px),
-            },
-            voxels: VoxelStyle {
-                light: self.voxel_light.unwrap_or(default.voxels.light),
-            },
-            levels: LevelStyle {
-                stop: self.stop.criterion().unwrap_or(default.levels.stop),
-                lod: self.lod.choice().unwrap_or(default.levels.lod),
-                surfel_lod: default.levels.surfel_lod || self.surfel_lod,
-            },
-            codes: CodeStyle {
-                footprint: self.footprint.unwrap_or(default.codes.footprint),
-                normal_bits: self.normal_bits.unwrap_or(default.codes.normal_bits),
-                offset_bits: self.offset_bits.unwrap_or(default.codes.offset_bits),
-            },
-            light: LightStyle {
-                lighting: self.lighting.unwrap_or(default.light.lighting),
-                eye_dome: self.shown.eye_dome.unwrap_or(default.light.eye_dome),
-                eye_dome_strength: (self.shown.eye_dome_strength)
-                    .unwrap_or(default.light.eye_dome_strength),
-            },
-            backdrop: Backdrop {
-                grid: default.backdrop.grid || self.shown.grid,
-                background: match self.background {
-                    Some(Behind::Colors(background)) => background,
-                    Some(Behind::Nothing) | None => default.backdrop.background,
-                },
-            },
-            of_sequence: OfSequence {
-                color_hints: default.of_sequence.color_hints,
-                ground_box: default.of_sequence.ground_box,
-                clip: self.clip_box.map_or(default.of_sequence.clip, |shape| {
-                    Some(Clip {
-                        keeps_outside: self.clip_outside,
-                        ..Clip::to(shape)
-                    })
-                }),
-            },
+        let mut style = self.style.over(default);
+        style.colors = self.colors.over(default.colors);
+        if self.two_sided {
+            style.surfels.back_faces = BackFaces::Drawn;
         }
-    }
-}
-
-/// What else shows shape and place.
-#[derive(Debug, Clone, Default, Args)]
-struct ShownArgs {
-    /// Shade by depths (eye-dome lighting): auto, on or off
-    #[arg(long, value_name = "WHETHER")]
-    eye_dome: Option<EyeDome>,
-
-    /// How much --eye-dome shades (usually 1)
-    #[arg(long, value_name = "FACTOR", value_parser = not_negative)]
-    eye_dome_strength: Option<f32>,
-
-    /// Draw lines on the ground
-    #[arg(long)]
-    grid: bool,
-}
-
-/// When the octree's cells are no longer divided: one of these.
-#[derive(Debug, Clone, Default, Args)]
-#[group(multiple = false)]
-#[command(next_help_heading = LEVEL_OF_DETAIL)]
-struct StopArgs {
-    /// Divide the octree down to the spacing of the points: closed surfaces (usual)
-    #[arg(long)]
-    spacing: bool,
-
-    /// Divide it until this share of the points has no leaf of its own (paper: 0.05)
-    #[arg(long, value_name = "D", value_parser = delta)]
-    delta: Option<f32>,
-
-    /// Divide the octree down to this level, 0 to 21
-    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=21))]
-    depth: Option<u32>,
-
-    /// Divide cells of the octree that hold more than so many points
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    octant_points: Option<u32>,
-}
-
-impl StopArgs {
-    fn criterion(&self) -> Option<StopCriterion> {
-        let spacing = self.spacing.then_some(StopCriterion::Spacing);
-        let delta = self.delta.map(StopCriterion::Loss);
-        let depth = self.depth.map(StopCriterion::Depth);
-        spacing
-            .or(delta)
-            .or(depth)
-            .or(self.octant_points.map(StopCriterion::PointsPerOctant))
-    }
-}
-
-/// Which cells of the octree are drawn: one of these.
-#[derive(Debug, Clone, Default, Args)]
-#[group(multiple = false)]
-#[command(next_help_heading = LEVEL_OF_DETAIL)]
-struct LodArgs {
-    /// Draw octree cells below this many pixels as one (usually 1)
-    #[arg(long, value_name = "PX", value_parser = not_negative)]
-    lod: Option<f32>,
-
-    /// Draw all octree cells of this level, 0 to 21
-    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=21))]
-    lod_level: Option<u32>,
-
-    /// Draw the finest octree cells that are at most so many
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    lod_budget: Option<u32>,
-
-    /// Draw as many octree cells as this many milliseconds allow
-    #[arg(long, value_name = "MS", value_parser = positive)]
-    lod_time: Option<f32>,
-}
-
-impl LodArgs {
-    fn choice(&self) -> Option<Lod> {
-        let threshold = self.lod.map(Lod::ThresholdPx);
-        let level = self.lod_level.map(Lod::Level);
-        let budget = self.lod_budget.map(Lod::Budget);
-        let time = self.lod_time.map(Lod::FrameTimeMs);
-        threshold.or(level).or(budget).or(time)
+        if let Some(Behind::Colors(background)) = self.background {
+            style.backdrop.background = background;
+        }
+        if let Some(shape) = self.clip_box {
+            style.of_sequence.clip = Some(Clip {
+                keeps_outside: self.clip_outside,
+                ..Clip::to(shape)
+            });
+        }
+        style
     }
 }
 
@@ -387,22 +195,6 @@ where
         .ok_or_else(|| format!("expected {expected}"))
 }
 
-fn positive(text: &str) -> Result<f32, String> {
-    number_in(
-        text,
-        |value: &f32| value.is_finite() && *value > 0.0,
-        "a number above 0",
-    )
-}
-
-fn resolution(text: &str) -> Result<f32, String> {
-    number_in(
-        text,
-        |value: &f32| Style::RESOLUTIONS.contains(value),
-        "a share from 0.25 to 1",
-    )
-}
-
 pub(super) fn positive_f64(text: &str) -> Result<f64, String> {
     number_in(
         text,
@@ -411,27 +203,11 @@ pub(super) fn positive_f64(text: &str) -> Result<f64, String> {
     )
 }
 
-fn not_negative(text: &str) -> Result<f32, String> {
-    number_in(
-        text,
-        |value: &f32| value.is_finite() && *value >= 0.0,
-        "a number from 0 up",
-    )
-}
-
 pub(super) fn not_negative_f64(text: &str) -> Result<f64, String> {
     number_in(
         text,
         |value: &f64| value.is_finite() && *value >= 0.0,
         "a number from 0 up",
-    )
-}
-
-fn delta(text: &str) -> Result<f32, String> {
-    number_in(
-        text,
-        |value| (0.0..=Style::MAX_DELTA).contains(value),
-        "a number from 0 to 0.6, such as 0.05",
     )
 }
 

@@ -1,6 +1,7 @@
 //! How points are coloured, as several verbs take it.
 
 use crate::analysis::ColorMap;
+use crate::scene::coloring::{COLORS, LOGARITHM, MAP, RANGE};
 use crate::sequence::{ColorRange, ColorSource, Coloring};
 use clap::Args;
 
@@ -8,20 +9,16 @@ use clap::Args;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Colours")]
 pub(super) struct ColorArgs {
-    /// auto, file, scalar[:NAME], height[:z], normal, distance, time, class or uniform
-    #[arg(long, value_name = "SOURCE")]
+    #[arg(long, value_name = COLORS.value_name, help = COLORS.help)]
     colors: Option<ColorSource>,
 
-    /// How numbers become colours: viridis, turbo, magma, grey or diverging
-    #[arg(long, value_name = "MAP")]
+    #[arg(long, value_name = MAP.value_name, help = MAP.help_line())]
     color_map: Option<ColorMap>,
 
-    /// Numbers in the first and last colour, A..B, or percentiles (usually p1..p99)
-    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
+    #[arg(long, value_name = RANGE.value_name, help = RANGE.help, allow_hyphen_values = true)]
     color_range: Option<ColorRange>,
 
-    /// Colours by the logarithms of numbers
-    #[arg(long)]
+    #[arg(long, help = LOGARITHM.help)]
     color_log: bool,
 }
 

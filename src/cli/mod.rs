@@ -16,6 +16,7 @@ mod poses;
 mod progress;
 mod render;
 mod render_arguments;
+mod style_arguments;
 mod video;
 mod video_arguments;
 mod view;

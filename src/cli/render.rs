@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     }
     let settings = arguments.picture.settings_over(Style::default());
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
-    let renderer = AnyRenderer::open(settings.renderer)?;
+    let renderer = AnyRenderer::open(settings.drawing.renderer)?;
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
     let settings = settings.resolved(&*headless.first_look()?);
     let mut stats = Stats {
@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         size: arguments.size,
         primitive: settings.primitive.to_string(),
         splatting: settings.surfels.splatting.to_string(),
-        instancing: settings.strategy.to_string(),
+        instancing: settings.drawing.strategy.to_string(),
         frames: Vec::new(),
     };
     let (failed, asked) = if let Some(output) = &arguments.output {

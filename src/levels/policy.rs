@@ -2,7 +2,6 @@
 
 use super::cut::{Cut, CutHints, SelectView};
 use super::structure::Levels;
-use crate::math::morton::LEVELS;
 
 /// Which nodes stand for the cloud.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -26,37 +25,6 @@ impl Default for Lod {
 }
 
 impl Lod {
-    /// Thresholds in pixels that the window offers.
-    pub const THRESHOLDS_PX: std::ops::RangeInclusive<f32> = 0.0..=4096.0;
-    /// Levels that there are.
-    pub const LEVELS: std::ops::RangeInclusive<u32> = 0..=LEVELS;
-    /// Numbers of voxels that the window offers.
-    pub const BUDGETS: std::ops::RangeInclusive<u32> = 100..=50_000_000;
-    /// Times of a picture that the window offers.
-    pub const FRAME_TIMES_MS: std::ops::RangeInclusive<f32> = 1.0..=1000.0;
-
-    /// The nearest choice within what the window offers; the default for what is not a number.
-    #[must_use]
-    pub fn offered(self) -> Self {
-        match self {
-            Self::ThresholdPx(value) | Self::FrameTimeMs(value) if value.is_nan() => {
-                Self::default()
-            }
-            Self::ThresholdPx(value) => Self::ThresholdPx(
-                value.clamp(*Self::THRESHOLDS_PX.start(), *Self::THRESHOLDS_PX.end()),
-            ),
-            Self::Level(level) => {
-                Self::Level(level.clamp(*Self::LEVELS.start(), *Self::LEVELS.end()))
-            }
-            Self::Budget(voxels) => {
-                Self::Budget(voxels.clamp(*Self::BUDGETS.start(), *Self::BUDGETS.end()))
-            }
-            Self::FrameTimeMs(value) => Self::FrameTimeMs(
-                value.clamp(*Self::FRAME_TIMES_MS.start(), *Self::FRAME_TIMES_MS.end()),
-            ),
-        }
-    }
-
     /// The nodes of `levels` that stand for the cloud in `view`, and the threshold in pixels that they come from, if
     /// they come from one. `affordable` is their number for [`Lod::FrameTimeMs`].
     pub fn cut(

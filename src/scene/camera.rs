@@ -12,10 +12,10 @@ use std::str::FromStr;
 choices! {
     /// Whether what is farther away is smaller.
     Projection, "projection" {
-        /// Through a point: the eye.
-        Perspective = "perspective",
-        /// By parallel rays: lengths across the view can be compared.
-        Orthographic = "orthographic",
+        Perspective = "perspective", "Perspective", "As an eye sees: what is farther away is smaller";
+        /// Lengths across the view can be compared.
+        Orthographic = "orthographic", "Orthographic",
+            "By parallel rays: everything is as large as at the middle of the orbit";
     }
 }
 

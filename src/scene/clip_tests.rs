@@ -3,8 +3,8 @@
 use super::*;
 use crate::cloud::{Frame, Positions, RawCloud};
 use crate::scene::{
-    BackFaces, Camera, CodeStyle, Footprint, LevelStyle, OfSequence, Primitive, RendererChoice,
-    Scene, Style, SurfelStyle, UpAxis, pick,
+    BackFaces, Camera, CodeStyle, DrawingStyle, Footprint, LevelStyle, OfSequence, Primitive,
+    RendererChoice, Scene, Style, SurfelStyle, UpAxis, pick,
 };
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete, prepare};
 use proptest::prelude::*;
@@ -60,10 +60,13 @@ fn ways() -> Vec<Style> {
         ..ways[0]
     });
     ways.push(Style {
-        renderer: RendererChoice::Cpu,
         codes: CodeStyle {
             footprint: Footprint::Masks,
             ..(ways[0]).codes
+        },
+        drawing: DrawingStyle {
+            renderer: RendererChoice::Cpu,
+            ..(ways[0]).drawing
         },
         ..ways[0]
     });

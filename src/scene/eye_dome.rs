@@ -17,7 +17,7 @@
 //! are in perspective around the target.
 
 use super::ScenePacket;
-use super::style::{EyeDome, Splatting};
+use super::style::EyeDome;
 
 /// Distance of neighbours in a picture 720 pixels high.
 const RADIUS_PX_AT_720: f32 = 1.4;
@@ -57,14 +57,13 @@ impl EyeDomeLight {
     /// Share of neighbours without depth from which a pixel belongs to no surface: that of a corner.
     pub const LONE: f32 = 5.0 / 8.0;
 
-    /// That of a packet; `None` where there is none. [`Splatting::NoDepth`] leaves no depths to shade by.
+    /// That of a packet; `None` where there is none: [`Splatting::NoDepth`](super::Splatting::NoDepth) leaves no depths
+    /// to shade by.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let settings = &packet.settings;
-        let has_depth =
-            !settings.draws_surfels() || settings.surfels.splatting != Splatting::NoDepth;
         let strength = settings.light.eye_dome_strength;
         let is_on = settings.light.eye_dome == EyeDome::On && strength > 0.0;
-        (is_on && has_depth).then(|| {
+        (is_on && settings.leaves_depths()).then(|| {
             let [top, bottom] = packet.view.rows_of_whole;
             let height_px = packet.viewport_px[1] as f32 / (bottom - top);
             Self::new(height_px.round(), packet.view.telephoto, strength)

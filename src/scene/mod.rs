@@ -33,8 +33,9 @@ pub use pick::{Pick, PickedNormal, pick};
 pub use scale_bar::ScaleBar;
 pub(crate) use style::choices;
 pub use style::{
-    BackFaces, Backdrop, Background, CodeStyle, EyeDome, Footprint, LevelStyle, LightStyle,
-    Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointStyle, Primitive,
-    RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointShape,
+    PointStyle, Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight,
+    VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

@@ -17,7 +17,7 @@ pub struct ScenePacket {
     pub content: Content,
     /// The box around the cloud, for the grey of [`super::Splatting::Visibility`].
     pub bounds: Aabb,
-    /// The plane of [`Style::grid`], if it is on.
+    /// The plane of [`super::Backdrop::grid`], if it is on.
     pub ground: Option<GroundPlane>,
 }
 

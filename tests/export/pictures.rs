@@ -11,8 +11,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{
-    Backdrop, Background, CodeStyle, EyeDome, Footprint, LevelStyle, LightStyle, PointStyle,
-    Primitive, Splatting, Strategy, Style, SurfelStyle,
+    Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle, LightStyle,
+    PointStyle, Primitive, Splatting, Strategy, Style, SurfelStyle,
 };
 use std::sync::{Arc, Mutex};
 
@@ -54,7 +54,10 @@ fn ways() -> Vec<Style> {
         },
         Style {
             primitive: Primitive::Point,
-            points: PointStyle { size_px: 5.0 },
+            points: PointStyle {
+                size_px: 5.0,
+                ..PointStyle::default()
+            },
             ..settings()
         },
         Style {
@@ -121,7 +124,10 @@ fn byte_codes_are_nearly_the_same_in_parts() {
 fn the_graphics_library_draws_the_same_picture_in_parts() {
     let mut ways = ways();
     ways.extend(Strategy::ALL.iter().map(|&strategy| Style {
-        strategy,
+        drawing: DrawingStyle {
+            strategy,
+            ..settings().drawing
+        },
         ..settings()
     }));
     for settings in ways {
@@ -271,7 +277,10 @@ fn what_cannot_be_drawn_is_refused_and_leaves_nothing() {
     let file = folder.path().join("a.png");
     let mut headless = headless(AnyRenderer::cpu());
     let settings = Style {
-        resolution: 0.5,
+        drawing: DrawingStyle {
+            resolution: 0.5,
+            ..settings().drawing
+        },
         ..settings()
     };
     let (frame, camera) = near_by(&headless, &settings);

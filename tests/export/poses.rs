@@ -44,7 +44,10 @@ fn settings() -> Style {
         primitive: Primitive::Point,
         // All points are white, which says nothing to the automatic choice.
         colors: Coloring::of(ColorSource::File),
-        points: PointStyle { size_px: 3.0 },
+        points: PointStyle {
+            size_px: 3.0,
+            ..PointStyle::default()
+        },
         light: LightStyle {
             lighting: Lighting::Unlit,
             ..LightStyle::default()

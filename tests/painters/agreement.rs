@@ -242,7 +242,10 @@ fn values_of_a_point_and_a_tooltip() {
     let mut shown = window();
     shown.state().settings = Style {
         primitive: Primitive::Point,
-        points: PointStyle { size_px: 9.0 },
+        points: PointStyle {
+            size_px: 9.0,
+            ..PointStyle::default()
+        },
         ..Style::default()
     };
     load_all(shown.state());

@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkTable, State};
 use pointreel::bench::Step;
 use pointreel::bench::{LabPoint, Quality, Table};
-use pointreel::scene::{Background, PointStyle, Primitive, RendererChoice, Style};
+use pointreel::scene::{Background, DrawingStyle, PointStyle, Primitive, RendererChoice, Style};
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
@@ -141,17 +141,26 @@ fn point(draw_ms: f64, flip: f64, settings: Style) -> Arc<LabPoint> {
 /// Points of 2 px, voxels at half the resolution, surfels, and points that voxels beat.
 fn points() -> Vec<Arc<LabPoint>> {
     let cpu = Style {
-        renderer: RendererChoice::Cpu,
+        drawing: DrawingStyle {
+            renderer: RendererChoice::Cpu,
+            ..DrawingStyle::default()
+        },
         ..Style::default()
     };
     let points_2_px = Style {
         primitive: Primitive::Point,
-        points: PointStyle { size_px: 2.0 },
+        points: PointStyle {
+            size_px: 2.0,
+            ..PointStyle::default()
+        },
         ..cpu
     };
     let voxels = Style {
         primitive: Primitive::Voxel,
-        resolution: 0.5,
+        drawing: DrawingStyle {
+            resolution: 0.5,
+            ..cpu.drawing
+        },
         ..cpu
     };
     let beaten = Style {
@@ -194,7 +203,7 @@ fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
     click(&mut harness, "8.00 ms, FLIP 0.2000: way of 8 ms");
     let settings = harness.state().settings;
     assert_eq!(
-        (settings.primitive, settings.resolution),
+        (settings.primitive, settings.drawing.resolution),
         (Primitive::Voxel, 0.5)
     );
     assert_eq!(

@@ -65,7 +65,10 @@ fn beside_with(
     let mut harness = window_on(a, options);
     harness.state_mut().settings = Style {
         primitive: Primitive::Point,
-        points: PointStyle { size_px: 9.0 },
+        points: PointStyle {
+            size_px: 9.0,
+            ..PointStyle::default()
+        },
         ..Style::default()
     };
     load_all(harness.state_mut());

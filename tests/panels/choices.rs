@@ -76,7 +76,7 @@ fn presets_are_applied_saved_and_deleted() {
 
     click(&mut harness, "Presets");
     click(&mut harness, "Fast");
-    assert_eq!(harness.state().settings.resolution, 0.5);
+    assert_eq!(harness.state().settings.drawing.resolution, 0.5);
     click(&mut harness, "Presets");
     click(&mut harness, "mine");
     assert_eq!(harness.state().settings, settings);

@@ -27,7 +27,7 @@ fn exporting(folder: &Path) -> Harness<'static, State> {
 
 fn exporting_of(sequence: Arc<Sequence>, folder: &Path) -> Harness<'static, State> {
     let mut harness = window_on(sequence, options());
-    harness.state_mut().settings.renderer = RendererChoice::Cpu;
+    harness.state_mut().settings.drawing.renderer = RendererChoice::Cpu;
     press(&mut harness, Modifiers::SHIFT, Key::P);
     let export = &mut harness.state_mut().export;
     export.folder = folder.display().to_string();
@@ -85,7 +85,7 @@ fn a_turntable_becomes_a_gif_while_the_window_lives() {
     click(&mut harness, "Export");
     assert!(!harness.state().panels.has(PanelId::EXPORT));
     // It draws what was chosen when it began.
-    harness.state_mut().settings.renderer = RendererChoice::Gpu;
+    harness.state_mut().settings.drawing.renderer = RendererChoice::Gpu;
     harness.state_mut().camera.orbit(90.0, 0.0);
     let said = finish(&mut harness);
     let file = folder.path().join("pointreel-walk-turntable.gif");

@@ -19,7 +19,10 @@ fn cube() -> Harness<'static, State> {
 pub(super) fn in_squares(mut harness: Harness<'static, State>) -> Harness<'static, State> {
     harness.state_mut().settings = Style {
         primitive: Primitive::Point,
-        points: PointStyle { size_px: 9.0 },
+        points: PointStyle {
+            size_px: 9.0,
+            ..PointStyle::default()
+        },
         ..Style::default()
     };
     load_all(harness.state_mut());

@@ -9,8 +9,8 @@ use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::levels::Lod;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::scene::{
-    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, Primitive,
-    RendererChoice, Splatting, Strategy, Style, UpAxis, VoxelLight,
+    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, PointShape,
+    Primitive, RendererChoice, Splatting, Strategy, Style, UpAxis, VoxelLight,
 };
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence};
 use std::sync::Arc;
@@ -84,11 +84,14 @@ fn every_setting_can_be_changed_and_reset() {
     slide(&mut harness, "Enlargement", 3.0);
     assert_eq!(harness.state().settings.surfels.enlargement, 3.0);
     choose(&mut harness, "Renderer", "CPU");
-    assert_eq!(harness.state().settings.renderer, RendererChoice::Cpu);
+    assert_eq!(
+        harness.state().settings.drawing.renderer,
+        RendererChoice::Cpu
+    );
     choose(&mut harness, "Instancing", "Compute");
-    assert_eq!(harness.state().settings.strategy, Strategy::Compute);
+    assert_eq!(harness.state().settings.drawing.strategy, Strategy::Compute);
     slide(&mut harness, "Resolution", 0.5);
-    assert_eq!(harness.state().settings.resolution, 0.5);
+    assert_eq!(harness.state().settings.drawing.resolution, 0.5);
     slide(&mut harness, "Splat scale", 2.5);
     assert_eq!(harness.state().settings.surfels.splat_scale, 2.5);
     choose(&mut harness, "Back faces", "Drawn");
@@ -153,6 +156,8 @@ fn every_setting_can_be_changed_and_reset() {
     tap(&mut harness, "Points");
     slide(&mut harness, "Point size", 4.0);
     assert_eq!(harness.state().settings.points.size_px, 4.0);
+    choose(&mut harness, "Shape", "Disk");
+    assert_eq!(harness.state().settings.points.shape, PointShape::Disk);
     tap(&mut harness, "Surfels");
     assert_eq!(harness.state().settings.primitive, Primitive::Surfel);
 

@@ -97,7 +97,10 @@ impl Chain {
                 back_faces: BackFaces::Drawn,
                 ..SurfelStyle::default()
             },
-            points: PointStyle { size_px: 3.0 },
+            points: PointStyle {
+                size_px: 3.0,
+                ..PointStyle::default()
+            },
             backdrop: Backdrop {
                 background: Background::solid(BACKGROUND),
                 ..Backdrop::default()

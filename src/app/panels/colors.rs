@@ -1,14 +1,16 @@
 //! What colours show: the source, of those that are there, and how its numbers become colours.
 
 use super::settings::{choice, heading, note_below, row, rows};
+use super::style::word;
 use crate::analysis::{ColorMap, ColorScale};
 use crate::app::widgets::ramp::{handles_ui, ramp_ui};
 use crate::app::{PanelId, State};
 use crate::cloud::Frame;
-use crate::scene::{Legend, field_title};
+use crate::scene::describe::{Described, Word};
+use crate::scene::{Legend, coloring, field_title};
 use crate::sequence::{
-    ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint, PaintValues,
-    PreparedFrame, plain_field_name, value_kind,
+    ColorRange, ColorSource, Coloring, FieldName, HeightAxis, Paint, PaintValues, PreparedFrame,
+    plain_field_name, value_kind,
 };
 use egui::{Checkbox, DragValue, Ui};
 use std::sync::Arc;
@@ -60,87 +62,14 @@ pub(super) fn colors_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// All that a frame can be coloured by: what it does not have is not listed.
 fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame>>) {
     let frame = shown.map(|shown| &*shown.frame);
     let named = fields(frame);
-    let mut sources: Vec<(&str, ColorSource, &str)> = vec![(
-        "Automatic",
-        ColorSource::Auto,
-        "The file's colours if they differ, else its intensity, its classes, the height of a scanned scene or the \
-         normal",
-    )];
-    let has_colors = frame.is_none_or(|frame| frame.colors().is_some());
-    if has_colors || coloring.source == ColorSource::File {
-        sources.push((
-            "From the file",
-            ColorSource::File,
-            "Red, green and blue of the file",
-        ));
-    }
-    if frame.is_none() || coloring.source == ColorSource::Scalar(None) {
-        sources.push((
-            "Scalar",
-            ColorSource::Scalar(None),
-            "Intensity or another scalar of the file through a colour map",
-        ));
-    }
-    let tooltip = "A scalar field of the file through a colour map";
-    sources.extend(
-        named
-            .iter()
-            .map(|(title, name)| (title.as_str(), ColorSource::Scalar(Some(*name)), tooltip)),
-    );
-    let axis = match coloring.source {
-        ColorSource::Height(axis) => axis,
-        _ => HeightAxis::Auto,
-    };
-    let from = match coloring.source {
-        ColorSource::Distance(from) => from,
-        _ => DistanceFrom::Sensor,
-    };
-    sources.extend([
-        (
-            "Height",
-            ColorSource::Height(axis),
-            "How high a point is, through a colour map",
-        ),
-        (
-            "Normal",
-            ColorSource::Normal,
-            "The direction of the normal as a colour (the paper's fake colour)",
-        ),
-        (
-            "Distance",
-            ColorSource::Distance(from),
-            "How far a point is from the sensor, or from the origin of the file where it names none, through a colour \
-             map",
-        ),
-    ]);
-    let has = |source| frame.is_none_or(|frame| ColorSource::is_of(source, frame));
-    if has(ColorSource::Time) || coloring.source == ColorSource::Time {
-        sources.push((
-            "Time",
-            ColorSource::Time,
-            "When a point was measured, through a colour map",
-        ));
-    }
-    if has(ColorSource::Class) || coloring.source == ColorSource::Class {
-        sources.push((
-            "Class",
-            ColorSource::Class,
-            "What a point is: the standard classes of LAS in their usual colours",
-        ));
-    }
-    sources.push((
-        "One colour",
-        ColorSource::Uniform,
-        "The same for all points",
-    ));
+    let sources = sources(coloring.source, frame, &named);
     choice(
         ui,
-        "Colours",
-        "Where the colours of points come from",
+        coloring::COLORS.title,
+        coloring::COLORS.hint,
         &mut coloring.source,
         &sources,
     );
@@ -149,6 +78,42 @@ fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame
     {
         note_below(ui, &found(shown.paint()));
     }
+}
+
+/// All that a frame can be coloured by: what it does not have is not listed, unless it is chosen. Axis and place of the
+/// chosen source stay as they are.
+fn sources<'a>(
+    chosen: ColorSource,
+    frame: Option<&Frame>,
+    named: &'a [(String, FieldName)],
+) -> Vec<(&'a str, ColorSource, &'a str)> {
+    let tooltip = "A scalar field of the file through a colour map";
+    let fields = named
+        .iter()
+        .map(|(title, name)| (title.as_str(), ColorSource::Scalar(Some(*name)), tooltip));
+    let mut listed = Vec::new();
+    for (source, word) in ColorSource::ALL.into_iter().zip(coloring::SOURCES.list) {
+        let is_there = match source {
+            ColorSource::File => frame.is_none_or(|frame| frame.colors().is_some()),
+            // A frame has its fields by their names.
+            ColorSource::Scalar(_) => frame.is_none(),
+            ColorSource::Time | ColorSource::Class => frame.is_none_or(|frame| source.is_of(frame)),
+            _ => true,
+        };
+        let is_detailed = matches!(source, ColorSource::Height(_) | ColorSource::Distance(_));
+        let source = if is_detailed && source.name() == chosen.name() {
+            chosen
+        } else {
+            source
+        };
+        if is_there || source == chosen {
+            listed.push((word.title, source, word.hint));
+        }
+        if matches!(source, ColorSource::Scalar(_)) {
+            listed.extend(fields.clone());
+        }
+    }
+    listed
 }
 
 /// The fields of a frame with their titles.
@@ -160,17 +125,9 @@ fn fields(frame: Option<&Frame>) -> Vec<(String, FieldName)> {
         .collect();
     // Titles are told apart by what they were made from.
     let is_twice = |title: &str, all: &[(String, FieldName)]| {
-        let taken = [
-            "Automatic",
-            "From the file",
-            "Height",
-            "Normal",
-            "Distance",
-            "Time",
-            "Class",
-            "One colour",
-        ];
-        taken.contains(&title) || all.iter().filter(|(other, _)| other == title).count() > 1
+        let is_taken = |word: &Word| word.title == title && word.word != "scalar";
+        let of_sources = coloring::SOURCES.list.iter().any(is_taken);
+        of_sources || all.iter().filter(|(other, _)| other == title).count() > 1
     };
     let all = named.clone();
     for (title, name) in &mut named {
@@ -220,45 +177,17 @@ fn height_axis(ui: &mut Ui, coloring: &mut Coloring) {
 }
 
 fn one_color(ui: &mut Ui, coloring: &mut Coloring) {
-    let tooltip = "The colour of all points";
-    let label = ui.label("Point colour").on_hover_text(tooltip);
+    let Described { title, hint, .. } = coloring::ONE_COLOR;
+    let label = ui.label(title).on_hover_text(hint);
     ui.color_edit_button_srgb(&mut coloring.one_color)
         .labelled_by(label.id)
-        .on_hover_text(tooltip);
+        .on_hover_text(hint);
     ui.end_row();
 }
 
 fn map(ui: &mut Ui, coloring: &mut Coloring) {
-    let maps = ColorMap::ALL.map(|map| match map {
-        ColorMap::Viridis => (
-            "Viridis",
-            map,
-            "Dark violet to yellow, evenly lighter, also for the colour-blind",
-        ),
-        ColorMap::Turbo => (
-            "Turbo",
-            map,
-            "Blue over green to red: many colours, so that details are told apart",
-        ),
-        ColorMap::Magma => (
-            "Magma",
-            map,
-            "Black over purple to pale yellow, evenly lighter",
-        ),
-        ColorMap::Grey => ("Grey", map, "Black to white"),
-        ColorMap::Diverging => (
-            "Diverging",
-            map,
-            "Blue over grey to red: for values on both sides of a middle",
-        ),
-    });
-    choice(
-        ui,
-        "Colour map",
-        "How numbers become colours",
-        &mut coloring.map,
-        &maps,
-    );
+    let texts = (coloring::MAP.title, coloring::MAP.hint);
+    word(ui, texts, &mut coloring.map, &ColorMap::ALL, coloring::MAPS);
 }
 
 /// Whether a range is of percentiles or of numbers.
@@ -291,8 +220,8 @@ fn range(
         let mut kind = before;
         choice(
             ui,
-            "Colour range",
-            "Which values have the first and the last colour. What is beyond has the colour of the nearer end",
+            coloring::RANGE.title,
+            coloring::RANGE.hint,
             &mut kind,
             &[
                 (
@@ -313,8 +242,8 @@ fn range(
         ends(ui, &mut coloring.range, scale);
         row(
             ui,
-            "Logarithm",
-            "Equal steps of colour are equal factors; evenly where no value is above zero",
+            coloring::LOGARITHM.title,
+            coloring::LOGARITHM.hint,
             Checkbox::new(&mut coloring.is_logarithmic, "On"),
         );
     });

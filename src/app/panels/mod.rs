@@ -3,7 +3,6 @@
 mod bound;
 mod clip;
 mod colors;
-mod footprints;
 mod help;
 mod legend;
 mod marks;
@@ -15,12 +14,11 @@ mod quality;
 mod question;
 mod scale_bar;
 mod settings;
-mod shading;
 mod statistics;
+mod style;
 mod table;
 mod time;
 mod viewport;
-mod voxels;
 
 use super::State;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, ThemePreference, Ui};

@@ -1,13 +1,15 @@
 //! The file of preferences: what is kept, and what becomes of what cannot be read.
 
 use super::*;
+use crate::analysis::ColorMap;
 use crate::levels::Lod;
+use crate::levels::octree::StopCriterion;
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, EyeDome, Footprint, LevelStyle, LightStyle,
-    Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, Primitive, RendererChoice, Splatting,
-    Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive,
+    RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
-use crate::sequence::{ColorHints, ColorSource, Coloring};
+use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
 use std::fs;
 
@@ -16,17 +18,17 @@ fn unusual() -> Preferences {
     Preferences {
         settings: Style {
             primitive: Primitive::Voxel,
-            renderer: RendererChoice::Cpu,
-            strategy: Strategy::Compute,
             colors: Coloring::of(ColorSource::Scalar(None)),
-            resolution: 0.5,
             surfels: SurfelStyle {
                 splatting: Splatting::NoDepth,
                 splat_scale: 1.25,
                 enlargement: 3.5,
                 back_faces: BackFaces::Drawn,
             },
-            points: PointStyle { size_px: 7.0 },
+            points: PointStyle {
+                size_px: 7.0,
+                shape: PointShape::Disk,
+            },
             voxels: VoxelStyle {
                 light: VoxelLight::Faces,
             },
@@ -57,6 +59,11 @@ fn unusual() -> Preferences {
                 color_hints: ColorHints::NONE,
                 clip: None,
             },
+            drawing: DrawingStyle {
+                renderer: RendererChoice::Cpu,
+                strategy: Strategy::Compute,
+                resolution: 0.5,
+            },
         },
         present: PresentChoice::Cpu,
         loop_mode: LoopMode::PingPong,
@@ -73,43 +80,9 @@ fn unusual() -> Preferences {
     }
 }
 
-/// The file of version 6 of a program that had no [`PresentChoice`], no [`VoxelLight`], no eye-dome lighting, no grid
-/// and no scale bar; nothing in it is by default.
-const OF_VERSION_6: &str = r##"{
-  "version": 6,
-  "primitive": "voxel",
-  "renderer": "cpu",
-  "splatting": "no-depth",
-  "strategy": "compute",
-  "splat_scale": 1.25,
-  "enlargement": 3.5,
-  "cull_back_faces": false,
-  "lighting": "vertex",
-  "background": "#0102fa-#0010ff",
-  "colors": "scalar",
-  "point_size_px": 7.0,
-  "stop": {
-    "loss": 0.31
-  },
-  "lod": {
-    "threshold_px": 2.5
-  },
-  "surfel_lod": true,
-  "resolution": 0.5,
-  "footprint": "masks",
-  "normal_bits": "15",
-  "offset_bits": "2",
-  "loop_mode": "ping-pong",
-  "speed": 0.25,
-  "settings_panel": false,
-  "statistics_panel": true,
-  "thumbnails": false,
-  "theme": "light",
-  "window_size": [
-    900.0,
-    700.0
-  ]
-}"##;
+/// As the first program of version 6 wrote it, which had no [`PresentChoice`], no [`VoxelLight`], no eye-dome lighting,
+/// no grid and no scale bar; nothing in it is by default.
+const OF_VERSION_6: &str = include_str!("versions/6.json");
 
 /// What [`OF_VERSION_6`] says.
 fn of_version_6() -> Preferences {
@@ -127,6 +100,10 @@ fn of_version_6() -> Preferences {
             backdrop: Backdrop {
                 grid: false,
                 ..unusual.settings.backdrop
+            },
+            points: PointStyle {
+                shape: PointShape::Square,
+                ..unusual.settings.points
             },
             ..unusual.settings
         },
@@ -185,9 +162,65 @@ fn all_choices_survive() {
     }
 }
 
+/// What the files in `versions` say: one of each version, as its first program wrote it when nothing was by default,
+/// and one of the last program whose settings had no groups. Each lacks what later ones have.
+fn of_versions() -> [(&'static str, Preferences); 7] {
+    let usual = Preferences::default();
+    let last = Preferences {
+        settings: Style {
+            surfels: SurfelStyle {
+                back_faces: BackFaces::Darker,
+                ..unusual().settings.surfels
+            },
+            colors: Coloring {
+                source: ColorSource::Scalar(Some(FieldName::new("intensity"))),
+                map: ColorMap::Turbo,
+                range: ColorRange::Fixed {
+                    low: 3.0,
+                    high: 7.0,
+                },
+                is_logarithmic: true,
+                one_color: [9, 8, 7],
+            },
+            points: of_version_6().settings.points,
+            ..unusual().settings
+        },
+        ..unusual()
+    };
+    let sixth = of_version_6();
+    let mut fifth = sixth;
+    fifth.thumbnails = usual.thumbnails;
+    fifth.theme = usual.theme;
+    let mut fourth = fifth;
+    fourth.settings.drawing.resolution = usual.settings.drawing.resolution;
+    fourth.settings.codes = usual.settings.codes;
+    let mut third = fourth;
+    third.settings.drawing.renderer = usual.settings.drawing.renderer;
+    let mut second = third;
+    second.settings.levels.surfel_lod = usual.settings.levels.surfel_lod;
+    // What it called `delta` and `lod_px` no later version has read.
+    let mut first = second;
+    first.settings.levels = usual.settings.levels;
+    [
+        (include_str!("versions/1.json"), first),
+        (include_str!("versions/2.json"), second),
+        (include_str!("versions/3.json"), third),
+        (include_str!("versions/4.json"), fourth),
+        (include_str!("versions/5.json"), fifth),
+        (OF_VERSION_6, sixth),
+        (include_str!("versions/6-ungrouped.json"), last),
+    ]
+}
+
 #[test]
-fn files_of_version_6_are_read_as_they_were_meant() {
-    assert_eq!(of_text(OF_VERSION_6), (of_version_6(), true));
+fn files_of_every_version_are_read_as_they_were_meant() {
+    for (text, expected) in of_versions() {
+        assert_eq!(of_text(text), (expected, true), "{text}");
+    }
+}
+
+#[test]
+fn every_name_of_version_6_is_still_one() {
     let mut stored: Fields = serde_json::from_str(OF_VERSION_6).unwrap();
     let written = serde_json::to_value(unusual()).unwrap();
     stored.remove("version");
@@ -214,12 +247,10 @@ proptest! {
         let [splat_scale, enlargement, point_size_px, size] = sizes;
         let lod = if is_time { Lod::FrameTimeMs(size) } else { Lod::ThresholdPx(size) };
         let stop = StopCriterion::Depth(depth);
-        preferences.settings = Style {
-            surfels: SurfelStyle { splat_scale, enlargement, ..preferences.settings.surfels },
-            points: PointStyle { size_px: point_size_px },
-            levels: LevelStyle { stop, lod, ..preferences.settings.levels },
-            ..preferences.settings
-        };
+        let style = &mut preferences.settings;
+        style.surfels = SurfelStyle { splat_scale, enlargement, ..style.surfels };
+        style.points.size_px = point_size_px;
+        style.levels = LevelStyle { stop, lod, ..style.levels };
         let offered = preferences.offered();
         prop_assert_eq!(again(offered), (offered, true));
         prop_assert_eq!(offered.offered(), offered);

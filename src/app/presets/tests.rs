@@ -3,9 +3,9 @@
 use super::*;
 use crate::levels::Lod;
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, EyeDome, Footprint, LevelStyle, LightStyle,
-    Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, RendererChoice, Splatting, Strategy,
-    SurfelStyle, VoxelLight, VoxelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, RendererChoice,
+    Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorSource, Coloring};
 
@@ -49,17 +49,17 @@ const OF_VERSION_1: &str = r#"{
 fn of_version_1() -> Style {
     Style {
         primitive: Primitive::Voxel,
-        renderer: RendererChoice::Cpu,
-        strategy: Strategy::Compute,
         colors: Coloring::of(ColorSource::Scalar(None)),
-        resolution: 0.5,
         surfels: SurfelStyle {
             splatting: Splatting::NoDepth,
             splat_scale: 1.25,
             enlargement: 3.5,
             back_faces: BackFaces::Drawn,
         },
-        points: PointStyle { size_px: 7.0 },
+        points: PointStyle {
+            size_px: 7.0,
+            ..PointStyle::default()
+        },
         voxels: VoxelStyle {
             // The file is older than the choice.
             light: VoxelLight::Normals,
@@ -90,6 +90,11 @@ fn of_version_1() -> Style {
             ground_box: None,
             color_hints: ColorHints::default(),
             clip: None,
+        },
+        drawing: DrawingStyle {
+            renderer: RendererChoice::Cpu,
+            strategy: Strategy::Compute,
+            resolution: 0.5,
         },
     }
 }
@@ -227,6 +232,6 @@ fn lists_by_hand_are_put_in_order() {
 #[test]
 fn what_is_built_in_is_offered() {
     for (name, _, settings) in built_in() {
-        assert_eq!(offered_settings(settings), settings, "{name}");
+        assert_eq!(settings.nearest(), settings, "{name}");
     }
 }

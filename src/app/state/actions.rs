@@ -1,7 +1,6 @@
 //! What keys, menus, dialogs and tasks do to the state.
 
 use super::dialogs::DialogKind;
-use super::ranges::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 use super::steering::steer;
 use super::{State, WindowRequest};
 use crate::app::command::{self, Command};
@@ -15,7 +14,8 @@ use crate::app::open_panels::PanelId;
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
 use crate::playback::Player;
-use crate::scene::{Primitive, Style};
+use crate::scene::describe::Value;
+use crate::scene::{PointStyle, Primitive, Style, SurfelStyle};
 use crate::sequence::Sequence;
 use crate::timeline::PlayRange;
 use std::sync::Arc;
@@ -188,11 +188,10 @@ impl State {
 
     /// How an export draws: as the window does, but at full resolution.
     pub(in crate::app) fn settings_of_export(&self) -> Style {
-        Style {
-            resolution: 1.0,
-            renderer: self.main.renderer(self.settings.renderer),
-            ..self.drawn_settings()
-        }
+        let mut style = self.drawn_settings();
+        style.drawing.resolution = 1.0;
+        style.drawing.renderer = self.main.renderer(self.settings.drawing.renderer);
+        style
     }
 
     /// Draws as `way` from now on.
@@ -201,13 +200,16 @@ impl State {
     }
 
     fn scale_size(&mut self, factor: f32) {
-        let (size, range) = match self.drawn_settings().primitive {
-            Primitive::Point => (&mut self.settings.points.size_px, POINT_SIZE_RANGE_PX),
-            Primitive::Auto | Primitive::Surfel | Primitive::Voxel => {
-                (&mut self.settings.surfels.splat_scale, SPLAT_SCALE_RANGE)
-            }
+        let scaled = match self.drawn_settings().primitive {
+            Primitive::Point => &PointStyle::SIZE_PX,
+            Primitive::Auto | Primitive::Surfel | Primitive::Voxel => &SurfelStyle::SPLAT_SCALE,
         };
-        *size = (*size * factor).clamp(*range.start(), *range.end());
+        self.settings.edit(&mut |described, value| match value {
+            Value::Number(size) if described.key == scaled.key => {
+                described.nearest(Value::Number(size * f64::from(factor)))
+            }
+            _ => value,
+        });
     }
 
     /// Takes the keys out of egui's input and does what they ask for. Call before the panels.
@@ -265,7 +267,7 @@ impl State {
     /// From now on the processor draws in place of the graphics card whose device was lost, until a person chooses who
     /// draws.
     pub(in crate::app) fn draw_without_gpu(&mut self) {
-        self.main.without_gpu = Some(self.settings.renderer);
+        self.main.without_gpu = Some(self.settings.drawing.renderer);
         self.forget_picture();
     }
 }

@@ -29,7 +29,7 @@ impl State {
     }
 
     pub(super) fn resolved(&self, settings: &Style) -> Style {
-        let choice = self.main.renderer(settings.renderer);
+        let choice = self.main.renderer(settings.drawing.renderer);
         let is_processor = choice.is_processor(self.graphics.is_software);
         self.first_look()
             .map_or(*settings, |look| settings.resolved(look))

@@ -17,7 +17,6 @@ mod options;
 mod outcome;
 mod parts;
 mod pictures;
-mod ranges;
 mod reading;
 mod steering;
 mod timeline;
@@ -26,7 +25,6 @@ pub use dialogs::{DialogAnswer, DialogKind};
 pub use options::StateOptions;
 pub use outcome::{Found, Outcome};
 pub use parts::{Change, Counters, GraphicsInfo, Viewport, WindowRequest};
-pub(in crate::app) use ranges::{POINT_SIZE_RANGE_PX, SPLAT_SCALE_RANGE};
 pub(in crate::app) use reading::PictureStage;
 
 use dialogs::Dialogs;

@@ -48,7 +48,7 @@ impl State {
             pose: Arc::clone(made.map_or(pose, ComposedFrame::pose)),
             origin,
         };
-        self.main.note_choice(self.settings.renderer);
+        self.main.note_choice(self.settings.drawing.renderer);
         let settings = self.drawn_settings();
         let size_px = self.viewport.size_px;
         let packet =

@@ -15,7 +15,7 @@ use super::meter::{GpuWork, Redraw};
 use super::state::{PictureStage, State};
 use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::playback::Player;
-use crate::scene::{Primitive, RendererChoice, Style};
+use crate::scene::{DrawingStyle, Primitive, RendererChoice, Style};
 use egui::Event;
 use std::collections::VecDeque;
 use std::fs::File;
@@ -208,7 +208,10 @@ impl Trial {
         let input = &self.inputs[step.input];
         state.ask_for_primitive(step.primitive);
         state.settings = Style {
-            renderer: self.renderer,
+            drawing: DrawingStyle {
+                renderer: self.renderer,
+                ..DrawingStyle::default()
+            },
             ..Style::default()
         };
         let is_opened = step.action == Action::Open;

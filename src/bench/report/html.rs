@@ -49,7 +49,7 @@ fn point_data(point: &LabPoint, details: &[Value]) -> Value {
     json!({
         "sequence": point.sequence,
         "label": point.label,
-        "renderer": point.settings.renderer.name(),
+        "renderer": point.settings.drawing.renderer.name(),
         "primitive": point.settings.primitive.name(),
         "ms": point.draw_ms,
         "flip": point.flip,

@@ -12,7 +12,7 @@ use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, Suite};
 use crate::bench::{BenchError, Quantiles};
-use crate::scene::{Scene, ScenePacket, Strategy, Style};
+use crate::scene::{DrawingStyle, Scene, ScenePacket, Strategy, Style};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -193,7 +193,10 @@ fn measure_way(
         .iter()
         .map(|packet| ScenePacket {
             settings: Style {
-                strategy: way.unwrap_or(packet.settings.strategy),
+                drawing: DrawingStyle {
+                    strategy: way.unwrap_or(packet.settings.drawing.strategy),
+                    ..packet.settings.drawing
+                },
                 ..packet.settings
             },
             ..packet.clone()

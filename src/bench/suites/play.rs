@@ -243,7 +243,7 @@ impl<'a> Screen<'a> {
         settings: &'a Style,
     ) -> Result<Self, BenchError> {
         Ok(Self {
-            renderer: AnyRenderer::open(settings.renderer)?,
+            renderer: AnyRenderer::open(settings.drawing.renderer)?,
             scene: Scene::that_remembers(),
             camera: None,
             settings,

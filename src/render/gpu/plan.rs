@@ -51,7 +51,7 @@ impl<'a> Plan<'a> {
             drawable,
             background: (background.top != background.bottom).then_some(&BACKGROUND),
             finish: [first, second, grid].into_iter().flatten().collect(),
-            strategy: packet.settings.strategy,
+            strategy: packet.settings.drawing.strategy,
         }
     }
 

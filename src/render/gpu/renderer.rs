@@ -66,7 +66,7 @@ impl GpuRenderer {
                     }),
                 }],
             });
-        let strategy = crate::scene::Style::default().strategy;
+        let strategy = crate::scene::Style::default().drawing.strategy;
         Ok(Self {
             instancing: instancing::new(strategy, &context, &pipelines.view_layout),
             residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
@@ -262,10 +262,10 @@ impl Renderer for GpuRenderer {
         let start = Instant::now();
         self.prepared = None;
         self.ensure_targets(packet.viewport_px)?;
-        if self.instancing.strategy() != packet.settings.strategy {
+        if self.instancing.strategy() != packet.settings.drawing.strategy {
             self.residency.clear();
             self.instancing = instancing::new(
-                packet.settings.strategy,
+                packet.settings.drawing.strategy,
                 &self.context,
                 &self.pipelines.view_layout,
             );

@@ -1,10 +1,11 @@
 //! Which point of the cloud is under a pixel, exactly as it is drawn.
 //!
 //! **How it works.** The ray through the middle of the pixel is held against the records of the packet that the picture
-//! was drawn from, in f64, by the rules of the renderers: a point where its square covers the pixel, a surfel where the
-//! ray meets its disk, a voxel where it meets its cube. Records stand in Morton order, so the boxes around 64 of them
-//! are small, and all but a few are passed by (`ray.rs`). Of blended surfels the one that adds most to the pixel is
-//! picked. Where nothing covers the pixel, what is nearest to it within a radius is: thin things can be clicked on.
+//! was drawn from, in f64, by the rules of the renderers: a point where its square or disk covers the pixel, a surfel
+//! where the ray meets its disk, a voxel where it meets its cube. Records stand in Morton order, so the boxes around 64
+//! of them are small, and all but a few are passed by (`ray.rs`). Of blended surfels the one that adds most to the
+//! pixel is picked. Where nothing covers the pixel, what is nearest to it within a radius is: thin things can be
+//! clicked on.
 //!
 //! **Why on the processor.** It costs one read of the positions (`benches/pick.rs`), does not depend on who draws, and
 //! answers at once: a buffer of indices would be one more target for every pass, cannot hold what is blended, and has
@@ -22,7 +23,7 @@ use codes::surfels_near;
 use glam::{DVec3, Vec3};
 use ray::Ray;
 use rayon::prelude::*;
-use records::{Cubes, Disks, Squares};
+use records::{Cubes, Disks, Sprites};
 use std::cmp::Ordering;
 use std::sync::Arc;
 
@@ -118,8 +119,8 @@ pub fn pick(
     match &packet.content {
         Content::Nothing => None,
         Content::Points(points) => {
-            let squares = Squares::new(points, packet.settings.points.size_px);
-            let chosen = ray.choose(&squares, radius_px)?;
+            let sprites = Sprites::new(points, packet.settings.points);
+            let chosen = ray.choose(&sprites, radius_px)?;
             slot_of(packet, frame, points, chosen.record)
         }
         Content::Surfels(surfels) => {

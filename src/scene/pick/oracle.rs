@@ -2,7 +2,7 @@
 
 use super::tests::SIZE;
 use crate::cloud::oct_decode;
-use crate::scene::ScenePacket;
+use crate::scene::{PointShape, ScenePacket};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
 /// From a place of the frame to clip space as the shaders' matrix does it, but in f64; and back to where rays go.
@@ -56,7 +56,12 @@ impl Oracle<'_> {
             let ndc = clip.truncate() / clip.w;
             let [width, height] = SIZE.map(f64::from);
             let px = DVec2::new(width * (0.5 + 0.5 * ndc.x), height * (0.5 - 0.5 * ndc.y));
-            let covers = (px - self.px).abs().max_element() <= half_px;
+            let aside = px - self.px;
+            let is_near = |reach_px: f64| aside.abs().max_element() <= reach_px;
+            let covers = match self.packet.settings.points.shape {
+                PointShape::Square => is_near(half_px),
+                PointShape::Disk => aside.length_squared() <= half_px * half_px || is_near(0.5),
+            };
             if clip.w > 0.0
                 && ndc.z <= 1.0
                 && covers

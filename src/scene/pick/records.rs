@@ -2,25 +2,27 @@
 
 use super::ray::{Drawn, Met, Ray};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
-use crate::scene::{Style, Surfels, Voxels};
+use crate::scene::{PointShape, PointStyle, Style, Surfels, Voxels};
 use glam::{DVec3, Vec3};
 
-/// Points as squares of pixels.
-pub(super) struct Squares<'a> {
+/// Points as squares or disks of pixels.
+pub(super) struct Sprites<'a> {
     points: &'a [PointRecord],
     half_px: f64,
+    shape: PointShape,
 }
 
-impl<'a> Squares<'a> {
-    pub(super) fn new(points: &'a [PointRecord], size_px: f32) -> Self {
+impl<'a> Sprites<'a> {
+    pub(super) fn new(points: &'a [PointRecord], style: PointStyle) -> Self {
         Self {
             points,
-            half_px: 0.5 * f64::from(size_px.max(1.0)),
+            half_px: 0.5 * f64::from(style.size_px.max(1.0)),
+            shape: style.shape,
         }
     }
 }
 
-impl Drawn for Squares<'_> {
+impl Drawn for Sprites<'_> {
     fn len(&self) -> usize {
         self.points.len()
     }
@@ -43,7 +45,12 @@ impl Drawn for Squares<'_> {
 
     fn meet(&self, ray: &Ray, _: usize, offset: DVec3) -> Option<Met> {
         let (depth, aside_px) = ray.project(offset)?;
-        let covers = aside_px.abs().max_element() <= self.half_px;
+        let aside_most_px = aside_px.abs().max_element();
+        let covers = match self.shape {
+            PointShape::Square => aside_most_px <= self.half_px,
+            // And the pixel that the point is in.
+            PointShape::Disk => aside_px.length() <= self.half_px || aside_most_px <= 0.5,
+        };
         covers.then_some(Met {
             depth,
             slack: 0.0,

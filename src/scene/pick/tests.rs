@@ -5,7 +5,8 @@ use super::*;
 use crate::cloud::{Frame, Positions, RawCloud, ScalarField};
 use crate::levels::{LevelsKey, LevelsKind, LevelsSet};
 use crate::scene::{
-    BackFaces, Camera, PointStyle, Primitive, Projection, Scene, Style, SurfelStyle, UpAxis,
+    BackFaces, Camera, PointShape, PointStyle, Primitive, Projection, Scene, Style, SurfelStyle,
+    UpAxis,
 };
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
@@ -88,6 +89,7 @@ proptest! {
         azimuth_deg in -180f64..180.0,
         px in (0..SIZE[0], 0..SIZE[1]),
         size_px in 1f32..9.0,
+        is_round: bool,
         is_far: bool,
         culled: bool,
     ) {
@@ -96,11 +98,12 @@ proptest! {
         let camera = camera(distance, azimuth_deg, origin);
         let place_px = [f64::from(px.0) + 0.3, f64::from(px.1) + 0.9];
         let back_faces = if culled { BackFaces::Culled } else { BackFaces::Drawn };
+        let shape = if is_round { PointShape::Disk } else { PointShape::Square };
         for &primitive in Primitive::ALL {
             let settings = Style {
                 primitive,
                 surfels: SurfelStyle { back_faces, ..SurfelStyle::default() },
-                points: PointStyle { size_px },
+                points: PointStyle { size_px, shape },
                 ..Style::default()
             };
             let packet = packet_of(&frame, origin, &camera, &settings);

@@ -1,13 +1,29 @@
 //! What is shown beside the cloud.
 
 use super::background::Background;
+use super::describe::{Section, Values, group};
 
-/// What is shown beside the cloud.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct Backdrop {
-    /// What is behind it.
-    pub background: Background,
-    /// Whether lines show the ground.
-    pub grid: bool,
+group! {
+    /// What is shown beside the cloud.
+    Backdrop {
+        /// What is behind it.
+        background: Background = Background::default(), "background" BACKGROUND {
+            // The option takes what no style has: `transparent`.
+            value_name: "COLOR",
+            help: "dusk, black, gray, white, sky, transparent (in files), #rrggbb or #rrggbb-#rrggbb",
+            title: "Preset",
+            hint: "What is behind the cloud",
+            section: Section::Background,
+            values: Values::Background,
+        }
+        /// Whether lines show the ground.
+        grid: bool = false, "grid" GRID {
+            flag: "grid",
+            help: "Draw lines on the ground",
+            title: "Ground",
+            hint: "Lines on the plane below the cloud; a cell is a power of ten wide (G)",
+            section: Section::Background,
+            values: Values::Switch("Grid"),
+        }
+    }
 }

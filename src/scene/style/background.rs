@@ -1,6 +1,6 @@
 //! What is behind the cloud.
 
-use super::choices::ParseChoiceError;
+use super::parse_error::ParseChoiceError;
 use std::str::FromStr;
 
 /// What is behind the cloud: a vertical gradient between two colours, or one colour when they are equal.
@@ -14,20 +14,22 @@ pub struct Background {
 }
 
 impl Background {
-    /// Names and values of the presets.
-    pub const PRESETS: &'static [(&'static str, Self)] = &[
+    /// Words, titles and values of the presets.
+    pub const PRESETS: &'static [(&'static str, &'static str, Self)] = &[
         (
             "dusk",
+            "Dusk",
             Self {
                 top: [44, 52, 66],
                 bottom: [17, 20, 26],
             },
         ),
-        ("black", Self::solid([0, 0, 0])),
-        ("gray", Self::solid([119, 119, 119])),
-        ("white", Self::solid([255, 255, 255])),
+        ("black", "Black", Self::solid([0, 0, 0])),
+        ("gray", "Gray", Self::solid([119, 119, 119])),
+        ("white", "White", Self::solid([255, 255, 255])),
         (
             "sky",
+            "Sky",
             Self {
                 top: [120, 165, 214],
                 bottom: [235, 240, 245],
@@ -76,7 +78,7 @@ impl TryFrom<StoredBackground> for Background {
 
 impl Default for Background {
     fn default() -> Self {
-        Self::PRESETS[0].1
+        Self::PRESETS[0].2
     }
 }
 
@@ -87,8 +89,8 @@ impl FromStr for Background {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let preset = Self::PRESETS
             .iter()
-            .find(|(name, _)| *name == text)
-            .map(|&(_, preset)| preset);
+            .find(|(word, ..)| *word == text)
+            .map(|&(.., preset)| preset);
         let parsed = preset.or_else(|| match text.split_once('-') {
             Some((top, bottom)) => Some(Self {
                 top: parse_hex(top)?,
@@ -97,7 +99,7 @@ impl FromStr for Background {
             None => parse_hex(text).map(Self::solid),
         });
         parsed.ok_or_else(|| {
-            let presets = Self::PRESETS.iter().map(|(name, _)| *name);
+            let presets = Self::PRESETS.iter().map(|(word, ..)| *word);
             ParseChoiceError::new(
                 "background",
                 text,

@@ -1,19 +1,43 @@
 //! Enums whose variants have words, which stand on the command line and in files.
 
-/// Writes an enum of unit variants once: its list, its names and how a name is read back, also in files.
+/// Writes an enum of unit variants once: its list, its words, titles and hints, and how a word is read back, also in
+/// files.
 macro_rules! choices {
-    ($(#[$doc:meta])* $name:ident, $what:literal { $($(#[$variant_doc:meta])* $variant:ident = $text:literal,)+ }) => {
+    (
+        $(#[$doc:meta])* $name:ident, $what:literal {
+            $($(#[$variant_doc:meta])* $variant:ident = $word:literal, $title:literal, $hint:literal;)+
+        }
+    ) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-        pub enum $name { $($(#[$variant_doc])* $variant,)+ }
+        pub enum $name { $(#[doc = concat!($hint, ".")] $(#[$variant_doc])* $variant,)+ }
 
         impl $name {
             /// Every choice, in the order the window lists them.
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
 
+            /// What each is called, in the same order.
+            pub const WORDS: &'static $crate::scene::describe::Words = &$crate::scene::describe::Words {
+                what: $what,
+                list: &[$($crate::scene::describe::Word { word: $word, title: $title, hint: $hint }),+],
+            };
+
             /// The word for it on the command line and in reports.
             pub fn name(self) -> &'static str {
-                match self { $(Self::$variant => $text),+ }
+                Self::WORDS.list[self as usize].word
+            }
+        }
+
+        impl $crate::scene::describe::Setting for $name {
+            fn value(&self) -> $crate::scene::describe::Value {
+                $crate::scene::describe::Value::Word(*self as usize)
+            }
+
+            fn from_value(value: $crate::scene::describe::Value) -> Option<Self> {
+                match value {
+                    $crate::scene::describe::Value::Word(place) => Self::ALL.get(place).copied(),
+                    _ => None,
+                }
             }
         }
 
@@ -40,34 +64,9 @@ macro_rules! choices {
             type Err = $crate::scene::ParseChoiceError;
 
             fn from_str(text: &str) -> Result<Self, Self::Err> {
-                Self::ALL.iter().copied().find(|choice| choice.name() == text).ok_or_else(|| {
-                    $crate::scene::ParseChoiceError::new($what, text, Self::ALL.iter().map(|choice| choice.name()))
-                })
+                Self::WORDS.place_of(text).map(|place| Self::ALL[place])
             }
         }
     };
 }
 pub(crate) use choices;
-
-/// A word that names no choice.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is no {what}: expected {expected}")]
-pub struct ParseChoiceError {
-    what: &'static str,
-    text: String,
-    expected: String,
-}
-
-impl ParseChoiceError {
-    pub(crate) fn new<'a>(
-        what: &'static str,
-        text: &str,
-        expected: impl Iterator<Item = &'a str>,
-    ) -> Self {
-        Self {
-            what,
-            text: text.to_owned(),
-            expected: expected.collect::<Vec<_>>().join(", "),
-        }
-    }
-}

@@ -1,29 +1,27 @@
 //! How surfels are drawn from byte codes of the octree.
 
 use super::choices::choices;
+use super::describe::{Label, Place, Section, Values, When, group};
 
 choices! {
     /// What the software renderer draws surfels from, and as what. Effective in the splatting modes that begin with a
     /// visibility pass; the GPU draws exact disks whatever it says.
     Footprint, "footprint" {
-        /// Exact disks, pixel by pixel, of the records of points.
-        Disks = "disks",
-        /// Masks worked out once for quantised normals, from the byte code of the octree (paper 001 §5.2).
-        Masks = "masks",
-        /// A pixel for each cell, from the byte code of the octree (paper 001 §4).
-        Pixels = "pixels",
+        Disks = "disks", "Exact disks", "Pixel by pixel, from the records of the points";
+        /// Masks are worked out once for quantised normals (paper 001 §5.2).
+        Masks = "masks", "Masks", "Looked up by normal, place and size, from the byte code of the octree";
+        /// Paper 001 §4.
+        Pixels = "pixels", "Pixels", "One for each cell, from the byte code of the octree";
     }
 }
 
 choices! {
     /// Bits of the normals that are drawn from byte codes (paper 001 §4.1).
     NormalBits, "number of bits of normals" {
-        /// 8192 directions, up to 2.3° off: the paper's.
-        Thirteen = "13",
-        /// 32,768 directions.
-        Fifteen = "15",
-        /// 131,072 directions.
-        Seventeen = "17",
+        /// Up to 2.3° off: the paper's.
+        Thirteen = "13", "13 bits", "8192 directions";
+        Fifteen = "15", "15 bits", "32,768 directions";
+        Seventeen = "17", "17 bits", "131,072 directions";
     }
 }
 
@@ -41,12 +39,11 @@ impl NormalBits {
 choices! {
     /// Bits of the offsets along normals with which byte codes are drawn (paper 001 §5.1).
     OffsetBits, "number of bits of offsets" {
-        /// Splats stand in the middles of cells: gaps at grazing angles.
-        None = "0",
+        None = "0", "None", "Splats stand in the middles of cells: gaps at grazing angles";
         /// The paper's.
-        Two = "2",
+        Two = "2", "2 bits", "A quarter of the cell's diagonal";
         /// All there are.
-        Three = "3",
+        Three = "3", "3 bits", "An eighth of the cell's diagonal";
     }
 }
 
@@ -61,24 +58,42 @@ impl OffsetBits {
     }
 }
 
-/// How surfels are drawn from byte codes of the octree.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct CodeStyle {
-    /// What the software renderer draws surfels from.
-    pub footprint: Footprint,
-    /// Precision of normals.
-    pub normal_bits: NormalBits,
-    /// Precision of offsets along normals.
-    pub offset_bits: OffsetBits,
-}
-
-impl Default for CodeStyle {
-    fn default() -> Self {
-        Self {
-            footprint: Footprint::Disks,
-            normal_bits: NormalBits::Thirteen,
-            offset_bits: OffsetBits::Three,
+group! {
+    /// How surfels are drawn from byte codes of the octree.
+    CodeStyle {
+        /// What the software renderer draws surfels from.
+        footprint: Footprint = Footprint::Disks, "footprint" FOOTPRINT {
+            flag: "footprint",
+            value_name: "FOOTPRINT",
+            help: "What the CPU draws surfels from (byte codes but for disks)",
+            title: "Footprint",
+            hint: "What the CPU renderer draws surfels from; the GPU draws exact disks",
+            section: Section::Footprints,
+            when: When::Surfels,
+            label: Label::Unusual(Place::What, "of {}"),
+            values: Values::Words(Footprint::WORDS),
+        }
+        /// Precision of normals.
+        normal_bits: NormalBits = NormalBits::Thirteen, "normal_bits" NORMAL_BITS {
+            flag: "normal-bits",
+            value_name: "BITS",
+            help: "Bits of the normals of byte codes",
+            title: "Normals",
+            hint: "Bits of a normal of the byte code; light is worked out once for each direction",
+            section: Section::Footprints,
+            when: When::CodedSurfels,
+            values: Values::Words(NormalBits::WORDS),
+        }
+        /// Precision of offsets along normals.
+        offset_bits: OffsetBits = OffsetBits::Three, "offset_bits" OFFSET_BITS {
+            flag: "offset-bits",
+            value_name: "BITS",
+            help: "Bits of the offsets along normals of byte codes",
+            title: "Offsets",
+            hint: "Bits of the way from the middle of a cell to the surface, along the normal",
+            section: Section::Footprints,
+            when: When::CodedSurfels,
+            values: Values::Words(OffsetBits::WORDS),
         }
     }
 }

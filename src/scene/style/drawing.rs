@@ -1,31 +1,27 @@
 //! What points become, and who draws them.
 
 use super::choices::choices;
+use super::describe::{Label, Numbers, Place, Typed, Unit, Values, When, group};
 
 choices! {
     /// What a point becomes on the screen.
     Primitive, "primitive" {
-        /// Surfels where the points sample a surface, else points; see [`super::FirstLook`]. Surfels where nobody has
-        /// looked.
-        Auto = "auto",
-        /// Oriented disks (paper 000 §V).
-        Surfel = "surfel",
-        /// Cubes of the octree's visible set (paper 000 §VI).
-        Voxel = "voxel",
-        /// Plain squares of a fixed size in pixels.
-        Point = "point",
+        /// See [`FirstLook`](crate::scene::FirstLook). Surfels where nobody has looked.
+        Auto = "auto", "Auto", "Surfels where the points sample a surface, else points";
+        /// Paper 000 §V.
+        Surfel = "surfel", "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap";
+        /// Paper 000 §VI.
+        Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs";
+        Point = "point", "Points", "Plain squares of a size in pixels: the fastest";
     }
 }
 
 choices! {
     /// Who draws.
     RendererChoice, "renderer" {
-        /// The GPU if there is a real one, else the processor.
-        Auto = "auto",
-        /// The adapter of the graphics library, be it a software one.
-        Gpu = "gpu",
-        /// The processor, without any driver.
-        Cpu = "cpu",
+        Auto = "auto", "Automatic", "The GPU if there is a real one, else the processor";
+        Gpu = "gpu", "GPU", "The adapter of the graphics library, be it a software one";
+        Cpu = "cpu", "CPU", "The processor, without instancing: what Instancing says has no effect";
     }
 }
 
@@ -43,15 +39,56 @@ impl RendererChoice {
 choices! {
     /// How instances reach the vertex stage (paper 000 §IV).
     Strategy, "instancing strategy" {
-        /// Records pulled from a storage buffer.
-        Storage = "storage",
-        /// Records in 64 KiB uniform buffers, one draw for each.
-        Uniform = "uniform",
-        /// Records as texels.
-        Texture = "texture",
-        /// Records as per-instance vertex attributes.
-        Vertex = "vertex",
-        /// A compute pass writes the quads: what the geometry shader did.
-        Compute = "compute",
+        Storage = "storage", "Storage buffer", "Records pulled from a storage buffer";
+        Uniform = "uniform", "Uniform buffers", "Records in 64 KiB uniform buffers, one draw for each";
+        Texture = "texture", "Texture", "Records fetched as texels";
+        Vertex = "vertex", "Vertex attributes", "Records as attributes stepped per instance";
+        /// What the geometry shader did.
+        Compute = "compute", "Compute", "A compute pass writes the quads and cubes; one indirect draw";
+    }
+}
+
+group! {
+    /// Who draws, and how many pixels.
+    DrawingStyle {
+        /// Who draws.
+        renderer: RendererChoice = RendererChoice::Auto, "renderer" RENDERER {
+            flag: "renderer",
+            value_name: "RENDERER",
+            help: "Who draws (auto: a real GPU, else the processor)",
+            title: "Renderer",
+            hint: "Who draws. Both draw the same picture",
+            label: Label::Always(Place::Who, "{title}"),
+            values: Values::Words(RendererChoice::WORDS),
+        }
+        /// How instances reach the GPU.
+        strategy: Strategy = Strategy::Storage, "strategy" STRATEGY {
+            flag: "instancing",
+            value_name: "STRATEGY",
+            help: "How instances reach the GPU",
+            title: "Instancing",
+            hint: "How instances reach the GPU's vertex stage. All strategies draw the same picture; their speed \
+                   differs",
+            label: Label::If(When::Gpu, Place::Who, "{}"),
+            values: Values::Words(Strategy::WORDS),
+        }
+        /// Edge of the picture that is drawn, as a share of the one that is shown: below 1 fewer pixels are drawn and
+        /// scaled up.
+        resolution: f32 = 1.0, "resolution" RESOLUTION {
+            flag: "resolution",
+            value_name: "SHARE",
+            help: "Draw a picture of this share of its edges, 0.25 to 1, and scale it up",
+            title: "Resolution",
+            hint: "Edge of the picture that is drawn, as a share of the one that is shown: at 50 % a quarter of the \
+                   pixels are drawn and scaled up",
+            label: Label::Unusual(Place::HowFine, "at {}"),
+            values: Values::Number(Numbers {
+                kept: [0.25, 1.0],
+                offered: [0.25, 1.0],
+                typed: Typed::Kept("a share from 0.25 to 1"),
+                unit: Unit::Share,
+                ..Numbers::USUAL
+            }),
+        }
     }
 }

@@ -1,17 +1,245 @@
 //! Levels of detail: how deep the octree goes, and which of its cells are drawn.
 
+use super::describe::{
+    Kind, KindNumber, Label, Numbers, Place, Section, Setting, Typed, Unit, Value, Values, When,
+    group,
+};
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
+use crate::math::morton;
 
-/// How deep the octree goes, and which of its cells are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct LevelStyle {
-    /// How deep the octree goes: as far as voxels are closed, or as is said; a loss δ is offered from 0 to 0.6.
-    pub stop: StopCriterion,
-    /// Which of its cells are drawn.
-    pub lod: Lod,
-    /// Surfels stand for cells of the octree, as [`LevelStyle::lod`] says, where they are small; else all points are
-    /// drawn.
-    pub surfel_lod: bool,
+const HEADING: &str = "Level of detail";
+
+const LEVELS: Numbers = Numbers {
+    kept: [0.0, morton::LEVELS as f32],
+    offered: [0.0, morton::LEVELS as f32],
+    typed: Typed::Whole,
+    ..Numbers::USUAL
+};
+
+const STOPS: &[Kind] = &[
+    Kind {
+        flag: "spacing",
+        help: "Divide the octree down to the spacing of the points: closed surfaces (usual)",
+        title: "By spacing",
+        hint: "Until voxels would be smaller than the spacing of the points in them: closed surfaces",
+        label: "by spacing",
+        number: None,
+    },
+    Kind {
+        flag: "delta",
+        help: "Divide it until this share of the points has no leaf of its own (paper: 0.05)",
+        title: "By loss",
+        hint: "Until few enough points share a voxel; all voxels have one size",
+        label: "δ {}",
+        number: Some(KindNumber {
+            value_name: "D",
+            title: "Loss δ",
+            hint: "The share of points that may share a voxel at the deepest level, percent",
+            // That of the paper.
+            usual: 0.05_f32 as f64,
+            numbers: Numbers {
+                kept: [0.0, 0.6],
+                offered: [0.0, 0.6],
+                typed: Typed::Kept("a number from 0 to 0.6, such as 0.05"),
+                unit: Unit::Percent,
+                decimals: 1,
+                ..Numbers::USUAL
+            },
+        }),
+    },
+    Kind {
+        flag: "depth",
+        help: "Divide the octree down to this level, 0 to 21",
+        title: "To a level",
+        hint: "Down to a level of the octree; all voxels have one size",
+        label: "to level {}",
+        number: Some(KindNumber {
+            value_name: "LEVEL",
+            title: "Leaf level",
+            hint: "Level of all leaves; an edge of the octree's cube is 2 to the power of it voxels long",
+            usual: 9.0,
+            numbers: LEVELS,
+        }),
+    },
+    Kind {
+        flag: "octant-points",
+        help: "Divide cells of the octree that hold more than so many points",
+        title: "By points",
+        hint: "While a cell holds more than so many points; voxels have several sizes",
+        label: "by {} points",
+        number: Some(KindNumber {
+            value_name: "N",
+            title: "Points a leaf",
+            hint: "Most points in a leaf of the octree",
+            usual: 8.0,
+            numbers: Numbers {
+                kept: [1.0, u32::MAX as f32],
+                offered: [1.0, 10_000.0],
+                typed: Typed::WholePositive,
+                is_logarithmic: true,
+                ..Numbers::USUAL
+            },
+        }),
+    },
+];
+
+impl Setting for StopCriterion {
+    fn value(&self) -> Value {
+        match *self {
+            Self::Spacing => Value::Kind(0, 0.0),
+            Self::Loss(delta) => Value::Kind(1, f64::from(delta)),
+            Self::Depth(depth) => Value::Kind(2, f64::from(depth)),
+            Self::PointsPerOctant(points) => Value::Kind(3, f64::from(points)),
+        }
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Kind(0, _) => Some(Self::Spacing),
+            Value::Kind(1, delta) => Some(Self::Loss(delta as f32)),
+            Value::Kind(2, depth) => Some(Self::Depth(depth as u32)),
+            Value::Kind(3, points) => Some(Self::PointsPerOctant(points as u32)),
+            _ => None,
+        }
+    }
+}
+
+const LODS: &[Kind] = &[
+    Kind {
+        flag: "lod",
+        help: "Draw octree cells below this many pixels as one (usually 1)",
+        title: "Pixel threshold",
+        hint: "Cells that are small on the screen are drawn as one voxel or surfel",
+        label: "τ {}",
+        number: Some(KindNumber {
+            value_name: "PX",
+            title: "Threshold τ",
+            hint: "Octants whose edge is shorter than this on the screen are drawn as one voxel, pixels",
+            usual: 1.0,
+            numbers: Numbers {
+                kept: [0.0, 4096.0],
+                offered: [0.5, 64.0],
+                typed: Typed::NotNegative,
+                unit: Unit::Is(" px"),
+                decimals: 1,
+                is_logarithmic: true,
+            },
+        }),
+    },
+    Kind {
+        flag: "lod-level",
+        help: "Draw all octree cells of this level, 0 to 21",
+        title: "Fixed level",
+        hint: "All cells of one level",
+        label: "level {}",
+        number: Some(KindNumber {
+            value_name: "LEVEL",
+            title: "Level",
+            hint: "Level of the octree whose cells are drawn; 0 is the cube around the cloud",
+            usual: 7.0,
+            numbers: LEVELS,
+        }),
+    },
+    Kind {
+        flag: "lod-budget",
+        help: "Draw the finest octree cells that are at most so many",
+        title: "Budget",
+        hint: "The finest picture of at most so many voxels or surfels",
+        label: "at most {}",
+        number: Some(KindNumber {
+            value_name: "N",
+            title: "Voxels",
+            hint: "Most voxels a picture",
+            usual: 50_000.0,
+            numbers: Numbers {
+                kept: [100.0, 50_000_000.0],
+                offered: [1_000.0, 10_000_000.0],
+                typed: Typed::WholePositive,
+                is_logarithmic: true,
+                ..Numbers::USUAL
+            },
+        }),
+    },
+    Kind {
+        flag: "lod-time",
+        help: "Draw as many octree cells as this many milliseconds allow",
+        title: "Frame time",
+        hint: "As many voxels or surfels as this machine draws in the time asked for",
+        label: "in {} ms",
+        number: Some(KindNumber {
+            value_name: "MS",
+            title: "Time",
+            hint: "Time that a picture should take, milliseconds",
+            usual: 16.0,
+            numbers: Numbers {
+                kept: [1.0, 1000.0],
+                offered: [2.0, 200.0],
+                unit: Unit::Is(" ms"),
+                decimals: 0,
+                is_logarithmic: true,
+                ..Numbers::USUAL
+            },
+        }),
+    },
+];
+
+impl Setting for Lod {
+    fn value(&self) -> Value {
+        match *self {
+            Self::ThresholdPx(lod_px) => Value::Kind(0, f64::from(lod_px)),
+            Self::Level(level) => Value::Kind(1, f64::from(level)),
+            Self::Budget(most) => Value::Kind(2, f64::from(most)),
+            Self::FrameTimeMs(time_ms) => Value::Kind(3, f64::from(time_ms)),
+        }
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Kind(0, lod_px) => Some(Self::ThresholdPx(lod_px as f32)),
+            Value::Kind(1, level) => Some(Self::Level(level as u32)),
+            Value::Kind(2, most) => Some(Self::Budget(most as u32)),
+            Value::Kind(3, time_ms) => Some(Self::FrameTimeMs(time_ms as f32)),
+            _ => None,
+        }
+    }
+}
+
+group! {
+    /// How deep the octree goes, and which of its cells are drawn.
+    LevelStyle {
+        /// Surfels stand for cells of the octree, as [`LevelStyle::lod`] says, where they are small; else all points
+        /// are drawn.
+        surfel_lod: bool = false, "surfel_lod" SURFEL_LOD {
+            flag: "surfel-lod",
+            help: "Draw surfels of octree cells, as --lod… says, instead of all points",
+            heading: HEADING,
+            title: "Surfel detail",
+            hint: "One surfel for all points of an octree's cell that is small on the screen: fewer are drawn from \
+                   afar",
+            section: Section::Surfels,
+            when: When::Surfels,
+            values: Values::Switch("By the octree"),
+        }
+        /// How deep the octree goes: as far as voxels are closed, or as is said.
+        stop: StopCriterion = StopCriterion::default(), "stop" STOP {
+            heading: HEADING,
+            title: "Divide",
+            hint: "When cells of the octree are no longer divided (its stop criterion)",
+            section: Section::Octree,
+            when: When::Cells,
+            label: Label::If(When::Voxels, Place::What, "{}"),
+            values: Values::Kinds(STOPS),
+        }
+        /// Which of its cells are drawn.
+        lod: Lod = Lod::default(), "lod" LOD {
+            heading: HEADING,
+            title: "Level of detail",
+            hint: "Which cells of the octree are drawn",
+            section: Section::LevelOfDetail,
+            when: When::Cells,
+            label: Label::Always(Place::HowFine, "{}"),
+            values: Values::Kinds(LODS),
+        }
+    }
 }

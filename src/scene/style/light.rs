@@ -1,51 +1,70 @@
-//! Light.
+//! Light from the eye, and light from depths.
 
 use super::choices::choices;
+use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, When, group};
 
 choices! {
     /// Where the head light is evaluated (paper 000 §V-B).
     Lighting, "lighting" {
-        /// Plain colours.
-        Unlit = "none",
-        /// Once a surfel or face.
-        PerSurfel = "surfel",
-        /// At each corner, interpolated.
-        PerVertex = "vertex",
-        /// At each pixel.
-        PerFragment = "fragment",
+        Unlit = "none", "None", "Plain colours";
+        PerSurfel = "surfel", "Per surfel or face", "Once for each surfel or voxel face";
+        PerVertex = "vertex", "Per vertex", "At each corner, interpolated between";
+        PerFragment = "fragment", "Per fragment", "At each pixel";
     }
 }
 
 choices! {
     /// Whether depths shade the picture.
     EyeDome, "choice of eye-dome lighting" {
-        /// Where points are shown without light; nobody has decided yet: none.
-        Auto = "auto",
-        /// All pictures.
-        On = "on",
-        /// None.
-        Off = "off",
+        /// Nobody has decided yet: none.
+        Auto = "auto", "Automatic", "Where points have no other light";
+        On = "on", "On", "Whatever is drawn";
+        Off = "off", "Off", "Never";
     }
 }
 
-/// Light from the eye, and light from depths.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct LightStyle {
-    /// Where light is evaluated.
-    pub lighting: Lighting,
-    /// Whether depths shade the picture as well (eye-dome lighting).
-    pub eye_dome: EyeDome,
-    /// How much they do; 1 is usual.
-    pub eye_dome_strength: f32,
-}
-
-impl Default for LightStyle {
-    fn default() -> Self {
-        Self {
-            lighting: Lighting::PerFragment,
-            eye_dome: EyeDome::Auto,
-            eye_dome_strength: 1.0,
+group! {
+    /// Light from the eye, and light from depths.
+    LightStyle {
+        /// Where light is evaluated.
+        lighting: Lighting = Lighting::PerFragment, "lighting" LIGHTING {
+            flag: "lighting",
+            value_name: "WHERE",
+            help: "Where light is evaluated",
+            title: "Lighting",
+            hint: "Where the head light is evaluated",
+            section: Section::Shading,
+            when: When::Lit,
+            label: Label::Unusual(Place::What, "lit per {}"),
+            values: Values::Words(Lighting::WORDS),
+        }
+        /// Whether depths shade the picture as well (eye-dome lighting).
+        eye_dome: EyeDome = EyeDome::Auto, "eye_dome" EYE_DOME {
+            flag: "eye-dome",
+            value_name: "WHETHER",
+            help: "Shade by depths (eye-dome lighting)",
+            title: "Eye-dome light",
+            hint: "Darkens what stands behind its neighbours: depths show shapes without any normals",
+            section: Section::Shading,
+            when: When::Depths,
+            values: Values::Words(EyeDome::WORDS),
+        }
+        /// How much they do; 1 is usual.
+        eye_dome_strength: f32 = 1.0, "eye_dome_strength" EYE_DOME_STRENGTH {
+            flag: "eye-dome-strength",
+            value_name: "S",
+            help: "How much --eye-dome shades (usually 1)",
+            title: "Strength",
+            hint: "How much the eye-dome light darkens; 1 is usual",
+            section: Section::Shading,
+            when: When::EyeDome,
+            values: Values::Number(Numbers {
+                kept: [0.0, 4.0],
+                offered: [0.0, 4.0],
+                typed: Typed::NotNegative,
+                unit: Unit::Is(" ×"),
+                ..Numbers::USUAL
+            }),
         }
     }
 }

@@ -1,54 +1,59 @@
-//! Every choice a person has about a picture, with the words the command line and the window use for it.
+//! Every choice a person has about a picture, in groups. Each is described beside its field (`describe.rs`).
+//!
+//! A new setting is one row in the file of its group, and its use: panel, command line, files, undo and labels of
+//! benchmarks read the row.
 
 mod backdrop;
 mod background;
 mod choices;
 mod codes;
+pub mod coloring;
+pub mod describe;
 mod drawing;
 mod levels;
 mod light;
 mod of_sequence;
+mod parse_error;
 mod points;
+mod resolved;
 mod surfels;
+#[cfg(test)]
+mod tests;
 mod voxels;
 
 pub use backdrop::Backdrop;
 pub use background::Background;
 pub(super) use background::luma;
-pub use choices::ParseChoiceError;
 pub(crate) use choices::choices;
 pub use codes::{CodeStyle, Footprint, NormalBits, OffsetBits};
-pub use drawing::{Primitive, RendererChoice, Strategy};
+pub use drawing::{DrawingStyle, Primitive, RendererChoice, Strategy};
 pub use levels::LevelStyle;
 pub use light::{EyeDome, LightStyle, Lighting};
 pub use of_sequence::OfSequence;
-pub use points::PointStyle;
+pub use parse_error::ParseChoiceError;
+pub use points::{PointShape, PointStyle};
 pub use surfels::{BackFaces, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
-use super::FirstLook;
+use self::describe::{Described, Label, Place, Section, Setting as _, Value, Values, When};
 use crate::levels::LevelsKind;
 use crate::levels::octree::StopCriterion;
-use crate::sequence::{ColorHints, Coloring};
+use crate::sequence::Coloring;
 
 /// All choices about a picture but where the camera stands.
 ///
 /// They are kept in files of people, which outlive versions: what a file does not have is as by default, and what is
-/// not known here is passed over.
+/// not known here is passed over. Files know no groups.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct Style {
     /// What points become.
     pub primitive: Primitive,
-    /// Who draws.
-    pub renderer: RendererChoice,
-    /// How instances reach the GPU.
-    pub strategy: Strategy,
-    /// Edge of the picture that is drawn, as a share of the one that is shown: below 1 fewer pixels are drawn and
-    /// scaled up.
-    pub resolution: f32,
     /// Where colours come from, and how numbers become colours.
     pub colors: Coloring,
+    /// Who draws, and how many pixels.
+    #[serde(flatten)]
+    pub drawing: DrawingStyle,
     /// How surfels are drawn.
     #[serde(flatten)]
     pub surfels: SurfelStyle,
@@ -64,7 +69,7 @@ pub struct Style {
     /// How surfels are drawn from byte codes of the octree.
     #[serde(flatten)]
     pub codes: CodeStyle,
-    /// Light.
+    /// Light from the eye, and light from depths.
     #[serde(flatten)]
     pub light: LightStyle,
     /// What is shown beside the cloud.
@@ -76,99 +81,73 @@ pub struct Style {
 }
 
 impl Style {
-    /// Largest δ offered.
-    pub const MAX_DELTA: f32 = 0.6;
-    /// Values of [`LightStyle::eye_dome_strength`] that are offered.
-    pub const EYE_DOME_STRENGTHS: std::ops::RangeInclusive<f32> = 0.0..=4.0;
-    /// Values of [`Style::resolution`] that are offered.
-    pub const RESOLUTIONS: std::ops::RangeInclusive<f32> = 0.25..=1.0;
+    /// The description of `primitive`.
+    pub const PRIMITIVE: Described = Described {
+        key: "primitive",
+        flag: "primitive",
+        value_name: "PRIMITIVE",
+        help: "What points become",
+        title: "Primitive",
+        hint: "What points become",
+        section: Section::Own,
+        label: Label::Always(Place::What, "{}"),
+        values: Values::Words(Primitive::WORDS),
+        ..Described::USUAL
+    };
+
+    /// Shows each setting with its description to `edit`, and takes what that makes of it. The order is that of options
+    /// in a help, and of rows in a section of the panel.
+    pub fn edit(&mut self, edit: &mut dyn FnMut(&'static Described, Value) -> Value) {
+        self.primitive.edit(&Self::PRIMITIVE, edit);
+        self.surfels.edit(edit);
+        self.codes.edit(edit);
+        self.light.edit(edit);
+        self.levels.edit(edit);
+        self.voxels.edit(edit);
+        self.points.edit(edit);
+        self.drawing.edit(edit);
+        self.backdrop.edit(edit);
+        self.colors.edit(&coloring::COLORS, edit);
+    }
+
+    /// Each setting with its description, as [`Style::edit`] shows them.
+    pub fn settings(&self) -> Vec<(&'static Described, Value)> {
+        let mut settings = Vec::new();
+        let mut unchanged = *self;
+        unchanged.edit(&mut |described, value| {
+            settings.push((described, value));
+            value
+        });
+        settings
+    }
+
+    /// The nearest style that files may hold.
+    #[must_use]
+    pub fn nearest(mut self) -> Self {
+        self.edit(&mut |described, value| described.nearest(value));
+        self
+    }
+
+    /// Whether it is so that a setting has an effect.
+    pub fn is(&self, when: When) -> bool {
+        match when {
+            When::Always => true,
+            When::Surfels => self.draws_surfels(),
+            When::EnlargedSurfels => self.draws_surfels() && self.surfels.splatting.enlarges(),
+            When::CodedSurfels => self.draws_surfels() && self.codes.footprint != Footprint::Disks,
+            When::Points => self.primitive == Primitive::Point,
+            When::Voxels => self.primitive == Primitive::Voxel,
+            When::Cells => self.draws_cells() || self.draws_codes(),
+            When::Lit => self.primitive != Primitive::Point,
+            When::Depths => self.leaves_depths(),
+            When::EyeDome => self.leaves_depths() && self.light.eye_dome == EyeDome::On,
+            When::Gpu => self.drawing.renderer == RendererChoice::Gpu,
+        }
+    }
 
     /// Width and height that are drawn for a picture of `shown_px`; at least 1.
     pub fn drawn_px(&self, shown_px: [u32; 2]) -> [u32; 2] {
-        shown_px.map(|edge| ((edge as f32 * self.resolution).round() as u32).max(1))
-    }
-
-    /// These settings, but drawn as `way` is: the colours, the background and the grid stay, what is clipped, and
-    /// whether back faces are left out. Eye-dome lighting is that of `way` where that decides, which ways to draw that
-    /// are measured do not.
-    #[must_use]
-    pub fn drawn_as(&self, way: &Self) -> Self {
-        let decides = way.light.eye_dome != EyeDome::Auto;
-        let light = if decides { way } else { self };
-        Self {
-            colors: self.colors,
-            surfels: SurfelStyle {
-                back_faces: self.surfels.back_faces,
-                ..way.surfels
-            },
-            light: LightStyle {
-                eye_dome: light.light.eye_dome,
-                eye_dome_strength: light.light.eye_dome_strength,
-                ..way.light
-            },
-            backdrop: self.backdrop,
-            of_sequence: self.of_sequence,
-            ..*way
-        }
-    }
-
-    /// These settings, with what was guessed in place of every choice that is left open.
-    #[must_use]
-    pub fn resolved(&self, look: &FirstLook) -> Self {
-        let primitive = match self.primitive {
-            Primitive::Auto => look.primitive,
-            chosen => chosen,
-        };
-        let back_faces = match self.surfels.back_faces {
-            BackFaces::Auto if look.is_closed => BackFaces::Culled,
-            BackFaces::Auto if look.knows_outside => BackFaces::Darker,
-            BackFaces::Auto => BackFaces::Drawn,
-            chosen => chosen,
-        };
-        // Of points that sample no surface, normals are noise.
-        let shows_shape = primitive != Primitive::Point && look.primitive == Primitive::Surfel;
-        let eye_dome = match self.light.eye_dome {
-            EyeDome::Auto if shows_shape => EyeDome::Off,
-            EyeDome::Auto => EyeDome::On,
-            chosen => chosen,
-        };
-        // Whoever has chosen points has chosen their size.
-        let size_px = if self.primitive == Primitive::Auto {
-            self.points.size_px.max(look.point_size_px)
-        } else {
-            self.points.size_px
-        };
-        let is_lost = look.is_dark && self.backdrop.background == Background::default();
-        let background = if is_lost {
-            Background::BEHIND_DARK
-        } else {
-            self.backdrop.background
-        };
-        Self {
-            primitive,
-            surfels: SurfelStyle {
-                back_faces,
-                ..self.surfels
-            },
-            points: PointStyle { size_px },
-            light: LightStyle {
-                eye_dome,
-                ..self.light
-            },
-            backdrop: Backdrop {
-                background,
-                ..self.backdrop
-            },
-            of_sequence: OfSequence {
-                color_hints: ColorHints {
-                    up: Some(look.up.direction().as_vec3()),
-                    prefers_height: Some(look.prefers_height()),
-                },
-                ground_box: Some(look.trimmed),
-                ..self.of_sequence
-            },
-            ..*self
-        }
+        shown_px.map(|edge| ((edge as f32 * self.drawing.resolution).round() as u32).max(1))
     }
 
     /// Whether surfels are left out that face away.
@@ -198,6 +177,11 @@ impl Style {
         }
     }
 
+    /// Whether what is drawn leaves depths, by which pictures can be shaded.
+    pub fn leaves_depths(&self) -> bool {
+        !self.draws_surfels() || self.surfels.splatting != Splatting::NoDepth
+    }
+
     /// Whether what is drawn are cells of an octree.
     pub fn draws_cells(&self) -> bool {
         self.levels_kind()
@@ -207,14 +191,13 @@ impl Style {
     /// This style with what was decided in place of who may choose: the processor draws, or a graphics card.
     #[must_use]
     pub fn drawn_by(&self, is_processor: bool) -> Self {
-        Self {
-            renderer: if is_processor {
-                RendererChoice::Cpu
-            } else {
-                RendererChoice::Gpu
-            },
-            ..*self
-        }
+        let mut drawn = *self;
+        drawn.drawing.renderer = if is_processor {
+            RendererChoice::Cpu
+        } else {
+            RendererChoice::Gpu
+        };
+        drawn
     }
 
     /// Whether voxels are drawn whose light falls on normals.
@@ -239,11 +222,8 @@ impl Style {
     pub fn draws_codes(&self) -> bool {
         self.draws_surfels()
             && self.codes.footprint != Footprint::Disks
-            && self.renderer == RendererChoice::Cpu
-            && !matches!(
-                self.surfels.splatting,
-                Splatting::Regular | Splatting::NoDepth
-            )
+            && self.drawing.renderer == RendererChoice::Cpu
+            && self.surfels.splatting.has_visibility_pass()
     }
 }
 
@@ -251,10 +231,8 @@ impl Default for Style {
     fn default() -> Self {
         Self {
             primitive: Primitive::Auto,
-            renderer: RendererChoice::Auto,
-            strategy: Strategy::Storage,
-            resolution: 1.0,
             colors: Coloring::default(),
+            drawing: DrawingStyle::default(),
             surfels: SurfelStyle::default(),
             points: PointStyle::default(),
             voxels: VoxelStyle::default(),
@@ -264,59 +242,5 @@ impl Default for Style {
             backdrop: Backdrop::default(),
             of_sequence: OfSequence::default(),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_choice_reads_back_from_its_name() {
-        for &mode in Splatting::ALL {
-            assert_eq!(mode.name().parse(), Ok(mode));
-        }
-        for &strategy in Strategy::ALL {
-            assert_eq!(strategy.name().parse(), Ok(strategy));
-        }
-        let error = "cone".parse::<Primitive>().unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "`cone` is no primitive: expected auto, surfel, voxel, point"
-        );
-    }
-
-    #[test]
-    fn ways_to_draw_take_over_eye_dome_lighting_that_they_decide() {
-        let settings = |eye_dome, eye_dome_strength| Style {
-            light: LightStyle {
-                eye_dome,
-                eye_dome_strength,
-                ..LightStyle::default()
-            },
-            ..Style::default()
-        };
-        let (on, auto) = (settings(EyeDome::On, 2.0), settings(EyeDome::Auto, 0.5));
-        assert_eq!(on.drawn_as(&auto), on);
-        assert_eq!(auto.drawn_as(&on), on);
-        let grid = Style {
-            backdrop: Backdrop {
-                grid: true,
-                ..on.backdrop
-            },
-            ..on
-        };
-        assert!(grid.drawn_as(&auto).backdrop.grid);
-    }
-
-    #[test]
-    fn a_picture_is_drawn_in_whole_pixels() {
-        let settings = |resolution| Style {
-            resolution,
-            ..Style::default()
-        };
-        assert_eq!(settings(1.0).drawn_px([1921, 1080]), [1921, 1080]);
-        assert_eq!(settings(0.5).drawn_px([1921, 1080]), [961, 540]);
-        assert_eq!(settings(0.25).drawn_px([1, 0]), [1, 1]);
     }
 }

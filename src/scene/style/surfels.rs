@@ -1,22 +1,24 @@
 //! How surfels are drawn.
 
 use super::choices::choices;
+use super::describe::{Label, Numbers, Place, Section, Unit, Values, When, group};
 
 choices! {
     /// The six ways of splatting of paper 000, Fig. 3.
     Splatting, "splatting mode" {
-        /// (a) One pass, depth test and blending: square artefacts where splats cut each other.
-        Regular = "regular",
-        /// (b) One pass without depth: far splats shine through.
-        NoDepth = "no-depth",
-        /// (c) The depths that the visibility pass leaves, as grey.
-        Visibility = "visibility",
-        /// (d) Visibility pass, then blending of what lies at the surface.
-        TwoPass = "two-pass",
-        /// (e) Two passes, both with enlarged splats.
-        Enlarged = "enlarged",
-        /// (f) Two passes, enlarged in the second only: the paper's proposal.
-        TwoPassEnlarged = "two-pass-enlarged",
+        /// (a) Square artefacts where splats cut each other.
+        Regular = "regular", "Regular", "One pass, depth test and blending";
+        /// (b)
+        NoDepth = "no-depth", "No depth", "One pass without depth test: far splats shine through";
+        /// (c)
+        Visibility = "visibility", "Visibility", "The depths of the first pass as grey";
+        /// (d)
+        TwoPass = "two-pass", "Two-pass", "Visibility first, then blending at the surface";
+        /// (e)
+        Enlarged = "enlarged", "Enlarged", "Two passes, both with enlarged splats";
+        /// (f) The paper's proposal.
+        TwoPassEnlarged = "two-pass-enlarged", "Two-pass, enlarged",
+            "Two passes, enlarged in the second only: the smoothest";
     }
 }
 
@@ -29,63 +31,109 @@ impl Splatting {
             Self::TwoPassEnlarged => [1.0, enlargement],
         }
     }
+
+    /// Whether a pass enlarges splats.
+    pub fn enlarges(self) -> bool {
+        matches!(self, Self::Enlarged | Self::TwoPassEnlarged)
+    }
+
+    /// Whether depths are written before colours are blended.
+    pub fn has_visibility_pass(self) -> bool {
+        !matches!(self, Self::Regular | Self::NoDepth)
+    }
 }
 
 choices! {
     /// Whether surfels are drawn whose normals point away from the eye.
     BackFaces, "choice for back faces" {
-        /// Left out where the surface is closed, so that nothing is missed, else drawn, and darker where the normals
-        /// are known to point outwards; see [`super::FirstLook`]. Left out where nobody has looked.
-        Auto = "auto",
-        /// From behind as from the front.
-        Drawn = "drawn",
-        /// From behind a little darker than from the front, if there is light.
-        Darker = "darker",
-        /// Left out.
-        Culled = "culled",
+        /// Elsewhere they are drawn, and darker where the normals are known to point outwards; see
+        /// [`FirstLook`](crate::scene::FirstLook). Left out where nobody has looked.
+        Auto = "auto", "Auto", "Left out where the surface is closed, so that nothing is missed";
+        Drawn = "drawn", "Drawn", "From behind as from the front";
+        /// If there is light.
+        Darker = "darker", "Darker", "From behind a little darker than from the front";
+        Culled = "culled", "Culled", "Left out: looks into rooms from outside";
     }
 }
 
-/// What was written when there were two choices: to leave them out was the default, so it says nothing.
+/// How it is read from files: as its word, or as it was written when there were two choices. To leave them out was the
+/// default then, so that says nothing.
 #[derive(serde::Deserialize)]
 #[serde(untagged)]
-enum StoredBackFaces {
+enum Stored {
     Are(BackFaces),
     AreCulled(bool),
 }
 
+/// For serde.
 fn stored_back_faces<'de, D: serde::Deserializer<'de>>(
     deserializer: D,
 ) -> Result<BackFaces, D::Error> {
     Ok(match serde::Deserialize::deserialize(deserializer)? {
-        StoredBackFaces::Are(choice) => choice,
-        StoredBackFaces::AreCulled(true) => BackFaces::Auto,
-        StoredBackFaces::AreCulled(false) => BackFaces::Drawn,
+        Stored::Are(choice) => choice,
+        Stored::AreCulled(true) => BackFaces::Auto,
+        Stored::AreCulled(false) => BackFaces::Drawn,
     })
 }
 
-/// How surfels are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct SurfelStyle {
-    /// How they become a surface.
-    pub splatting: Splatting,
-    /// Factor on every splat radius.
-    pub splat_scale: f32,
-    /// Further factor of the enlarged passes; the paper uses 2.
-    pub enlargement: f32,
-    /// Whether what faces away is drawn.
-    #[serde(rename = "cull_back_faces", deserialize_with = "stored_back_faces")]
-    pub back_faces: BackFaces,
-}
-
-impl Default for SurfelStyle {
-    fn default() -> Self {
-        Self {
-            splatting: Splatting::TwoPass,
-            splat_scale: 1.0,
-            enlargement: 2.0,
-            back_faces: BackFaces::Auto,
+group! {
+    /// How surfels are drawn.
+    SurfelStyle {
+        /// How they become a surface.
+        splatting: Splatting = Splatting::TwoPass, "splatting" SPLATTING {
+            flag: "splatting",
+            value_name: "MODE",
+            title: "Splatting",
+            hint: "How overlapping surfels become one surface (the six modes of the paper's Fig. 3)",
+            when: When::Surfels,
+            label: Label::Always(Place::What, "{}"),
+            values: Values::Words(Splatting::WORDS),
+        }
+        /// Factor on every splat radius.
+        splat_scale: f32 = 1.0, "splat_scale" SPLAT_SCALE {
+            flag: "splat-scale",
+            value_name: "S",
+            help: "Factor on every splat radius",
+            title: "Splat scale",
+            hint: "Factor on every splat's radius (+ and -)",
+            section: Section::Surfels,
+            when: When::Surfels,
+            label: Label::Unusual(Place::What, "×{}"),
+            values: Values::Number(Numbers {
+                kept: [0.1, 10.0],
+                offered: [0.1, 10.0],
+                unit: Unit::Is(" ×"),
+                is_logarithmic: true,
+                ..Numbers::USUAL
+            }),
+        }
+        /// Further factor of the enlarged passes; the paper uses 2.
+        enlargement: f32 = 2.0, "enlargement" ENLARGEMENT {
+            flag: "enlargement",
+            value_name: "S",
+            help: "Further factor of the enlarged passes",
+            title: "Enlargement",
+            hint: "Further factor on the radius in the enlarged passes; the paper uses 2",
+            section: Section::Surfels,
+            when: When::EnlargedSurfels,
+            values: Values::Number(Numbers {
+                kept: [0.01, 100.0],
+                offered: [1.0, 4.0],
+                unit: Unit::Is(" ×"),
+                ..Numbers::USUAL
+            }),
+        }
+        /// Whether what faces away is drawn.
+        #[serde(deserialize_with = "stored_back_faces")]
+        back_faces: BackFaces = BackFaces::Auto, "cull_back_faces" BACK_FACES {
+            flag: "back-faces",
+            value_name: "FACES",
+            help: "Surfels that face away (auto: left out if closed)",
+            title: "Back faces",
+            hint: "Surfels that face away from the eye",
+            section: Section::Surfels,
+            when: When::Surfels,
+            values: Values::Words(BackFaces::WORDS),
         }
     }
 }

@@ -1,31 +1,32 @@
 //! How voxels are drawn.
 
 use super::choices::choices;
+use super::describe::{Label, Place, Section, Values, When, group};
 
 choices! {
     /// What the light of voxels falls on.
     VoxelLight, "light of voxels" {
-        /// The mean normals of the points of cells, from either side; the faces of cubes where normals are not known
-        /// yet.
-        Normals = "normals",
-        /// The faces of cubes (paper 000 §VI).
-        Faces = "faces",
+        /// From either side; the faces of cubes where normals are not known yet.
+        Normals = "normals", "Normals", "The surface in a voxel: the mean normal of its points";
+        /// Paper 000 §VI.
+        Faces = "faces", "Faces", "The faces of the cubes";
     }
 }
 
-/// How voxels are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct VoxelStyle {
-    /// What light falls on.
-    #[serde(rename = "voxel_light")]
-    pub light: VoxelLight,
-}
-
-impl Default for VoxelStyle {
-    fn default() -> Self {
-        Self {
-            light: VoxelLight::Normals,
+group! {
+    /// How voxels are drawn.
+    VoxelStyle {
+        /// What light falls on.
+        light: VoxelLight = VoxelLight::Normals, "voxel_light" LIGHT {
+            flag: "voxel-light",
+            value_name: "WHAT",
+            help: "What the light of voxels falls on",
+            title: "Light on",
+            hint: "What the light of voxels falls on",
+            section: Section::Cubes,
+            when: When::Voxels,
+            label: Label::Unusual(Place::What, "lit by {}"),
+            values: Values::Words(VoxelLight::WORDS),
         }
     }
 }

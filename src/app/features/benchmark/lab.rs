@@ -105,7 +105,8 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
                 (RendererChoice::Gpu, MarkerShape::Square),
             ] {
                 let of_kind = points.iter().filter(|point| {
-                    point.settings.primitive == *primitive && point.settings.renderer == renderer
+                    point.settings.primitive == *primitive
+                        && point.settings.drawing.renderer == renderer
                 });
                 let places: Vec<[f64; 2]> = of_kind.map(|point| place(point)).collect();
                 let name = format!("{primitive} {renderer}");

@@ -83,7 +83,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
         ..defaults
     };
     let loader = Loader::new(Arc::clone(&sequence), options)?;
-    let renderer = AnyRenderer::open(settings.renderer)?;
+    let renderer = AnyRenderer::open(settings.drawing.renderer)?;
     let mut headless = Headless::new(sequence, loader, renderer);
     let path = match shows {
         Shows::Picture { camera, frame } => {

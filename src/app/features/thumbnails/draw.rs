@@ -102,6 +102,7 @@ fn draw(frame: &PreparedFrame, camera: &Camera, origin: DVec3) -> Result<ColorIm
             primitive: Primitive::Point,
             points: PointStyle {
                 size_px: point_size_px(points.len()),
+                ..PointStyle::default()
             },
             backdrop: Backdrop {
                 background: BACKGROUND,

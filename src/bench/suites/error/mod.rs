@@ -228,7 +228,7 @@ fn measure_way(
         (packet, scene.stats().visited_nodes)
     };
     let (options, progress) = (run.options, run.progress);
-    let runner = if way.renderer == RendererChoice::Gpu {
+    let runner = if way.drawing.renderer == RendererChoice::Gpu {
         &mut run.runner
     } else {
         &mut runners.processor
@@ -349,7 +349,7 @@ impl Samples {
         let draw = Quantiles::of(&self.draw_ms);
         let psnr = psnr_db(mean(&self.squared));
         let is_surfel = way.primitive == Primitive::Surfel;
-        let is_gpu = way.renderer == RendererChoice::Gpu;
+        let is_gpu = way.drawing.renderer == RendererChoice::Gpu;
         let text_if = |is_there: bool, text: &str| {
             if is_there {
                 Cell::Text(text.to_owned())
@@ -374,10 +374,10 @@ impl Samples {
             Cell::Text(point.sequence.clone()),
             Cell::Text(point.label.clone()),
             text_if(point.is_on_front, "yes"),
-            Cell::Text(way.renderer.to_string()),
+            Cell::Text(way.drawing.renderer.to_string()),
             Cell::Text(way.primitive.to_string()),
             text_if(is_surfel, way.surfels.splatting.name()),
-            text_if(is_gpu, way.strategy.name()),
+            text_if(is_gpu, way.drawing.strategy.name()),
             text_if(way.primitive != Primitive::Point, way.light.lighting.name()),
             Cell::maybe(threshold),
             Cell::maybe(delta),

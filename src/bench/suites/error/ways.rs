@@ -2,11 +2,12 @@
 
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
+use crate::scene::describe::{Described, Label, Place, Value, Values};
 use crate::scene::{
-    Backdrop, Background, CodeStyle, Footprint, LevelStyle, LightStyle, Lighting, PointStyle,
-    Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle,
+    Backdrop, Background, CodeStyle, DrawingStyle, Footprint, LevelStyle, LightStyle, Lighting,
+    PointStyle, Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight,
+    VoxelStyle,
 };
-use std::fmt::Write as _;
 
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
 pub(super) const BACKGROUND: [u8; 3] = [119; 3];
@@ -23,28 +24,37 @@ const DELTAS: [f32; 4] = [0.02, 0.05, 0.2, 0.5];
 /// All ways, first those of the processor, then those of the adapter if there is one.
 pub(super) fn ways(has_adapter: bool) -> Vec<Style> {
     let base = Style {
-        renderer: RendererChoice::Cpu,
         primitive: Primitive::Surfel,
         backdrop: Backdrop {
             background: Background::solid(BACKGROUND),
             ..Backdrop::default()
+        },
+        drawing: DrawingStyle {
+            renderer: RendererChoice::Cpu,
+            ..DrawingStyle::default()
         },
         ..Style::default()
     };
     let mut ways = of_renderer(&base);
     if has_adapter {
         let base = Style {
-            renderer: RendererChoice::Gpu,
+            drawing: DrawingStyle {
+                renderer: RendererChoice::Gpu,
+                ..base.drawing
+            },
             ..base
         };
         ways.extend(of_renderer(&base));
         for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
             let others = Strategy::ALL
                 .iter()
-                .filter(|&&strategy| strategy != base.strategy);
+                .filter(|&&strategy| strategy != base.drawing.strategy);
             ways.extend(others.map(|&strategy| Style {
                 primitive,
-                strategy,
+                drawing: DrawingStyle {
+                    strategy,
+                    ..base.drawing
+                },
                 ..base
             }));
         }
@@ -72,6 +82,7 @@ fn of_renderer(base: &Style) -> Vec<Style> {
     ways.extend([1.0, 2.0, 3.0].map(|point_size_px| Style {
         points: PointStyle {
             size_px: point_size_px,
+            ..PointStyle::default()
         },
         ..point
     }));
@@ -139,7 +150,7 @@ fn of_renderer(base: &Style) -> Vec<Style> {
         },
         ..*base
     };
-    if base.renderer == RendererChoice::Cpu {
+    if base.drawing.renderer == RendererChoice::Cpu {
         // The GPU draws exact disks whatever it says.
         ways.extend(
             [Footprint::Masks, Footprint::Pixels].map(|footprint| Style {
@@ -164,64 +175,57 @@ fn of_renderer(base: &Style) -> Vec<Style> {
     }
     for whole in [*base, enlarged, detail, voxel, point] {
         ways.extend(RESOLUTIONS.map(|resolution| Style {
-            resolution,
+            drawing: DrawingStyle {
+                resolution,
+                ..whole.drawing
+            },
             ..whole
         }));
     }
     ways
 }
 
-/// A way in a few words: what differs from the default is said.
+/// A way in a few words: what it draws, how finely, and who draws it, as the descriptions of settings tell it.
 pub(super) fn label(way: &Style) -> String {
-    let default = Style::default();
-    let mut label = way.primitive.to_string();
-    let mut say = |text: String| {
-        // Writing to a String cannot fail.
-        let _ = write!(label, " {text}");
-    };
-    match way.primitive {
-        Primitive::Auto | Primitive::Surfel => {
-            say(way.surfels.splatting.to_string());
-            if way.surfels.splat_scale != default.surfels.splat_scale {
-                say(format!("×{}", way.surfels.splat_scale));
-            }
-            if way.codes.footprint != default.codes.footprint {
-                say(format!("of {}", way.codes.footprint));
-            }
-            if way.light.lighting != default.light.lighting {
-                say(format!("lit per {}", way.light.lighting));
-            }
-        }
-        Primitive::Voxel => {
-            say(stop(way));
-            if way.voxels.light != default.voxels.light {
-                say(format!("lit by {}", way.voxels.light));
-            }
-        }
-        Primitive::Point => say(format!("{} px", way.points.size_px)),
-    }
-    if let (true, Lod::ThresholdPx(threshold)) =
-        (way.draws_cells() || way.draws_codes(), way.levels.lod)
-    {
-        say(format!("τ {threshold}"));
-    }
-    if way.resolution < 1.0 {
-        say(format!("at {:.0} %", way.resolution * 100.0));
-    }
-    say(match way.renderer {
-        RendererChoice::Gpu => format!("GPU {}", way.strategy),
-        RendererChoice::Cpu | RendererChoice::Auto => "CPU".to_owned(),
-    });
-    label
+    let usual = Style::default().settings();
+    let mut told: Vec<(Place, String)> = way
+        .settings()
+        .into_iter()
+        .zip(usual)
+        .filter(|((described, _), _)| way.is(described.when))
+        .filter_map(|((described, value), (_, usual))| {
+            let (place, pattern) = match described.label {
+                Label::Always(place, pattern) => Some((place, pattern)),
+                Label::Unusual(place, pattern) => (value != usual).then_some((place, pattern)),
+                Label::If(when, place, pattern) => way.is(when).then_some((place, pattern)),
+                Label::Untold => None,
+            }?;
+            Some((place, told(described, value, pattern)?))
+        })
+        .collect();
+    // Stable: what is in one place is in the order of the descriptions.
+    told.sort_by_key(|(place, _)| *place);
+    let words: Vec<String> = told.into_iter().map(|(_, text)| text).collect();
+    words.join(" ")
 }
 
-/// When the octree's cells are no longer divided.
-pub(super) fn stop(way: &Style) -> String {
-    match way.octree_stop() {
-        StopCriterion::Spacing => "by spacing".to_owned(),
-        StopCriterion::Loss(delta) => format!("δ {:.0} %", delta * 100.0),
-        other => format!("{other:?}"),
-    }
+/// A value by the pattern of a label.
+fn told(described: &Described, value: Value, pattern: &str) -> Option<String> {
+    Some(match (&described.values, value) {
+        (Values::Words(words), Value::Word(place)) => pattern
+            .replace("{title}", words.list[place].title)
+            .replace("{}", words.list[place].word),
+        (Values::Number(numbers), Value::Number(number)) => {
+            pattern.replace("{}", &numbers.told(number))
+        }
+        (Values::Kinds(kinds), Value::Kind(place, number)) => {
+            let kind = &kinds[place];
+            let number = kind.number.as_ref().map(|told| told.numbers.told(number));
+            let kind = kind.label.replace("{}", &number.unwrap_or_default());
+            pattern.replace("{}", &kind)
+        }
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -243,7 +247,7 @@ mod tests {
         assert!(
             of_processor
                 .iter()
-                .all(|way| way.renderer == RendererChoice::Cpu)
+                .all(|way| way.drawing.renderer == RendererChoice::Cpu)
         );
         // Three footprints of byte codes are the processor's; twelve strategies the adapter's.
         assert_eq!(ways.len(), 2 * of_processor.len() - 3 + 12);

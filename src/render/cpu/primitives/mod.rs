@@ -45,6 +45,7 @@ impl<'a> Drawable<'a> {
             Content::Points(records) => Self::Points(Points {
                 records,
                 size_px: settings.points.size_px,
+                shape: settings.points.shape,
             }),
             Content::Surfels(surfels) => Self::Surfels(Surfels {
                 points: &surfels.points,

@@ -1,4 +1,4 @@
-//! Points: pixels, or squares of pixels, of one colour and one depth.
+//! Points: pixels, or squares or disks of pixels, of one colour and one depth.
 
 use crate::cloud::PointRecord;
 use crate::render::cpu::blocks::Placed;
@@ -7,15 +7,16 @@ use crate::render::cpu::finish::Held;
 use crate::render::cpu::records::Records;
 use crate::render::cpu::tile::{LANES, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::ScenePacket;
+use crate::scene::{PointShape, ScenePacket};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, i32x8};
 use std::ops::Range;
 
 /// Points of a packet.
 pub(in crate::render::cpu) struct Points<'a> {
     pub(super) records: &'a [PointRecord],
-    /// Edge of the squares.
+    /// Edge of the squares, or diameter of the disks.
     pub(super) size_px: f32,
+    pub(super) shape: PointShape,
 }
 
 impl Placed for Points<'_> {
@@ -60,7 +61,14 @@ impl Records for Points<'_> {
                 if self.size_px <= 1.0 {
                     draw_pixels(simd, tile, clip, records.len(), &projected);
                 } else {
-                    self.draw_squares(tile, clip, records.len(), &projected);
+                    match self.shape {
+                        PointShape::Square => {
+                            self.draw_squares(tile, clip, records.len(), &projected);
+                        }
+                        PointShape::Disk => {
+                            self.draw_disks(tile, clip, records.len(), &projected);
+                        }
+                    }
                 }
             }
         }
@@ -81,6 +89,7 @@ impl Points<'_> {
     pub(super) const NONE: Self = Self {
         records: &[],
         size_px: 1.0,
+        shape: PointShape::Square,
     };
 
     #[inline(always)]
@@ -108,6 +117,45 @@ impl Points<'_> {
             for y in range(projected.y_px[point], 1) {
                 let row = (y - tile.origin[1]) as usize * WIDTH;
                 for x in columns.clone() {
+                    put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn draw_disks<S: Simd>(
+        &self,
+        tile: &mut Tile,
+        clip: PixelRect,
+        count: usize,
+        projected: &Projected<S>,
+    ) {
+        let radius = 0.5 * self.size_px;
+        for point in 0..count {
+            let depth = projected.depth[point];
+            if !(depth > 0.0 && depth <= 1.0) {
+                continue;
+            }
+            let key = key(depth.to_bits(), projected.color[point].to_bits());
+            let [x_px, y_px] = [projected.x_px[point], projected.y_px[point]];
+            let own = [x_px, y_px].map(|place| place.floor() as i32);
+            let [top, bottom] = [y_px - radius, y_px + radius].map(|end| end.floor() as i32);
+            for y in top.max(clip.start[1])..(bottom + 1).min(clip.end[1]) {
+                let aside = y as f32 + 0.5 - y_px;
+                let half2 = radius * radius - aside * aside;
+                // Pixels whose middles are in the circle, and the one that the point is in.
+                let half = half2.max(0.0).sqrt();
+                let mut start = (x_px - half - 0.5).ceil() as i32;
+                let mut end = (x_px + half + 0.5).floor() as i32;
+                if y == own[1] {
+                    start = start.min(own[0]);
+                    end = end.max(own[0] + 1);
+                } else if half2 < 0.0 {
+                    continue;
+                }
+                let row = (y - tile.origin[1]) as usize * WIDTH;
+                for x in start.max(clip.start[0])..end.min(clip.end[0]) {
                     put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
                 }
             }

@@ -57,3 +57,10 @@ pub(in crate::render::gpu) const POINT: GeometryPass = GeometryPass {
     wgsl: include_str!("../../../../shaders/passes/point.wgsl"),
     ..SOLID
 };
+
+/// The same, round: the disks in the squares.
+pub(in crate::render::gpu) const ROUND_POINT: GeometryPass = GeometryPass {
+    name: "round point",
+    wgsl: include_str!("../../../../shaders/passes/round_point.wgsl"),
+    ..POINT
+};

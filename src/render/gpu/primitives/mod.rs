@@ -3,7 +3,7 @@
 //!
 //! | primitive | passes |
 //! |---|---|
-//! | point | point |
+//! | point | point, or round point |
 //! | voxel | solid |
 //! | surfel `regular`, `no-depth` | splat |
 //! | surfel `visibility` | visibility, depth view |

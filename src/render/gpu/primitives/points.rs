@@ -1,18 +1,19 @@
-//! Points: pixels, or squares that face the screen.
+//! Points: pixels, or squares or disks that face the screen.
 
 use super::amplification::Amplification;
 use super::drawable::Drawable;
 use super::surfels;
 use crate::cloud::PointRecord;
-use crate::render::gpu::passes::geometry::POINT;
+use crate::render::gpu::passes::geometry::{POINT, ROUND_POINT};
 use crate::render::gpu::residency::Records;
-use crate::scene::Style;
+use crate::scene::{PointShape, Style};
 use std::sync::Arc;
 
 /// One vertex of a point list.
 pub(super) const PIXEL: Amplification = Amplification {
     name: "pixel",
     vertices_per_record: 1,
+    passes: &[&POINT],
     ..SQUARE
 };
 
@@ -23,7 +24,7 @@ pub(super) const SQUARE: Amplification = Amplification {
     vertices_per_record: 4,
     reads_shapes: false,
     compute_amplifies: false,
-    passes: &[&POINT],
+    passes: &[&POINT, &ROUND_POINT],
 };
 
 pub(super) fn drawable<'a>(
@@ -38,7 +39,10 @@ pub(super) fn drawable<'a>(
         // again.
         chunked_for: &surfels::QUAD,
         cull_back_faces: style.culls_back_faces(),
-        passes: &[&POINT],
+        passes: match style.points.shape {
+            PointShape::Disk if !is_pixel => &[&ROUND_POINT],
+            PointShape::Disk | PointShape::Square => &[&POINT],
+        },
         resolve: None,
     }
 }

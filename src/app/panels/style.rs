@@ -1,0 +1,160 @@
+//! Controls of settings, made of their descriptions.
+
+use crate::app::widgets::rows::{choice, heading, row, rows};
+use crate::scene::describe::{Described, Kind, Numbers, Section, Unit, Value, Values, Words};
+use crate::scene::{Background, Style};
+use egui::{Checkbox, Slider, Ui};
+
+/// A section of the panel with its heading, if one of its settings has an effect on what is `drawn`: the style without
+/// what is left open.
+pub(super) fn section_ui(
+    ui: &mut Ui,
+    style: &mut Style,
+    drawn: &Style,
+    (title, section): (&str, Section),
+) {
+    let is_in_it = |described: &Described| described.section == section && drawn.is(described.when);
+    if (style.settings().iter()).any(|(described, _)| is_in_it(described)) {
+        heading(ui, title);
+        rows(ui, title, |ui| section_rows(ui, style, drawn, section));
+    }
+}
+
+/// Those settings of a section that have an effect on what is `drawn`.
+pub(super) fn section_rows(ui: &mut Ui, style: &mut Style, drawn: &Style, section: Section) {
+    style.edit(&mut |described, value| {
+        if described.section == section && drawn.is(described.when) {
+            setting(ui, described, value)
+        } else {
+            value
+        }
+    });
+}
+
+/// A list of words to choose from.
+pub(super) fn word<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    (title, hint): (&str, &str),
+    value: &mut T,
+    all: &[T],
+    words: &Words,
+) {
+    let choices: Vec<_> = all
+        .iter()
+        .zip(words.list)
+        .map(|(&value, word)| (word.title, value, word.hint))
+        .collect();
+    choice(ui, title, hint, value, &choices);
+}
+
+/// The row of a setting; what it is now.
+fn setting(ui: &mut Ui, described: &Described, value: Value) -> Value {
+    match (&described.values, value) {
+        (Values::Words(words), Value::Word(mut place)) => {
+            let places: Vec<usize> = (0..words.list.len()).collect();
+            let texts = (described.title, described.hint);
+            word(ui, texts, &mut place, &places, words);
+            Value::Word(place)
+        }
+        (Values::Number(numbers), Value::Number(number)) => {
+            let texts = (described.title, described.hint);
+            Value::Number(number_row(ui, texts, numbers, number))
+        }
+        (Values::Switch(text), Value::Switch(mut is_on)) => {
+            let control = Checkbox::new(&mut is_on, *text);
+            row(ui, described.title, described.hint, control);
+            Value::Switch(is_on)
+        }
+        (Values::Kinds(kinds), Value::Kind(place, number)) => {
+            kind_rows(ui, described, kinds, (place, number))
+        }
+        (Values::Background, Value::Background(mut background)) => {
+            background_rows(ui, described, &mut background);
+            Value::Background(background)
+        }
+        // Colours have a section of their own.
+        _ => value,
+    }
+}
+
+fn number_row(ui: &mut Ui, (title, hint): (&str, &str), numbers: &Numbers, number: f64) -> f64 {
+    let mut shown = match numbers.unit {
+        Unit::Percent => f64::from(number as f32 * 100.0),
+        Unit::Is(_) | Unit::Share => number,
+    };
+    row(ui, title, hint, slider(numbers, &mut shown));
+    match numbers.unit {
+        // Whole tenths only: each other value divides the octrees of all frames anew.
+        Unit::Percent => f64::from((shown as f32 * 10.0).round() / 1000.0),
+        Unit::Is(_) | Unit::Share => shown,
+    }
+}
+
+fn slider<'a>(numbers: &Numbers, shown: &'a mut f64) -> Slider<'a> {
+    let factor = match numbers.unit {
+        Unit::Percent => 100.0,
+        Unit::Is(_) | Unit::Share => 1.0,
+    };
+    let [least, most] = numbers.offered.map(|end| f64::from(end * factor));
+    let slider = Slider::new(shown, least..=most).logarithmic(numbers.is_logarithmic);
+    match numbers.unit {
+        _ if numbers.are_whole() => slider.integer(),
+        Unit::Is(suffix) => slider.max_decimals(numbers.decimals).suffix(suffix),
+        Unit::Percent => slider.max_decimals(numbers.decimals).suffix(" %"),
+        Unit::Share => slider
+            .step_by(0.05)
+            .custom_formatter(|share, _| format!("{:.0} %", share * 100.0))
+            .custom_parser(|text| {
+                let percent: f64 = text.trim_end_matches('%').trim().parse().ok()?;
+                Some(percent / 100.0)
+            }),
+    }
+}
+
+/// The list of kinds, and below it the number of the one that is chosen. That of a kind chosen anew is the usual one.
+fn kind_rows(
+    ui: &mut Ui,
+    described: &Described,
+    kinds: &[Kind],
+    (before, number): (usize, f64),
+) -> Value {
+    let choices: Vec<_> = kinds
+        .iter()
+        .enumerate()
+        .map(|(place, kind)| (kind.title, place, kind.hint))
+        .collect();
+    let mut place = before;
+    choice(ui, described.title, described.hint, &mut place, &choices);
+    let Some(told) = &kinds[place].number else {
+        return Value::Kind(place, 0.0);
+    };
+    let number = if place == before { number } else { told.usual };
+    let number = number_row(ui, (told.title, told.hint), &told.numbers, number);
+    Value::Kind(place, number)
+}
+
+fn background_rows(ui: &mut Ui, described: &Described, background: &mut Background) {
+    let presets: Vec<_> = Background::PRESETS
+        .iter()
+        .map(|&(_, title, preset)| (title, preset, "A background to begin with"))
+        .collect();
+    choice(ui, described.title, described.hint, background, &presets);
+    for (name, tooltip, color) in [
+        (
+            "Top colour",
+            "Colour at the upper edge of the picture",
+            &mut background.top,
+        ),
+        (
+            "Bottom colour",
+            "Colour at the lower edge of the picture",
+            &mut background.bottom,
+        ),
+    ] {
+        let label = ui.label(name).on_hover_text(tooltip);
+        ui.color_edit_button_srgb(color)
+            .labelled_by(label.id)
+            .on_hover_text(tooltip);
+        ui.end_row();
+    }
+}

@@ -1,0 +1,124 @@
+//! Options for the settings of a picture, made of their descriptions.
+
+use crate::scene::Style;
+use crate::scene::describe::{Described, Setting, Value, Values};
+use clap::builder::ValueParser;
+use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, Error, FromArgMatches};
+
+/// The settings that are given, by their names in files.
+#[derive(Debug, Clone, Default)]
+pub(super) struct StyleArgs {
+    given: Vec<(&'static str, Value)>,
+}
+
+impl StyleArgs {
+    /// The setting of this name, if it is given.
+    pub(super) fn given<T: Setting>(&self, key: &str) -> Option<T> {
+        let (_, value) = self.given.iter().find(|(given, _)| *given == key)?;
+        T::from_value(*value)
+    }
+
+    /// `default`, but for what is given.
+    pub(super) fn over(&self, mut default: Style) -> Style {
+        default.edit(&mut |described, value| {
+            let given = self.given.iter().find(|(key, _)| *key == described.key);
+            given.map_or(value, |(_, given)| *given)
+        });
+        default
+    }
+}
+
+/// The settings and their descriptions.
+fn all() -> Vec<(&'static Described, Value)> {
+    Style::default().settings()
+}
+
+fn with_options(command: Command, described: &'static Described) -> Command {
+    let heading = described.heading;
+    let option = |flag: &'static str| Arg::new(flag).long(flag).help_heading(heading);
+    match &described.values {
+        // Colours belong together, and a background can be transparent: they are options of their own.
+        Values::Colors | Values::Background => command,
+        Values::Switch(_) => command.arg(
+            option(described.flag)
+                .help(described.help)
+                .action(ArgAction::SetTrue),
+        ),
+        Values::Words(_) | Values::Number(_) => command.arg(
+            option(described.flag)
+                .help(described.help_line())
+                .value_name(described.value_name)
+                .value_parser(parser(described)),
+        ),
+        Values::Kinds(kinds) => {
+            let flags = kinds.iter().map(|kind| kind.flag);
+            let group = ArgGroup::new(described.title).args(flags).multiple(false);
+            let options = kinds.iter().enumerate().map(|(place, kind)| {
+                let option = option(kind.flag).help(kind.help);
+                match &kind.number {
+                    None => option.action(ArgAction::SetTrue),
+                    Some(told) => {
+                        option
+                            .value_name(told.value_name)
+                            .value_parser(move |text: &str| {
+                                let number = told.numbers.parse(text);
+                                number.map(|number| Value::Kind(place, number))
+                            })
+                    }
+                }
+            });
+            command.args(options).group(group)
+        }
+    }
+}
+
+fn parser(described: &'static Described) -> ValueParser {
+    ValueParser::new(move |text: &str| described.parse(text))
+}
+
+/// What is given of a setting.
+fn given(matches: &ArgMatches, described: &Described) -> Option<Value> {
+    let value = |flag| matches.get_one::<Value>(flag).copied();
+    match &described.values {
+        Values::Colors | Values::Background => None,
+        Values::Switch(_) => matches
+            .get_flag(described.flag)
+            .then_some(Value::Switch(true)),
+        Values::Words(_) | Values::Number(_) => value(described.flag),
+        Values::Kinds(kinds) => kinds.iter().enumerate().find_map(|(place, kind)| {
+            let is_chosen = |flag| matches.get_flag(flag).then_some(Value::Kind(place, 0.0));
+            match kind.number {
+                None => is_chosen(kind.flag),
+                Some(_) => value(kind.flag),
+            }
+        }),
+    }
+}
+
+impl Args for StyleArgs {
+    fn augment_args(command: Command) -> Command {
+        let settings = all().into_iter();
+        settings.fold(command, |command, (described, _)| {
+            with_options(command, described)
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for StyleArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let settings = all().into_iter();
+        let given = settings
+            .filter_map(|(described, _)| Some((described.key, given(matches, described)?)))
+            .collect();
+        Ok(Self { given })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,169 @@
+//! One setting in words.
+
+use super::values::{Value, Values};
+
+/// One setting in words.
+#[derive(Debug)]
+pub struct Described {
+    /// Its name in files of people.
+    pub key: &'static str,
+    /// Its option on the command line, without dashes; empty where its kinds have options, or it has one of its own.
+    pub flag: &'static str,
+    /// What the option is given, in capitals.
+    pub value_name: &'static str,
+    /// What the option does, before the words that it takes.
+    pub help: &'static str,
+    /// The heading of its option.
+    pub heading: &'static str,
+    /// Its name in the window.
+    pub title: &'static str,
+    /// What it does, in the window.
+    pub hint: &'static str,
+    /// Where it is in the window.
+    pub section: Section,
+    /// When it has an effect.
+    pub when: When,
+    /// How the label of a way to draw tells it.
+    pub label: Label,
+    /// Which values it has.
+    pub values: Values,
+}
+
+impl Described {
+    /// The rest of a description that says what is not usual.
+    pub const USUAL: Self = Self {
+        key: "",
+        flag: "",
+        value_name: "",
+        help: "",
+        heading: "Picture",
+        title: "",
+        hint: "",
+        section: Section::Picture,
+        when: When::Always,
+        label: Label::Untold,
+        values: Values::Switch(""),
+    };
+
+    /// The line of its option in a list of options.
+    pub fn help_line(&self) -> String {
+        let Values::Words(words) = self.values else {
+            return self.help.to_owned();
+        };
+        let words: Vec<&str> = words.list.iter().map(|word| word.word).collect();
+        let list = match words.as_slice() {
+            [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+            words => words.concat(),
+        };
+        if self.help.is_empty() {
+            list
+        } else {
+            format!("{}: {list}", self.help)
+        }
+    }
+
+    /// A word or a number of the command line. `Err` says what was expected.
+    pub fn parse(&self, text: &str) -> Result<Value, String> {
+        match &self.values {
+            Values::Words(words) => {
+                let place = words.place_of(text).map_err(|error| error.to_string());
+                place.map(Value::Word)
+            }
+            Values::Number(numbers) => numbers.parse(text).map(Value::Number),
+            _ => Err("expected no text".to_owned()),
+        }
+    }
+
+    /// The nearest value that files may hold.
+    #[must_use]
+    pub fn nearest(&self, value: Value) -> Value {
+        match (&self.values, value) {
+            (Values::Number(numbers), Value::Number(number)) => {
+                Value::Number(numbers.nearest(number))
+            }
+            (Values::Kinds(kinds), Value::Kind(place, number)) => match kinds[place].number {
+                Some(ref told) if number.is_nan() => Value::Kind(place, told.usual),
+                Some(ref told) => Value::Kind(place, told.numbers.nearest(number)),
+                None => value,
+            },
+            _ => value,
+        }
+    }
+}
+
+/// A part of the panel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Section {
+    /// What is drawn, and by whom.
+    Picture,
+    /// How surfels are.
+    Surfels,
+    /// What the processor draws surfels from.
+    Footprints,
+    /// How points are.
+    Points,
+    /// How voxels are.
+    Cubes,
+    /// How deep the octree goes.
+    Octree,
+    /// Which of its cells are drawn.
+    LevelOfDetail,
+    /// Light.
+    Shading,
+    /// What is beside the cloud.
+    Background,
+    /// A place of its own.
+    Own,
+}
+
+/// When a setting has an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum When {
+    /// Whatever is drawn.
+    Always,
+    /// Surfels are drawn.
+    Surfels,
+    /// Surfels are drawn, enlarged.
+    EnlargedSurfels,
+    /// Surfels are drawn, from byte codes if the processor draws.
+    CodedSurfels,
+    /// Points are drawn.
+    Points,
+    /// Voxels are drawn.
+    Voxels,
+    /// Cells of the octree are drawn.
+    Cells,
+    /// Surfels or voxels are drawn.
+    Lit,
+    /// What is drawn leaves depths.
+    Depths,
+    /// Depths shade what is drawn.
+    EyeDome,
+    /// The GPU draws.
+    Gpu,
+}
+
+/// How the label of a way to draw tells a setting: `{}` stands for the value as files have it, `{title}` for that of
+/// the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Label {
+    /// It does not.
+    Untold,
+    /// Whatever it is.
+    Always(Place, &'static str),
+    /// Where it is not as by default.
+    Unusual(Place, &'static str),
+    /// In some cases.
+    If(When, Place, &'static str),
+}
+
+/// Where in a label.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// First: what is drawn.
+    What,
+    /// Then how finely.
+    HowFine,
+    /// Last: who draws.
+    Who,
+}

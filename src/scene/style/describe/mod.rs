@@ -1,0 +1,17 @@
+//! What a setting is called, which values it has, and how they are written: the one description that the panel, the
+//! command line, the files, undo and the labels of benchmarks read.
+//!
+//! **How it works.** A group of settings is a struct whose fields stand beside their [`Described`] (`group!`). Readers
+//! know no field: [`Style::edit`](super::Style::edit) shows them each description with the setting's [`Value`].
+
+mod described;
+mod group;
+mod numbers;
+mod setting;
+mod values;
+
+pub use described::{Described, Label, Place, Section, When};
+pub(super) use group::group;
+pub use numbers::{Numbers, Typed, Unit};
+pub use setting::Setting;
+pub use values::{Kind, KindNumber, Value, Values, Word, Words};

@@ -1,0 +1,97 @@
+//! Which numbers settings may be, and how they are written.
+
+/// Which numbers a setting may be.
+#[derive(Debug)]
+pub struct Numbers {
+    /// In files; the nearest one is taken.
+    pub kept: [f32; 2],
+    /// On the slider.
+    pub offered: [f32; 2],
+    /// On the command line.
+    pub typed: Typed,
+    /// How they are shown.
+    pub unit: Unit,
+    /// Digits behind the point at most.
+    pub decimals: usize,
+    /// Equal ways on the slider are equal factors.
+    pub is_logarithmic: bool,
+}
+
+/// Which numbers the command line takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Typed {
+    /// Finite ones above 0.
+    Positive,
+    /// Finite ones from 0 up.
+    NotNegative,
+    /// Those that files may hold; the text says what they are.
+    Kept(&'static str),
+    /// Whole ones that files may hold.
+    Whole,
+    /// Whole ones from 1 up.
+    WholePositive,
+}
+
+/// How numbers are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// As they are, and this after them.
+    Is(&'static str),
+    /// In percent, and moved in steps of five.
+    Share,
+    /// In percent, which the slider moves, and rounded to tenths of them.
+    Percent,
+}
+
+impl Numbers {
+    /// Any number above 0 from the command line, without unit.
+    pub const USUAL: Self = Self {
+        kept: [0.0, 1.0],
+        offered: [0.0, 1.0],
+        typed: Typed::Positive,
+        unit: Unit::Is(""),
+        decimals: 2,
+        is_logarithmic: false,
+    };
+
+    /// Whether they are whole.
+    pub fn are_whole(&self) -> bool {
+        matches!(self.typed, Typed::Whole | Typed::WholePositive)
+    }
+
+    /// The nearest number that files may hold.
+    pub(super) fn nearest(&self, number: f64) -> f64 {
+        let [least, most] = self.kept.map(f64::from);
+        number.clamp(least, most)
+    }
+
+    /// A number of the command line. `Err` says what was expected.
+    pub fn parse(&self, text: &str) -> Result<f64, String> {
+        let [least, most] = self.kept;
+        let number = || match self.typed {
+            Typed::Whole | Typed::WholePositive => text.parse::<u32>().ok().map(f64::from),
+            _ => text.parse::<f32>().ok().map(f64::from),
+        };
+        let is_taken = |number: &f64| match self.typed {
+            Typed::Positive => number.is_finite() && *number > 0.0,
+            Typed::NotNegative => number.is_finite() && *number >= 0.0,
+            Typed::Kept(_) | Typed::Whole => self.nearest(*number) == *number,
+            Typed::WholePositive => *number >= 1.0,
+        };
+        number().filter(is_taken).ok_or_else(|| match self.typed {
+            Typed::Positive => "expected a number above 0".to_owned(),
+            Typed::NotNegative => "expected a number from 0 up".to_owned(),
+            Typed::Kept(expected) => format!("expected {expected}"),
+            Typed::Whole => format!("expected a whole number from {least} to {most}"),
+            Typed::WholePositive => "expected a whole number from 1 up".to_owned(),
+        })
+    }
+
+    /// A number in a label.
+    pub fn told(&self, number: f64) -> String {
+        match self.unit {
+            Unit::Is(_) => (number as f32).to_string(),
+            Unit::Share | Unit::Percent => format!("{:.0} %", number * 100.0),
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Which values settings have, and what they are called.
+
+use super::numbers::Numbers;
+use crate::scene::ParseChoiceError;
+use crate::scene::style::background::Background;
+use crate::sequence::Coloring;
+
+/// The value of any setting.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// The place of a word in [`Values::Words`].
+    Word(usize),
+    /// A number.
+    Number(f64),
+    /// Whether something is so.
+    Switch(bool),
+    /// The place of a kind in [`Values::Kinds`], and its number, or 0 where it has none.
+    Kind(usize, f64),
+    /// What is behind the cloud.
+    Background(Background),
+    /// Where colours come from.
+    Colors(Coloring),
+}
+
+/// Which values a setting has.
+#[derive(Debug)]
+pub enum Values {
+    /// One of these.
+    Words(&'static Words),
+    /// A number.
+    Number(Numbers),
+    /// Yes or no, with a word beside the box.
+    Switch(&'static str),
+    /// One of these, most with a number.
+    Kinds(&'static [Kind]),
+    /// Two colours.
+    Background,
+    /// A [`Coloring`].
+    Colors,
+}
+
+/// Values that are words.
+#[derive(Debug)]
+pub struct Words {
+    /// What one of them is.
+    pub what: &'static str,
+    /// All, in the order of lists.
+    pub list: &'static [Word],
+}
+
+impl Words {
+    /// The place of a word.
+    pub(crate) fn place_of(&self, text: &str) -> Result<usize, ParseChoiceError> {
+        let place = self.list.iter().position(|word| word.word == text);
+        place.ok_or_else(|| {
+            let words = self.list.iter().map(|word| word.word);
+            ParseChoiceError::new(self.what, text, words)
+        })
+    }
+}
+
+/// A value that is a word.
+#[derive(Debug)]
+pub struct Word {
+    /// On the command line and in files.
+    pub word: &'static str,
+    /// In the window.
+    pub title: &'static str,
+    /// What it means, in the window.
+    pub hint: &'static str,
+}
+
+/// A kind of values.
+#[derive(Debug)]
+pub struct Kind {
+    /// Its option on the command line, without dashes.
+    pub flag: &'static str,
+    /// What the option does.
+    pub help: &'static str,
+    /// Its name in the window.
+    pub title: &'static str,
+    /// What it means, in the window.
+    pub hint: &'static str,
+    /// How the label of a way to draw tells it; `{}` stands for the number.
+    pub label: &'static str,
+    /// Its number, if it has one.
+    pub number: Option<KindNumber>,
+}
+
+/// The number of a kind.
+#[derive(Debug)]
+pub struct KindNumber {
+    /// What the option is given, in capitals.
+    pub value_name: &'static str,
+    /// Its name in the window.
+    pub title: &'static str,
+    /// What it means, in the window.
+    pub hint: &'static str,
+    /// Where the kind is chosen and no number yet.
+    pub usual: f64,
+    /// Which numbers there are.
+    pub numbers: Numbers,
+}

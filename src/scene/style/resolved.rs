@@ -1,0 +1,96 @@
+//! A style with what was guessed, or with another way to draw.
+
+use super::{
+    BackFaces, Backdrop, Background, EyeDome, LightStyle, OfSequence, PointStyle, Primitive, Style,
+    SurfelStyle,
+};
+use crate::scene::FirstLook;
+use crate::sequence::ColorHints;
+
+impl Style {
+    /// These settings, but drawn as `way` is: the colours, the background and the grid stay, what is clipped, and
+    /// whether back faces are left out. Eye-dome lighting is that of `way` where that decides, which ways to draw that
+    /// are measured do not.
+    #[must_use]
+    pub fn drawn_as(&self, way: &Self) -> Self {
+        let decides = way.light.eye_dome != EyeDome::Auto;
+        let light = if decides { way } else { self };
+        Self {
+            colors: self.colors,
+            surfels: SurfelStyle {
+                back_faces: self.surfels.back_faces,
+                ..way.surfels
+            },
+            light: LightStyle {
+                eye_dome: light.light.eye_dome,
+                eye_dome_strength: light.light.eye_dome_strength,
+                ..way.light
+            },
+            backdrop: self.backdrop,
+            of_sequence: self.of_sequence,
+            ..*way
+        }
+    }
+
+    /// These settings, with what was guessed in place of every choice that is left open.
+    #[must_use]
+    pub fn resolved(&self, look: &FirstLook) -> Self {
+        let primitive = match self.primitive {
+            Primitive::Auto => look.primitive,
+            chosen => chosen,
+        };
+        let back_faces = match self.surfels.back_faces {
+            BackFaces::Auto if look.is_closed => BackFaces::Culled,
+            BackFaces::Auto if look.knows_outside => BackFaces::Darker,
+            BackFaces::Auto => BackFaces::Drawn,
+            chosen => chosen,
+        };
+        // Of points that sample no surface, normals are noise.
+        let shows_shape = primitive != Primitive::Point && look.primitive == Primitive::Surfel;
+        let eye_dome = match self.light.eye_dome {
+            EyeDome::Auto if shows_shape => EyeDome::Off,
+            EyeDome::Auto => EyeDome::On,
+            chosen => chosen,
+        };
+        // Whoever has chosen points has chosen their size.
+        let size_px = if self.primitive == Primitive::Auto {
+            self.points.size_px.max(look.point_size_px)
+        } else {
+            self.points.size_px
+        };
+        let is_lost = look.is_dark && self.backdrop.background == Background::default();
+        let background = if is_lost {
+            Background::BEHIND_DARK
+        } else {
+            self.backdrop.background
+        };
+        Self {
+            primitive,
+            surfels: SurfelStyle {
+                back_faces,
+                ..self.surfels
+            },
+            points: PointStyle {
+                size_px,
+                ..self.points
+            },
+            light: LightStyle {
+                eye_dome,
+                ..self.light
+            },
+            backdrop: Backdrop {
+                background,
+                ..self.backdrop
+            },
+            of_sequence: OfSequence {
+                color_hints: ColorHints {
+                    up: Some(look.up.direction().as_vec3()),
+                    prefers_height: Some(look.prefers_height()),
+                },
+                ground_box: Some(look.trimmed),
+                ..self.of_sequence
+            },
+            ..*self
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! Styles and their descriptions.
+
+use super::describe::Values;
+use super::*;
+use crate::analysis::ColorMap;
+use crate::levels::Lod;
+use crate::levels::octree::StopCriterion;
+use crate::sequence::ColorSource;
+use std::collections::BTreeSet;
+
+#[test]
+fn every_choice_reads_back_from_its_name() {
+    for &mode in Splatting::ALL {
+        assert_eq!(mode.name().parse(), Ok(mode));
+    }
+    for &strategy in Strategy::ALL {
+        assert_eq!(strategy.name().parse(), Ok(strategy));
+    }
+    let error = "cone".parse::<Primitive>().unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "`cone` is no primitive: expected auto, surfel, voxel, point"
+    );
+}
+
+#[test]
+fn ways_to_draw_take_over_eye_dome_lighting_that_they_decide() {
+    let settings = |eye_dome, eye_dome_strength| Style {
+        light: LightStyle {
+            eye_dome,
+            eye_dome_strength,
+            ..LightStyle::default()
+        },
+        ..Style::default()
+    };
+    let (on, auto) = (settings(EyeDome::On, 2.0), settings(EyeDome::Auto, 0.5));
+    assert_eq!(on.drawn_as(&auto), on);
+    assert_eq!(auto.drawn_as(&on), on);
+    let grid = Style {
+        backdrop: Backdrop {
+            grid: true,
+            ..on.backdrop
+        },
+        ..on
+    };
+    assert!(grid.drawn_as(&auto).backdrop.grid);
+}
+
+#[test]
+fn a_picture_is_drawn_in_whole_pixels() {
+    let settings = |resolution| Style {
+        drawing: DrawingStyle {
+            resolution,
+            ..DrawingStyle::default()
+        },
+        ..Style::default()
+    };
+    assert_eq!(settings(1.0).drawn_px([1921, 1080]), [1921, 1080]);
+    assert_eq!(settings(0.5).drawn_px([1921, 1080]), [961, 540]);
+    assert_eq!(settings(0.25).drawn_px([1, 0]), [1, 1]);
+}
+
+#[test]
+fn every_setting_is_described_once() {
+    let style = Style::default();
+    let settings = style.settings();
+    let in_files: BTreeSet<String> = match serde_json::to_value(style).unwrap() {
+        serde_json::Value::Object(fields) => fields.into_iter().map(|(name, _)| name).collect(),
+        other => panic!("{other}"),
+    };
+    let described: BTreeSet<String> = settings
+        .iter()
+        .map(|(described, _)| described.key.to_owned())
+        .collect();
+    assert_eq!(described, in_files);
+    assert_eq!(described.len(), settings.len());
+    let mut flags = BTreeSet::new();
+    for (described, value) in &settings {
+        let Described {
+            key, title, hint, ..
+        } = described;
+        assert!(!title.is_empty() && !hint.is_empty(), "{key}");
+        match (&described.values, value) {
+            (Values::Words(words), Value::Word(place)) => assert!(*place < words.list.len()),
+            (Values::Kinds(kinds), Value::Kind(place, _)) => {
+                assert!(*place < kinds.len());
+                assert!(kinds.iter().all(|kind| flags.insert(kind.flag)), "{key}");
+                continue;
+            }
+            (Values::Number(_), Value::Number(_))
+            | (Values::Switch(_), Value::Switch(_))
+            | (Values::Colors, Value::Colors(_)) => {}
+            // Its option takes what no style has.
+            (Values::Background, Value::Background(_)) => continue,
+            (values, value) => panic!("{key}: {values:?} has no {value:?}"),
+        }
+        assert!(flags.insert(described.flag), "{key}");
+    }
+}
+
+#[test]
+fn an_edit_changes_what_it_names_and_nothing_else() {
+    let style = Style::default();
+    for (changed, value) in style.settings() {
+        let other = match value {
+            Value::Word(place) => Value::Word(if place == 0 { 1 } else { place - 1 }),
+            Value::Number(number) => Value::Number(0.5 * number),
+            Value::Switch(is_on) => Value::Switch(!is_on),
+            Value::Kind(..) => Value::Kind(1, 3.0),
+            Value::Background(_) => Value::Background(Background::solid([1, 2, 3])),
+            Value::Colors(_) => Value::Colors(Coloring::of(ColorSource::Normal)),
+        };
+        let mut edited = style;
+        edited.edit(&mut |described, value| {
+            if described.key == changed.key {
+                other
+            } else {
+                value
+            }
+        });
+        let differing: Vec<_> = style
+            .settings()
+            .into_iter()
+            .zip(edited.settings())
+            .filter(|((_, before), (_, after))| before != after)
+            .map(|(_, (described, value))| (described.key, value))
+            .collect();
+        assert_eq!(differing, [(changed.key, other)]);
+        // And files tell it.
+        let stored = serde_json::to_value(edited).unwrap();
+        let usual = serde_json::to_value(style).unwrap();
+        assert_ne!(stored[changed.key], usual[changed.key]);
+        assert_eq!(serde_json::from_value::<Style>(stored).unwrap(), edited);
+    }
+}
+
+#[test]
+fn what_is_not_offered_becomes_the_nearest() {
+    assert_eq!(Style::default().nearest(), Style::default());
+    let nearest = |lod, stop| {
+        let mut style = Style::default();
+        style.levels.lod = lod;
+        style.levels.stop = stop;
+        let levels = style.nearest().levels;
+        (levels.lod, levels.stop)
+    };
+    for (lod, stop, expected) in [
+        (
+            Lod::ThresholdPx(-1.0),
+            StopCriterion::Loss(0.7),
+            (Lod::ThresholdPx(0.0), StopCriterion::Loss(0.6)),
+        ),
+        (
+            Lod::ThresholdPx(f32::NAN),
+            StopCriterion::Loss(f32::NAN),
+            (Lod::default(), StopCriterion::PAPER),
+        ),
+        (
+            Lod::Level(40),
+            StopCriterion::Depth(22),
+            (Lod::Level(21), StopCriterion::Depth(21)),
+        ),
+        (
+            Lod::Budget(16_777_217),
+            StopCriterion::PointsPerOctant(0),
+            (Lod::Budget(16_777_217), StopCriterion::PointsPerOctant(1)),
+        ),
+        (
+            Lod::FrameTimeMs(f32::INFINITY),
+            StopCriterion::PointsPerOctant(u32::MAX),
+            (
+                Lod::FrameTimeMs(1000.0),
+                StopCriterion::PointsPerOctant(u32::MAX),
+            ),
+        ),
+    ] {
+        assert_eq!(nearest(lod, stop), expected);
+    }
+}
+
+#[test]
+fn sources_and_maps_of_colours_have_their_words() {
+    let names = ColorSource::ALL.map(ColorSource::name);
+    assert!(
+        coloring::SOURCES
+            .list
+            .iter()
+            .map(|source| source.word)
+            .eq(names)
+    );
+    let names = ColorMap::ALL.map(ColorMap::name);
+    assert!(coloring::MAPS.list.iter().map(|map| map.word).eq(names));
+}
