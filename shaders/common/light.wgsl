@@ -9,7 +9,10 @@ fn head_light(normal: vec3f, to_eye: vec3f) -> vec2f {
     let facing2 = facing * facing;
     let facing4 = facing2 * facing2;
     let facing8 = facing4 * facing4;
-    return vec2f(HEAD_LIGHT_AMBIENT + (1.0 - HEAD_LIGHT_AMBIENT) * facing, HEAD_LIGHT_SPECULAR * facing8 * facing8 * facing8);
+    return vec2f(
+        HEAD_LIGHT_AMBIENT + (1.0 - HEAD_LIGHT_AMBIENT) * facing,
+        HEAD_LIGHT_SPECULAR * facing8 * facing8 * facing8,
+    );
 }
 
 // Both vectors in the axes of the frame.

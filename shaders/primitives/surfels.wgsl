@@ -38,8 +38,9 @@ fn side_color(color: u32, away: f32) -> u32 {
 }
 
 // True unless the whole surfel faces away. Errs towards true: the rasteriser has the last word, and where a surfel of a
-// pixel or so is seen nearly edge on, that may turn it around. It rounds corners to a grid, of 1/16 pixel on the coarsest
-// adapters: half a cell along both axes changes the area of a triangle as if the disk was 0.08 pixels thicker or thinner.
+// pixel or so is seen nearly edge on, that may turn it around. It rounds corners to a grid, of 1/16 pixel on the
+// coarsest adapters: half a cell along both axes changes the area of a triangle as if the disk was 0.08 pixels thicker
+// or thinner.
 fn surfel_may_face_eye(point: PointRecord, shape: ShapeRecord) -> bool {
     let to_eye = -offset_from_eye(point.position);
     let distance = length(to_eye);

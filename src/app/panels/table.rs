@@ -1,5 +1,6 @@
 //! The table of panels. A new one is a file with its function, and a row here: so it is in the window, in the menu View
-//! and among the commands that are found by name. A key is a row of [`BINDINGS`](crate::app::BINDINGS), if it needs one.
+//! and among the commands that are found by name. A key is a row of [`BINDINGS`](crate::app::BINDINGS), if it needs
+//! one.
 
 use super::bound;
 use super::help::help_ui;

@@ -66,8 +66,8 @@ impl CpuRenderer {
     }
 
     /// The depth of what the prepared packet's picture shows, drawn apart: of surfels blended in two passes that of the
-    /// nearest disk, without the slack that lets them blend. [`Splatting::NoDepth`](crate::scene::Splatting::NoDepth) shows no surface in particular:
-    /// infinite everywhere.
+    /// nearest disk, without the slack that lets them blend. [`Splatting::NoDepth`](crate::scene::Splatting::NoDepth)
+    /// shows no surface in particular: infinite everywhere.
     pub fn draw_depths(&mut self) -> Result<DepthImage, RenderError> {
         let (Some(packet), Some((_, blocks))) = (&self.prepared, &self.blocks) else {
             return Err(RenderError::NothingPrepared);

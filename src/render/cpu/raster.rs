@@ -216,8 +216,8 @@ pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &
     );
 }
 
-/// The circular Gaussian mask of paper 000 §V, `exp(−MASK_FALLOFF·r²)` (`shaders/common/varyings.wgsl`), inside the disk. Relative
-/// error below 4·10⁻⁵.
+/// The circular Gaussian mask of paper 000 §V, `exp(−MASK_FALLOFF·r²)` (`shaders/common/varyings.wgsl`), inside the
+/// disk. Relative error below 4·10⁻⁵.
 #[inline(always)]
 fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>) -> f32x8<S> {
     let splat = |value| f32x8::splat(simd, value);

@@ -59,8 +59,8 @@ pub struct Palette {
     pub(in crate::app) chosen: usize,
 }
 
-/// The commands that `query` finds, `more` among them: each of its words is there in the command's text, letter after letter. Those that
-/// have the words as they are come first.
+/// The commands that `query` finds, `more` among them: each of its words is there in the command's text, letter after
+/// letter. Those that have the words as they are come first.
 pub(in crate::app) fn find(query: &str, more: &[CommandEntry]) -> Vec<CommandEntry> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let with_keys = BINDINGS.iter().map(|binding| CommandEntry {

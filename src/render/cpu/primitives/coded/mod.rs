@@ -42,8 +42,8 @@ use transform::Transform;
 
 /// Draws a byte code; how many nodes were drawn, in blocks that may be seen.
 ///
-/// It begins on the caller's thread: the tables are made by all threads at their first use, and one of those that waited
-/// for a table might take up work that waits for the same.
+/// It begins on the caller's thread: the tables are made by all threads at their first use, and one of those that
+/// waited for a table might take up work that waits for the same.
 pub(super) fn draw(coded: &Coded<'_>, packet: &ScenePacket, bands: Vec<Rows<'_>>) -> u64 {
     let held = match packet.settings.surfels.splatting {
         _ if coded.are_pixels => Held::Keys,
