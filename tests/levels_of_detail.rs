@@ -9,7 +9,9 @@ use glam::DVec3;
 use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::levels::Lod;
 use pointreel::measure::{flip, mean_squared_error, psnr_db};
-use pointreel::scene::{BackFaces, LevelStyle, Scene, ScenePacket, Style, SurfelStyle};
+use pointreel::scene::{
+    BackFaces, LevelStructure, LevelStyle, Scene, ScenePacket, Style, SurfelStyle,
+};
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
 
@@ -132,4 +134,27 @@ fn a_budget_of_surfels_is_kept() {
             "{drawn} of {budget}"
         );
     }
+}
+
+/// A plain list keeps a budget without an octree: surfels that are fewer and larger still close the surface.
+#[test]
+fn a_list_keeps_a_budget_without_an_octree() {
+    let of_list = |lod| {
+        let mut style = by_octree(lod);
+        style.levels.structure = LevelStructure::None;
+        style
+    };
+    let frame = closed_sphere(&of_list(Lod::default()));
+    assert!(frame.levels.octree().is_none());
+    let all = packet(&frame, 4.0, &plain());
+    // A list knows no sizes on the screen.
+    let whole = packet(&frame, 4.0, &of_list(Lod::ThresholdPx(8.0)));
+    assert_eq!(draw(&whole), draw(&all));
+    let few = packet(&frame, 4.0, &of_list(Lod::Budget(12_000)));
+    assert_eq!(few.content.record_count(), 10_000);
+    let (truth, picture) = (draw(&all), draw(&few));
+    let [of_all, of_few] = [&truth, &picture].map(|picture| covered(picture, BLACK));
+    assert!(of_few >= of_all, "{of_few} of {of_all} pixels");
+    let error = mean_squared_error(&truth, &picture).unwrap();
+    assert!(psnr_db(error) > 25.0, "{} dB", psnr_db(error));
 }

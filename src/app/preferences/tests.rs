@@ -5,9 +5,9 @@ use crate::analysis::ColorMap;
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive,
-    RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,
+    LevelStyle, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle,
+    Primitive, RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -36,6 +36,7 @@ fn unusual() -> Preferences {
                 stop: StopCriterion::Loss(0.31),
                 lod: Lod::ThresholdPx(2.5),
                 surfel_lod: true,
+                structure: LevelStructure::Octree,
             },
             codes: CodeStyle {
                 footprint: Footprint::Masks,

@@ -3,9 +3,9 @@
 use super::*;
 use crate::levels::Lod;
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, RendererChoice,
-    Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,
+    LevelStyle, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointStyle,
+    RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorSource, Coloring};
 
@@ -68,6 +68,7 @@ fn of_version_1() -> Style {
             stop: StopCriterion::Loss(0.31),
             lod: Lod::ThresholdPx(2.5),
             surfel_lod: true,
+            structure: LevelStructure::Octree,
         },
         codes: CodeStyle {
             footprint: Footprint::Masks,

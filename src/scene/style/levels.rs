@@ -1,5 +1,6 @@
 //! Levels of detail: how deep the octree goes, and which of its cells are drawn.
 
+use super::choices::choices;
 use super::describe::{
     Kind, KindNumber, Label, Numbers, Place, Section, Setting, Typed, Unit, Value, Values, When,
     group,
@@ -7,6 +8,15 @@ use super::describe::{
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::math::morton;
+
+choices! {
+    /// What levels of detail of surfels are taken from.
+    LevelStructure, "structure of levels of detail" {
+        Octree = "octree", "Octree", "Surfels of the octree's cells, as large as the level of detail says";
+        None = "none", "None (list)",
+            "Every second, fourth or eighth point, by level, budget or time; nothing is built or culled";
+    }
+}
 
 const HEADING: &str = "Level of detail";
 
@@ -220,6 +230,19 @@ group! {
             section: Section::Surfels,
             when: When::Surfels,
             values: Values::Switch("By the octree"),
+        }
+        /// What surfels that stand for others are taken from.
+        structure: LevelStructure = LevelStructure::Octree, "level_structure" STRUCTURE {
+            flag: "levels",
+            value_name: "STRUCTURE",
+            help: "What --surfel-lod draws levels of detail from",
+            heading: HEADING,
+            title: "Structure",
+            hint: "What levels of detail are taken from",
+            section: Section::Surfels,
+            when: When::SurfelLevels,
+            label: Label::Unusual(Place::What, "levels of {}"),
+            values: Values::Words(LevelStructure::WORDS),
         }
         /// How deep the octree goes: as far as voxels are closed, or as is said.
         stop: StopCriterion = StopCriterion::default(), "stop" STOP {

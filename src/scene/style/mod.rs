@@ -27,7 +27,7 @@ pub(super) use background::luma;
 pub(crate) use choices::choices;
 pub use codes::{CodeStyle, Footprint, NormalBits, OffsetBits};
 pub use drawing::{DrawingStyle, Primitive, RendererChoice, Strategy};
-pub use levels::LevelStyle;
+pub use levels::{LevelStructure, LevelStyle};
 pub use light::{EyeDome, LightStyle, Lighting};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
@@ -134,6 +134,7 @@ impl Style {
             When::Always => true,
             When::Surfels => self.draws_surfels(),
             When::EnlargedSurfels => self.draws_surfels() && self.surfels.splatting.enlarges(),
+            When::SurfelLevels => self.draws_surfels() && self.levels.surfel_lod,
             When::CodedSurfels => self.draws_surfels() && self.codes.footprint != Footprint::Disks,
             When::Points => self.primitive == Primitive::Point,
             When::Voxels => self.primitive == Primitive::Voxel,
@@ -167,10 +168,13 @@ impl Style {
 
     /// The levels of detail that are drawn; `None` where all points are.
     pub fn levels_kind(&self) -> Option<LevelsKind> {
-        let by_octree = self.levels.surfel_lod;
+        let of_surfels = match self.levels.structure {
+            LevelStructure::Octree => LevelsKind::Surfels,
+            LevelStructure::None => LevelsKind::List,
+        };
         match self.primitive {
             Primitive::Auto | Primitive::Surfel if self.draws_codes() => Some(LevelsKind::Codes),
-            Primitive::Auto | Primitive::Surfel => by_octree.then_some(LevelsKind::Surfels),
+            Primitive::Auto | Primitive::Surfel => self.levels.surfel_lod.then_some(of_surfels),
             Primitive::Voxel if self.lights_voxels_by_normals() => Some(LevelsKind::LitCubes),
             Primitive::Voxel => Some(LevelsKind::Cubes),
             Primitive::Point => None,

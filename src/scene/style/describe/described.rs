@@ -125,6 +125,8 @@ pub enum When {
     Surfels,
     /// Surfels are drawn, enlarged.
     EnlargedSurfels,
+    /// What is drawn are surfels, of which one stands for others.
+    SurfelLevels,
     /// Surfels are drawn, from byte codes if the processor draws.
     CodedSurfels,
     /// Points are drawn.
