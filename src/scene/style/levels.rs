@@ -241,7 +241,6 @@ group! {
             hint: "What levels of detail are taken from",
             section: Section::Surfels,
             when: When::SurfelLevels,
-            label: Label::Unusual(Place::What, "levels of {}"),
             values: Values::Words(LevelStructure::WORDS),
         }
         /// How deep the octree goes: as far as voxels are closed, or as is said.
