@@ -11,8 +11,9 @@ use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, LevelStyle, LightStyle, Lighting, PointShape,
-    PointStyle, Primitive, Projection, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
+    Backdrop, Background, Camera, Content, Footprint, LevelStyle, LightStyle, Lighting, PointShape,
+    PointStyle, Primitive, Projection, RendererChoice, Scene, ScenePacket, Style, SurfelStyle,
+    UpAxis, pick,
 };
 use pointreel::sequence::{
     ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare,
@@ -323,4 +324,32 @@ fn parallel_rays_pick_what_they_draw() {
     // From so far away f32 leaves some hundredths of a pixel.
     assert!(share > 0.97, "{share}");
     assert!(shown > 1_000, "{shown} pixels");
+}
+
+/// What is drawn from byte codes is picked near the point that is picked where the same surfels are drawn as disks.
+#[test]
+fn byte_codes_are_picked_where_their_surfels_are_drawn() {
+    let disks = settings(Primitive::Surfel);
+    let mut codes = disks;
+    codes.codes.footprint = Footprint::Masks;
+    codes.drawing.renderer = RendererChoice::Cpu;
+    let [of_disks, of_codes] = [disks, codes].map(|style| torus(20_000, &style));
+    let [packet, coded] = [packet_of(&of_disks, &disks), packet_of(&of_codes, &codes)];
+    assert!(coded.content.coded().is_some());
+    let place = |frame: &PreparedFrame, slot: usize| frame.frame.positions()[slot];
+    let (mut same, mut near, mut seen) = (0, 0, 0);
+    for y in (0..SIZE[1]).step_by(7) {
+        for x in (0..SIZE[0]).step_by(7) {
+            let px = [f64::from(x), f64::from(y)];
+            let found = pick(&packet, &of_disks, px, 0.0);
+            let of_code = pick(&coded, &of_codes, px, 0.0);
+            same += usize::from(found.is_some() == of_code.is_some());
+            seen += 1;
+            if let (Some(a), Some(b)) = (found, of_code) {
+                near += usize::from(place(&of_disks, a).distance(place(&of_codes, b)) < 0.1);
+            }
+        }
+    }
+    assert!(same * 100 >= seen * 95, "{same} of {seen}");
+    assert!(near > 200, "{near} of {seen}");
 }
