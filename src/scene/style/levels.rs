@@ -229,7 +229,7 @@ group! {
                    afar",
             section: Section::Surfels,
             when: When::Surfels,
-            values: Values::Switch("By the octree"),
+            values: Values::Switch("Fewer from afar"),
         }
         /// What surfels that stand for others are taken from.
         structure: LevelStructure = LevelStructure::Octree, "level_structure" STRUCTURE {
