@@ -8,7 +8,7 @@ use super::time::time_ui;
 pub(super) use crate::app::widgets::rows::{choice, heading, note_below, row, rows};
 use crate::app::{PresentChoice, State, Turntable};
 use crate::scene::describe::Section;
-use crate::scene::{Primitive, Projection, UpAxis};
+use crate::scene::{Primitive, Projection, RendererChoice, UpAxis};
 use egui::{Button, Checkbox, RichText, ScrollArea, Slider, Ui};
 
 /// The panel at the right.
@@ -58,7 +58,7 @@ fn picture(ui: &mut Ui, state: &mut State) {
         section_rows(ui, style, &drawn, Section::Picture);
     });
     section_ui(ui, style, &drawn, ("Surfels", Section::Surfels));
-    let on_processor = (style.drawing.renderer).is_processor(state.graphics.is_software);
+    let on_processor = drawn.drawing.renderer == RendererChoice::Cpu;
     let has_footprints = on_processor && style.surfels.splatting.has_visibility_pass();
     ui.add_enabled_ui(has_footprints, |ui| {
         rows(ui, "footprints", |ui| {

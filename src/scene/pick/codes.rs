@@ -6,9 +6,9 @@
 //! finer than it is picked.
 
 use super::ray::Ray;
-use crate::cloud::{PointRecord, ShapeRecord, oct_encode, quantised_normals};
-use crate::levels::octree::coded::offset_of_code;
-use crate::scene::{CodedCells, Style, Surfels};
+use crate::cloud::{PointRecord, ShapeRecord, coarser_normal, oct_encode, quantised_normals};
+use crate::levels::octree::coded::{NodeAttributes, offset_of_code};
+use crate::scene::{CodeStyle, CodedCells, Style, Surfels};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -27,69 +27,68 @@ pub(super) fn surfels_near(
     radius_px: f64,
 ) -> Surfels {
     let (mut points, mut shapes) = (Vec::new(), Vec::new());
-    let cloud = &coded.cloud;
+    let (cloud, surfels) = (&coded.cloud, &style.surfels);
     let cube = cloud.cube();
     let deepest = coded.deepest_level.min(cloud.depth());
-    let splat_scale =
-        style.surfels.splat_scale * style.surfels.splatting.scales(style.surfels.enlargement)[0];
+    let [visibility, _] = surfels.splatting.scales(surfels.enlargement);
+    let reaches = cloud.reaches(surfels.splat_scale * visibility);
     let root = Node {
         number: 0,
         level: 0,
         cell: [0; 3],
     };
-    let mut waiting = if cloud.attributes().is_empty() {
-        Vec::new()
-    } else {
-        vec![root]
-    };
-    while let Some(Node {
-        number,
-        level,
-        cell,
-    }) = waiting.pop()
-    {
-        let edge = cube.cell_edge(level);
-        let center = cube.cell_center(level, cell);
-        let attributes = &cloud.attributes()[number];
-        let largest = |level| cloud.largest_radius(level);
-        let largest_below = (level..=deepest).map(largest).fold(0.0, f32::max);
-        // Surfels stand beside the middles of their cells by half a diagonal at most.
-        let reach = splat_scale * largest_below + edge;
+    let mut waiting = Vec::new();
+    waiting.extend((!cloud.attributes().is_empty()).then_some(root));
+    while let Some(node) = waiting.pop() {
+        let (level, edge) = (node.level, cube.cell_edge(node.level));
+        let center = cube.cell_center(level, node.cell);
         let half = Vec3::splat(0.5 * edge);
-        if !ray.may_meet(center - half, center + half, f64::from(reach), radius_px) {
+        let reach = f64::from(reaches[level as usize]);
+        if !ray.may_meet(center - half, center + half, reach, radius_px) {
             continue;
         }
         if level >= deepest || ray.size_px(center, edge) < f64::from(coded.lod_px) {
-            let normal = quantised_normals(style.codes.normal_bits.bits());
-            let index =
-                crate::cloud::coarser_normal(attributes.normal(), style.codes.normal_bits.bits());
-            let normal = normal[index as usize];
-            let offset =
-                offset_of_code(attributes.offset_code(), style.codes.offset_bits.bits()) * edge;
-            let [red, green, blue] = attributes.color;
-            points.push(PointRecord {
-                position: (center + offset * normal).to_array(),
-                color: [red, green, blue, 255],
-            });
-            shapes.push(ShapeRecord {
-                normal: oct_encode(normal),
-                radius: attributes.radius_edges() * edge,
-                ellipse: 0,
-                scalar: 0.0,
-            });
+            let attributes = cloud.attributes()[node.number];
+            let (point, shape) = surfel(attributes, center, edge, style.codes);
+            points.push(point);
+            shapes.push(shape);
             continue;
         }
-        let mask = cloud.masks()[number];
+        let mask = cloud.masks()[node.number];
         let children = (0..8).filter(|octant| mask >> octant & 1 != 0);
-        let numbered = children.zip(cloud.first_child(number)..);
+        let numbered = children.zip(cloud.first_child(node.number)..);
         waiting.extend(numbered.map(|(octant, number)| Node {
             number,
             level: level + 1,
-            cell: [0, 1, 2].map(|axis| 2 * cell[axis] + (octant >> axis & 1)),
+            cell: [0, 1, 2].map(|axis| 2 * node.cell[axis] + (octant >> axis & 1)),
         }));
     }
     Surfels {
         points: Arc::new(points),
         shapes: Arc::new(shapes),
     }
+}
+
+/// The surfel of a node in a cell, with as many bits as are drawn.
+fn surfel(
+    attributes: NodeAttributes,
+    center: Vec3,
+    edge: f32,
+    style: CodeStyle,
+) -> (PointRecord, ShapeRecord) {
+    let bits = style.normal_bits.bits();
+    let normal = quantised_normals(bits)[coarser_normal(attributes.normal(), bits) as usize];
+    let offset = offset_of_code(attributes.offset_code(), style.offset_bits.bits()) * edge;
+    let [red, green, blue] = attributes.color;
+    let point = PointRecord {
+        position: (center + offset * normal).to_array(),
+        color: [red, green, blue, 255],
+    };
+    let shape = ShapeRecord {
+        normal: oct_encode(normal),
+        radius: attributes.radius_edges() * edge,
+        ellipse: 0,
+        scalar: 0.0,
+    };
+    (point, shape)
 }

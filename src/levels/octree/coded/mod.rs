@@ -191,6 +191,22 @@ impl CodedCloud {
             .unwrap_or(0.0)
     }
 
+    /// How far splats of every level and those below it reach from their cells, in scene units, where radii are drawn
+    /// by a factor.
+    pub(crate) fn reaches(&self, scale: f32) -> Vec<f32> {
+        let mut farthest = 0f32;
+        let mut reaches: Vec<f32> = (0..=self.depth())
+            .rev()
+            .map(|level| {
+                let radius = scale * self.largest_radius(level);
+                farthest = farthest.max(radius + self.cube.cell_edge(level));
+                farthest
+            })
+            .collect();
+        reaches.reverse();
+        reaches
+    }
+
     /// The number of a node's first child; of the first leaf, the number of nodes. Precondition: no other leaf.
     #[inline]
     pub fn first_child(&self, node: usize) -> usize {

@@ -53,19 +53,4 @@ impl<'a> Coded<'a> {
         }
         MASK_SLACK * self.scales[0].max(self.scales[1])
     }
-
-    /// How far what is drawn reaches from its cell on every level and those below it, in scene units.
-    pub(super) fn reaches(&self) -> Vec<f32> {
-        let mut farthest = 0f32;
-        let mut reaches: Vec<f32> = (0..=self.cloud.depth())
-            .rev()
-            .map(|level| {
-                let radius = self.largest_scale() * self.cloud.largest_radius(level);
-                farthest = farthest.max(radius + self.cloud.cube().cell_edge(level));
-                farthest
-            })
-            .collect();
-        reaches.reverse();
-        reaches
-    }
 }

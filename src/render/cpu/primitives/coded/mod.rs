@@ -54,7 +54,7 @@ pub(super) fn draw(coded: &Coded<'_>, packet: &ScenePacket, bands: Vec<Rows<'_>>
     let view = &painter.view;
     let transform = Transform::new(view, &coded.cloud.cube());
     let normal_error = largest_normal_error(coded.normal_bits);
-    let reaches = coded.reaches();
+    let reaches = coded.cloud.reaches(coded.largest_scale());
     let traversal = Traversal::new(coded, view, &transform, &reaches, normal_error);
     let blocks = traversal.blocks();
     let lists = traversal.by_tile(&blocks, painter.tiles);

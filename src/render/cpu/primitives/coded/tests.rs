@@ -138,7 +138,7 @@ proptest! {
         let coded = Coded::of(&packet).unwrap();
         let view = PixelView::new(&packet);
         let transform = Transform::new(&view, &coded.cloud.cube());
-        let reaches = coded.reaches();
+        let reaches = coded.cloud.reaches(coded.largest_scale());
         let traversal = Traversal::new(&coded, &view, &transform, &reaches, 0.1);
         let blocks = traversal.blocks();
         let deepest = coded.cloud.depth();

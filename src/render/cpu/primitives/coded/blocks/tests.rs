@@ -14,7 +14,7 @@ fn traversed<T>(packet: &ScenePacket, look: impl FnOnce(&Traversal<'_>, &[Block]
     let coded = Coded::of(packet).expect("a byte code");
     let view = PixelView::new(packet);
     let transform = Transform::new(&view, &coded.cloud.cube());
-    let reaches = coded.reaches();
+    let reaches = coded.cloud.reaches(coded.largest_scale());
     let normal_error = largest_normal_error(coded.normal_bits);
     let traversal = Traversal::new(&coded, &view, &transform, &reaches, normal_error);
     let blocks = traversal.blocks();
