@@ -20,8 +20,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Camera, CodeStyle, DrawingStyle, Footprint, LightStyle, Lighting, NormalBits, Primitive,
-    RendererChoice, Scene, ScenePacket, Style, UpAxis,
+    Camera, CodeStyle, DrawingStyle, Footprint, LightStyle, Lighting, NormalBits, Primitive, RendererChoice, Scene,
+    ScenePacket, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
@@ -38,9 +38,7 @@ const ROUNDS: usize = 15;
 /// The torus, prepared for all settings that are measured.
 fn frame() -> PreparedFrame {
     let (positions, colors) = shapes::bumpy_torus(COUNT);
-    let mut raw = RawCloud::from_positions(Positions::F32(
-        positions.iter().map(Vec3::to_array).collect(),
-    ));
+    let mut raw = RawCloud::from_positions(Positions::F32(positions.iter().map(Vec3::to_array).collect()));
     raw.colors = Some(colors);
     let normals = shapes::bumpy_torus_normals(COUNT);
     raw.normals = Some(normals.iter().map(Vec3::to_array).collect());
@@ -69,10 +67,7 @@ fn settings(footprint: Footprint, normal_bits: NormalBits) -> Style {
 fn contenders() -> [(&'static str, Style); 6] {
     let masks = settings(Footprint::Masks, NormalBits::Thirteen);
     [
-        (
-            "exact disks",
-            settings(Footprint::Disks, NormalBits::Thirteen),
-        ),
+        ("exact disks", settings(Footprint::Disks, NormalBits::Thirteen)),
         ("masks", masks),
         (
             "masks, light once a normal",
@@ -84,14 +79,8 @@ fn contenders() -> [(&'static str, Style); 6] {
                 ..masks
             },
         ),
-        (
-            "masks, 17 bits",
-            settings(Footprint::Masks, NormalBits::Seventeen),
-        ),
-        (
-            "coded pixels",
-            settings(Footprint::Pixels, NormalBits::Thirteen),
-        ),
+        ("masks, 17 bits", settings(Footprint::Masks, NormalBits::Seventeen)),
+        ("coded pixels", settings(Footprint::Pixels, NormalBits::Thirteen)),
         (
             "plain points",
             Style {
@@ -124,19 +113,14 @@ fn print_bits(frame: &PreparedFrame) {
     };
     for (what, stop) in [
         ("loss 5 %", StopCriterion::PAPER),
-        (
-            "cells as large as samples are far apart",
-            StopCriterion::Depth(7),
-        ),
+        ("cells as large as samples are far apart", StopCriterion::Depth(7)),
     ] {
         let tree: Arc<Octree> = Arc::new(octree.with_stop(stop));
         let start = Instant::now();
         let coded = CodedCloud::new(&tree, &frame.points, shapes);
         let made_ms = start.elapsed().as_secs_f64() * 1e3;
         let (depth, leaves) = (coded.depth(), coded.level(coded.depth()).len());
-        println!(
-            "{what}: depth {depth}, {leaves} leaves of {COUNT} points, made in {made_ms:.1} ms"
-        );
+        println!("{what}: depth {depth}, {leaves} leaves of {COUNT} points, made in {made_ms:.1} ms");
         println!("  bits a leaf: {:.2?}", coded.bits_per_leaf());
     }
 }
@@ -165,9 +149,7 @@ fn print_table(frame: &PreparedFrame, place: &str, distance: f64) {
         let drawn = renderer.stats().drawn_instances;
         let per_second = drawn as f64 / median_ms / 1e3;
         let error = mean_squared_error(&truth, renderer.image()).map_or(f64::NAN, psnr_db);
-        println!(
-            "  {name:28} {median_ms:8.2} {per_second:8.2} {error:6.1}   ({drawn} records or nodes)"
-        );
+        println!("  {name:28} {median_ms:8.2} {per_second:8.2} {error:6.1}   ({drawn} records or nodes)");
     }
 }
 

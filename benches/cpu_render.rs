@@ -22,9 +22,7 @@ use pointreel::math::{Aabb, Cube, order_of_codes};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
-use pointreel::scene::{
-    Camera, Content, EyeDome, GroundPlane, Primitive, ScenePacket, Style, Surfels, UpAxis, Voxels,
-};
+use pointreel::scene::{Camera, Content, EyeDome, GroundPlane, Primitive, ScenePacket, Style, Surfels, UpAxis, Voxels};
 use rayon::prelude::*;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -104,10 +102,7 @@ fn draw_on_cpu(renderer: &mut CpuRenderer, packet: &ScenePacket) {
     renderer.render().expect("the packet can be drawn");
 }
 
-#[expect(
-    clippy::print_stdout,
-    reason = "a time means nothing without its adapter"
-)]
+#[expect(clippy::print_stdout, reason = "a time means nothing without its adapter")]
 fn pictures(criterion: &mut Criterion) {
     pointreel::memory::keep_freed_pages();
     let context = Context::headless(&ContextOptions::default()).expect("an adapter");

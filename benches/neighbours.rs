@@ -38,18 +38,14 @@ fn neighbours(criterion: &mut Criterion) {
     group.sample_size(10);
     let functions: [(&str, &(dyn Fn() -> usize + Sync)); 5] = [
         ("tree", &|| nearest_neighbours(&positions, 0).per_point()),
-        ("neighbours", &|| {
-            nearest_neighbours(&positions, NEIGHBOURS).per_point()
-        }),
+        ("neighbours", &|| nearest_neighbours(&positions, NEIGHBOURS).per_point()),
         ("planes", &|| {
             estimate_planes(&positions, NEIGHBOURS, PlaneFit::LeastSquares)
                 .normals
                 .len()
         }),
         ("kiddo", &|| by_kiddo(&positions).len()),
-        ("kiddo, Morton order", &|| {
-            by_kiddo(&in_morton_order(&positions)).len()
-        }),
+        ("kiddo, Morton order", &|| by_kiddo(&in_morton_order(&positions)).len()),
     ];
     bench_on_threads(&mut group, [1, 2], &functions);
     group.finish();
@@ -58,8 +54,7 @@ fn neighbours(criterion: &mut Criterion) {
 /// The neighbours of all points, nearest first, one list after the other.
 fn by_kiddo(positions: &[Vec3]) -> Vec<u32> {
     let points: &[[f32; 3]] = bytemuck::cast_slice(positions);
-    let tree: ImmutableKdTree<f32, 3> =
-        ImmutableKdTree::new_from_slice_parallel(points).expect("positions are finite");
+    let tree: ImmutableKdTree<f32, 3> = ImmutableKdTree::new_from_slice_parallel(points).expect("positions are finite");
     // A point is its own nearest, or one of several at distance 0.
     let with_self = NonZero::new(NEIGHBOURS + 1).expect("it is not 0");
     let mut lists = vec![0; NEIGHBOURS * points.len()];
@@ -85,10 +80,7 @@ fn by_kiddo(positions: &[Vec3]) -> Vec<u32> {
 fn in_morton_order(positions: &[Vec3]) -> Vec<Vec3> {
     let cube = Cube::around(positions).expect("there are points");
     let order = order_of_codes(&cube.codes(positions));
-    order
-        .par_iter()
-        .map(|&index| positions[index as usize])
-        .collect()
+    order.par_iter().map(|&index| positions[index as usize]).collect()
 }
 
 /// Prints how far both kinds of normals are from the true ones.

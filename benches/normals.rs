@@ -13,8 +13,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use pointreel::analysis::{
-    DEFAULT_NEIGHBOURS, PlaneFit, estimate_planes, estimate_surface, nearest_neighbours,
-    splat_ellipses, splat_radii,
+    DEFAULT_NEIGHBOURS, PlaneFit, estimate_planes, estimate_surface, nearest_neighbours, splat_ellipses, splat_radii,
 };
 use pointreel::math::{Cube, order_of_codes};
 
@@ -36,20 +35,14 @@ fn normals(criterion: &mut Criterion) {
     let cube = Cube::around(&positions).expect("there are points");
     let order = order_of_codes(&cube.codes(&positions));
     let in_morton_order: Vec<Vec3> = order.iter().map(|&i| positions[i as usize]).collect();
-    let planes = |fit| {
-        estimate_planes(&in_morton_order, DEFAULT_NEIGHBOURS, fit)
-            .normals
-            .len()
-    };
+    let planes = |fit| estimate_planes(&in_morton_order, DEFAULT_NEIGHBOURS, fit).normals.len();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let mut group = criterion.benchmark_group("analysis/100000");
     group.throughput(Throughput::Elements(POINTS as u64));
     group.sample_size(20);
     let functions: [(&str, &(dyn Fn() -> usize + Sync)); 7] = [
         ("surface", &|| surface(&positions, None)),
-        ("surface to sensor", &|| {
-            surface(&positions, Some(Vec3::splat(9.0)))
-        }),
+        ("surface to sensor", &|| surface(&positions, Some(Vec3::splat(9.0)))),
         ("radii", &|| splat_radii(&positions, &known).len()),
         ("ellipses", &|| splat_ellipses(&positions, &known).len()),
         ("planes", &|| planes(PlaneFit::LeastSquares)),
@@ -75,9 +68,7 @@ fn large(criterion: &mut Criterion) {
     group.sample_size(10);
     let functions: [(&str, &(dyn Fn() -> usize + Sync)); 4] = [
         ("surface", &|| surface(&positions, None)),
-        ("surface to sensor", &|| {
-            surface(&positions, Some(Vec3::splat(9.0)))
-        }),
+        ("surface to sensor", &|| surface(&positions, Some(Vec3::splat(9.0)))),
         ("neighbours", &|| {
             nearest_neighbours(&positions, DEFAULT_NEIGHBOURS).per_point()
         }),

@@ -42,9 +42,7 @@ fn build(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(count as u64));
         group.sample_size(if count > 500_000 { 10 } else { 50 });
         for (threads, pool) in threads::pools([1, 2]) {
-            let build = |stop| {
-                pool.install(|| Octree::build(black_box(&positions), black_box(&colors), stop))
-            };
+            let build = |stop| pool.install(|| Octree::build(black_box(&positions), black_box(&colors), stop));
             for delta in [0.02, 0.1, 0.5] {
                 let id = BenchmarkId::new(format!("build, {threads} threads"), delta);
                 group.bench_function(id, |bencher| {
@@ -59,10 +57,7 @@ fn build(criterion: &mut Criterion) {
             });
             for (from, to) in [(0.02, 0.1), (0.1, 0.02)] {
                 let tree = build(StopCriterion::Loss(from));
-                let id = BenchmarkId::new(
-                    format!("δ changed, {threads} threads"),
-                    format!("{from} to {to}"),
-                );
+                let id = BenchmarkId::new(format!("δ changed, {threads} threads"), format!("{from} to {to}"));
                 group.bench_function(id, |bencher| {
                     bencher.iter(|| pool.install(|| tree.with_stop(StopCriterion::Loss(to))));
                 });

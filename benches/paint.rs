@@ -7,16 +7,12 @@
 //!
 //! Not measured: running the panels; drawing the 3-D picture; handing the pixels to the window system.
 
-#![allow(
-    clippy::unwrap_used,
-    reason = "a helper of a benchmark that cannot go on ends it"
-)]
+#![allow(clippy::unwrap_used, reason = "a helper of a benchmark that cannot go on ends it")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use egui::epaint::ClippedShape;
 use egui::{
-    Align2, Color32, Context, FontId, Id, LayerId, Order, RawInput, Rect, TextureFilter, TextureId,
-    pos2, vec2,
+    Align2, Color32, Context, FontId, Id, LayerId, Order, RawInput, Rect, TextureFilter, TextureId, pos2, vec2,
 };
 use image::RgbaImage;
 use pointreel::app::paint::{PixelRect, SoftwarePainter};
@@ -80,12 +76,7 @@ impl Window {
     }
 
     /// Shows shapes and paints what changed; returns how many pixels that were.
-    fn frame(
-        &mut self,
-        shapes: &[ClippedShape],
-        pictures: &[(TextureId, &RgbaImage)],
-        size_px: [u32; 2],
-    ) -> u64 {
+    fn frame(&mut self, shapes: &[ClippedShape], pictures: &[(TextureId, &RgbaImage)], size_px: [u32; 2]) -> u64 {
         self.painter.show(&self.ctx, shapes.to_vec(), 1.0, size_px);
         let damage = self.painter.take_damage();
         self.painter.paint(pictures, &damage, &mut self.pixels);
@@ -160,11 +151,7 @@ fn painting(criterion: &mut Criterion) {
     group.finish();
 }
 
-fn copying(
-    group: &mut criterion::BenchmarkGroup<'_, criterion::measurement::WallTime>,
-    name: &str,
-    count: usize,
-) {
+fn copying(group: &mut criterion::BenchmarkGroup<'_, criterion::measurement::WallTime>, name: &str, count: usize) {
     let from = vec![0x0012_3456_u32; count];
     let mut to = vec![0_u32; count];
     group.bench_function(name, |bencher| {

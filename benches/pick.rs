@@ -57,10 +57,9 @@ fn picking(criterion: &mut Criterion) {
             let chunks = frame.points.par_chunks(1 << 14);
             let boxes = chunks.map(|chunk| {
                 let places = chunk.iter().map(|point| Vec3::from_array(point.position));
-                places.fold(
-                    (Vec3::INFINITY, Vec3::NEG_INFINITY),
-                    |(low, high), place| (low.min(place), high.max(place)),
-                )
+                places.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), place| {
+                    (low.min(place), high.max(place))
+                })
             });
             let (min, max) = boxes.reduce(
                 || (Vec3::INFINITY, Vec3::NEG_INFINITY),

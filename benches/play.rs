@@ -43,10 +43,7 @@ const FILMS: [Film; 2] = [
     },
 ];
 
-#[expect(
-    clippy::print_stdout,
-    reason = "the report is what this program is for"
-)]
+#[expect(clippy::print_stdout, reason = "the report is what this program is for")]
 fn main() {
     pointreel::memory::keep_freed_pages();
     let is_soak = std::env::args().any(|argument| argument == "soak");
@@ -84,8 +81,7 @@ impl Film {
         for frame in 0..self.frames {
             let turn = glam::Quat::from_rotation_y(0.02 * frame as f32);
             let at = |position: &glam::Vec3| (turn * *position).to_array();
-            let mut cloud =
-                RawCloud::from_positions(Positions::F32(positions.iter().map(at).collect()));
+            let mut cloud = RawCloud::from_positions(Positions::F32(positions.iter().map(at).collect()));
             cloud.colors = Some(colors.clone());
             cloud.normals = self.has_normals.then(|| normals.iter().map(at).collect());
             let file = File::create(folder.join(format!("{frame:04}.ply"))).expect("a file");

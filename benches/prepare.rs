@@ -14,8 +14,8 @@ use pointreel::analysis::fake_color;
 use pointreel::cloud::{Frame, PointRecord, Positions, RawCloud, ScalarField};
 use pointreel::memory::MiMalloc;
 use pointreel::sequence::{
-    ColorHints, ColorSource, Coloring, HeightAxis, Loader, LoaderOptions, Needs, PrepareCounters,
-    PreparedFrame, Sequence, complete, prepare,
+    ColorHints, ColorSource, Coloring, HeightAxis, Loader, LoaderOptions, Needs, PrepareCounters, PreparedFrame,
+    Sequence, complete, prepare,
 };
 use pointreel::timeline::Direction;
 use std::f32::consts::TAU;
@@ -109,11 +109,7 @@ fn play(folder: &Path, options: LoaderOptions, rounds: usize) -> usize {
     let mut points = 0;
     for index in (0..rounds).flat_map(|_| 0..loader.sequence().len()) {
         loader.request(index, Direction::Forward, &SURFELS);
-        points += loader
-            .wait(index, &SURFELS)
-            .expect("a good frame")
-            .points
-            .len();
+        points += loader.wait(index, &SURFELS).expect("a good frame").points.len();
     }
     points
 }
@@ -133,11 +129,7 @@ fn bench(criterion: &mut Criterion) {
         .warm_up_time(Duration::from_secs(1))
         .measurement_time(Duration::from_secs(5));
     let cases = [
-        (
-            "normals and radii in the file",
-            40,
-            Attributes::NormalsAndRadii,
-        ),
+        ("normals and radii in the file", 40, Attributes::NormalsAndRadii),
         ("normals in the file", 40, Attributes::Normals),
         ("no normals", 16, Attributes::None),
     ];
@@ -172,11 +164,7 @@ fn bench(criterion: &mut Criterion) {
         let folder = write_sequence(100, attributes);
         group.bench_function(name, |bencher| {
             // Dropping the loader waits for its workers and is no part of the time.
-            bencher.iter_batched(
-                || (),
-                |()| first_frame(folder.path()),
-                BatchSize::PerIteration,
-            );
+            bencher.iter_batched(|| (), |()| first_frame(folder.path()), BatchSize::PerIteration);
         });
     }
     group.finish();
@@ -191,14 +179,9 @@ fn spiral() -> Frame {
         [angle.cos(), angle.sin(), height(index)]
     };
     let mut raw = RawCloud::from_positions(Positions::F32((0..COUNT).map(position).collect()));
-    raw.normals = Some(
-        (0..COUNT)
-            .map(|index| position(index).map(|x| -x))
-            .collect(),
-    );
-    let field = |name, value: fn(f32) -> f32| {
-        ScalarField::new(name, (0..COUNT).map(|index| value(height(index))).collect())
-    };
+    raw.normals = Some((0..COUNT).map(|index| position(index).map(|x| -x)).collect());
+    let field =
+        |name, value: fn(f32) -> f32| ScalarField::new(name, (0..COUNT).map(|index| value(height(index))).collect());
     raw.scalars = vec![
         field("intensity", |height| 300.0 * height),
         field("classification", |height| (20.0 * height).floor()),
@@ -242,10 +225,7 @@ fn recolor(criterion: &mut Criterion) {
     for (name, colors) in [
         ("scalar", intensity),
         ("scalar by logarithms", logarithmic),
-        (
-            "height",
-            Coloring::of(ColorSource::Height(HeightAxis::Auto)),
-        ),
+        ("height", Coloring::of(ColorSource::Height(HeightAxis::Auto))),
         ("class", Coloring::of(ColorSource::Class)),
         ("normal", Coloring::of(ColorSource::Normal)),
     ] {

@@ -124,11 +124,7 @@ fn lod_surfels(count: usize) -> LodSurfels {
         scalar: 0.0,
     });
     let tree = Octree::build(&sorted, &sorted_colors, StopCriterion::Loss(0.02));
-    LodSurfels::new(
-        Arc::new(tree),
-        Arc::new(points.collect()),
-        Arc::new(shapes.collect()),
-    )
+    LodSurfels::new(Arc::new(tree), Arc::new(points.collect()), Arc::new(shapes.collect()))
 }
 
 /// Looking at the origin over 1920×1280 pixels.

@@ -78,11 +78,7 @@ fn print_dense() {
         .collect();
     positions.push(Vec3::ONE);
     let count = positions.len();
-    let tree = Octree::build(
-        &positions,
-        &vec![[0; 4]; count],
-        StopCriterion::PointsPerOctant(1),
-    );
+    let tree = Octree::build(&positions, &vec![[0; 4]; count], StopCriterion::PointsPerOctant(1));
     let bytes = written(&tree, Some(&vec![ShapeRecord::zeroed(); count]));
     let before = memory::peak_from_here();
     let read = StoredOctree::read_from(&bytes).expect("it was just written");
@@ -97,8 +93,7 @@ fn print_dense() {
 
 fn written(tree: &Octree, shapes: Option<&[ShapeRecord]>) -> Vec<u8> {
     let mut bytes = Vec::new();
-    tree.write_to(shapes, &mut bytes)
-        .expect("memory can be written");
+    tree.write_to(shapes, &mut bytes).expect("memory can be written");
     bytes
 }
 

@@ -17,9 +17,7 @@ use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
 use pointreel::math::{Aabb, Cube, order_of_codes};
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
-use pointreel::scene::{
-    Camera, Content, DrawingStyle, Primitive, ScenePacket, Strategy, Style, Surfels, UpAxis,
-};
+use pointreel::scene::{Camera, Content, DrawingStyle, Primitive, ScenePacket, Strategy, Style, Surfels, UpAxis};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -111,18 +109,13 @@ fn reordered(packet: &ScenePacket, order: &[u32]) -> ScenePacket {
 }
 
 fn upload(renderer: &mut GpuRenderer, packet: &ScenePacket) {
-    renderer
-        .prepare(packet)
-        .expect("the packet can be uploaded");
+    renderer.prepare(packet).expect("the packet can be uploaded");
     // Copies out of mapped memory are carried out with the next submission.
     renderer.context().queue.submit([]);
     renderer.context().wait().expect("the adapter answers");
 }
 
-#[expect(
-    clippy::print_stdout,
-    reason = "a time means nothing without its adapter"
-)]
+#[expect(clippy::print_stdout, reason = "a time means nothing without its adapter")]
 fn strategies(criterion: &mut Criterion) {
     pointreel::memory::keep_freed_pages();
     let context = Context::headless(&ContextOptions::default()).expect("an adapter");
@@ -139,17 +132,14 @@ fn strategies(criterion: &mut Criterion) {
                 let packet = sphere(POINTS, primitive, strategy);
                 let mut renderer = GpuRenderer::new(Arc::clone(&context)).expect("a renderer");
                 draw(&mut renderer, &packet);
-                group.bench_function(
-                    BenchmarkId::from_parameter(strategy),
-                    |bencher| match what {
-                        "upload" => bencher.iter_batched_ref(
-                            || copy(&packet),
-                            |fresh| upload(&mut renderer, fresh),
-                            BatchSize::PerIteration,
-                        ),
-                        _ => bencher.iter(|| draw(&mut renderer, &packet)),
-                    },
-                );
+                group.bench_function(BenchmarkId::from_parameter(strategy), |bencher| match what {
+                    "upload" => bencher.iter_batched_ref(
+                        || copy(&packet),
+                        |fresh| upload(&mut renderer, fresh),
+                        BatchSize::PerIteration,
+                    ),
+                    _ => bencher.iter(|| draw(&mut renderer, &packet)),
+                });
             }
             group.finish();
         }

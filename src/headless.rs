@@ -181,11 +181,7 @@ impl Headless {
     }
 
     /// [`Headless::frame`] for a picture of another frame: what is prepared meanwhile stays as it was.
-    pub fn frame_beside(
-        &self,
-        index: usize,
-        settings: &Style,
-    ) -> Result<Arc<PreparedFrame>, FrameError> {
+    pub fn frame_beside(&self, index: usize, settings: &Style) -> Result<Arc<PreparedFrame>, FrameError> {
         self.loader.wait(index, &self.needs(settings))
     }
 

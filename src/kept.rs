@@ -14,14 +14,12 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Where `name` is kept; `None` where the system has no such folder.
 pub(crate) fn place_of(name: &str) -> Option<PathBuf> {
-    directories::ProjectDirs::from("", "", "pointreel")
-        .map(|folders| folders.config_dir().join(name))
+    directories::ProjectDirs::from("", "", "pointreel").map(|folders| folders.config_dir().join(name))
 }
 
 /// Where `name`, which can be made anew, is kept; `None` where the system has no such folder.
 pub(crate) fn cached_place_of(name: &str) -> Option<PathBuf> {
-    directories::ProjectDirs::from("", "", "pointreel")
-        .map(|folders| folders.cache_dir().join(name))
+    directories::ProjectDirs::from("", "", "pointreel").map(|folders| folders.cache_dir().join(name))
 }
 
 /// The bytes of `file`; `None` if it is not there yet. `Err` says why it cannot be read.
@@ -35,9 +33,7 @@ pub(crate) fn read(file: &Path) -> Result<Option<Vec<u8>>, String> {
     if size > MAX_FILE_BYTES {
         return Err(format!("it has {size} bytes"));
     }
-    fs::read(file)
-        .map(Some)
-        .map_err(|reason| reason.to_string())
+    fs::read(file).map(Some).map_err(|reason| reason.to_string())
 }
 
 /// [`write_whole`], in a folder that is made if it is not there.

@@ -16,10 +16,7 @@ const PURGE_DELAY: libmimalloc_sys::mi_option_t = 15;
 
 /// Sets for how long freed memory is kept. To be called once, when the program starts.
 pub fn keep_freed_pages() {
-    #[allow(
-        unsafe_code,
-        reason = "the allocator has options in its environment or in C alone"
-    )]
+    #[allow(unsafe_code, reason = "the allocator has options in its environment or in C alone")]
     // SAFETY: the function stores a number in an array of options that is as long as the library that comes with the
     // crate says, and may be called at any time.
     unsafe {
@@ -61,10 +58,7 @@ mod tests {
     const DEFAULT_MS: &str = "1000";
 
     fn option_ms() -> c_long {
-        #[allow(
-            unsafe_code,
-            reason = "the allocator has options in its environment or in C alone"
-        )]
+        #[allow(unsafe_code, reason = "the allocator has options in its environment or in C alone")]
         // SAFETY: the function reads a number of an array of options that is longer than this one's place.
         unsafe {
             libmimalloc_sys::mi_option_get(PURGE_DELAY)

@@ -61,9 +61,7 @@ fn push_kind_of_word(word: &str, kind: &mut String) {
 /// Whether a word is a path, or ends like the name of a file.
 fn names_a_file(word: &str) -> bool {
     let has_extension = word.rsplit_once('.').is_some_and(|(stem, extension)| {
-        !stem.is_empty()
-            && (1..=4).contains(&extension.len())
-            && extension.chars().all(|c| c.is_ascii_alphanumeric())
+        !stem.is_empty() && (1..=4).contains(&extension.len()) && extension.chars().all(|c| c.is_ascii_alphanumeric())
     });
     has_extension || word.contains(['/', '\\'])
 }
@@ -97,10 +95,7 @@ mod tests {
                 "my scans/left.ply is empty (0 bytes)",
                 "my scans/right.ply is empty (0 bytes)",
             ),
-            (
-                "it names vertex -1.5e3, expected",
-                "it names vertex NaN, expected",
-            ),
+            ("it names vertex -1.5e3, expected", "it names vertex NaN, expected"),
             (
                 "line 3: property `y` of vertex 0 is `two`",
                 "line 4: property `z` of vertex 1 is `1 oops`",
@@ -115,10 +110,7 @@ mod tests {
     fn what_is_said_parts_them() {
         for (one, other) in [
             ("a.ply is empty", "a.ply cannot be read"),
-            (
-                "a.ply, vertex 1: the file ends",
-                "a.ply, face 1: the file ends",
-            ),
+            ("a.ply, vertex 1: the file ends", "a.ply, face 1: the file ends"),
             ("3 frames", "3 points"),
             ("", "3"),
         ] {

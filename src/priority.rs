@@ -45,11 +45,7 @@ mod tests {
         });
         let (index, threads) = shares.unwrap().join().unwrap();
         assert_eq!(index, Some(0));
-        assert_eq!(
-            threads,
-            rayon::current_num_threads(),
-            "as many as elsewhere"
-        );
+        assert_eq!(threads, rayon::current_num_threads(), "as many as elsewhere");
         assert_eq!(rayon::current_thread_index(), None, "that one alone");
     }
 
@@ -59,12 +55,7 @@ mod tests {
         let niceness = || -> i32 {
             let line = std::fs::read_to_string("/proc/thread-self/stat").unwrap();
             let after_name = line.rsplit_once(')').unwrap().1;
-            after_name
-                .split_whitespace()
-                .nth(16)
-                .unwrap()
-                .parse()
-                .unwrap()
+            after_name.split_whitespace().nth(16).unwrap().parse().unwrap()
         };
         let before = niceness();
         let behind = std::thread::Builder::new().spawn(move || {

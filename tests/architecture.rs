@@ -28,9 +28,7 @@ use std::path::{Path, PathBuf};
 
 /// Rooms that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
-    &[
-        "math", "memory", "kept", "locks", "messages", "priority", "progress",
-    ],
+    &["math", "memory", "kept", "locks", "messages", "priority", "progress"],
     &["cloud"],
     &["io", "analysis"],
     &["measure"],
@@ -109,20 +107,12 @@ fn row(room: &str) -> Option<usize> {
 #[test]
 fn every_file_is_read() {
     let sources = sources();
-    let read: BTreeSet<&str> = sources
-        .modules
-        .values()
-        .map(|module| module.file.as_str())
-        .collect();
+    let read: BTreeSet<&str> = sources.modules.values().map(|module| module.file.as_str()).collect();
     let unread: Vec<String> = rust_files()
         .into_keys()
         .filter(|file| file != "main.rs" && !read.contains(file.as_str()))
         .collect();
-    assert!(
-        unread.is_empty(),
-        "no module declares {}",
-        unread.join(", ")
-    );
+    assert!(unread.is_empty(), "no module declares {}", unread.join(", "));
 }
 
 #[test]
@@ -136,8 +126,7 @@ fn imports_go_one_way() {
             let Some(named) = mention.absolute(path) else {
                 continue;
             };
-            let Some((room, named_row)) = named.first().and_then(|room| Some((room, row(room)?)))
-            else {
+            let Some((room, named_row)) = named.first().and_then(|room| Some((room, row(room)?))) else {
                 continue;
             };
             imports += 1;
@@ -163,9 +152,7 @@ fn assert_named_only_in(allowed: &[(&str, &str)], is_the_crate: impl Fn(&str) ->
         .filter(|module| module.names_in_code().any(&is_the_crate))
         .map(|module| module.file.as_str())
         .collect();
-    let is_in = |file: &str, place: &str| {
-        file == place || (place.ends_with('/') && file.starts_with(place))
-    };
+    let is_in = |file: &str, place: &str| file == place || (place.ends_with('/') && file.starts_with(place));
     let elsewhere = naming
         .iter()
         .filter(|file| !allowed.iter().any(|(place, _)| is_in(file, place)))
@@ -185,9 +172,7 @@ fn wgpu_is_named_by_the_renderer_and_the_windows_own_graphics() {
 
 #[test]
 fn egui_is_named_by_the_window_alone() {
-    assert_named_only_in(MAY_NAME_EGUI, |name| {
-        name == "egui" || name.starts_with("egui_")
-    });
+    assert_named_only_in(MAY_NAME_EGUI, |name| name == "egui" || name.starts_with("egui_"));
 }
 
 #[test]
@@ -215,11 +200,7 @@ fn files_stay_readable() {
         .filter(|(_, lines)| *lines > 600)
         .map(|(file, lines)| format!("{file} has {lines} lines"))
         .collect();
-    assert!(
-        long.is_empty(),
-        "split before 600 lines: {}",
-        long.join(", ")
-    );
+    assert!(long.is_empty(), "split before 600 lines: {}", long.join(", "));
 }
 
 /// Of text that people read side by side: sources, shaders, documents.

@@ -1,9 +1,6 @@
 //! Each benchmark suite runs on the demo, in small, and says the same in its table, JSON and CSV.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
 
 mod common;
 
@@ -77,16 +74,10 @@ fn assert_files_agree(report: &Report) {
     assert_eq!(json["rows"].as_array().unwrap().len(), report.rows.len());
     for (index, (row, record)) in report.rows.iter().zip(&records).enumerate() {
         for column in report.all_columns() {
-            let field = &record[headers
-                .iter()
-                .position(|header| header == column.key)
-                .unwrap()];
+            let field = &record[headers.iter().position(|header| header == column.key).unwrap()];
             let value = &json["rows"][index][column.key];
             match report.value(row, column.key).unwrap() {
-                Cell::Text(text) => assert_eq!(
-                    (field, value.as_str()),
-                    (text.as_str(), Some(text.as_str()))
-                ),
+                Cell::Text(text) => assert_eq!((field, value.as_str()), (text.as_str(), Some(text.as_str()))),
                 Cell::Number(number) => {
                     assert_eq!(field.parse(), Ok(*number), "{} in CSV", column.key);
                     // serde_json reads the last digit of some numbers wrong.
@@ -112,20 +103,13 @@ fn assert_files_agree(report: &Report) {
                 .lines()
                 .rev()
                 .find(|line| cells.iter().all(|cell| line.contains(cell.as_str())));
-            assert!(
-                line.is_some(),
-                "no line of the table has all of {cells:?}\n{text}"
-            );
+            assert!(line.is_some(), "no line of the table has all of {cells:?}\n{text}");
         }
     }
 }
 
 fn assert_draw_rows(report: &Report) {
-    let strategies: Vec<String> = report
-        .rows
-        .iter()
-        .map(|row| report.cells(row)[1].clone())
-        .collect();
+    let strategies: Vec<String> = report.rows.iter().map(|row| report.cells(row)[1].clone()).collect();
     assert_eq!(strategies, STRATEGIES);
     // 2 frames, 2 viewpoints, 2 rounds.
     assert_eq!(numbers(report, "samples"), [8.0; 5]);
@@ -134,30 +118,16 @@ fn assert_draw_rows(report: &Report) {
         [0.0; 5],
         "uploads would be in the draw times"
     );
-    for key in [
-        "draw_ms_min",
-        "upload_ms_median",
-        "upload_bytes",
-        "draw_calls",
-    ] {
-        assert!(
-            numbers(report, key).iter().all(|&number| number > 0.0),
-            "{key}"
-        );
+    for key in ["draw_ms_min", "upload_ms_median", "upload_bytes", "draw_calls"] {
+        assert!(numbers(report, key).iter().all(|&number| number > 0.0), "{key}");
     }
     let instances = numbers(report, "instances");
     assert!(
-        instances
-            .iter()
-            .all(|&count| count == instances[0] && count > 0.0),
+        instances.iter().all(|&count| count == instances[0] && count > 0.0),
         "{instances:?}"
     );
     let [least, most] = ["draw_ms_min", "draw_ms_max"].map(|key| numbers(report, key));
-    for ((median, least), most) in numbers(report, "draw_ms_median")
-        .iter()
-        .zip(&least)
-        .zip(&most)
-    {
+    for ((median, least), most) in numbers(report, "draw_ms_median").iter().zip(&least).zip(&most) {
         assert!(least <= median && median <= most);
     }
     let bars = report.bars();
@@ -197,11 +167,7 @@ fn voxels_are_measured_with_every_strategy() {
     let report = measure(&small(suites::VOXELS));
     assert_draw_rows(&report);
     assert_files_agree(&report);
-    assert!(
-        numbers(&report, "octree_depth")
-            .iter()
-            .all(|&depth| depth > 3.0)
-    );
+    assert!(numbers(&report, "octree_depth").iter().all(|&depth| depth > 3.0));
     // By voxels, not by surfels, which are drawn from elsewhere.
     let coverage = report.sequences[0].coverage.unwrap();
     assert_eq!(coverage.count, 4);
@@ -223,14 +189,8 @@ fn octrees_are_measured_at_the_losses_of_the_paper() {
     let report = measure(&small(suites::OCTREE));
     assert_files_agree(&report);
     assert_eq!(numbers(&report, "delta"), [0.02, 0.1, 0.5]);
-    for (loss, delta) in numbers(&report, "loss")
-        .iter()
-        .zip(numbers(&report, "delta"))
-    {
-        assert!(
-            *loss <= delta,
-            "a loss of {loss} where {delta} is acceptable"
-        );
+    for (loss, delta) in numbers(&report, "loss").iter().zip(numbers(&report, "delta")) {
+        assert!(*loss <= delta, "a loss of {loss} where {delta} is acceptable");
     }
     for key in ["depth", "nodes", "leaves"] {
         let numbers = numbers(&report, key);
@@ -248,10 +208,7 @@ fn octrees_are_measured_at_the_losses_of_the_paper() {
         "visited_nodes",
         "emitted_voxels",
     ] {
-        assert!(
-            numbers(&report, key).iter().all(|&number| number > 0.0),
-            "{key}"
-        );
+        assert!(numbers(&report, key).iter().all(|&number| number > 0.0), "{key}");
     }
     let bars: Vec<f64> = report.bars().iter().map(|bar| bar.1).collect();
     assert_eq!(
@@ -263,8 +220,7 @@ fn octrees_are_measured_at_the_losses_of_the_paper() {
 
 /// The rows of one table of the accuracy suite.
 fn rows_of<'a>(report: &'a Report, table: &str) -> Vec<&'a Row> {
-    let is_of =
-        |row: &&Row| report.value(row, Column::TABLE) == Some(&Cell::Text(table.to_owned()));
+    let is_of = |row: &&Row| report.value(row, Column::TABLE) == Some(&Cell::Text(table.to_owned()));
     report.rows.iter().filter(is_of).collect()
 }
 
@@ -292,11 +248,7 @@ fn errors_are_measured_beside_times() {
     // 24 kinds of shapes; preparing, leaves, two distances, and voxels beside surfels.
     assert_eq!((last_step.done, last_step.total), (28, 29));
     assert_files_agree(&report);
-    let names: Vec<String> = report
-        .tables()
-        .into_iter()
-        .map(|table| table.name)
-        .collect();
+    let names: Vec<String> = report.tables().into_iter().map(|table| table.name).collect();
     assert_eq!(names, ["normals", "leaves", "lod", "closed"]);
     assert_normals(&report);
     assert_leaves(&report);
@@ -311,8 +263,7 @@ fn assert_normals(report: &Report) {
     let rows = rows_of(report, "normals");
     // Four shapes, six disturbances, three numbers of neighbours, in this order.
     assert_eq!(rows.len(), 72);
-    let [mean, p95, max] =
-        ["angle_deg_mean", "angle_deg_p95", "angle_deg_max"].map(|key| column(report, &rows, key));
+    let [mean, p95, max] = ["angle_deg_mean", "angle_deg_p95", "angle_deg_max"].map(|key| column(report, &rows, key));
     for (place, ((mean, p95), max)) in mean.iter().zip(&p95).zip(&max).enumerate() {
         assert!(
             0.0 < *mean && mean < p95 && p95 <= max && *max <= 90.0,
@@ -324,22 +275,14 @@ fn assert_normals(report: &Report) {
             .iter()
             .all(|&time_ms| time_ms > 0.0)
     );
-    for (shape, name) in ["sphere", "torus", "cube", "saddle"]
-        .into_iter()
-        .enumerate()
-    {
+    for (shape, name) in ["sphere", "torus", "cube", "saddle"].into_iter().enumerate() {
         assert_eq!(
             report.value(rows[18 * shape], "shape"),
             Some(&Cell::Text(name.to_owned()))
         );
         let of_shape = &mean[18 * shape..][..12];
         for neighbours in 0..3 {
-            let by_noise: Vec<f64> = of_shape
-                .iter()
-                .copied()
-                .skip(neighbours)
-                .step_by(3)
-                .collect();
+            let by_noise: Vec<f64> = of_shape.iter().copied().skip(neighbours).step_by(3).collect();
             assert!(
                 by_noise.windows(2).all(|pair| pair[0] < pair[1]),
                 "{name}: noise does not help: {by_noise:?}"
@@ -355,10 +298,7 @@ fn assert_normals(report: &Report) {
     let robust = column(report, &rows, "robust_angle_deg_mean");
     for (plain, robust) in mean.chunks(18).zip(robust.chunks(18)) {
         let outliers_alone = 12..15;
-        for (plain, robust) in plain[outliers_alone.clone()]
-            .iter()
-            .zip(&robust[outliers_alone])
-        {
+        for (plain, robust) in plain[outliers_alone.clone()].iter().zip(&robust[outliers_alone]) {
             assert!(robust < plain, "{robust} for {plain}");
         }
     }
@@ -373,10 +313,7 @@ fn assert_leaves(report: &Report) {
     assert_eq!(column(report, &rows, "points_without_leaf"), [0.0; 5]);
     let falls = |key: &str| {
         let numbers = column(report, &rows, key);
-        assert!(
-            numbers.windows(2).all(|pair| pair[0] >= pair[1]),
-            "{key}: {numbers:?}"
-        );
+        assert!(numbers.windows(2).all(|pair| pair[0] >= pair[1]), "{key}: {numbers:?}");
     };
     falls("depth");
     falls("leaves");
@@ -401,21 +338,14 @@ fn assert_leaves(report: &Report) {
         assert!((0.4..0.55).contains(&mean[place]), "{}", mean[place]);
         assert!((distance[place] / edge[place] / mean[place] - 1.0).abs() < 1e-9);
     }
-    for (loss, delta) in column(report, &rows, "loss")
-        .iter()
-        .zip(column(report, &rows, "delta"))
-    {
-        assert!(
-            *loss <= delta,
-            "a loss of {loss} where {delta} is acceptable"
-        );
+    for (loss, delta) in column(report, &rows, "loss").iter().zip(column(report, &rows, "delta")) {
+        assert!(*loss <= delta, "a loss of {loss} where {delta} is acceptable");
     }
 }
 
 fn assert_voxels_beside_surfels(report: &Report) {
     let rows = rows_of(report, "closed");
-    let [covered, outside, flip] =
-        ["covered", "outside", "flip_surfels_mean"].map(|key| column(report, &rows, key));
+    let [covered, outside, flip] = ["covered", "outside", "flip_surfels_mean"].map(|key| column(report, &rows, key));
     // The paper's δ, leaves as large as the spacing lit by faces, and by normals. From these two sides surfels of thin
     // limbs reach beyond cells by more than a hundredth; tests/closed_voxels.rs looks from all.
     assert!(covered[0] < 0.9 && covered[1] > 0.98, "{covered:?}");
@@ -426,10 +356,7 @@ fn assert_voxels_beside_surfels(report: &Report) {
 
 fn assert_levels_of_detail(report: &Report) {
     let rows = rows_of(report, "lod");
-    assert_eq!(
-        column(report, &rows, "lod_px"),
-        [0.0, 1.0, 2.0, 4.0, 8.0].repeat(2)
-    );
+    assert_eq!(column(report, &rows, "lod_px"), [0.0, 1.0, 2.0, 4.0, 8.0].repeat(2));
     let (near, far) = rows.split_at(5);
     assert_eq!(column(report, near, "distance"), [1.0; 5]);
     assert_eq!(column(report, far, "distance"), [4.0; 5]);
@@ -439,16 +366,10 @@ fn assert_levels_of_detail(report: &Report) {
             assert!(numbers[4] < 0.5 * numbers[0], "{key}: {numbers:?}");
         }
         let voxels = column(report, rows, "drawn_voxels");
-        assert!(
-            voxels.windows(2).all(|pair| pair[0] >= pair[1]),
-            "{voxels:?}"
-        );
+        assert!(voxels.windows(2).all(|pair| pair[0] >= pair[1]), "{voxels:?}");
         // A coarser cell hides the finer ones in it.
         let shares = column(report, rows, "object_share");
-        assert!(
-            shares.windows(2).all(|pair| pair[0] <= pair[1]),
-            "{shares:?}"
-        );
+        assert!(shares.windows(2).all(|pair| pair[0] <= pair[1]), "{shares:?}");
         assert!(shares[0] > 0.0 && shares[4] < 0.5, "{shares:?}");
         // The truth has no error.
         for key in ["psnr_db", "flip_mean", "flip_object_mean", "flip_max"] {
@@ -476,17 +397,11 @@ fn assert_levels_of_detail(report: &Report) {
         assert_eq!(column(report, rows, "pictures"), [2.0; 5]);
     }
     let ratios = column(report, &near[2..], "psnr_db");
-    assert!(
-        ratios.windows(2).all(|pair| pair[0] > pair[1]),
-        "{ratios:?}"
-    );
+    assert!(ratios.windows(2).all(|pair| pair[0] > pair[1]), "{ratios:?}");
     let [near, far] = [near, far].map(|rows| column(report, rows, "drawn_voxels"));
     assert_eq!(near[0], far[0], "all leaves");
     assert!(
-        near[1..]
-            .iter()
-            .zip(&far[1..])
-            .all(|(near, far)| near > far),
+        near[1..].iter().zip(&far[1..]).all(|(near, far)| near > far),
         "{near:?} {far:?}"
     );
 }
@@ -526,17 +441,8 @@ fn a_cancelled_run_stops_at_the_next_step() {
                 progress.cancel();
             }
         };
-        let result = run(
-            &demo(),
-            &small(suite),
-            Some(&common::context()),
-            &watch,
-            &progress,
-        );
-        assert!(
-            matches!(result, Err(BenchError::Cancelled)),
-            "{suite}: {result:?}"
-        );
+        let result = run(&demo(), &small(suite), Some(&common::context()), &watch, &progress);
+        assert!(matches!(result, Err(BenchError::Cancelled)), "{suite}: {result:?}");
         assert_eq!(seen.into_inner(), 3, "{suite}");
     }
 }
@@ -559,11 +465,7 @@ fn broken_frames_are_skipped_and_said() {
     )
     .unwrap();
     assert_eq!(report.sequences[0].measured_frames, 1);
-    let skipped: Vec<&String> = report
-        .notes
-        .iter()
-        .filter(|note| note.contains("skipped"))
-        .collect();
+    let skipped: Vec<&String> = report.notes.iter().filter(|note| note.contains("skipped")).collect();
     assert!(
         skipped.len() == 1 && skipped[0].contains("scan_0.xyz"),
         "{:?}",
@@ -619,26 +521,18 @@ fn nothing_to_measure_is_an_error() {
 fn the_renderers_are_measured_side_by_side() {
     let report = measure(&small(suites::RENDER));
     assert_files_agree(&report);
-    let kinds: Vec<Vec<String>> = report
-        .rows
+    let kinds: Vec<Vec<String>> = report.rows.iter().map(|row| report.cells(row)[1..3].to_vec()).collect();
+    let expected = ["point", "surfel", "voxel"]
         .iter()
-        .map(|row| report.cells(row)[1..3].to_vec())
-        .collect();
-    let expected = ["point", "surfel", "voxel"].iter().flat_map(|primitive| {
-        ["whole", "afar", "near"].map(|view| vec![(*primitive).to_owned(), view.to_owned()])
-    });
+        .flat_map(|primitive| ["whole", "afar", "near"].map(|view| vec![(*primitive).to_owned(), view.to_owned()]));
     assert_eq!(kinds, expected.collect::<Vec<_>>());
     let records = numbers(&report, "records");
     assert!(
         records[..6].iter().all(|&count| count == records[0]),
         "all points: {records:?}"
     );
-    assert!(
-        records[7] < records[6],
-        "fewer voxels from afar: {records:?}"
-    );
-    let [processor, adapter] =
-        ["processor_ms_median", "adapter_ms_median"].map(|key| numbers(&report, key));
+    assert!(records[7] < records[6], "fewer voxels from afar: {records:?}");
+    let [processor, adapter] = ["processor_ms_median", "adapter_ms_median"].map(|key| numbers(&report, key));
     for (ratio, (processor, adapter)) in numbers(&report, "adapter_per_processor")
         .into_iter()
         .zip(processor.into_iter().zip(adapter))
@@ -649,29 +543,16 @@ fn the_renderers_are_measured_side_by_side() {
 
 #[test]
 fn without_an_adapter_the_processor_is_measured() {
-    for suite in [
-        suites::SURFELS,
-        suites::VOXELS,
-        suites::RENDER,
-        suites::ACCURACY,
-    ] {
+    for suite in [suites::SURFELS, suites::VOXELS, suites::RENDER, suites::ACCURACY] {
         let options = BenchOptions {
             frames: 1,
             viewpoints: 1,
             ..small(suite)
         };
         let report = run(&demo(), &options, None, &|_| {}, &Progress::default()).unwrap();
-        assert!(
-            report.environment.adapter.starts_with("software renderer"),
-            "{suite}"
-        );
+        assert!(report.environment.adapter.starts_with("software renderer"), "{suite}");
         assert!(!report.rows.is_empty(), "{suite}");
-        let has = |key: &str| {
-            report
-                .value(&report.rows[0], key)
-                .and_then(Cell::number)
-                .is_some()
-        };
+        let has = |key: &str| report.value(&report.rows[0], key).and_then(Cell::number).is_some();
         if suite == suites::SURFELS || suite == suites::VOXELS {
             assert_eq!(report.rows.len(), 1);
             assert_eq!(report.cells(&report.rows[0])[1], "processor");
@@ -701,16 +582,8 @@ fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
     let measured = RefCell::new(Vec::new());
     let watch = |step: Step| measured.borrow_mut().extend(step.measured);
     let report = run(&[sphere], &options, None, &watch, &Progress::default()).unwrap();
-    let said: Vec<String> = measured
-        .into_inner()
-        .iter()
-        .map(|point| point.label.clone())
-        .collect();
-    let labels: Vec<String> = report
-        .points
-        .iter()
-        .map(|point| point.label.clone())
-        .collect();
+    let said: Vec<String> = measured.into_inner().iter().map(|point| point.label.clone()).collect();
+    let labels: Vec<String> = report.points.iter().map(|point| point.label.clone()).collect();
     assert_eq!(said, labels, "each is shown once it is measured");
     report
 }
@@ -744,10 +617,7 @@ fn errors_of_ways_to_draw_are_in_the_order_that_theory_says() {
     assert!(flip("voxel by spacing τ 1 CPU") < flip("voxel δ 5 % τ 1 CPU"));
     assert!(flip("surfel two-pass CPU") < flip("surfel two-pass at 50 % CPU"));
     let holes = |label: &str| error(&report, label, "hole_share");
-    assert!(
-        holes("point 1 px CPU") > holes("point 2 px CPU")
-            && holes("point 2 px CPU") > holes("point 3 px CPU")
-    );
+    assert!(holes("point 1 px CPU") > holes("point 2 px CPU") && holes("point 2 px CPU") > holes("point 3 px CPU"));
     assert!(
         holes("surfel two-pass-enlarged CPU") < 0.001,
         "{}",

@@ -37,9 +37,7 @@ fn tori(frames: &'static [(DVec3, f64)]) -> Arc<Sequence> {
     Arc::new(Sequence::with_decoder(sources, move |source| {
         let (place, size) = frames[source.number.unwrap_or(0) as usize];
         let positions = torus.iter().map(|p| (place + size * *p).to_array());
-        Ok(RawCloud::from_positions(Positions::F64(
-            positions.collect(),
-        )))
+        Ok(RawCloud::from_positions(Positions::F64(positions.collect())))
     }))
 }
 
@@ -65,13 +63,7 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
     state.player.as_mut().unwrap().seek(frame, Duration::ZERO);
     let needs = Scene::needs(&state.settings);
     for index in 0..a.len() {
-        state
-            .player
-            .as_ref()
-            .unwrap()
-            .loader()
-            .wait(index, &needs)
-            .unwrap();
+        state.player.as_ref().unwrap().loader().wait(index, &needs).unwrap();
         let companion = &state.beside.as_ref().unwrap().companion;
         companion.loader().wait(index, &needs).unwrap();
     }
@@ -95,10 +87,7 @@ fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
 
 /// Both pictures by the processor, and both by the adapter.
 fn drawn_by_each(packets: &[ScenePacket; 2]) -> [[RgbaImage; 2]; 2] {
-    [
-        packets.each_ref().map(draw_on_cpu),
-        packets.each_ref().map(draw),
-    ]
+    [packets.each_ref().map(draw_on_cpu), packets.each_ref().map(draw)]
 }
 
 #[test]
@@ -126,10 +115,7 @@ fn a_sequence_beside_itself_has_equal_halves_and_no_error() {
                 std::thread::sleep(Duration::from_millis(2));
             };
             let first = map.get_pixel(0, 0);
-            assert!(
-                map.pixels().all(|pixel| pixel == first),
-                "an error map of one colour"
-            );
+            assert!(map.pixels().all(|pixel| pixel == first), "an error map of one colour");
         }
     }
 }
@@ -179,10 +165,7 @@ fn the_same_coordinates_are_the_same_place_whatever_a_sequence_begins_with() {
         distances.fold(f64::INFINITY, f64::min)
     });
     let farthest = farthest.fold(0.0, f64::max);
-    assert!(
-        farthest < pixels_per_unit,
-        "{farthest} of {pixels_per_unit}"
-    );
+    assert!(farthest < pixels_per_unit, "{farthest} of {pixels_per_unit}");
     assert!(farthest > 0.0);
 }
 
@@ -194,19 +177,13 @@ fn what_is_saved_is_what_is_seen() {
     let picture = |width, color| RgbaImage::from_pixel(width, 4, color);
     let joined = state.joined(picture(3, red), Some(picture(5, blue)));
     assert_eq!(joined.dimensions(), (8, 4));
-    assert_eq!(
-        (joined.get_pixel(2, 3), joined.get_pixel(3, 0)),
-        (&red, &blue)
-    );
+    assert_eq!((joined.get_pixel(2, 3), joined.get_pixel(3, 0)), (&red, &blue));
     let beside = state.beside.as_mut().unwrap();
     beside.layout = Layout::Wipe;
     beside.pictures.split = 0.25;
     let joined = state.joined(picture(8, red), Some(picture(8, blue)));
     assert_eq!(joined.dimensions(), (8, 4));
-    assert_eq!(
-        (joined.get_pixel(1, 0), joined.get_pixel(2, 3)),
-        (&red, &blue)
-    );
+    assert_eq!((joined.get_pixel(1, 0), joined.get_pixel(2, 3)), (&red, &blue));
     state.run(Command::CloseComparison);
     let alone = state.joined(picture(8, red), Some(picture(8, blue)));
     assert_eq!(alone, picture(8, red));

@@ -16,9 +16,7 @@ fn pointreel(arguments: &[&str]) -> Output {
 }
 
 fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr)
-        .trim_end()
-        .to_owned()
+    String::from_utf8_lossy(&output.stderr).trim_end().to_owned()
 }
 
 fn text(path: &Path) -> &str {
@@ -44,13 +42,7 @@ fn small_sequence() -> tempfile::TempDir {
 
 #[test]
 fn help_has_headings_and_short_lines() {
-    let usual = [
-        "Options:",
-        "Reading:",
-        "Picture:",
-        "Level of detail:",
-        "View:",
-    ];
+    let usual = ["Options:", "Reading:", "Picture:", "Level of detail:", "View:"];
     let of_verbs = [
         ("view", usual.to_vec()),
         ("render", [&usual[..], &["Video:", "Other poses:"]].concat()),
@@ -86,10 +78,7 @@ fn info_says_what_is_there() {
     assert_eq!(frames[1]["finite_points"], 3);
     assert_eq!(frames[1]["min"], serde_json::json!([1.0, 0.0, 0.0]));
     assert_eq!(frames[1]["max"], serde_json::json!([1.0, 1.0, 1.0]));
-    assert_eq!(
-        frames[1]["attributes"],
-        serde_json::json!(["position", "color"])
-    );
+    assert_eq!(frames[1]["attributes"], serde_json::json!(["position", "color"]));
     let table = pointreel(&["info", text(folder.path())]);
     let table = String::from_utf8_lossy(&table.stdout).into_owned();
     assert!(table.contains("3 frames"));
@@ -115,12 +104,7 @@ fn one_broken_frame_does_not_hide_the_others() {
     assert_eq!(output.status.code(), Some(0));
     assert!(stderr(&output).contains("f7.ply"), "{}", stderr(&output));
     let info: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(
-        info["frames"][2]["error"]
-            .as_str()
-            .unwrap()
-            .contains("f7.ply")
-    );
+    assert!(info["frames"][2]["error"].as_str().unwrap().contains("f7.ply"));
     assert_eq!(info["frames"][3]["points"], 3);
 
     let pictures = tempfile::tempdir().unwrap();
@@ -180,22 +164,14 @@ fn render_draws_every_primitive_mode_and_strategy() {
     ] {
         let (_, stats) = with(&["--splatting", mode]);
         assert_eq!(stats["splatting"], mode);
-        assert!(
-            stats["frames"][0]["render"]["drawn_instances"]
-                .as_u64()
-                .unwrap()
-                >= 1000
-        );
+        assert!(stats["frames"][0]["render"]["drawn_instances"].as_u64().unwrap() >= 1000);
     }
     for primitive in ["surfel", "voxel", "point"] {
         let arguments = ["--primitive", primitive, "--instancing", "storage"];
         let (reference, _) = with(&arguments);
         for strategy in ["uniform", "texture", "vertex", "compute"] {
             let (image, _) = with(&["--primitive", primitive, "--instancing", strategy]);
-            assert!(
-                image == reference,
-                "{primitive}: {strategy} draws another picture"
-            );
+            assert!(image == reference, "{primitive}: {strategy} draws another picture");
         }
     }
     let (_, stats) = with(&["--primitive", "voxel", "--delta", "0.5", "--lod", "2"]);
@@ -215,22 +191,9 @@ fn render_draws_every_primitive_mode_and_strategy() {
         let octree = &stats["frames"][0]["octree"];
         let emitted = octree["emitted_voxels"].as_u64().unwrap();
         assert!(emitted > 0 && emitted <= most, "{flags:?}: {emitted}");
-        assert!(
-            depth.is_none_or(|depth| octree["depth"] == depth),
-            "{flags:?}"
-        );
+        assert!(depth.is_none_or(|depth| octree["depth"] == depth), "{flags:?}");
     }
-    let points = |shape| {
-        with(&[
-            "--primitive",
-            "point",
-            "--point-size",
-            "5",
-            "--point-shape",
-            shape,
-        ])
-        .0
-    };
+    let points = |shape| with(&["--primitive", "point", "--point-size", "5", "--point-shape", shape]).0;
     assert!(points("disk") != points("square"));
     let (disks, _) = with(&["--renderer", "cpu"]);
     for footprint in ["masks", "pixels"] {
@@ -240,14 +203,10 @@ fn render_draws_every_primitive_mode_and_strategy() {
         let leaves = &stats["frames"][0]["octree"]["leaves"];
         let drawn = &stats["frames"][0]["render"]["drawn_instances"];
         assert!(drawn.as_u64().unwrap() > 0 && drawn.as_u64() <= leaves.as_u64());
-        let (coarse, stats) =
-            with(&[&coded[..], &["--lod-level", "3", "--normal-bits", "15"]].concat());
+        let (coarse, stats) = with(&[&coded[..], &["--lod-level", "3", "--normal-bits", "15"]].concat());
         assert!(coarse != image, "{footprint}");
         let drawn = &stats["frames"][0]["render"]["drawn_instances"];
-        assert!(
-            (1..=512).contains(&drawn.as_u64().unwrap()),
-            "{footprint}: {drawn}"
-        );
+        assert!((1..=512).contains(&drawn.as_u64().unwrap()), "{footprint}: {drawn}");
         let (without, _) = with(&[&coded[..], &["--lod", "0", "--offset-bits", "0"]].concat());
         assert!(without != image, "{footprint}");
         let (gpu, _) = with(&["--renderer", "gpu", "--footprint", footprint]);
@@ -271,11 +230,7 @@ fn render_draws_every_primitive_mode_and_strategy() {
         "30",
     ]);
     assert!(
-        black
-            .pixels()
-            .filter(|pixel| pixel.0[..3] != [0, 0, 0])
-            .count()
-            <= 4,
+        black.pixels().filter(|pixel| pixel.0[..3] != [0, 0, 0]).count() <= 4,
         "a speck in the distance"
     );
 }
@@ -354,17 +309,12 @@ fn a_hundred_warnings_of_one_kind_are_one_line() {
         let one = said(&arguments);
         let lines: Vec<&str> = one.lines().filter(|line| line.contains(".ply, ")).collect();
         assert_eq!(lines.len(), 1, "{verb:?}: {one}");
-        assert!(
-            lines[0].contains("f100.ply, vertex 1: the file ends"),
-            "{one}"
-        );
+        assert!(lines[0].contains("f100.ply, vertex 1: the file ends"), "{one}");
         assert!(lines[0].contains("(and 99 more "), "{one}");
         assert!(lines[0].ends_with("; --verbose lists them)"), "{one}");
         arguments.push("--verbose");
         let all = said(&arguments);
-        let lines = all
-            .lines()
-            .filter(|line| line.contains(".ply, vertex 1: the"));
+        let lines = all.lines().filter(|line| line.contains(".ply, vertex 1: the"));
         assert_eq!(lines.count(), 100, "{verb:?}: {all}");
     }
 }
@@ -376,12 +326,7 @@ fn render_without_session(renderer: &str, variables: &[(&str, &str)]) -> Output 
     let mut command = Command::new(env!("CARGO_BIN_EXE_pointreel"));
     command.args(["render", text(folder.path()), "-o", text(&picture)]);
     command.args(["--size", "32x32", "--renderer", renderer]);
-    for name in [
-        "XDG_RUNTIME_DIR",
-        "DISPLAY",
-        "WAYLAND_DISPLAY",
-        "WAYLAND_SOCKET",
-    ] {
+    for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
         command.env_remove(name);
     }
     let output = command.envs(variables.iter().copied()).output().unwrap();
@@ -400,25 +345,16 @@ fn nothing_complains_where_there_is_no_desktop() {
 
 #[test]
 #[cfg(target_os = "linux")]
-#[expect(
-    clippy::print_stderr,
-    reason = "a test that is skipped says so to who runs it"
-)]
+#[expect(clippy::print_stderr, reason = "a test that is skipped says so to who runs it")]
 fn no_driver_is_opened_where_no_card_can_be() {
-    if ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/kfd"].map(|path| Path::new(path).exists())
-        != [false; 4]
-    {
+    if ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/kfd"].map(|path| Path::new(path).exists()) != [false; 4] {
         eprintln!("skipped: this machine may have a graphics card, whose driver is opened");
         return;
     }
     // The loader of Vulkan tells all that it does on stderr, from the first call on.
     let loader_tells = [("VK_LOADER_DEBUG", "all")];
     let by_adapter = render_without_session("gpu", &loader_tells);
-    assert!(
-        stderr(&by_adapter).contains("Vulkan"),
-        "{}",
-        stderr(&by_adapter)
-    );
+    assert!(stderr(&by_adapter).contains("Vulkan"), "{}", stderr(&by_adapter));
     let by_processor = render_without_session("auto", &loader_tells);
     assert_eq!(stderr(&by_processor), "");
 }
@@ -429,26 +365,11 @@ fn failures_exit_with_1_and_wrong_usage_with_2() {
     let empty = tempfile::tempdir().unwrap();
     let sequence = text(folder.path());
     let cases: [(i32, &[&str], &str); 12] = [
+        (1, &["info", "/no/such/place"], "/no/such/place does not exist"),
+        (1, &["info", text(empty.path())], "no point cloud is in the folder"),
         (
             1,
-            &["info", "/no/such/place"],
-            "/no/such/place does not exist",
-        ),
-        (
-            1,
-            &["info", text(empty.path())],
-            "no point cloud is in the folder",
-        ),
-        (
-            1,
-            &[
-                "render",
-                sequence,
-                "-o",
-                "/no/such/place/o.png",
-                "--size",
-                "8x8",
-            ],
+            &["render", sequence, "-o", "/no/such/place/o.png", "--size", "8x8"],
             "/no/such/place/o.png cannot be written",
         ),
         (
@@ -512,10 +433,7 @@ fn odd_clouds_are_drawn() {
         ("holes.xyz", "nan nan nan\n1 2 3\ninf 0 0\n2 2 3\n2 3 3\n"),
         ("nothing.xyz", "nan nan nan\n"),
         ("line.xyz", "0 0 0\n1 1 1\n2 2 2\n3 3 3\n"),
-        (
-            "far.xyz",
-            "10000000.001 0 0\n10000000.002 0 0\n10000000.001 0.001 0\n",
-        ),
+        ("far.xyz", "10000000.001 0 0\n10000000.002 0 0\n10000000.001 0.001 0\n"),
         ("huge.xyz", "-1e30 0 0\n1e30 1e30 0\n0 1e30 1e30\n"),
         ("tiny.xyz", "-1e-30 0 0\n1e-30 1e-30 0\n0 1e-30 1e-30\n"),
     ];
@@ -534,11 +452,7 @@ fn odd_clouds_are_drawn() {
                 "--primitive",
                 primitive,
             ]);
-            assert!(
-                output.status.success(),
-                "{name} as {primitive}: {}",
-                stderr(&output)
-            );
+            assert!(output.status.success(), "{name} as {primitive}: {}", stderr(&output));
         }
     }
 }
@@ -565,8 +479,7 @@ fn bench_names_its_suites() {
     let output = pointreel(&["bench", "speed"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        stderr(&output)
-            .contains("expected surfels, octree, voxels, accuracy, render, play, window or error"),
+        stderr(&output).contains("expected surfels, octree, voxels, accuracy, render, play, window or error"),
         "{}",
         stderr(&output)
     );
@@ -633,14 +546,7 @@ fn the_ways_of_points_are_drawn_and_where_they_break_is_said() {
     let folder = small_sequence();
     let picture = folder.path().join("way.png");
     let render = |more: &[&str]| {
-        let input = [
-            "render",
-            text(folder.path()),
-            "-o",
-            text(&picture),
-            "--frame",
-            "1",
-        ];
+        let input = ["render", text(folder.path()), "-o", text(&picture), "--frame", "1"];
         let how = [
             "--primitive",
             "point",

@@ -65,10 +65,7 @@ fn check_exits_with_3_where_something_is_found() {
     assert_eq!(kinds, ["number_gap", "unreadable_frame"]);
     let words = pointreel(&["check", text(folder.path())]);
     let words = String::from_utf8_lossy(&words.stdout).into_owned();
-    assert!(
-        words.contains("scan_3.xyz") && words.contains("scan_6.xyz"),
-        "{words}"
-    );
+    assert!(words.contains("scan_3.xyz") && words.contains("scan_6.xyz"), "{words}");
 }
 
 #[test]
@@ -76,13 +73,7 @@ fn frames_go_through_every_format() {
     let folder = sequence();
     for format in ["ply", "ply-ascii", "pcd", "las", "laz", "xyz", "npy"] {
         let out = folder.path().join(format!("as {format}"));
-        let output = pointreel(&[
-            "convert",
-            text(folder.path()),
-            text(&out),
-            "--format",
-            format,
-        ]);
+        let output = pointreel(&["convert", text(folder.path()), text(&out), "--format", format]);
         assert!(output.status.success(), "{format}: {output:?}");
         let names = names(&out);
         assert_eq!(names.len(), 7, "{format}: {names:?}");

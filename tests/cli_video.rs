@@ -20,9 +20,7 @@ fn command(arguments: &[&str]) -> Command {
 }
 
 fn render(arguments: &[&str]) -> Output {
-    command(&[&["render", "demo:"], arguments].concat())
-        .output()
-        .unwrap()
+    command(&[&["render", "demo:"], arguments].concat()).output().unwrap()
 }
 
 fn stderr(output: &Output) -> String {
@@ -31,11 +29,7 @@ fn stderr(output: &Output) -> String {
 
 fn succeeds(arguments: &[&str]) -> String {
     let output = render(arguments);
-    assert!(
-        output.status.success(),
-        "{arguments:?}: {}",
-        stderr(&output)
-    );
+    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
@@ -43,10 +37,7 @@ fn succeeds(arguments: &[&str]) -> String {
 fn shown(stats: &Path) -> Vec<u64> {
     let stats: Value = serde_json::from_slice(&fs::read(stats).unwrap()).unwrap();
     let frames = stats["frames"].as_array().unwrap();
-    frames
-        .iter()
-        .map(|frame| frame["index"].as_u64().unwrap())
-        .collect()
+    frames.iter().map(|frame| frame["index"].as_u64().unwrap()).collect()
 }
 
 #[test]
@@ -63,11 +54,7 @@ fn a_turntable_turns_while_the_sequence_plays() {
     );
     assert_eq!(shown(&stats), [0, 1, 2, 3, 4, 5]);
     let reader = BufReader::new(File::open(video).unwrap());
-    let frames = GifDecoder::new(reader)
-        .unwrap()
-        .into_frames()
-        .collect_frames()
-        .unwrap();
+    let frames = GifDecoder::new(reader).unwrap().into_frames().collect_frames().unwrap();
     assert_eq!(frames.len(), 6);
     for pair in frames.windows(2) {
         assert!(pair[0].buffer() != pair[1].buffer());
@@ -84,14 +71,7 @@ fn a_camera_that_stands_still_shows_each_frame_once() {
     let folder = tempfile::tempdir().unwrap();
     let [pattern, stats] = ["p/{frame}.png", "s.json"].map(|name| folder.path().join(name));
     let output = pattern.to_str().unwrap();
-    let said = succeeds(&[
-        "--video",
-        output,
-        "--frame",
-        "4..8",
-        "--stats",
-        stats.to_str().unwrap(),
-    ]);
+    let said = succeeds(&["--video", output, "--frame", "4..8", "--stats", stats.to_str().unwrap()]);
     assert!(
         said.contains("5 pictures") && said.contains("24.00000 a second"),
         "{said}"
@@ -100,8 +80,7 @@ fn a_camera_that_stands_still_shows_each_frame_once() {
     // The first is what the verb draws without a video.
     let picture = folder.path().join("one.png");
     succeeds(&["-o", picture.to_str().unwrap(), "--frame", "4"]);
-    let [one, first] = [picture, folder.path().join("p/0000.png")]
-        .map(|file| image::open(file).unwrap().to_rgba8());
+    let [one, first] = [picture, folder.path().join("p/0000.png")].map(|file| image::open(file).unwrap().to_rgba8());
     assert!(one == first);
 }
 
@@ -155,20 +134,10 @@ fn a_path_of_a_file_is_followed() {
 fn a_transparent_background_is_alpha() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("a.png");
-    succeeds(&[
-        "-o",
-        picture.to_str().unwrap(),
-        "--background",
-        "transparent",
-    ]);
+    succeeds(&["-o", picture.to_str().unwrap(), "--background", "transparent"]);
     let picture = image::open(picture).unwrap().to_rgba8();
     let count = |alpha: u8| picture.pixels().filter(|pixel| pixel.0[3] == alpha).count();
-    assert!(
-        count(0) > 1000 && count(255) > 100,
-        "{} {}",
-        count(0),
-        count(255)
-    );
+    assert!(count(0) > 1000 && count(255) > 100, "{} {}", count(0), count(255));
     let output = Command::new(env!("CARGO_BIN_EXE_pointreel"))
         .args(["view", "demo:", "--background", "transparent"])
         .output()
@@ -199,22 +168,9 @@ fn what_makes_no_sense_is_refused() {
         ),
         (&["--video", &gif, "--turns", "2"], 2, "--turntable"),
         (&["--video", &gif, "--fps", "0"], 2, "from 0.1 to 1000"),
+        (&["--video", &gif, "--turntable", "9", "--fps", "60"], 1, "at most 50"),
         (
-            &["--video", &gif, "--turntable", "9", "--fps", "60"],
-            1,
-            "at most 50",
-        ),
-        (
-            &[
-                "--video",
-                &gif,
-                "--turntable",
-                "9",
-                "--fps",
-                "9",
-                "--seconds",
-                "2",
-            ],
+            &["--video", &gif, "--turntable", "9", "--fps", "9", "--seconds", "2"],
             1,
             "contradict",
         ),
@@ -223,36 +179,15 @@ fn what_makes_no_sense_is_refused() {
             1,
             "one number",
         ),
-        (
-            &["--video", &gif, "--frame", "24"],
-            1,
-            "there is no frame 24",
-        ),
-        (
-            &["--video", &gif, "--background", "transparent"],
-            1,
-            "choose .webp",
-        ),
+        (&["--video", &gif, "--frame", "24"], 1, "there is no frame 24"),
+        (&["--video", &gif, "--background", "transparent"], 1, "choose .webp"),
         (&["--video", &png], 1, "{frame}.png"),
-        (
-            &["--video", &gif, "--path", "nowhere.json"],
-            1,
-            "nowhere.json",
-        ),
+        (&["--video", &gif, "--path", "nowhere.json"], 1, "nowhere.json"),
     ];
     for (arguments, code, expected) in cases {
         let output = render(arguments);
-        assert_eq!(
-            output.status.code(),
-            Some(*code),
-            "{arguments:?}: {}",
-            stderr(&output)
-        );
-        assert!(
-            stderr(&output).contains(expected),
-            "{arguments:?}: {}",
-            stderr(&output)
-        );
+        assert_eq!(output.status.code(), Some(*code), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(expected), "{arguments:?}: {}", stderr(&output));
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -318,16 +253,10 @@ fn an_interrupt_leaves_nothing_that_looks_finished() {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
     // Not SIGINT, which is ignored in whatever a shell has started in the background.
-    let interrupt = Command::new("kill")
-        .args(["-TERM", &child.id().to_string()])
-        .status();
+    let interrupt = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
     assert!(interrupt.unwrap().success());
     assert!(!child.wait().unwrap().success());
-    assert!(
-        names().iter().all(|name| name.starts_with('.')),
-        "{:?}",
-        names()
-    );
+    assert!(names().iter().all(|name| name.starts_with('.')), "{:?}", names());
 }
 
 #[test]

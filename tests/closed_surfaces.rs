@@ -175,10 +175,7 @@ fn check(name: &str, shape: Shape, samples: &[Vec<Vec3>], most_open: f64) {
         100.0 * shrunk
     );
     assert!(open <= most_open, "{open} of {name} is open");
-    assert!(
-        shrunk >= OPEN_SHRUNK,
-        "smaller disks would do for {name}: {shrunk}"
-    );
+    assert!(shrunk >= OPEN_SHRUNK, "smaller disks would do for {name}: {shrunk}");
 }
 
 const SHAPES: [Shape; 2] = [Shape::Sphere, Shape::Torus];
@@ -195,9 +192,7 @@ fn positions_of(places: &[Place]) -> Vec<Vec3> {
 
 /// As many samples of `count` points as make [`POINTS_OF_SAMPLES`].
 fn samples(count: usize, sample: impl FnMut() -> Vec<Vec3>) -> Vec<Vec<Vec3>> {
-    std::iter::repeat_with(sample)
-        .take(POINTS_OF_SAMPLES / count)
-        .collect()
+    std::iter::repeat_with(sample).take(POINTS_OF_SAMPLES / count).collect()
 }
 
 #[test]
@@ -258,24 +253,10 @@ fn rays_know_a_disk_from_a_hole() {
         without_plane: Vec::new(),
     };
     let up = Vec3::Z;
-    let share = |place: Vec3, direction: Vec3| {
-        open_share(
-            &[Vec3::ZERO],
-            &surface,
-            &[(place, direction.normalize())],
-            1.0,
-        )
-    };
+    let share =
+        |place: Vec3, direction: Vec3| open_share(&[Vec3::ZERO], &surface, &[(place, direction.normalize())], 1.0);
     assert_eq!(share(Vec3::new(0.99, 0.0, 0.0), up), 0.0);
     assert_eq!(share(Vec3::new(1.01, 0.0, 0.0), up), 1.0);
-    assert_eq!(
-        share(Vec3::new(0.0, 0.0, 1.01), up),
-        1.0,
-        "another part of the surface"
-    );
-    assert_eq!(
-        share(Vec3::ZERO, Vec3::new(1.0, 0.0, 0.1)),
-        1.0,
-        "from its edge"
-    );
+    assert_eq!(share(Vec3::new(0.0, 0.0, 1.01), up), 1.0, "another part of the surface");
+    assert_eq!(share(Vec3::ZERO, Vec3::new(1.0, 0.0, 0.1)), 1.0, "from its edge");
 }

@@ -16,12 +16,10 @@ use pointreel::measure::flip;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, FirstLook, LevelStyle, Primitive, Scene, Style,
-    SurfelStyle, UpAxis, VoxelLight, VoxelStyle,
+    BackFaces, Backdrop, Background, Camera, FirstLook, LevelStyle, Primitive, Scene, Style, SurfelStyle, UpAxis,
+    VoxelLight, VoxelStyle,
 };
-use pointreel::sequence::{
-    OpenOptions, PrepareCounters, PreparedFrame, Sequence, Shape, complete, prepare,
-};
+use pointreel::sequence::{OpenOptions, PrepareCounters, PreparedFrame, Sequence, Shape, complete, prepare};
 use std::sync::Arc;
 
 /// Share of the surfels' pixels that voxels cover, at least.
@@ -79,9 +77,7 @@ fn draw(
     };
     let on_second = shows(&second, BACKGROUNDS[1]);
     let shows_object = shows(&first, BACKGROUNDS[0]).into_iter().zip(on_second);
-    let shows_object = shows_object
-        .map(|(first, second)| first || second)
-        .collect();
+    let shows_object = shows_object.map(|(first, second)| first || second).collect();
     (first, shows_object)
 }
 
@@ -104,9 +100,7 @@ fn compared(
     let (voxels, is_voxel) = draw(frame, sequence, camera, settings, size_px);
     let count = |is_counted: fn(bool, bool) -> bool| {
         let pixels = is_surfel.iter().zip(&is_voxel);
-        pixels
-            .filter(|&(&surfel, &voxel)| is_counted(surfel, voxel))
-            .count() as f64
+        pixels.filter(|&(&surfel, &voxel)| is_counted(surfel, voxel)).count() as f64
     };
     let all = count(|surfel, _| surfel);
     let map = flip(&surfels, &voxels).unwrap();
@@ -128,14 +122,8 @@ fn voxels() -> Style {
 fn sequences() -> Vec<(String, Sequence)> {
     let mut sequences = vec![
         ("demo".to_owned(), Sequence::demo()),
-        (
-            "sphere".to_owned(),
-            Sequence::of(Shape::Sphere.frame(40_000)),
-        ),
-        (
-            "torus".to_owned(),
-            Sequence::of(Shape::Torus.frame(100_000)),
-        ),
+        ("sphere".to_owned(), Sequence::of(Shape::Sphere.frame(40_000))),
+        ("torus".to_owned(), Sequence::of(Shape::Torus.frame(100_000))),
     ];
     for name in ["sequences/cesiumman_24fps", "static/bun_zipper.ply"] {
         if let Some(path) = shared(name) {
@@ -173,15 +161,9 @@ fn voxels_cover_what_surfels_cover_and_look_like_them() {
                 }
             }
             let [covered, outside, flip] = sums;
-            let found = format!(
-                "{name} {size_px:?}: {covered:.4} covered, {outside:.4} outside, FLIP {flip:.3}"
-            );
+            let found = format!("{name} {size_px:?}: {covered:.4} covered, {outside:.4} outside, FLIP {flip:.3}");
             println!("{found}");
-            let most = if name == "demo" {
-                BOUNDS_OF_DEMO
-            } else {
-                BOUNDS
-            };
+            let most = if name == "demo" { BOUNDS_OF_DEMO } else { BOUNDS };
             if covered < COVERED || outside > most.outside || flip > most.flip {
                 beyond.push(found);
             }

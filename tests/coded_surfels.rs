@@ -21,8 +21,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    BackFaces, Camera, CodeStyle, DrawingStyle, FirstLook, Footprint, LevelStyle, LightStyle,
-    Lighting, NormalBits, OffsetBits, RendererChoice, Scene, Splatting, Style, SurfelStyle,
+    BackFaces, Camera, CodeStyle, DrawingStyle, FirstLook, Footprint, LevelStyle, LightStyle, Lighting, NormalBits,
+    OffsetBits, RendererChoice, Scene, Splatting, Style, SurfelStyle,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::path::Path;
@@ -38,9 +38,7 @@ fn draw(frame: &PreparedFrame, camera: &Camera, settings: &Style, size: [u32; 2]
 
 fn keep(picture: &RgbaImage, name: &str) {
     if let Some(folder) = std::env::var_os("POINTREEL_KEEP_PICTURES") {
-        picture
-            .save(Path::new(&folder).join(format!("{name}.png")))
-            .unwrap();
+        picture.save(Path::new(&folder).join(format!("{name}.png"))).unwrap();
     }
 }
 
@@ -57,19 +55,10 @@ fn ball(count: u32, radius: f32, is_white: bool, settings: &Style) -> PreparedFr
     let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
     let color = |normal: Vec3| {
         let [red, green, blue] = (normal * 100.0 + 128.0).to_array().map(|value| value as u8);
-        if is_white {
-            [255; 4]
-        } else {
-            [red, green, blue, 255]
-        }
+        if is_white { [255; 4] } else { [red, green, blue, 255] }
     };
     raw.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
-    raw.normals = Some(
-        surfels
-            .iter()
-            .map(|surfel| surfel.normal.to_array())
-            .collect(),
-    );
+    raw.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
     raw.radii = Some(vec![radius; surfels.len()]);
     prepared(raw, settings)
 }
@@ -128,13 +117,7 @@ fn gaps(picture: &RgbaImage, camera: &Camera, margin: f64) -> usize {
 
 /// Directions from which a ball is looked at: along axes, where terraces of cells are widest at its outline, and across
 /// them.
-const VIEWS_DEG: [[f64; 2]; 5] = [
-    [0.0, 0.0],
-    [90.0, 0.0],
-    [0.0, 90.0],
-    [45.0, 0.0],
-    [30.0, 35.0],
-];
+const VIEWS_DEG: [[f64; 2]; 5] = [[0.0, 0.0], [90.0, 0.0], [0.0, 90.0], [45.0, 0.0], [30.0, 35.0]];
 
 fn ball_camera([azimuth_deg, elevation_deg]: [f64; 2], distance: f64) -> Camera {
     Camera {
@@ -179,14 +162,10 @@ fn offsets_close_the_gaps_of_quantised_positions() {
                 ..settings
             };
             let picture = draw(&frame, &camera, &settings, SIZE);
-            keep(
-                &picture,
-                &format!("ball_{}_{}_{offset_bits}_bits", view[0], view[1]),
-            );
+            keep(&picture, &format!("ball_{}_{}_{offset_bits}_bits", view[0], view[1]));
             gaps(&picture, &camera, 0.5 * edge)
         };
-        let [without, two, three] =
-            [OffsetBits::None, OffsetBits::Two, OffsetBits::Three].map(count);
+        let [without, two, three] = [OffsetBits::None, OffsetBits::Two, OffsetBits::Three].map(count);
         println!("{view:?}: {without}, {two} and {three} gaps with 0, 2 and 3 bits");
         assert!(without > 400, "{view:?}: {without} gaps without offsets");
         assert!(
@@ -225,9 +204,7 @@ fn masks_beside_exact_disks_on_a_sphere() {
                     fov_deg: 60.0,
                     ..camera_at(distance)
                 };
-                for (lighting, least_db) in
-                    [(Lighting::Unlit, unlit_db), (Lighting::PerFragment, lit_db)]
-                {
+                for (lighting, least_db) in [(Lighting::Unlit, unlit_db), (Lighting::PerFragment, lit_db)] {
                     let settings = Style {
                         codes: CodeStyle {
                             normal_bits,
@@ -242,8 +219,7 @@ fn masks_beside_exact_disks_on_a_sphere() {
                     let masks = draw(&frame, &camera, &settings, SIZE);
                     let disks = draw(&frame, &camera, &exact(&settings), SIZE);
                     let found_db = psnr(&masks, &disks);
-                    let what =
-                        format!("{count} from {distance}, light {lighting}, {normal_bits} bits");
+                    let what = format!("{count} from {distance}, light {lighting}, {normal_bits} bits");
                     println!("{what}: {found_db:.1} dB");
                     assert!(found_db >= least_db, "{what}: {found_db:.1} dB");
                 }
@@ -306,11 +282,7 @@ fn masks_beside_exact_disks_on_real_frames() {
                 keep(&disks, &format!("{name}_{place}_{lighting}_disks"));
                 let found_db = psnr(&masks, &disks);
                 println!("{name}, {place}, light {lighting}: {found_db:.1} dB");
-                let least_db = if lighting == Lighting::Unlit {
-                    unlit_db
-                } else {
-                    lit_db
-                };
+                let least_db = if lighting == Lighting::Unlit { unlit_db } else { lit_db };
                 // Once a normal, light comes from elsewhere.
                 let is_same_light = lighting != Lighting::PerSurfel;
                 assert!(
@@ -340,10 +312,7 @@ fn pictures_do_not_depend_on_threads() {
         };
         let expected = draw(&frame, &camera, &settings, SIZE);
         for threads in [1, 3] {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             assert!(pool.install(|| draw(&frame, &camera, &settings, SIZE)) == expected);
         }
     }
@@ -380,16 +349,11 @@ fn culling_changes_no_pixel_of_a_closed_shape() {
         let a = draw(&frame, &camera, &culled, SIZE);
         let b = draw(&frame, &camera, &not_culled, SIZE);
         // At the outline what is just behind it is within ε of it.
-        let differs = a
-            .enumerate_pixels()
-            .zip(b.pixels())
-            .filter(|((x, y, a), b)| {
-                let [right, down] = [(x, 0), (y, 1)]
-                    .map(|(px, axis)| f64::from(*px) + 0.5 - 0.5 * f64::from(SIZE[axis]));
-                let outline =
-                    0.96 / (distance * distance - 0.96 * 0.96).sqrt() * 0.5 * f64::from(SIZE[1]);
-                right.hypot(down) < outline && a != b
-            });
+        let differs = a.enumerate_pixels().zip(b.pixels()).filter(|((x, y, a), b)| {
+            let [right, down] = [(x, 0), (y, 1)].map(|(px, axis)| f64::from(*px) + 0.5 - 0.5 * f64::from(SIZE[axis]));
+            let outline = 0.96 / (distance * distance - 0.96 * 0.96).sqrt() * 0.5 * f64::from(SIZE[1]);
+            right.hypot(down) < outline && a != b
+        });
         let count = differs.count();
         assert_eq!(count, 0, "{footprint} {distance}");
     }

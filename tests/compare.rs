@@ -91,15 +91,9 @@ fn errors_that_are_known() {
     let brighter = pictures.with("brighter.png", solid([20, 15], 110));
     let answer = answer_in_json(&reference, &brighter);
     let number = |answer: &Value, name: &str| answer[name].as_f64().unwrap();
-    assert!(
-        (number(&answer, "psnr_db") - 28.130_8).abs() < 1e-4,
-        "{answer}"
-    );
+    assert!((number(&answer, "psnr_db") - 28.130_8).abs() < 1e-4, "{answer}");
     let similarity = (2.0 * 100.0 * 110.0 + 6.5025) / (100.0 * 100.0 + 110.0 * 110.0 + 6.5025);
-    assert!(
-        (number(&answer, "ssim") - similarity).abs() < 1e-9,
-        "{answer}"
-    );
+    assert!((number(&answer, "ssim") - similarity).abs() < 1e-9, "{answer}");
     assert_eq!(answer["different_pixels"], 300);
     assert_eq!(answer["largest_difference"], 10);
     // Three pixels of 300.
@@ -131,16 +125,10 @@ fn other_channels_and_depths_are_read_as_8_bit_rgba() {
     let size = [16, 16];
     let reference = pictures.with("rgba.png", solid(size, 128));
     let gray = pictures.with("gray.png", GrayImage::from_pixel(16, 16, Luma([128])));
-    let rgb = pictures.with(
-        "rgb.png",
-        image::RgbImage::from_pixel(16, 16, Rgb([128; 3])),
-    );
+    let rgb = pictures.with("rgb.png", image::RgbImage::from_pixel(16, 16, Rgb([128; 3])));
     let sixteen = ImageBuffer::<Luma<u16>, _>::from_pixel(16, 16, Luma([128 * 257]));
     let sixteen = pictures.with("sixteen.png", sixteen);
-    let clear = pictures.with(
-        "clear.png",
-        RgbaImage::from_pixel(16, 16, Rgba([128, 128, 128, 9])),
-    );
+    let clear = pictures.with("clear.png", RgbaImage::from_pixel(16, 16, Rgba([128, 128, 128, 9])));
     for (test, warning) in [
         (gray, ""),
         (rgb, ""),
@@ -215,10 +203,7 @@ fn failures_name_the_file_and_exit_with_1() {
     let nowhere = pictures.path("no/such/folder/map.png");
     let folder = pictures.0.path();
     let cases: [(&[&Path], &[&str]); 12] = [
-        (
-            &[&good, &other],
-            &["good.png has 20x20", "other.png has 20x21"],
-        ),
+        (&[&good, &other], &["good.png has 20x20", "other.png has 20x21"]),
         (&[&missing, &good], &["missing.png does not exist"]),
         (&[&good, &missing], &["missing.png does not exist"]),
         (&[&good, folder], &["is no file"]),
@@ -230,10 +215,7 @@ fn failures_name_the_file_and_exit_with_1() {
             &[&huge, &good],
             &["huge.png claims 60000x60000 pixels", "at most 33554432"],
         ),
-        (
-            &[&endless, &good],
-            &["endless.png claims", "at most 33554432"],
-        ),
+        (&[&endless, &good], &["endless.png claims", "at most 33554432"]),
         (&[&lying, &good], &["lying.png is a broken PNG picture"]),
         (&[&good, &good, &nowhere], &["map.png cannot be written"]),
     ];
@@ -274,11 +256,7 @@ fn a_heatmap_does_not_take_the_place_of_what_is_compared() {
 
 #[test]
 fn wrong_usage_exits_with_2() {
-    for arguments in [
-        &[] as &[&str],
-        &["one.png"],
-        &["a.png", "b.png", "--heatmap"],
-    ] {
+    for arguments in [&[] as &[&str], &["one.png"], &["a.png", "b.png", "--heatmap"]] {
         assert_eq!(compare(arguments).status.code(), Some(2), "{arguments:?}");
     }
 }

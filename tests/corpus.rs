@@ -40,19 +40,13 @@ fn differences(cloud: &RawCloud, expected: &Value, points: &str, finite: &str) -
     let (finite_points, bounds) = cloud.positions.finite_bounds();
     let mut differences = Vec::new();
     let mut check_count = |what: &str, found: usize, expected: &Value| {
-        if let Some(expected) = expected
-            .as_u64()
-            .filter(|&expected| expected != found as u64)
-        {
+        if let Some(expected) = expected.as_u64().filter(|&expected| expected != found as u64) {
             differences.push(format!("{found} {what}, expected {expected}"));
         }
     };
     check_count("points", cloud.positions.len(), &expected[points]);
     check_count("finite points", finite_points, &expected[finite]);
-    for (name, found) in [
-        ("min", bounds.map(|(min, _)| min)),
-        ("max", bounds.map(|(_, max)| max)),
-    ] {
+    for (name, found) in [("min", bounds.map(|(min, _)| min)), ("max", bounds.map(|(_, max)| max))] {
         let Some(expected) = vector(&expected[name]) else {
             continue;
         };
@@ -60,9 +54,7 @@ fn differences(cloud: &RawCloud, expected: &Value, points: &str, finite: &str) -
             differences.push(format!("no {name}, expected {expected:?}"));
             continue;
         };
-        let is_near = |(found, expected): (f64, f64)| {
-            (found - expected).abs() <= 1e-6 * (1.0 + expected.abs())
-        };
+        let is_near = |(found, expected): (f64, f64)| (found - expected).abs() <= 1e-6 * (1.0 + expected.abs());
         if !found.to_array().into_iter().zip(expected).all(is_near) {
             differences.push(format!("{name} {found}, expected {expected:?}"));
         }
@@ -108,10 +100,7 @@ fn the_corpus_reads_as_other_readers_read_it() {
             wrong.push(format!("{file} ({format}): {}", differences.join("; ")));
         }
     }
-    println!(
-        "corpus: {} of {tried} files as expected",
-        tried - wrong.len()
-    );
+    println!("corpus: {} of {tried} files as expected", tried - wrong.len());
     assert!(tried > 100, "only {tried} files were tried");
     assert!(
         wrong.is_empty(),
@@ -128,9 +117,7 @@ fn other_formats_are_refused_with_a_reason() {
     };
     let error = io::read(&picture).unwrap_err();
     assert!(
-        error
-            .to_string()
-            .contains("not in a format that pointreel reads"),
+        error.to_string().contains("not in a format that pointreel reads"),
         "{error}"
     );
 }
@@ -146,12 +133,7 @@ fn the_sequences_read_as_other_readers_read_them() {
             let path = folder.join(name).join(frame["file"].as_str().unwrap());
             let cloud = io::read(&path).unwrap();
             let differences = differences(&cloud, frame, "points", "finite");
-            assert!(
-                differences.is_empty(),
-                "{}: {}",
-                path.display(),
-                differences.join("; ")
-            );
+            assert!(differences.is_empty(), "{}: {}", path.display(), differences.join("; "));
             tried += 1;
         }
     }

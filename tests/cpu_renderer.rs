@@ -13,8 +13,8 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, LightStyle, Lighting, PointShape, PointStyle,
-    Primitive, Scene, ScenePacket, Splatting, Style, SurfelStyle, Voxels,
+    BackFaces, Backdrop, Background, Camera, Content, LightStyle, Lighting, PointShape, PointStyle, Primitive, Scene,
+    ScenePacket, Splatting, Style, SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -32,14 +32,9 @@ fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
 /// How far apart two pictures are: decibels, and the share of pixels of which a channel differs by more than `step`.
 fn difference(a: &RgbaImage, b: &RgbaImage, step: u8) -> (f64, f64) {
     let psnr = psnr_db(mean_squared_error(a, b).unwrap());
-    let differs = |(a, b): (&image::Rgba<u8>, &image::Rgba<u8>)| {
-        a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > step)
-    };
+    let differs = |(a, b): (&image::Rgba<u8>, &image::Rgba<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > step);
     let differing = a.pixels().zip(b.pixels()).filter(|&pair| differs(pair));
-    (
-        psnr,
-        differing.count() as f64 / f64::from(a.width() * a.height()),
-    )
+    (psnr, differing.count() as f64 / f64::from(a.width() * a.height()))
 }
 
 /// The same picture but for pixels on edges, which rounding puts to either side.
@@ -61,10 +56,7 @@ fn assert_same_picture(packet: &ScenePacket, least_psnr_db: f64, most_differing:
             picture.save(path).unwrap();
         }
     }
-    assert!(
-        psnr >= least_psnr_db && differing <= most_differing,
-        "{what}"
-    );
+    assert!(psnr >= least_psnr_db && differing <= most_differing, "{what}");
 }
 
 /// Disks of several sizes, some of which cut the near plane and the borders of the picture.
@@ -223,9 +215,9 @@ fn voxels_in_every_light_from_outside_and_from_within() {
     let cells: Vec<VoxelRecord> = cells.filter(|cell| cell.color[1] % 4 != 0).collect();
     // Directions that have nothing to do with the faces.
     let normals = common::shapes_towards(cells.iter().map(|cell| cell.center));
-    let lights = Lighting::ALL.iter().flat_map(|&lighting| {
-        [None, Some(Arc::new(normals.clone()))].map(|normals| (lighting, normals))
-    });
+    let lights = Lighting::ALL
+        .iter()
+        .flat_map(|&lighting| [None, Some(Arc::new(normals.clone()))].map(|normals| (lighting, normals)));
     for (lighting, normals) in lights {
         for distance in [3.0, 0.9] {
             let mut packet = surfel_scene(
@@ -254,10 +246,7 @@ fn pictures_do_not_depend_on_threads() {
     let packet = surfel_scene(Style::default(), 1.9);
     let expected = draw_on_cpu(&packet);
     for threads in [1, 3] {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         assert!(pool.install(|| draw_on_cpu(&packet)) == expected);
     }
 }
@@ -275,14 +264,8 @@ fn what_is_not_there_is_background() {
 #[test]
 fn nothing_is_drawn_before_it_is_prepared_nor_twice() {
     let mut renderer = CpuRenderer::new();
-    assert!(matches!(
-        renderer.render(),
-        Err(RenderError::NothingPrepared)
-    ));
-    assert!(matches!(
-        renderer.read_image(),
-        Err(RenderError::NothingPrepared)
-    ));
+    assert!(matches!(renderer.render(), Err(RenderError::NothingPrepared)));
+    assert!(matches!(renderer.read_image(), Err(RenderError::NothingPrepared)));
     let packet = surfel_scene(Style::default(), 1.9);
     for _ in 0..2 {
         renderer.prepare(&packet).unwrap();
@@ -291,10 +274,7 @@ fn nothing_is_drawn_before_it_is_prepared_nor_twice() {
     assert_eq!(renderer.stats().frames, 1);
     let mut huge = packet.clone();
     huge.viewport_px = [40_000, 10];
-    assert!(matches!(
-        renderer.prepare(&huge),
-        Err(RenderError::TooLarge { .. })
-    ));
+    assert!(matches!(renderer.prepare(&huge), Err(RenderError::TooLarge { .. })));
 }
 
 /// Numbers of all sizes and no size: a picture or nothing, and never a panic.
@@ -339,12 +319,7 @@ fn sampled_sphere() -> PreparedFrame {
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
-fn packet_of(
-    frame: &PreparedFrame,
-    camera: &Camera,
-    settings: &Style,
-    size_px: [u32; 2],
-) -> ScenePacket {
+fn packet_of(frame: &PreparedFrame, camera: &Camera, settings: &Style, size_px: [u32; 2]) -> ScenePacket {
     Scene::default().packet(frame, DVec3::ZERO, camera, settings, size_px)
 }
 
@@ -435,11 +410,7 @@ fn depths_of_points_and_voxels_are_their_distances() {
     }
     .transform(DVec3::ZERO, SIZE);
     let depths = draw_depths(&packet);
-    assert!(
-        (depths.depth[middle] - 2.5).abs() < 1e-5,
-        "{}",
-        depths.depth[middle]
-    );
+    assert!((depths.depth[middle] - 2.5).abs() < 1e-5, "{}", depths.depth[middle]);
     assert_eq!(depths.depth[0], f32::INFINITY);
     packet.settings.primitive = Primitive::Point;
     packet.settings.points.size_px = 3.0;
@@ -448,16 +419,8 @@ fn depths_of_points_and_voxels_are_their_distances() {
         color: [9; 4],
     }]));
     let depths = draw_depths(&packet);
-    assert!(
-        (depths.depth[middle] - 3.0).abs() < 1e-5,
-        "{}",
-        depths.depth[middle]
-    );
-    let shown = depths
-        .depth
-        .iter()
-        .filter(|depth| depth.is_finite())
-        .count();
+    assert!((depths.depth[middle] - 3.0).abs() < 1e-5, "{}", depths.depth[middle]);
+    let shown = depths.depth.iter().filter(|depth| depth.is_finite()).count();
     assert_eq!(shown, 9);
 }
 

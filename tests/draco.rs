@@ -4,8 +4,7 @@
 
 use draco_core::mesh_encoder::MeshEncoder;
 use draco_core::{
-    DataType, EncoderBuffer, EncoderOptions, GeometryAttributeType, Mesh, PointAttribute,
-    PointCloudEncoder,
+    DataType, EncoderBuffer, EncoderOptions, GeometryAttributeType, Mesh, PointAttribute, PointCloudEncoder,
 };
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::io;
@@ -50,11 +49,7 @@ fn mesh() -> Mesh {
         &floats(vec![[0.0, 0.0, 1.0]; POINTS]),
     ));
     let colors: Vec<u8> = (0..POINTS).flat_map(color).collect();
-    mesh.add_attribute(attribute(
-        GeometryAttributeType::Color,
-        DataType::Uint8,
-        &colors,
-    ));
+    mesh.add_attribute(attribute(GeometryAttributeType::Color, DataType::Uint8, &colors));
     for start in 0..POINTS - 2 {
         // Every other one is turned, so that all have the same side up.
         let (second, third) = (start + 1 + start % 2, start + 2 - start % 2);
@@ -103,13 +98,7 @@ fn clouds_and_meshes_are_read_with_their_attributes() {
         for normal in cloud.normals.as_ref().unwrap() {
             assert!(normal[2] > 0.99, "{normal:?}");
         }
-        assert!(
-            cloud
-                .faces
-                .iter()
-                .flatten()
-                .all(|&point| (point as usize) < POINTS)
-        );
+        assert!(cloud.faces.iter().flatten().all(|&point| (point as usize) < POINTS));
     }
 }
 

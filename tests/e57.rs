@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use e57::{
-    DateTime, E57Writer, Extension, PointCloudWriter, Quaternion, Record, RecordDataType,
-    RecordName, RecordValue, Transform, Translation,
+    DateTime, E57Writer, Extension, PointCloudWriter, Quaternion, Record, RecordDataType, RecordName, RecordValue,
+    Transform, Translation,
 };
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::io::{self, Part, ReadOptions};
@@ -50,26 +50,16 @@ fn read(bytes: &[u8]) -> Result<RawCloud, io::IoError> {
     io::read_bytes(Path::new("a.e57"), bytes)
 }
 
-const DOUBLE: RecordDataType = RecordDataType::Double {
-    min: None,
-    max: None,
-};
+const DOUBLE: RecordDataType = RecordDataType::Double { min: None, max: None };
 
 fn xyz() -> Vec<(RecordName, RecordDataType)> {
-    [
-        RecordName::CartesianX,
-        RecordName::CartesianY,
-        RecordName::CartesianZ,
-    ]
-    .map(|name| (name, DOUBLE))
-    .to_vec()
+    [RecordName::CartesianX, RecordName::CartesianY, RecordName::CartesianZ]
+        .map(|name| (name, DOUBLE))
+        .to_vec()
 }
 
 fn doubles(values: &[f64]) -> Vec<RecordValue> {
-    values
-        .iter()
-        .map(|&value| RecordValue::Double(value))
-        .collect()
+    values.iter().map(|&value| RecordValue::Double(value)).collect()
 }
 
 fn integer(min: i64, max: i64) -> RecordDataType {
@@ -141,8 +131,7 @@ fn three_scans() -> Vec<u8> {
         prototype.extend(["normalX", "normalY", "normalZ"].map(|axis| (unknown(axis), DOUBLE)));
         let points: Vec<Vec<RecordValue>> = (0..5000)
             .map(|index| {
-                let mut point: Vec<RecordValue> =
-                    [index, -index, 1].map(RecordValue::ScaledInteger).to_vec();
+                let mut point: Vec<RecordValue> = [index, -index, 1].map(RecordValue::ScaledInteger).to_vec();
                 point.extend([index % 256, 0, 255, 7].map(RecordValue::Integer));
                 point.extend(doubles(&[0.0, 0.0, 1.0]));
                 point
@@ -162,10 +151,7 @@ fn scans_are_read_together_or_alone() {
     assert_eq!(cloud.positions.len(), 5001);
     let is_at = |found: [f64; 3], expected: [f64; 3]| {
         let near = found.into_iter().zip(expected);
-        assert!(
-            near.into_iter().all(|(a, b)| (a - b).abs() < 1e-9),
-            "{found:?}"
-        );
+        assert!(near.into_iter().all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
     };
     is_at(positions(&cloud)[0], [8.0, 21.0, 33.0]);
     // (2 + 4.999, 2 - 4.999, 2.001) in its scan.
@@ -200,10 +186,7 @@ fn scans_are_read_together_or_alone() {
     let empty = io::read_part(&path, &Part::Scan(1), &options).unwrap();
     assert!(empty.positions.is_empty());
     let error = io::read_part(&path, &Part::Scan(3), &options).unwrap_err();
-    assert!(
-        error.to_string().contains("the file has 3 scans"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("the file has 3 scans"), "{error}");
     let error = io::read_part(&path, &Part::Whole, &options.with_max_memory(9999)).unwrap_err();
     assert!(error.to_string().contains("--max-memory"), "{error}");
 }
@@ -232,15 +215,9 @@ fn spherical_coordinates_and_invalid_points() {
         point(3.0, 0.0, 0.0, 2, 0),
     ];
     let cloud = read(&file(|file| scan(file, &prototype, &points, |_| {}))).unwrap();
-    for (found, expected) in positions(&cloud)
-        .iter()
-        .zip([[0.0, 2.0, 0.0], [0.0, 0.0, -3.0]])
-    {
+    for (found, expected) in positions(&cloud).iter().zip([[0.0, 2.0, 0.0], [0.0, 0.0, -3.0]]) {
         let near = found.iter().zip(expected);
-        assert!(
-            near.into_iter().all(|(a, b)| (a - b).abs() < 1e-9),
-            "{found:?}"
-        );
+        assert!(near.into_iter().all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
     }
     assert_eq!(cloud.positions.finite_bounds().0, 2);
     assert_eq!(cloud.scalars[0].values, [0.25, 0.0, 0.25, 0.25]);
@@ -327,20 +304,13 @@ fn changed_bytes_under_right_sums_never_panic() {
 fn claims_of_the_description_are_held_against_the_file() {
     let with = |from: &str, to: &str| read(&replace(small(), from, to));
     let error = with("recordCount=\"2\"", "recordCount=\"9\"").unwrap_err();
-    assert!(
-        error.to_string().contains("points end before the last one"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("points end before the last one"), "{error}");
     let error = with("cartesianX", "cartesianx").unwrap_err();
     assert!(error.to_string().contains("no coordinates"), "{error}");
 
     // Fields that are said to be constant have no bits: no byte of the file vouches for the number of points.
     for (count, is_read) in [(3, true), (100_000, false)] {
-        let axes = [
-            RecordName::CartesianX,
-            RecordName::CartesianY,
-            RecordName::CartesianZ,
-        ];
+        let axes = [RecordName::CartesianX, RecordName::CartesianY, RecordName::CartesianZ];
         let prototype = axes.map(|name| (name, integer(4, 5)));
         let points = vec![vec![RecordValue::Integer(4); 3]; count];
         let bytes = file(|file| scan(file, &prototype, &points, |_| {}));

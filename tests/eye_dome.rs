@@ -12,9 +12,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, DrawingStyle, EyeDome, GroundPlane, LightStyle,
-    Lighting, PointStyle, Primitive, Projection, ScenePacket, Splatting, Strategy, Style,
-    SurfelStyle, UpAxis,
+    Backdrop, Background, Camera, Content, DrawingStyle, EyeDome, GroundPlane, LightStyle, Lighting, PointStyle,
+    Primitive, Projection, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
 };
 
 const GRAY: [u8; 3] = [200; 3];
@@ -53,14 +52,8 @@ fn assert_same_picture(packet: &ScenePacket, name: &str) {
     keep(&gpu, &format!("{name}_gpu"));
     keep(&cpu, &format!("{name}_cpu"));
     let psnr = psnr_db(mean_squared_error(&gpu, &cpu).unwrap());
-    let differs = |(a, b): (&image::Rgba<u8>, &image::Rgba<u8>)| {
-        a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > STEP)
-    };
-    let differing = gpu
-        .pixels()
-        .zip(cpu.pixels())
-        .filter(|&pair| differs(pair))
-        .count();
+    let differs = |(a, b): (&image::Rgba<u8>, &image::Rgba<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > STEP);
+    let differing = gpu.pixels().zip(cpu.pixels()).filter(|&pair| differs(pair)).count();
     let share = differing as f64 / f64::from(gpu.width() * gpu.height());
     let (least, most) = match packet.settings.primitive {
         Primitive::Point | Primitive::Voxel => (LEAST_PSNR_OF_EDGES_DB, MOST_DIFFERING_OF_EDGES),
@@ -131,9 +124,7 @@ const STEP_SIZE: [u32; 2] = [64, 720];
 /// The channel of the middle row, column by column.
 fn middle_row(picture: &RgbaImage) -> Vec<u8> {
     let y = picture.height() / 2;
-    (0..picture.width())
-        .map(|x| picture.get_pixel(x, y).0[0])
-        .collect()
+    (0..picture.width()).map(|x| picture.get_pixel(x, y).0[0]).collect()
 }
 
 #[test]
@@ -161,10 +152,7 @@ fn a_plane_that_is_seen_face_on_keeps_its_colors() {
     let packet = step([0.0, 0.0], 1.0, STEP_SIZE, Projection::Perspective);
     for picture in [draw_on_cpu(&packet), draw(&packet)] {
         let [width, height] = STEP_SIZE;
-        assert_eq!(
-            common::count_color(&picture, GRAY),
-            (width * height) as usize
-        );
+        assert_eq!(common::count_color(&picture, GRAY), (width * height) as usize);
     }
 }
 
@@ -187,10 +175,7 @@ fn a_deep_step_keeps_some_color_and_one_without_an_end_is_an_edge() {
     let behind = packet.settings.backdrop.background.top;
     for picture in [draw_on_cpu(&packet), draw(&packet)] {
         let row = middle_row(&picture);
-        let end = row
-            .iter()
-            .position(|&channel| channel == behind[0])
-            .unwrap();
+        let end = row.iter().position(|&channel| channel == behind[0]).unwrap();
         let edge = 200.0 * (-0.5f32).exp();
         assert!((f32::from(row[end - 1]) - edge).abs() < 1.0, "{row:?}");
         assert!(row[..end - 1].iter().all(|&channel| channel == 200));
@@ -314,12 +299,7 @@ fn both_renderers_light_points_and_voxels_alike() {
 fn with_grid(mut packet: ScenePacket) -> ScenePacket {
     let background = packet.settings.backdrop.background;
     packet.settings.backdrop.grid = true;
-    packet.ground = Some(GroundPlane::under(
-        &packet.bounds,
-        DVec3::ZERO,
-        UpAxis::Y,
-        background,
-    ));
+    packet.ground = Some(GroundPlane::under(&packet.bounds, DVec3::ZERO, UpAxis::Y, background));
     packet
 }
 
@@ -388,10 +368,7 @@ fn lines_are_at_multiples_of_the_spacing() {
             let expected = 30.0 + 0.5 * opacity * (red - 30.0);
             for pixel in [line - 1, line] {
                 let found = bright(pixel);
-                assert!(
-                    (found - expected).abs() <= 1.5,
-                    "{by} {pixel}: {found} {expected}"
-                );
+                assert!((found - expected).abs() <= 1.5, "{by} {pixel}: {found} {expected}");
             }
             // Finer lines are five pixels apart, and hardly there.
             assert!(bright(line - 3) < 40.0, "{by} {line}: {}", bright(line - 3));

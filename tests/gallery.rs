@@ -14,8 +14,7 @@ use pointreel::headless::{CameraChoice, Headless};
 use pointreel::math::Aabb;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, FirstLook, Kind, Primitive, RendererChoice, Style,
-    UpAxis,
+    BackFaces, Backdrop, Background, Camera, FirstLook, Kind, Primitive, RendererChoice, Style, UpAxis,
 };
 use pointreel::sequence::{FrameEntry, Loader, LoaderOptions, OpenOptions, Sequence, Shape};
 use std::path::{Path, PathBuf};
@@ -80,8 +79,7 @@ fn first_picture(sequence: Sequence) -> Shown {
 /// The pixel of a place, if it is before the eye and within the picture.
 fn in_picture(camera: &Camera, place: DVec3) -> Option<[f64; 2]> {
     let px = camera.to_px(place, SIZE_PX)?;
-    let is_inside =
-        px.x >= 0.0 && px.y >= 0.0 && px.x < f64::from(SIZE_PX[0]) && px.y < f64::from(SIZE_PX[1]);
+    let is_inside = px.x >= 0.0 && px.y >= 0.0 && px.x < f64::from(SIZE_PX[0]) && px.y < f64::from(SIZE_PX[1]);
     is_inside.then_some([px.x, px.y])
 }
 
@@ -120,10 +118,7 @@ fn check(name: &str, sequence: Sequence) -> Shown {
 }
 
 fn of_cloud(raw: RawCloud) -> Sequence {
-    Sequence::with_decoder(
-        vec![FrameEntry::file("generated")],
-        move |_| Ok(raw.clone()),
-    )
+    Sequence::with_decoder(vec![FrameEntry::file("generated")], move |_| Ok(raw.clone()))
 }
 
 fn of_points(points: Vec<[f32; 3]>) -> Sequence {
@@ -184,10 +179,7 @@ fn outliers_do_not_make_the_person_small() {
     let shown = check("outliers", of_points(points));
     assert_eq!(shown.look.up, UpAxis::NegY);
     assert_eq!(shown.look.kind, Kind::CameraFrame);
-    assert!(
-        shown.look.full.extent().z > 60.0,
-        "the whole bounds are kept"
-    );
+    assert!(shown.look.full.extent().z > 60.0, "the whole bounds are kept");
     assert!(shown.look.trimmed.extent().max_element() < 2.0);
 }
 
@@ -244,11 +236,7 @@ fn a_sweep_is_seen_from_above_and_drawn_as_points() {
             let to_wall = 40.0 + 30.0 * (3.0 * azimuth).sin().abs();
             let range = to_ground.min(to_wall / elevation.cos());
             let across = range * elevation.cos();
-            points.push([
-                across * azimuth.cos(),
-                across * azimuth.sin(),
-                range * elevation.sin(),
-            ]);
+            points.push([across * azimuth.cos(), across * azimuth.sin(), range * elevation.sin()]);
         }
     }
     let shown = check("sweep", of_points(points));
@@ -307,11 +295,7 @@ fn lines_and_clusters_are_seen_whole() {
 
 #[test]
 fn no_point_one_point_and_equal_points_are_looked_at() {
-    for points in [
-        Vec::new(),
-        vec![[3.0, 4.0, 5.0]],
-        vec![[3.0, 4.0, 5.0]; 500],
-    ] {
+    for points in [Vec::new(), vec![[3.0, 4.0, 5.0]], vec![[3.0, 4.0, 5.0]; 500]] {
         let sequence = of_points(points.clone());
         let frame = sequence.frame(0).unwrap();
         let look = FirstLook::of(&[&frame], sequence.origin());
@@ -361,34 +345,16 @@ fn every_set_is_seen_at_once_whole_and_right_side_up() {
             UpAxis::Y,
             Some(Primitive::Surfel),
         ),
-        (
-            "static/fragment.pcd",
-            None,
-            UpAxis::Y,
-            Some(Primitive::Surfel),
-        ),
+        ("static/fragment.pcd", None, UpAxis::Y, Some(Primitive::Surfel)),
         ("static/copc__lone-star.copc.laz", None, UpAxis::Z, None),
-        (
-            "models/CesiumMan.glb",
-            Some(Object),
-            UpAxis::Y,
-            Some(Primitive::Surfel),
-        ),
-        (
-            "models/Fox/Fox.gltf",
-            Some(Object),
-            UpAxis::Y,
-            Some(Primitive::Surfel),
-        ),
+        ("models/CesiumMan.glb", Some(Object), UpAxis::Y, Some(Primitive::Surfel)),
+        ("models/Fox/Fox.gltf", Some(Object), UpAxis::Y, Some(Primitive::Surfel)),
     ];
     for (name, kind, up, primitive) in sets {
         let shown = check(name, open(&data.join(name)));
         assert!(kind.is_none_or(|kind| kind == shown.look.kind), "{name}");
         assert_eq!(shown.look.up, up, "{name}: {}", shown.look.up_why);
-        assert!(
-            primitive.is_none_or(|one| one == shown.look.primitive),
-            "{name}"
-        );
+        assert!(primitive.is_none_or(|one| one == shown.look.primitive), "{name}");
     }
     corpus(&data.join("corpus"));
 }

@@ -7,8 +7,7 @@ use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::VoxelRecord;
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, LightStyle, Lighting, PointStyle, Primitive,
-    Splatting, Style, SurfelStyle,
+    BackFaces, Backdrop, Background, Camera, LightStyle, Lighting, PointStyle, Primitive, Splatting, Style, SurfelStyle,
 };
 
 const BLACK: [u8; 3] = [0, 0, 0];
@@ -98,11 +97,7 @@ fn the_splat_scale_scales_the_disk() {
         };
         let image = draw(&surfels(&[surfel], &camera_at(4.0), settings, SIZE));
         let expected = disk_pixels(&surfel, f64::from(surfel.radius * splat_scale), 4.0);
-        assert_eq!(
-            covered_pixels(&image, BLACK),
-            expected,
-            "scale {splat_scale}"
-        );
+        assert_eq!(covered_pixels(&image, BLACK), expected, "scale {splat_scale}");
     }
 }
 
@@ -154,11 +149,7 @@ fn back_faces_are_culled_unless_asked_for() {
         let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
         let [_, scale] = splatting.scales(2.0);
         let expected = disk_pixels(&tilted(20.0), f64::from(surfel.radius * scale), 3.0);
-        assert_eq!(
-            covered_pixels(&image, BLACK),
-            expected,
-            "{splatting} from behind"
-        );
+        assert_eq!(covered_pixels(&image, BLACK), expected, "{splatting} from behind");
     }
 }
 
@@ -184,10 +175,7 @@ fn the_nearer_of_two_surfels_hides_the_other_in_any_order() {
     let [red, green] = red_before_green();
     let red_disk = disk_pixels(&red, 0.7, 4.0);
     let green_disk = disk_pixels(&green, 0.9, 4.0);
-    let overlap = red_disk
-        .iter()
-        .filter(|pixel| green_disk.contains(pixel))
-        .count();
+    let overlap = red_disk.iter().filter(|pixel| green_disk.contains(pixel)).count();
     assert!(overlap > 100);
     for order in [[red, green], [green, red]] {
         let settings = Style {
@@ -218,20 +206,14 @@ fn without_depth_the_farther_shines_through() {
         ..plain()
     };
     let image = draw(&surfels(&[red, green], &camera_at(4.0), settings, SIZE));
-    let both = image
-        .pixels()
-        .filter(|pixel| pixel.0[0] > 0 && pixel.0[1] > 0)
-        .count();
+    let both = image.pixels().filter(|pixel| pixel.0[0] > 0 && pixel.0[1] > 0).count();
     let red_disk = disk_pixels(&red, 0.7, 4.0);
     let overlap = disk_pixels(&green, 0.9, 4.0)
         .into_iter()
         .filter(|pixel| red_disk.contains(pixel))
         .count();
     // At the rims a weight of 5 % of one over the other may round to nothing.
-    assert!(
-        both > overlap * 9 / 10 && both <= overlap,
-        "{both} of {overlap}"
-    );
+    assert!(both > overlap * 9 / 10 && both <= overlap, "{both} of {overlap}");
 }
 
 #[test]
@@ -289,12 +271,7 @@ fn regular_splatting_shows_the_square_corners_that_the_paper_shows() {
             },
             ..plain()
         };
-        let image = draw(&surfels(
-            &[front, back],
-            &camera_at(3.0),
-            settings,
-            [200, 200],
-        ));
+        let image = draw(&surfels(&[front, back], &camera_at(3.0), settings, [200, 200]));
         // The corner (0.45, 0.45) of the square is outside the disk.
         image.get_pixel(100 + 18, 100 - 18).0
     };
@@ -440,10 +417,7 @@ fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
         let highlight = 38;
         let expected = [100 + highlight, 60 + highlight, 20 + highlight];
         assert!(
-            [r, g, b]
-                .iter()
-                .zip(expected)
-                .all(|(a, b)| a.abs_diff(b) <= 1),
+            [r, g, b].iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1),
             "{lighting}: {:?}",
             [r, g, b]
         );
@@ -506,10 +480,7 @@ fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
             for (x, y, pixel) in image.enumerate_pixels() {
                 let from_middle = (x as f32 + 0.5 - 100.0).hypot(y as f32 + 0.5 - 100.0);
                 if from_middle < 0.97 * silhouette {
-                    assert_eq!(
-                        pixel.0[0], pixel.0[1],
-                        "{splatting}: background at {x}, {y}"
-                    );
+                    assert_eq!(pixel.0[0], pixel.0[1], "{splatting}: background at {x}, {y}");
                 } else if from_middle > 1.2 * silhouette {
                     assert_eq!(pixel.0[..3], background, "{splatting}: splat at {x}, {y}");
                 }
@@ -552,10 +523,7 @@ fn a_cloud_far_from_the_world_origin_looks_the_same() {
     let mut far = surfels(&cloud, &camera, plain(), SIZE);
     far.view = camera.transform(origin, SIZE);
     let (pixels, most) = common::difference(&draw(&near), &draw(&far));
-    assert!(
-        pixels <= 20 && most <= 2,
-        "{pixels} pixels differ by up to {most}"
-    );
+    assert!(pixels <= 20 && most <= 2, "{pixels} pixels differ by up to {most}");
 }
 
 #[test]

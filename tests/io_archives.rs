@@ -26,9 +26,7 @@ fn zipped(files: &[(&str, &str)], method: CompressionMethod) -> Vec<u8> {
     let options = SimpleFileOptions::default().compression_method(method);
     writer.add_directory("run/", options).unwrap();
     for (index, (name, text)) in files.iter().enumerate() {
-        writer
-            .start_file(*name, options.large_file(index == 0))
-            .unwrap();
+        writer.start_file(*name, options.large_file(index == 0)).unwrap();
         writer.write_all(text.as_bytes()).unwrap();
     }
     writer.finish().unwrap().into_inner()
@@ -119,10 +117,7 @@ fn members_without_an_extension_are_told_by_their_first_bytes() {
     let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float \
         z\nend_header\n1 2 3\n";
     let files = [("cloud", ply), ("Makefile", "all:")];
-    for bytes in [
-        zipped(&files, CompressionMethod::Deflated),
-        gzipped(&tarred(&files)),
-    ] {
+    for bytes in [zipped(&files, CompressionMethod::Deflated), gzipped(&tarred(&files))] {
         std::fs::write(&path, bytes).unwrap();
         let entries = io::list(&path, &ReadOptions::default()).unwrap();
         assert_eq!(entries.len(), 1);
@@ -135,10 +130,7 @@ fn members_without_an_extension_are_told_by_their_first_bytes() {
 fn a_damaged_member_is_a_failing_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.zip");
-    let mut bytes = zipped(
-        &[("a.xyz", "1 2 3\n"), ("b.xyz", "4 5 6\n")],
-        CompressionMethod::Stored,
-    );
+    let mut bytes = zipped(&[("a.xyz", "1 2 3\n"), ("b.xyz", "4 5 6\n")], CompressionMethod::Stored);
     let at = bytes.windows(5).position(|five| five == b"4 5 6").unwrap();
     bytes[at] = b'9';
     std::fs::write(&path, bytes).unwrap();
@@ -146,10 +138,7 @@ fn a_damaged_member_is_a_failing_frame() {
     let read = |index: usize| io::read_part(&path, &entries[index].part, &ReadOptions::default());
     assert_eq!(read(0).unwrap().positions.len(), 1);
     let error = read(1).unwrap_err().to_string();
-    assert!(
-        error.contains("checksum") && error.contains("b.xyz"),
-        "{error}"
-    );
+    assert!(error.contains("checksum") && error.contains("b.xyz"), "{error}");
 }
 
 #[test]
@@ -159,10 +148,7 @@ fn bombs_and_encrypted_members_are_refused() {
     let zeros = vec![b'0'; 8 << 20];
     let text = std::str::from_utf8(&zeros).unwrap();
     for (name, bytes) in [
-        (
-            "a.zip",
-            zipped(&[("a.xyz", text)], CompressionMethod::Deflated),
-        ),
+        ("a.zip", zipped(&[("a.xyz", text)], CompressionMethod::Deflated)),
         ("a.xyz.gz", gzipped(&zeros)),
         ("a.tgz", gzipped(&tarred(&[("a.xyz", text)]))),
     ] {
@@ -235,10 +221,7 @@ fn damage_at_any_byte_is_answered() {
 fn ten_thousand_members_are_listed_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let names: Vec<String> = (0..10_000).map(|index| format!("f{index}.xyz")).collect();
-    let files: Vec<(&str, &str)> = names
-        .iter()
-        .map(|name| (name.as_str(), "1 2 3\n"))
-        .collect();
+    let files: Vec<(&str, &str)> = names.iter().map(|name| (name.as_str(), "1 2 3\n")).collect();
     for (name, bytes) in [
         ("a.zip", zipped(&files, CompressionMethod::Stored)),
         ("a.tar", tarred(&files)),

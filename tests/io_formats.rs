@@ -39,11 +39,7 @@ fn bytes_of(scalar: &str, value: f64, big_endian: bool) -> Vec<u8> {
 /// A PLY whose vertices are `rows`, in all three encodings.
 fn plys(properties: &[(&str, &str)], rows: &[Vec<f64>]) -> [(&'static str, Vec<u8>); 3] {
     ["ascii", "binary_little_endian", "binary_big_endian"].map(|encoding| {
-        let mut file = format!(
-            "ply\nformat {encoding} 1.0\nelement vertex {}\n",
-            rows.len()
-        )
-        .into_bytes();
+        let mut file = format!("ply\nformat {encoding} 1.0\nelement vertex {}\n", rows.len()).into_bytes();
         for (scalar, name) in properties {
             file.extend(format!("property {scalar} {name}\n").bytes());
         }
@@ -71,11 +67,7 @@ fn ply_coordinates_of_every_type_and_encoding() {
     for scalar in signed {
         let rows = POINTS.map(|point| point.to_vec());
         for (encoding, file) in plys(&[(scalar, "x"), (scalar, "y"), (scalar, "z")], &rows) {
-            assert_eq!(
-                positions(&read("a.ply", &file)),
-                POINTS,
-                "{scalar}, {encoding}"
-            );
+            assert_eq!(positions(&read("a.ply", &file)), POINTS, "{scalar}, {encoding}");
         }
     }
     for scalar in ["uchar", "uint8", "ushort", "uint16", "uint", "uint32"] {
@@ -93,10 +85,7 @@ fn ply_coordinates_of_every_type_and_encoding() {
 #[test]
 fn ply_doubles_keep_their_digits() {
     let point = [4_320_978.612_345, -1e-9, 1e7 + 0.001];
-    for (encoding, file) in plys(
-        &[("double", "x"), ("double", "y"), ("double", "z")],
-        &[point.to_vec()],
-    ) {
+    for (encoding, file) in plys(&[("double", "x"), ("double", "y"), ("double", "z")], &[point.to_vec()]) {
         let cloud = read("a.ply", &file);
         assert!(matches!(cloud.positions, Positions::F64(_)));
         assert_eq!(positions(&cloud), [point], "{encoding}");
@@ -120,9 +109,7 @@ fn ply_attributes_in_any_order() {
         ("uchar", "alpha"),
         ("float", "scalar_Intensity"),
     ];
-    let row = vec![
-        3.0, 1.0, 30.0, 1.0, 10.0, -7.0, 20.0, 0.0, 2.0, 0.5, 0.25, 128.0, 9.0,
-    ];
+    let row = vec![3.0, 1.0, 30.0, 1.0, 10.0, -7.0, 20.0, 0.0, 2.0, 0.5, 0.25, 128.0, 9.0];
     for (encoding, file) in plys(&properties, &[row]) {
         let cloud = read("a.ply", &file);
         assert_eq!(positions(&cloud), [[10.0, 20.0, 30.0]], "{encoding}");
@@ -181,13 +168,7 @@ fn ply_lists_and_other_elements_are_stepped_over() {
             "binary_little_endian"
         })
         .into_bytes();
-        for (scalar, value) in [
-            ("uchar", 3.0),
-            ("int", 7.0),
-            ("int", 8.0),
-            ("int", 9.0),
-            ("float", 0.5),
-        ] {
+        for (scalar, value) in [("uchar", 3.0), ("int", 7.0), ("int", 8.0), ("int", 9.0), ("float", 0.5)] {
             file.extend(put(scalar, value));
         }
         let rows: [&[f64]; 2] = [&[], &[11.0, 12.0]];
@@ -201,11 +182,7 @@ fn ply_lists_and_other_elements_are_stepped_over() {
             file.extend(put("float", point[2]));
         }
         file.extend(put("uchar", 0.0));
-        assert_eq!(
-            positions(&read("a.ply", &file)),
-            POINTS,
-            "big endian: {big_endian}"
-        );
+        assert_eq!(positions(&read("a.ply", &file)), POINTS, "big endian: {big_endian}");
     }
 }
 
@@ -224,14 +201,7 @@ fn ply_is_told_by_its_magic_whatever_its_name() {
     }
 }
 
-fn pcd_header(
-    fields: &str,
-    sizes: &str,
-    types: &str,
-    counts: &str,
-    points: usize,
-    data: &str,
-) -> Vec<u8> {
+fn pcd_header(fields: &str, sizes: &str, types: &str, counts: &str, points: usize, data: &str) -> Vec<u8> {
     format!(
         "# .PCD v.7 - Point Cloud Data file format\nVERSION .7\nFIELDS {fields}\nSIZE {sizes}\nTYPE {types}\n\
          COUNT {counts}\nWIDTH {points}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {points}\nDATA {data}\n"
@@ -283,11 +253,7 @@ fn pcd_in_all_encodings() {
     compressed.extend((block.len() as u32).to_le_bytes());
     compressed.extend(&packed);
 
-    for (encoding, file) in [
-        ("ascii", ascii),
-        ("binary", rows),
-        ("binary_compressed", compressed),
-    ] {
+    for (encoding, file) in [("ascii", ascii), ("binary", rows), ("binary_compressed", compressed)] {
         let cloud = read("a.pcd", &file);
         assert_eq!(positions(&cloud), POINTS, "{encoding}");
         assert_eq!(
@@ -296,10 +262,7 @@ fn pcd_in_all_encodings() {
             "{encoding}"
         );
         assert_eq!(cloud.normals, Some(normals.to_vec()), "{encoding}");
-        assert_eq!(
-            cloud.sensor, None,
-            "{encoding}: the default viewpoint says nothing"
-        );
+        assert_eq!(cloud.sensor, None, "{encoding}: the default viewpoint says nothing");
     }
 }
 
@@ -321,8 +284,7 @@ fn pcd_colors_in_the_bits_of_a_float() {
 
 #[test]
 fn pcd_of_a_camera_knows_where_it_stood() {
-    let organised =
-        b"VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 2\n\
+    let organised = b"VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 2\n\
         VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA ascii\n0 0 1\nnan nan nan\n0 1 1\n1 1 1\n";
     let cloud = read("a.pcd", organised);
     assert_eq!(cloud.sensor, Some(glam::DVec3::ZERO));
@@ -353,10 +315,7 @@ fn text_in_the_layouts_that_programs_write() {
         at("1 2 3 255 128 0\n1 2 3 0 0 9\n").colors,
         Some(vec![[255, 128, 0, 255], [0, 0, 9, 255]])
     );
-    assert_eq!(
-        at("1 2 3 1.0 0.5 0.25\n").colors,
-        Some(vec![[255, 128, 64, 255]])
-    );
+    assert_eq!(at("1 2 3 1.0 0.5 0.25\n").colors, Some(vec![[255, 128, 64, 255]]));
     assert_eq!(
         at("1 2 3 0.0 0.6 0.8\n4 5 6 -1 0 0\n").normals,
         Some(vec![[0.0, 0.6, 0.8], [-1.0, 0.0, 0.0]])
@@ -372,10 +331,7 @@ fn text_in_the_layouts_that_programs_write() {
         (positions(&named), named.colors),
         (vec![[1.0, 2.0, 3.0]], Some(vec![[255, 128, 0, 255]]))
     );
-    assert_eq!(
-        positions(&at("4320978.612345 0 0\n"))[0][0],
-        4_320_978.612_345
-    );
+    assert_eq!(positions(&at("4320978.612345 0 0\n"))[0][0], 4_320_978.612_345);
 }
 
 #[test]
@@ -421,11 +377,7 @@ fn files_of_every_format_hold_the_same_cube() {
         assert_eq!(positions(&cloud), corners, "{name}");
         assert_eq!(cloud.colors.as_ref(), Some(&colors), "{name}");
         let has_normals = name != "cube.pts";
-        assert_eq!(
-            cloud.normals.as_ref(),
-            has_normals.then_some(&normals),
-            "{name}"
-        );
+        assert_eq!(cloud.normals.as_ref(), has_normals.then_some(&normals), "{name}");
         let has_intensities = name != "cube.xyz";
         assert_eq!(
             cloud.scalars.first().map(|field| &field.values),
@@ -442,10 +394,7 @@ fn names_of_cloudcompare_and_white_space_in_headers_do_no_harm() {
     let file = "ply\r\nformat ascii 1.0\r\n\r\n  element vertex 1\r\nproperty float x\r\n\
                 property float scalar_C2C_distances_(mm)\r\nproperty float y\r\nproperty float z\r\n end_header\r\n\
                 1 99 2 3\r\n";
-    assert_eq!(
-        positions(&read("a.ply", file.as_bytes())),
-        [[1.0, 2.0, 3.0]]
-    );
+    assert_eq!(positions(&read("a.ply", file.as_bytes())), [[1.0, 2.0, 3.0]]);
 }
 
 #[test]

@@ -2,10 +2,7 @@
 //! was sampled from one of them.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(
-    clippy::print_stdout,
-    reason = "what was compared is for who runs the test"
-)]
+#![allow(clippy::print_stdout, reason = "what was compared is for who runs the test")]
 
 #[path = "common/data.rs"]
 mod data;
@@ -54,18 +51,12 @@ impl Model {
     fn accessor(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8]) -> usize {
         let view = self.view(bytes);
         let accessors = self.json["accessors"].as_array_mut().unwrap();
-        accessors.push(
-            json!({"bufferView": view, "componentType": component, "count": count, "type": kind}),
-        );
+        accessors.push(json!({"bufferView": view, "componentType": component, "count": count, "type": kind}));
         accessors.len() - 1
     }
 
     fn floats<const N: usize>(&mut self, kind: &str, values: &[[f32; N]]) -> usize {
-        let bytes: Vec<u8> = values
-            .iter()
-            .flatten()
-            .flat_map(|value| value.to_le_bytes())
-            .collect();
+        let bytes: Vec<u8> = values.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
         self.accessor(kind, 5126, values.len(), &bytes)
     }
 
@@ -80,10 +71,7 @@ impl Model {
 
     /// With the bytes in a `data:` URI.
     fn file(&self) -> Vec<u8> {
-        let uri = format!(
-            "data:application/octet-stream;base64,{}",
-            STANDARD.encode(&self.bytes)
-        );
+        let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&self.bytes));
         self.with_uri(&uri)
     }
 
@@ -126,21 +114,12 @@ impl Model {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.gltf");
         std::fs::write(&path, self.file()).unwrap();
-        io::read_part(
-            &path,
-            &Part::Moment(Duration::from_secs_f64(seconds)),
-            options,
-        )
-        .unwrap_or_else(|error| panic!("{error}"))
+        io::read_part(&path, &Part::Moment(Duration::from_secs_f64(seconds)), options)
+            .unwrap_or_else(|error| panic!("{error}"))
     }
 }
 
-const CORNERS: [[f32; 3]; 4] = [
-    [0.0, 0.0, 0.0],
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [1.0, 1.0, 0.0],
-];
+const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
 
 fn square() -> Model {
     let mut model = Model::new();
@@ -192,10 +171,7 @@ fn shapes_stand_where_their_nodes_put_them() {
             json!([{"children": [2]}, {"children": [2]}, {}]),
             "node 2: it hangs on two nodes",
         ),
-        (
-            json!([{"children": [1], "mesh": 0}, {"children": [7]}]),
-            "node 7",
-        ),
+        (json!([{"children": [1], "mesh": 0}, {"children": [7]}]), "node 7"),
         (json!([{"mesh": 3}]), "mesh 3"),
     ] {
         model.json["nodes"] = nodes;
@@ -204,9 +180,7 @@ fn shapes_stand_where_their_nodes_put_them() {
     model.json["nodes"] = json!([{"children": [0]}]);
     model.json["scenes"] = json!([{"nodes": [0]}]);
     assert!(
-        model
-            .refused()
-            .contains("node 0: it hangs on two nodes, or on itself"),
+        model.refused().contains("node 0: it hangs on two nodes, or on itself"),
         "{}",
         model.refused()
     );
@@ -225,11 +199,7 @@ fn triangles_strips_fans_and_points() {
         model.attribute("POSITION", "VEC3", &CORNERS);
         model.primitive()["mode"] = json!(mode);
         let cloud = model.read();
-        assert_eq!(
-            (cloud.positions.len(), &cloud.faces),
-            (4, &faces),
-            "mode {mode}"
-        );
+        assert_eq!((cloud.positions.len(), &cloud.faces), (4, &faces), "mode {mode}");
     }
     // Vertices that no index names belong to other shapes.
     let mut model = Model::new();
@@ -237,10 +207,7 @@ fn triangles_strips_fans_and_points() {
     let indices = model.accessor("SCALAR", 5121, 3, &[3, 1, 0]);
     model.primitive()["indices"] = json!(indices);
     let cloud = model.read();
-    assert_eq!(
-        positions(&cloud),
-        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]
-    );
+    assert_eq!(positions(&cloud), [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
     assert_eq!(cloud.faces, [[2, 1, 0]]);
     let indices = model.accessor("SCALAR", 5121, 3, &[3, 1, 4]);
     model.primitive()["indices"] = json!(indices);
@@ -258,25 +225,16 @@ fn sparse_quantised_and_absent_numbers() {
     let values = model.view(&values);
     let sparse = json!({"count": 2, "indices": {"bufferView": indices, "componentType": 5121},
         "values": {"bufferView": values}});
-    model.json["accessors"] =
-        json!([{"componentType": 5126, "count": 4, "type": "VEC3", "sparse": sparse}]);
+    model.json["accessors"] = json!([{"componentType": 5126, "count": 4, "type": "VEC3", "sparse": sparse}]);
     model.primitive()["attributes"]["POSITION"] = json!(0);
     assert_eq!(
         positions(&model.read()),
         [[0.0; 3], [7.0, 8.0, 9.0], [0.0; 3], [-1.0, -2.0, -3.0]]
     );
     model.json["accessors"][0]["count"] = json!(3);
-    assert!(
-        model.refused().contains("sparse entry 3"),
-        "{}",
-        model.refused()
-    );
+    assert!(model.refused().contains("sparse entry 3"), "{}", model.refused());
     model.json["accessors"][0]["count"] = json!(u64::MAX);
-    assert!(
-        model.refused().contains("--max-memory"),
-        "{}",
-        model.refused()
-    );
+    assert!(model.refused().contains("--max-memory"), "{}", model.refused());
     let mut model = Model::new();
     let accessor = model.accessor("VEC3", 5122, 1, &[0xff, 0x7f, 0x01, 0x80, 0, 0]);
     model.json["accessors"][accessor]["normalized"] = json!(true);
@@ -288,11 +246,7 @@ fn sparse_quantised_and_absent_numbers() {
     model.json["accessors"][accessor]["count"] = json!(0);
     assert!(model.refused().contains("no mesh"));
     model.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
-    assert!(
-        model
-            .refused()
-            .contains("compressed with KHR_draco_mesh_compression")
-    );
+    assert!(model.refused().contains("compressed with KHR_draco_mesh_compression"));
 }
 
 #[test]
@@ -301,8 +255,7 @@ fn colors_of_vertices_materials_and_textures() {
     // Half of the light is 188 of 255.
     model.attribute("COLOR_0", "VEC4", &[[0.5, 1.0, 0.0, 0.5]; 4]);
     assert_eq!(model.read().colors.unwrap(), [[188, 255, 0, 128]; 4]);
-    model.json["materials"] =
-        json!([{"pbrMetallicRoughness": {"baseColorFactor": [1.0, 0.5, 1.0, 1.0]}}]);
+    model.json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorFactor": [1.0, 0.5, 1.0, 1.0]}}]);
     model.primitive()["material"] = json!(0);
     assert_eq!(model.read().colors.unwrap(), [[188, 188, 0, 128]; 4]);
     model.primitive()["attributes"]
@@ -329,8 +282,7 @@ fn colors_of_vertices_materials_and_textures() {
         "VEC2",
         &[[0.1, 0.1], [1.9, 0.1], [-0.9, 0.9], [0.9, -0.1]],
     );
-    model.json["materials"] =
-        json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}}}]);
+    model.json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}}}]);
     model.json["textures"] = json!([{"source": 0}]);
     let view = model.view(&picture);
     for image in [
@@ -339,22 +291,14 @@ fn colors_of_vertices_materials_and_textures() {
     ] {
         model.json["images"] = json!([image]);
         assert_eq!(model.read().colors.unwrap(), texels);
-        let sampled = model.pose(
-            0.0,
-            &ReadOptions::default().with_sample_count(NonZeroUsize::new(100)),
-        );
+        let sampled = model.pose(0.0, &ReadOptions::default().with_sample_count(NonZeroUsize::new(100)));
         assert!(
-            sampled
-                .colors
-                .unwrap()
-                .iter()
-                .all(|color| texels.contains(color)),
+            sampled.colors.unwrap().iter().all(|color| texels.contains(color)),
             "texels are not mixed"
         );
     }
     let transform = json!({"KHR_texture_transform": {"offset": [0.5, 0.0], "scale": [1.0, 1.0]}});
-    model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] =
-        transform;
+    model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = transform;
     assert_eq!(model.read().colors.unwrap()[0], texels[1]);
     // Without the picture there is the shape still.
     for image in [
@@ -363,10 +307,7 @@ fn colors_of_vertices_materials_and_textures() {
         json!({"uri": "data:image/png;base64,AAAA"}),
     ] {
         model.json["images"] = json!([image]);
-        assert_eq!(
-            (model.read().positions.len(), model.read().colors),
-            (4, None)
-        );
+        assert_eq!((model.read().positions.len(), model.read().colors), (4, None));
     }
 }
 
@@ -512,10 +453,7 @@ fn rotations_take_the_short_way_and_morphs_add_up() {
     }]);
     let turned = |seconds: f64| positions(&model.pose(seconds, &options))[1];
     let near = |a: [f64; 3], b: [f64; 3]| {
-        assert!(
-            DVec3::from(a).distance(DVec3::from(b)) < 1e-6,
-            "{a:?} {b:?}"
-        );
+        assert!(DVec3::from(a).distance(DVec3::from(b)) < 1e-6, "{a:?} {b:?}");
     };
     near(turned(0.0), [1.0, 0.0, 2.0]);
     near(turned(0.5), [f64::from(half), f64::from(half), 4.0]);
@@ -530,12 +468,7 @@ fn rotations_take_the_short_way_and_morphs_add_up() {
 #[test]
 fn skins_follow_their_bones() {
     let mut model = square();
-    let joints = model.accessor(
-        "VEC4",
-        5121,
-        4,
-        &[0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 9, 0, 0, 0],
-    );
+    let joints = model.accessor("VEC4", 5121, 4, &[0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 9, 0, 0, 0]);
     model.primitive()["attributes"]["JOINTS_0"] = json!(joints);
     model.attribute(
         "WEIGHTS_0",
@@ -557,21 +490,12 @@ fn skins_follow_their_bones() {
     model.json["skins"] = json!([{"joints": [1, 2], "inverseBindMatrices": bound}]);
     assert_eq!(
         positions(&model.read()),
-        [
-            [2.0, 1.0, 0.0],
-            [5.0, 0.0, 0.0],
-            [2.0, 2.0, 0.0],
-            [101.0, 1.0, 0.0]
-        ]
+        [[2.0, 1.0, 0.0], [5.0, 0.0, 0.0], [2.0, 2.0, 0.0], [101.0, 1.0, 0.0]]
     );
     model.attribute("WEIGHTS_0", "VEC4", &[[1.0, 0.0, 0.0, 0.0]; 4]);
     assert!(model.refused().contains("joint 9"), "{}", model.refused());
     model.attribute("WEIGHTS_0", "VEC4", &[[1.0, 0.0, 0.0, 0.0]; 3]);
-    assert!(
-        model.refused().contains("4 positions but 3"),
-        "{}",
-        model.refused()
-    );
+    assert!(model.refused().contains("4 positions but 3"), "{}", model.refused());
 }
 
 #[test]
@@ -611,13 +535,8 @@ fn only_files_within_the_folder_are_read() {
     }
     #[cfg(unix)]
     {
-        std::os::unix::fs::symlink(folder.path().join("secret.bin"), inside.join("link.bin"))
-            .unwrap();
-        assert!(
-            read("link.bin")
-                .unwrap_err()
-                .contains("only files in the folder")
-        );
+        std::os::unix::fs::symlink(folder.path().join("secret.bin"), inside.join("link.bin")).unwrap();
+        assert!(read("link.bin").unwrap_err().contains("only files in the folder"));
     }
     assert!(read("missing.bin").unwrap_err().contains("must lie beside"));
     assert!(read("a%20b").unwrap_err().contains("not a regular file"));
@@ -630,10 +549,7 @@ fn only_files_within_the_folder_are_read() {
 fn damaged_files_are_answered() {
     let model = moving("LINEAR", &[[2.0, 0.0, 0.0], [6.0, 0.0, 0.0]]);
     let file = model.glb();
-    assert_eq!(
-        io::read_bytes(Path::new("a.glb"), &file).unwrap(),
-        model.read()
-    );
+    assert_eq!(io::read_bytes(Path::new("a.glb"), &file).unwrap(), model.read());
     let options = ReadOptions::default();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
@@ -652,8 +568,8 @@ fn damaged_files_are_answered() {
     let mut repeated = square();
     repeated.json["nodes"] = json!(vec![json!({"mesh": 0}); 100_000]);
     std::fs::write(&path, repeated.file()).unwrap();
-    let error = io::read_part(&path, &Part::Whole, &options.with_max_memory(1 << 29))
-        .map(|cloud| cloud.positions.len());
+    let error =
+        io::read_part(&path, &Part::Whole, &options.with_max_memory(1 << 29)).map(|cloud| cloud.positions.len());
     assert_eq!(error.unwrap(), 400_000);
     let error = io::read_part(&path, &Part::Whole, &options.with_max_memory(1 << 26)).unwrap_err();
     assert!(error.to_string().contains("--max-memory"), "{error}");
@@ -707,10 +623,7 @@ fn a_walking_man_is_posed_as_another_program_posed_him() {
     /// The man is 1.5 high: single precision rounds a place by up to 6e-8 along each axis, 1.03e-7 in all, and both a
     /// point of the sequence and the surface are rounded. The farthest of all was measured 1.3e-7 away.
     const TOLERANCE: f64 = 2.1e-7;
-    let (Some(model), Some(sequence)) = (
-        shared("models/CesiumMan.glb"),
-        shared("sequences/cesiumman_24fps"),
-    ) else {
+    let (Some(model), Some(sequence)) = (shared("models/CesiumMan.glb"), shared("sequences/cesiumman_24fps")) else {
         return;
     };
     let options = ReadOptions::default();

@@ -58,8 +58,7 @@ fn read(name: &str, bytes: &[u8]) -> Result<pointreel::cloud::RawCloud, IoError>
 
 fn ply(encoding: &str, vertices: &str, properties: &str, payload: &[u8]) -> Vec<u8> {
     let mut file =
-        format!("ply\nformat {encoding} 1.0\nelement vertex {vertices}\n{properties}end_header\n")
-            .into_bytes();
+        format!("ply\nformat {encoding} 1.0\nelement vertex {vertices}\n{properties}end_header\n").into_bytes();
     file.extend(payload);
     file
 }
@@ -88,12 +87,7 @@ fn wrong_plys() -> Vec<Case> {
     let huge_list = [[0u8; 12].as_slice(), &i32::MAX.to_le_bytes()].concat();
     vec![
         ("empty", "a.ply", Vec::new(), "is empty"),
-        (
-            "wrong magic",
-            "a.ply",
-            b"plx\n".to_vec(),
-            "line 1: expected `ply`",
-        ),
+        ("wrong magic", "a.ply", b"plx\n".to_vec(), "line 1: expected `ply`"),
         (
             "no magic, no extension",
             "a.dat",
@@ -115,8 +109,7 @@ fn wrong_plys() -> Vec<Case> {
         (
             "no vertices",
             "a.ply",
-            b"ply\nformat ascii 1.0\nelement face 0\nproperty list uchar int i\nend_header\n"
-                .to_vec(),
+            b"ply\nformat ascii 1.0\nelement face 0\nproperty list uchar int i\nend_header\n".to_vec(),
             "no element `vertex`",
         ),
         (
@@ -195,8 +188,7 @@ fn wrong_plys() -> Vec<Case> {
 }
 
 fn wrong_pcds() -> Vec<Case> {
-    let packed =
-        |packed: u32, unpacked: u32| [packed.to_le_bytes(), unpacked.to_le_bytes()].concat();
+    let packed = |packed: u32, unpacked: u32| [packed.to_le_bytes(), unpacked.to_le_bytes()].concat();
     vec![
         (
             "claim, PCD",
@@ -225,31 +217,19 @@ fn wrong_pcds() -> Vec<Case> {
         (
             "bomb, packed PCD",
             "a.pcd",
-            pcd(
-                "1",
-                "binary_compressed",
-                &[packed(4, u32::MAX), vec![0; 4]].concat(),
-            ),
+            pcd("1", "binary_compressed", &[packed(4, u32::MAX), vec![0; 4]].concat()),
             "cannot unpack",
         ),
         (
             "more than LZF can hold, packed PCD",
             "a.pcd",
-            pcd(
-                "1",
-                "binary_compressed",
-                &[packed(4, 4 * 88 + 1), vec![0; 4]].concat(),
-            ),
+            pcd("1", "binary_compressed", &[packed(4, 4 * 88 + 1), vec![0; 4]].concat()),
             "cannot unpack",
         ),
         (
             "noise, packed PCD",
             "a.pcd",
-            pcd(
-                "1",
-                "binary_compressed",
-                &[packed(4, 16), vec![0xff; 4]].concat(),
-            ),
+            pcd("1", "binary_compressed", &[packed(4, 16), vec![0xff; 4]].concat()),
             "damaged",
         ),
         (
@@ -293,12 +273,7 @@ fn wrong_texts() -> Vec<Case> {
             b"3\n1 2 3\n4 5 6\n".to_vec(),
             "point 2: the file ends here, but its first line counts 3 points",
         ),
-        (
-            "noise, text",
-            "a.xyz",
-            vec![0xff; 300],
-            "no line with numbers",
-        ),
+        ("noise, text", "a.xyz", vec![0xff; 300], "no line with numbers"),
     ]
 }
 
@@ -311,10 +286,7 @@ fn what_is_wrong_is_said_with_file_and_place() {
         };
         assert!(message.contains(expected), "{what}: {message}");
         assert!(message.contains(name), "{what}: which file? {message}");
-        assert!(
-            !message.contains('\n'),
-            "{what}: more than a sentence: {message}"
-        );
+        assert!(!message.contains('\n'), "{what}: more than a sentence: {message}");
     }
 }
 
@@ -337,9 +309,8 @@ fn what_cannot_be_read_is_said() {
 /// Small valid files of every format and encoding.
 fn valid_files() -> Vec<(&'static str, Vec<u8>)> {
     let colored = format!("{XYZ}property uchar red\nproperty uchar green\nproperty uchar blue\n");
-    let listed = format!(
-        "{XYZ}property list uchar int i\nproperty double nx\nproperty double ny\nproperty double nz\n"
-    );
+    let listed =
+        format!("{XYZ}property list uchar int i\nproperty double nx\nproperty double ny\nproperty double nz\n");
     let mut listed_row = vec![0; 12];
     listed_row.push(2);
     listed_row.extend([0; 8 + 24]);
@@ -348,10 +319,7 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>)> {
     let block: Vec<u8> = [&[15u8][..], &[7; 16], &[4], &[9; 5], &[0xe0, 0x02, 0x00]].concat();
     let lzf: Vec<u8> = [lzf, block].concat();
     vec![
-        (
-            "a.ply",
-            ply("binary_little_endian", "3", &colored, &[65; 45]),
-        ),
+        ("a.ply", ply("binary_little_endian", "3", &colored, &[65; 45])),
         ("a.ply", ply("binary_big_endian", "3", &colored, &[65; 45])),
         (
             "a.ply",
@@ -362,10 +330,7 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>)> {
                 &[listed_row.clone(), listed_row].concat(),
             ),
         ),
-        (
-            "a.ply",
-            ply("ascii", "2", &listed, b"1 2 3 1 9 0 0 1\n4 5 6 0 1 0 0\n"),
-        ),
+        ("a.ply", ply("ascii", "2", &listed, b"1 2 3 1 9 0 0 1\n4 5 6 0 1 0 0\n")),
         ("a.pcd", pcd("2", "binary", &[65; 32])),
         ("a.pcd", pcd("2", "ascii", b"1 2 3 4\n5 nan 7 8\n")),
         ("a.pcd", pcd("2", "binary_compressed", &lzf)),

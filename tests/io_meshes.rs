@@ -13,9 +13,7 @@ fn read(name: &str, bytes: &[u8]) -> RawCloud {
 }
 
 fn refused(name: &str, bytes: &[u8]) -> String {
-    io::read_bytes(Path::new(name), bytes)
-        .unwrap_err()
-        .to_string()
+    io::read_bytes(Path::new(name), bytes).unwrap_err().to_string()
 }
 
 fn positions(cloud: &RawCloud) -> Vec<[f64; 3]> {
@@ -24,12 +22,7 @@ fn positions(cloud: &RawCloud) -> Vec<[f64; 3]> {
         .collect()
 }
 
-const SQUARE: [[f64; 3]; 4] = [
-    [0.0, 0.0, 0.5],
-    [1.0, 0.0, 0.5],
-    [1.0, 2.0, 0.5],
-    [0.0, 2.0, 0.5],
-];
+const SQUARE: [[f64; 3]; 4] = [[0.0, 0.0, 0.5], [1.0, 0.0, 0.5], [1.0, 2.0, 0.5], [0.0, 2.0, 0.5]];
 const FANNED: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 
 /// Files that are answered whatever is cut from or changed in them.
@@ -49,8 +42,7 @@ fn survives(name: &str, file: &[u8]) {
 /// The square as PLY; `faces` come first where `is_early`.
 fn ply(encoding: &str, index: &str, is_early: bool) -> Vec<u8> {
     let vertex = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
-    let face =
-        format!("element face 2\nproperty uchar flag\nproperty list uchar {index} vertex_index\n");
+    let face = format!("element face 2\nproperty uchar flag\nproperty list uchar {index} vertex_index\n");
     let order = if is_early {
         format!("{face}{vertex}")
     } else {
@@ -71,11 +63,7 @@ fn ply(encoding: &str, index: &str, is_early: bool) -> Vec<u8> {
     } else {
         for axis in SQUARE.iter().flatten() {
             let axis = *axis as f32;
-            vertices.extend(if big {
-                axis.to_be_bytes()
-            } else {
-                axis.to_le_bytes()
-            });
+            vertices.extend(if big { axis.to_be_bytes() } else { axis.to_le_bytes() });
         }
         for polygon in [&[0u8, 1, 2, 3][..], &[0, 1]] {
             faces.extend([9, polygon.len() as u8]);
@@ -85,19 +73,11 @@ fn ply(encoding: &str, index: &str, is_early: bool) -> Vec<u8> {
                     "short" | "ushort" => u16::from(corner).to_le_bytes().to_vec(),
                     _ => u32::from(corner).to_le_bytes().to_vec(),
                 };
-                faces.extend(if big {
-                    bytes.into_iter().rev().collect()
-                } else {
-                    bytes
-                });
+                faces.extend(if big { bytes.into_iter().rev().collect() } else { bytes });
             }
         }
     }
-    let payload = if is_early {
-        [faces, vertices]
-    } else {
-        [vertices, faces]
-    };
+    let payload = if is_early { [faces, vertices] } else { [vertices, faces] };
     [header.into_bytes(), payload.concat()].concat()
 }
 
@@ -139,11 +119,7 @@ fn ply_points_are_there_whatever_is_wrong_with_the_faces() {
         ("2 0 1", "-2 0 1", "line 18: a list cannot have -2 items"),
         ("2 0 1", "1.5 0 1", "a list cannot have 1.5 items"),
         ("2 0 1", "2 0", "face 1: the file ends before property"),
-        (
-            "2 0 1",
-            "9999999999 0 1",
-            "face 1: the file ends before property",
-        ),
+        ("2 0 1", "9999999999 0 1", "face 1: the file ends before property"),
         ("2 0 1", "two 0 1", "of face 1 is `two`, expected a number"),
         ("element face 2", "element face 3", "face 2: the file ends"),
         (
@@ -169,19 +145,13 @@ fn ply_points_are_there_whatever_is_wrong_with_the_faces() {
         assert_eq!(long[at], 2);
         long[at] = 200;
         let warning = warning_of_square(&long);
-        assert!(
-            warning.contains("face 1: a list of 200 items goes beyond"),
-            "{warning}"
-        );
+        assert!(warning.contains("face 1: a list of 200 items goes beyond"), "{warning}");
         let header_end = file.len() - 4 * 12 - 18 - 10;
         let header = String::from_utf8(file[..header_end].to_vec()).unwrap();
         let claim = header.replace("element face 2", "element face 4000000000000");
         let claim = [claim.as_bytes(), &file[header_end..]].concat();
         let warning = warning_of_square(&claim);
-        assert!(
-            warning.contains("its header claims 4000000000000"),
-            "{warning}"
-        );
+        assert!(warning.contains("its header claims 4000000000000"), "{warning}");
     }
 }
 
@@ -229,15 +199,9 @@ fn ply_strips_restart_and_keep_their_side() {
     let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
                   element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
     let vertices = "0 0 0\n1 0 0\n1 2 0\n0 2 0\n";
-    let cloud = read(
-        "a.ply",
-        format!("{header}{vertices}9 0 1 3 2 -1 0 1 1 2\n").as_bytes(),
-    );
+    let cloud = read("a.ply", format!("{header}{vertices}9 0 1 3 2 -1 0 1 1 2\n").as_bytes());
     assert_eq!(cloud.faces, [[0, 1, 3], [3, 1, 2]]);
-    let cloud = read(
-        "a.ply",
-        format!("{header}{vertices}7 0 1 2 -1 2 3 0\n").as_bytes(),
-    );
+    let cloud = read("a.ply", format!("{header}{vertices}7 0 1 2 -1 2 3 0\n").as_bytes());
     assert_eq!(cloud.faces, [[0, 1, 2], [2, 3, 0]]);
 }
 
@@ -289,11 +253,7 @@ fn ply_gaussian_splats_are_disks() {
         ],
     ];
     for is_text in [false, true] {
-        let encoding = if is_text {
-            "ascii"
-        } else {
-            "binary_little_endian"
-        };
+        let encoding = if is_text { "ascii" } else { "binary_little_endian" };
         let mut file = format!("ply\nformat {encoding} 1.0\nelement vertex 2\n").into_bytes();
         for name in names.split(' ') {
             file.extend(format!("property float {name}\n").bytes());
@@ -308,10 +268,7 @@ fn ply_gaussian_splats_are_disks() {
         }
         let cloud = read("a.ply", &file);
         // 0.5 + 0.2821 / 2 is 0.641 of 255.
-        assert_eq!(
-            cloud.colors.unwrap(),
-            [[128, 255, 0, 128], [163, 128, 128, 255]]
-        );
+        assert_eq!(cloud.colors.unwrap(), [[128, 255, 0, 128], [163, 128, 128, 255]]);
         let radii = cloud.radii.unwrap();
         assert!(
             (radii[0] - 4.0).abs() < 1e-5 && (radii[1] - 1f32.exp()).abs() < 1e-5,
@@ -330,10 +287,7 @@ fn voxelised_sequences_read_as_they_are() {
         2\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty \
         uchar blue\nend_header\n171 63 255 132 107 98\n172 1023 0 1 0 1\n";
     let cloud = read("longdress_vox10_1051.ply", file.as_bytes());
-    assert_eq!(
-        positions(&cloud),
-        [[171.0, 63.0, 255.0], [172.0, 1023.0, 0.0]]
-    );
+    assert_eq!(positions(&cloud), [[171.0, 63.0, 255.0], [172.0, 1023.0, 0.0]]);
     assert_eq!(cloud.colors.unwrap(), [[132, 107, 98, 255], [1, 0, 1, 255]]);
 }
 
@@ -347,8 +301,7 @@ fn obj_in_the_layouts_that_programs_write() {
         "f 1 2 \\\n 3 4 # c\r\n",
         "f 1 2 3\nl 1 2\nf 1 3 4",
     ] {
-        let file =
-            format!("# c\nmtllib missing.mtl\no a\nvn 0 0 2\n{corners}usemtl m\ns off\n{faces}");
+        let file = format!("# c\nmtllib missing.mtl\no a\nvn 0 0 2\n{corners}usemtl m\ns off\n{faces}");
         let cloud = read("a.obj", file.as_bytes());
         assert_eq!(positions(&cloud), SQUARE, "{faces}");
         assert_eq!(cloud.faces, FANNED, "{faces}");
@@ -405,12 +358,8 @@ fn off_in_the_layouts_that_programs_write() {
         );
         survives("a.off", file.as_bytes());
     }
-    assert!(
-        refused("a.off", b"OFF\n1 1 0\n0 0 0\n3 0 0 1\n").contains("face 0: it names vertex 1")
-    );
-    assert!(
-        refused("a.off", b"OFF\n4000000000 1 0\n0 0 0\n").contains("vertex 1: the file ends here")
-    );
+    assert!(refused("a.off", b"OFF\n1 1 0\n0 0 0\n3 0 0 1\n").contains("face 0: it names vertex 1"));
+    assert!(refused("a.off", b"OFF\n4000000000 1 0\n0 0 0\n").contains("vertex 1: the file ends here"));
     assert!(refused("a.off", b"OFF BINARY\n").contains("binary OFF"));
 }
 
@@ -452,24 +401,14 @@ fn stl_of_both_kinds_shares_its_vertices() {
         text += " endloop\nendfacet\n";
     }
     text += "endsolid a\n";
-    for file in [
-        text.clone(),
-        text.to_uppercase(),
-        text.replace('\n', "\r\n"),
-    ] {
+    for file in [text.clone(), text.to_uppercase(), text.replace('\n', "\r\n")] {
         let cloud = read("a.stl", file.as_bytes());
-        assert_eq!(
-            (positions(&cloud), cloud.faces),
-            (SQUARE.to_vec(), FANNED.to_vec())
-        );
+        assert_eq!((positions(&cloud), cloud.faces), (SQUARE.to_vec(), FANNED.to_vec()));
     }
     survives("a.stl", text.as_bytes());
     survives("a.stl", &stl(b"made by", b""));
     let binary = stl(b"made by", b"");
-    assert!(
-        refused("a.stl", &binary[..binary.len() - 1])
-            .contains("triangle 1: the file ends here, but it counts 2")
-    );
+    assert!(refused("a.stl", &binary[..binary.len() - 1]).contains("triangle 1: the file ends here, but it counts 2"));
     assert!(refused("a.stl", b"solid\nfacet\nvertex 1 2 x").contains("line 3: found `x`"));
 }
 
@@ -490,8 +429,12 @@ fn meshes_are_sampled_where_asked() {
     let error = io::read_part(&path, &io::Part::Whole, &options.with_max_memory(1000)).unwrap_err();
     assert!(error.to_string().contains("--max-memory"), "{error}");
     // Clouds without faces keep their points.
-    std::fs::write(&path, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float \
-        z\nend_header\n1 2 3\n").unwrap();
+    std::fs::write(
+        &path,
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float \
+        z\nend_header\n1 2 3\n",
+    )
+    .unwrap();
     assert_eq!(
         io::read_part(&path, &io::Part::Whole, &options)
             .unwrap()

@@ -12,9 +12,7 @@ fn read(name: &str, bytes: &[u8]) -> RawCloud {
 }
 
 fn refused(name: &str, bytes: &[u8]) -> String {
-    io::read_bytes(Path::new(name), bytes)
-        .unwrap_err()
-        .to_string()
+    io::read_bytes(Path::new(name), bytes).unwrap_err().to_string()
 }
 
 fn positions(cloud: &RawCloud) -> Vec<[f64; 3]> {
@@ -25,8 +23,7 @@ fn positions(cloud: &RawCloud) -> Vec<[f64; 3]> {
 
 fn npy(version: u8, descr: &str, fortran: bool, shape: &str, payload: &[u8]) -> Vec<u8> {
     let order = if fortran { "True" } else { "False" };
-    let header =
-        format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}    \n");
+    let header = format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}    \n");
     let mut file = b"\x93NUMPY".to_vec();
     file.extend([version, 0]);
     if version == 1 {
@@ -67,8 +64,8 @@ fn bytes_of(kind: &str, value: f64) -> Vec<u8> {
 #[test]
 fn tables_of_every_type_and_order() {
     for kind in [
-        "|i1", "|u1", "<i2", ">i2", "<u2", ">u2", "<i4", ">i4", "<u4", ">u4", "<i8", ">i8", "<u8",
-        ">u8", "<f2", ">f2", "<f4", ">f4", "<f8", ">f8",
+        "|i1", "|u1", "<i2", ">i2", "<u2", ">u2", "<i4", ">i4", "<u4", ">u4", "<i8", ">i8", "<u8", ">u8", "<f2", ">f2",
+        "<f4", ">f4", "<f8", ">f8",
     ] {
         for fortran in [false, true] {
             let order: [u8; 6] = if fortran {
@@ -95,10 +92,7 @@ fn tables_of_every_type_and_order() {
 #[test]
 fn columns_mean_what_they_mean_in_text() {
     let table = |row: &[f64]| {
-        let payload: Vec<u8> = row
-            .iter()
-            .flat_map(|&value| bytes_of("<f8", value))
-            .collect();
+        let payload: Vec<u8> = row.iter().flat_map(|&value| bytes_of("<f8", value)).collect();
         read(
             "a.npy",
             &npy(1, "'<f8'", false, &format!("(1, {})", row.len()), &payload),
@@ -136,10 +130,7 @@ fn records_are_read_by_their_names() {
     assert_eq!(positions(&cloud), [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
     assert_eq!(cloud.colors.unwrap(), [[0, 7, 9, 255], [1, 7, 9, 255]]);
     assert_eq!(
-        (
-            cloud.scalars[0].name.as_str(),
-            cloud.scalars[0].values.as_slice()
-        ),
+        (cloud.scalars[0].name.as_str(), cloud.scalars[0].values.as_slice()),
         ("intensity", &[0.0, 0.5][..])
     );
     let flat = "[('z', '<f4'), ('', '|V4'), ('y', '<f4'), ('x', '<i4'), ('red', '|u1'), ('green', '|u1'), ('blue', \
@@ -170,19 +161,13 @@ fn npz(members: &[(&str, Vec<u8>)], method: zip::CompressionMethod) -> Vec<u8> {
 }
 
 fn floats(shape: &str, values: &[f32]) -> Vec<u8> {
-    let payload: Vec<u8> = values
-        .iter()
-        .flat_map(|value| value.to_le_bytes())
-        .collect();
+    let payload: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
     npy(1, "'<f4'", false, shape, &payload)
 }
 
 #[test]
 fn archives_join_their_arrays() {
-    for method in [
-        zip::CompressionMethod::Stored,
-        zip::CompressionMethod::Deflated,
-    ] {
+    for method in [zip::CompressionMethod::Stored, zip::CompressionMethod::Deflated] {
         for (points, colors) in [
             ("xyz", "rgb"),
             ("points", "colors"),
@@ -192,10 +177,7 @@ fn archives_join_their_arrays() {
         ] {
             let file = npz(
                 &[
-                    (
-                        colors,
-                        npy(1, "'|u1'", false, "(2, 3)", &[1, 2, 3, 4, 5, 6]),
-                    ),
+                    (colors, npy(1, "'|u1'", false, "(2, 3)", &[1, 2, 3, 4, 5, 6])),
                     ("normals", floats("(2, 3)", &[0.0, 0.0, 1.0, 1.0, 0.0, 0.0])),
                     ("intensity", floats("(2,)", &[0.25, 0.5])),
                     (points, floats("(2, 3)", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])),
@@ -204,19 +186,12 @@ fn archives_join_their_arrays() {
                 method,
             );
             let cloud = read("a.npz", &file);
-            assert_eq!(
-                positions(&cloud),
-                [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
-                "{points}"
-            );
+            assert_eq!(positions(&cloud), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{points}");
             assert_eq!(cloud.colors.unwrap(), [[1, 2, 3, 255], [4, 5, 6, 255]]);
             assert_eq!(cloud.normals.unwrap(), [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
             assert_eq!(cloud.scalars[0].values, [0.25, 0.5]);
         }
-        let only = npz(
-            &[("arr_0", floats("(1, 4)", &[1.0, 2.0, 3.0, 4.0]))],
-            method,
-        );
+        let only = npz(&[("arr_0", floats("(1, 4)", &[1.0, 2.0, 3.0, 4.0]))], method);
         assert_eq!(positions(&read("a.npz", &only)), [[1.0, 2.0, 3.0]]);
         let axes = npz(
             &[
@@ -253,8 +228,7 @@ fn archives_join_their_arrays() {
 fn what_is_no_table_is_refused_with_advice() {
     let message = |shape: &str, values: usize| refused("a.npy", &floats(shape, &vec![0.0; values]));
     assert!(
-        message("(2, 2, 3)", 12).contains("2 × 2 × 3")
-            && message("(2, 2, 3)", 12).contains("save each of its frames")
+        message("(2, 2, 3)", 12).contains("2 × 2 × 3") && message("(2, 2, 3)", 12).contains("save each of its frames")
     );
     assert!(message("(3, 100)", 300).contains("transposed"));
     assert!(message("(6,)", 6).contains("expected two dimensions"));

@@ -38,8 +38,7 @@ fn e57() -> Vec<u8> {
     ];
     let mut scan = writer.add_pointcloud("scan", prototype).unwrap();
     for index in 0..COUNT {
-        scan.add_point(vec![RecordValue::Double(index as f64); 3])
-            .unwrap();
+        scan.add_point(vec![RecordValue::Double(index as f64); 3]).unwrap();
     }
     scan.finalize().unwrap();
     drop(scan);
@@ -94,9 +93,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 fn in_the_end_all_is_done() {
     let folder = tempfile::tempdir().unwrap();
     for path in files(folder.path()) {
-        let part = io::list(&path, &ReadOptions::default()).unwrap()[0]
-            .part
-            .clone();
+        let part = io::list(&path, &ReadOptions::default()).unwrap()[0].part.clone();
         let progress = Progress::default();
         assert!(!progress.has_begun());
         let cloud = io::read_part_observed(&path, &part, &ReadOptions::default(), &progress);
@@ -111,9 +108,7 @@ fn in_the_end_all_is_done() {
 fn what_is_cancelled_ends_with_that_and_decodes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     for path in files(folder.path()) {
-        let part = io::list(&path, &ReadOptions::default()).unwrap()[0]
-            .part
-            .clone();
+        let part = io::list(&path, &ReadOptions::default()).unwrap()[0].part.clone();
         let progress = Progress::default();
         progress.cancel();
         let error = io::read_part_observed(&path, &part, &ReadOptions::default(), &progress);

@@ -70,13 +70,7 @@ fn message(kind: Kind, (seconds, nanos): (u32, u32), first: f32, big_endian: boo
     writer.u32(2);
     writer.u32(3);
     writer.u32(5);
-    for (name, offset, datatype) in [
-        ("x", 0, 7),
-        ("y", 4, 7),
-        ("z", 8, 7),
-        ("rgb", 12, 7),
-        ("ring", 16, 4),
-    ] {
+    for (name, offset, datatype) in [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("rgb", 12, 7), ("ring", 16, 4)] {
         writer.text(name);
         writer.u32(offset);
         writer.number(datatype, 1);
@@ -125,18 +119,11 @@ fn check(cloud: &RawCloud, first: f32) {
     for index in 0..6 {
         let z = f32::from_bits(0x4000_0000 + index as u32);
         let expected = [first + index as f32, -1.5, z].map(f64::from);
-        assert_eq!(
-            cloud.positions.get(index).to_array(),
-            expected,
-            "point {index}"
-        );
+        assert_eq!(cloud.positions.get(index).to_array(), expected, "point {index}");
     }
     assert_eq!(cloud.colors, Some(vec![[0x10, 0x20, 0x30, 255]; 6]));
     assert_eq!(cloud.scalars[0].name, "ring");
-    assert_eq!(
-        cloud.scalars[0].values,
-        [300.0, 301.0, 302.0, 303.0, 304.0, 305.0]
-    );
+    assert_eq!(cloud.scalars[0].values, [300.0, 301.0, 302.0, 303.0, 304.0, 305.0]);
 }
 
 /// Three clouds out of order on `/points`, one without a time; two on `/other`; text on `/talk`.
@@ -182,9 +169,7 @@ fn mcap(kind: Kind, options: mcap::WriteOptions) -> Vec<u8> {
     let channels = TOPICS.map(|(topic, is_cloud)| {
         let schema = if is_cloud { schema } else { "std_msgs/String" };
         let schema = writer.add_schema(schema, "text", b"").unwrap();
-        writer
-            .add_channel(schema, topic, encoding, &BTreeMap::new())
-            .unwrap()
+        writer.add_channel(schema, topic, encoding, &BTreeMap::new()).unwrap()
     });
     for (sequence, (topic, time, data)) in messages(kind).into_iter().enumerate() {
         let header = mcap::records::MessageHeader {
@@ -280,26 +265,15 @@ fn bag(compression: &str, pack: impl Fn(&[u8]) -> Vec<u8>, has_index: bool) -> V
     // A chunk for each message; connections stand in the first one.
     for (index, (topic, time, data)) in messages(Kind::Ros1).into_iter().enumerate() {
         let id = u32::from(topic).to_le_bytes();
-        let mut chunk = if index == 0 {
-            connections.clone()
-        } else {
-            Vec::new()
-        };
+        let mut chunk = if index == 0 { connections.clone() } else { Vec::new() };
         let time = [
             ((time / 1_000_000_000) as u32).to_le_bytes(),
             ((time % 1_000_000_000) as u32).to_le_bytes(),
         ]
         .concat();
-        chunk.extend(record(
-            &[("op", &[2]), ("conn", &id), ("time", &time)],
-            &data,
-        ));
+        chunk.extend(record(&[("op", &[2]), ("conn", &id), ("time", &time)], &data));
         let size = (chunk.len() as u32).to_le_bytes();
-        let fields: [(&str, &[u8]); 3] = [
-            ("op", &[5]),
-            ("compression", compression.as_bytes()),
-            ("size", &size),
-        ];
+        let fields: [(&str, &[u8]); 3] = [("op", &[5]), ("compression", compression.as_bytes()), ("size", &size)];
         file.extend(record(&fields, &pack(&chunk)));
         if has_index {
             file.extend(record(
@@ -383,12 +357,8 @@ fn ros_2_bags_in_sqlite() {
         check_recording(&path);
     }
     let path = folder.path().join("zstd.db3");
-    db3(&path, Kind::CdrLittle, |data| {
-        zstd::encode_all(data, 1).unwrap()
-    });
-    let error = io::list(&path, &ReadOptions::default())
-        .unwrap_err()
-        .to_string();
+    db3(&path, Kind::CdrLittle, |data| zstd::encode_all(data, 1).unwrap());
+    let error = io::list(&path, &ReadOptions::default()).unwrap_err().to_string();
     assert!(error.contains("packed one by one with zstd"), "{error}");
 }
 
@@ -450,33 +420,20 @@ fn what_is_no_cloud_is_said() {
     let folder = folder();
     let path = folder.path().join("a.mcap");
     let mut file = std::io::Cursor::new(Vec::new());
-    mcap::WriteOptions::new()
-        .create(&mut file)
-        .unwrap()
-        .finish()
-        .unwrap();
+    mcap::WriteOptions::new().create(&mut file).unwrap().finish().unwrap();
     std::fs::write(&path, file.into_inner()).unwrap();
-    assert_eq!(
-        io::list(&path, &ReadOptions::default()).unwrap(),
-        Vec::<Entry>::new()
-    );
+    assert_eq!(io::list(&path, &ReadOptions::default()).unwrap(), Vec::<Entry>::new());
     assert!(matches!(io::read(&path), Err(IoError::NoFrame { .. })));
     // A cloud whose last point is cut off by what its header claims.
     let mut short = message(Kind::Ros1, (1, 0), 1.0, false);
-    let at = short
-        .windows(4)
-        .position(|four| four == 65u32.to_le_bytes())
-        .unwrap();
+    let at = short.windows(4).position(|four| four == 65u32.to_le_bytes()).unwrap();
     short[at..at + 4].copy_from_slice(&71u32.to_le_bytes());
     let chunk = [
         record(
             &[("op", &[7]), ("conn", &[0; 4]), ("topic", b"/a")],
             &bare_header(&[("type", b"sensor_msgs/PointCloud2")]),
         ),
-        record(
-            &[("op", &[2]), ("conn", &[0; 4]), ("time", &[1; 8])],
-            &short,
-        ),
+        record(&[("op", &[2]), ("conn", &[0; 4]), ("time", &[1; 8])], &short),
     ]
     .concat();
     let path = folder.path().join("a.bag");

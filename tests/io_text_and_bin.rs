@@ -37,8 +37,7 @@ fn separators_commas_and_names_of_all_kinds() {
         "1.5 2.5 3.5\n,,,\n\n# end\n",
         "Northing,Easting,Height\n2.5,1.5,3.5\n",
     ] {
-        let cloud =
-            read("a.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+        let cloud = read("a.csv", text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
         assert_eq!(points(&cloud), [[1.5, 2.5, 3.5]], "{text:?}");
     }
     let cloud = read(
@@ -46,10 +45,7 @@ fn separators_commas_and_names_of_all_kinds() {
         b"//X Y Z R G B Intensity\n1 2 3 10 20 30 0.5\n4 5 6 40 50 255 0.25\n",
     )
     .unwrap();
-    assert_eq!(
-        cloud.colors,
-        Some(vec![[10, 20, 30, 255], [40, 50, 255, 255]])
-    );
+    assert_eq!(cloud.colors, Some(vec![[10, 20, 30, 255], [40, 50, 255, 255]]));
     assert_eq!(cloud.scalars[0].values, [0.5, 0.25]);
     let cloud = read("a.csv", b"x,y,z\n1,,3\n").unwrap();
     assert!(cloud.positions.get(0).y.is_nan());
@@ -63,11 +59,7 @@ fn scans_are_placed_by_their_poses() {
     for name in ["a.ptx", "a.txt", "a.pts"] {
         let cloud = read(name, text.as_bytes()).unwrap();
         // x goes to y, y to -x.
-        assert_eq!(
-            points(&cloud),
-            [[8.0, 21.0, 33.0], [10.0, 20.0, 30.0]],
-            "{name}"
-        );
+        assert_eq!(points(&cloud), [[8.0, 21.0, 33.0], [10.0, 20.0, 30.0]], "{name}");
         assert_eq!(cloud.colors, Some(vec![[255, 0, 1, 255], [1, 1, 1, 255]]));
         assert_eq!(cloud.scalars[0].values, [0.25, 0.5]);
         assert_eq!(cloud.sensor.unwrap().to_array(), [10.0, 20.0, 30.0]);
@@ -81,10 +73,7 @@ fn scans_are_placed_by_their_poses() {
 #[test]
 fn wrong_scans_are_refused_with_their_line() {
     for (text, expected) in [
-        (
-            format!("{SCAN}1 2 3 4\n"),
-            "the scan before it has 2 points",
-        ),
+        (format!("{SCAN}1 2 3 4\n"), "the scan before it has 2 points"),
         (format!("{SCAN}1 2 3 4\n1 2 x 4\n"), "line 12: found `x`"),
         (
             format!("{SCAN}1.25 2.5 3 4\n1\n"),
@@ -92,10 +81,7 @@ fn wrong_scans_are_refused_with_their_line() {
         ),
         (SCAN.replace("2\n1\n10", "2\n1e300\n10"), "truncated"),
         (SCAN.replace("2\n1\n10", "2\n-1\n10"), "line 2: found -1"),
-        (
-            SCAN.replace("0 1 0 0\n", "0 1 0\n"),
-            "line 7: found 3 numbers",
-        ),
+        (SCAN.replace("0 1 0 0\n", "0 1 0\n"), "line 7: found 3 numbers"),
     ] {
         let error = read("a.ptx", text.as_bytes()).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");
@@ -110,10 +96,7 @@ fn wrong_scans_are_refused_with_their_line() {
 }
 
 fn records(rows: &[&[f32]]) -> Vec<u8> {
-    rows.concat()
-        .into_iter()
-        .flat_map(f32::to_le_bytes)
-        .collect()
+    rows.concat().into_iter().flat_map(f32::to_le_bytes).collect()
 }
 
 #[test]
@@ -123,9 +106,7 @@ fn bare_records_are_told_by_size_and_values() {
     assert_eq!(points(&cloud), [[1.0, -2.0, 3.0], [4.0, 5.0, -6.0]]);
     assert_eq!(cloud.scalars[0].values, [0.5, 0.25]);
     // Four records of five are twenty numbers, as five of four.
-    let rows: Vec<[f32; 5]> = (0..4)
-        .map(|i| [10.5 + i as f32, -7.25, -1.5, 30.0, i as f32])
-        .collect();
+    let rows: Vec<[f32; 5]> = (0..4).map(|i| [10.5 + i as f32, -7.25, -1.5, 30.0, i as f32]).collect();
     let rows: Vec<&[f32]> = rows.iter().map(<[f32; 5]>::as_slice).collect();
     for name in ["a.pcd.bin", "a.bin"] {
         let cloud = read(name, &records(&rows)).unwrap();
@@ -133,10 +114,7 @@ fn bare_records_are_told_by_size_and_values() {
         assert_eq!(cloud.scalars[1].values, [0.0, 1.0, 2.0, 3.0], "{name}");
     }
     assert_eq!(
-        read("a.bin", &records(&[&[1.0, 2.0, -3.0]]))
-            .unwrap()
-            .positions
-            .len(),
+        read("a.bin", &records(&[&[1.0, 2.0, -3.0]])).unwrap().positions.len(),
         1
     );
 }
@@ -222,10 +200,7 @@ fn other_data_is_no_bare_record() {
         assert!(read("a.bin", bytes).is_err());
     }
     let error = read("a.bin", &[0; 17]).unwrap_err().to_string();
-    assert!(
-        error.contains("17 bytes") && error.contains("truncated"),
-        "{error}"
-    );
+    assert!(error.contains("17 bytes") && error.contains("truncated"), "{error}");
     let far = records(&[&[1.0, 2.0, 3.0, 0.5], &[1.0, f32::NAN, 3.0, 0.5]]);
     assert!(read("a.bin", &far).is_err());
 }

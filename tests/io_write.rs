@@ -18,8 +18,7 @@ fn written(format: &str, cloud: &RawCloud) -> Vec<u8> {
 
 fn read_back(format: &str, name: &str, cloud: &RawCloud) -> RawCloud {
     let file = written(format, cloud);
-    io::read_bytes(Path::new(name), &file)
-        .unwrap_or_else(|error| panic!("{error}\n{}", String::from_utf8_lossy(&file)))
+    io::read_bytes(Path::new(name), &file).unwrap_or_else(|error| panic!("{error}\n{}", String::from_utf8_lossy(&file)))
 }
 
 fn number() -> impl Strategy<Value = f32> {
@@ -76,11 +75,9 @@ prop_compose! {
 /// `read` as the precision of `original`, where a format says nothing of it.
 fn as_precise(read: &Positions, original: &Positions) -> Positions {
     match (read, original) {
-        (Positions::F64(read), Positions::F32(_)) => Positions::F32(
-            read.iter()
-                .map(|point| point.map(|axis| axis as f32))
-                .collect(),
-        ),
+        (Positions::F64(read), Positions::F32(_)) => {
+            Positions::F32(read.iter().map(|point| point.map(|axis| axis as f32)).collect())
+        }
         _ => read.clone(),
     }
 }
@@ -148,10 +145,7 @@ proptest! {
 fn files_look_as_other_programs_expect() {
     let mut cloud = RawCloud::from_positions(Positions::F64(vec![[0.1, 1e-7, 4_000_000.125]]));
     cloud.colors = Some(vec![[1, 2, 255, 255]]);
-    cloud.scalars = vec![
-        ScalarField::new("a b,c", vec![0.1]),
-        ScalarField::new("x", vec![1e20]),
-    ];
+    cloud.scalars = vec![ScalarField::new("a b,c", vec![0.1]), ScalarField::new("x", vec![1e20])];
     let text = |format| String::from_utf8(written(format, &cloud)).unwrap();
     assert_eq!(
         text("xyz"),
@@ -174,10 +168,7 @@ fn files_look_as_other_programs_expect() {
         "{pcd}"
     );
     let npy = written("npy", &cloud);
-    assert!(
-        String::from_utf8_lossy(&npy)
-            .contains("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 7), }")
-    );
+    assert!(String::from_utf8_lossy(&npy).contains("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 7), }"));
     assert_eq!((npy.len() - 7 * 8) % 64, 0);
 }
 
@@ -191,11 +182,7 @@ fn empty_clouds_are_files_too() {
         ("xyz", "a.xyz"),
         ("npy", "a.npy"),
     ] {
-        assert_eq!(
-            read_back(format, name, &cloud).positions.len(),
-            0,
-            "{format}"
-        );
+        assert_eq!(read_back(format, name, &cloud).positions.len(), 0, "{format}");
     }
 }
 

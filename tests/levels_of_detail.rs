@@ -9,9 +9,7 @@ use glam::DVec3;
 use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::levels::Lod;
 use pointreel::measure::{flip, mean_squared_error, psnr_db};
-use pointreel::scene::{
-    BackFaces, LevelStructure, LevelStyle, Scene, ScenePacket, Style, SurfelStyle,
-};
+use pointreel::scene::{BackFaces, LevelStructure, LevelStyle, Scene, ScenePacket, Style, SurfelStyle};
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
 
@@ -40,12 +38,7 @@ fn closed_sphere(settings: &Style) -> PreparedFrame {
         [red, green, blue, 255]
     };
     raw.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
-    raw.normals = Some(
-        surfels
-            .iter()
-            .map(|surfel| surfel.normal.to_array())
-            .collect(),
-    );
+    raw.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     let needs = Scene::needs(settings);
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
@@ -64,10 +57,7 @@ fn few_surfels_stand_for_many() {
     let mut errors = Vec::new();
     for lod_px in [1.0, 2.0, 4.0] {
         let few = packet(&frame, 4.0, &by_octree(Lod::ThresholdPx(lod_px)));
-        assert_eq!(
-            few.content.shapes().unwrap().len(),
-            few.content.points().unwrap().len()
-        );
+        assert_eq!(few.content.shapes().unwrap().len(), few.content.points().unwrap().len());
         let picture = draw(&few);
         let error = flip(&truth, &picture).unwrap().mean();
         errors.push((few.content.points().unwrap().len(), error));
@@ -78,10 +68,7 @@ fn few_surfels_stand_for_many() {
             "{found} pixels instead of {expected} at {lod_px} px"
         );
     }
-    assert!(
-        errors.is_sorted_by(|a, b| a.0 > b.0 && a.1 < b.1),
-        "{errors:?}"
-    );
+    assert!(errors.is_sorted_by(|a, b| a.0 > b.0 && a.1 < b.1), "{errors:?}");
     assert!(errors[0].0 < POINTS as usize / 2, "{errors:?}");
     assert!(errors[2].0 < POINTS as usize / 20, "{errors:?}");
     assert!(errors[0].1 < 0.02, "{errors:?}");

@@ -13,8 +13,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, LightStyle, Lighting, PointStyle, Primitive, Projection,
-    ScenePacket, Style, UpAxis,
+    Backdrop, Background, Camera, Content, LightStyle, Lighting, PointStyle, Primitive, Projection, ScenePacket, Style,
+    UpAxis,
 };
 use std::sync::Arc;
 
@@ -61,10 +61,7 @@ fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
 }
 
 fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> ScenePacket {
-    let positions: Vec<Vec3> = points
-        .iter()
-        .map(|point| Vec3::from_array(point.position))
-        .collect();
+    let positions: Vec<Vec3> = points.iter().map(|point| Vec3::from_array(point.position)).collect();
     ScenePacket {
         viewport_px: SIZE,
         view: camera.transform(origin, SIZE),
@@ -160,18 +157,11 @@ fn nearer_points_hide_farther_ones() {
     let camera = camera_around(&bounds, ECEF);
     let eye = (camera.eye_in_world() - ECEF).normalize();
     // Pairs of which the second is a thousandth of the sphere's radius behind the first.
-    let firsts: Vec<DVec3> = ball(300)
-        .iter()
-        .map(|place| 0.9 * place.as_dvec3())
-        .collect();
+    let firsts: Vec<DVec3> = ball(300).iter().map(|place| 0.9 * place.as_dvec3()).collect();
     let mut places = Vec::new();
     for (index, &first) in firsts.iter().enumerate() {
         let pair = [first, first - 1e-3 * f64::from(bounds.radius()) * eye];
-        let order = if index.is_multiple_of(2) {
-            [0, 1]
-        } else {
-            [1, 0]
-        };
+        let order = if index.is_multiple_of(2) { [0, 1] } else { [1, 0] };
         places.extend(order.map(|which| pair[which].as_vec3()));
     }
     let is_front = |index: usize| (index / 2 + index).is_multiple_of(2);

@@ -1,8 +1,5 @@
 //! Painting egui on the processor: known pixels, damage beside painting all, and egui-wgpu's pictures beside it.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a helper of a test that cannot go on fails the test"
-)]
+#![allow(clippy::unwrap_used, reason = "a helper of a test that cannot go on fails the test")]
 
 mod common;
 #[path = "common/walk.rs"]
@@ -19,8 +16,7 @@ mod known;
 
 use egui::epaint::{ClippedShape, ImageDelta};
 use egui::{
-    Color32, ColorImage, Context, FontId, RawInput, Rect, Shape, TextureId, TextureOptions,
-    TexturesDelta, pos2,
+    Color32, ColorImage, Context, FontId, RawInput, Rect, Shape, TextureId, TextureOptions, TexturesDelta, pos2,
 };
 use image::RgbaImage;
 use pointreel::app::paint::{PixelRect, SoftwarePainter};
@@ -56,13 +52,7 @@ impl Window {
         self.painter.update_textures(&mut output.textures_delta);
     }
 
-    fn set_texture(
-        &mut self,
-        id: TextureId,
-        image: ColorImage,
-        options: TextureOptions,
-        corner: Option<[usize; 2]>,
-    ) {
+    fn set_texture(&mut self, id: TextureId, image: ColorImage, options: TextureOptions, corner: Option<[usize; 2]>) {
         let delta = match corner {
             None => ImageDelta::full(image, options),
             Some(corner) => ImageDelta::partial(corner, image, options),
@@ -87,16 +77,10 @@ impl Window {
             shape,
             transform_after_tessellation: egui::emath::TSTransform::IDENTITY,
         });
-        self.painter
-            .show(&self.ctx, shapes.collect(), 1.0, self.size_px);
+        self.painter.show(&self.ctx, shapes.collect(), 1.0, self.size_px);
         self.last_damage = self.painter.take_damage();
-        let pictures: Vec<_> = self
-            .pictures
-            .iter()
-            .map(|(id, image)| (*id, image))
-            .collect();
-        self.painter
-            .paint(&pictures, &self.last_damage, &mut self.pixels);
+        let pictures: Vec<_> = self.pictures.iter().map(|(id, image)| (*id, image)).collect();
+        self.painter.paint(&pictures, &self.last_damage, &mut self.pixels);
     }
 
     fn show_texts(&mut self, texts: &[&str]) {
@@ -105,9 +89,7 @@ impl Window {
             shapes.clear();
             for (line, text) in texts.iter().enumerate() {
                 let font = FontId::proportional(14.0);
-                let galley = ctx.fonts_mut(|fonts| {
-                    fonts.layout_no_wrap((*text).to_owned(), font, Color32::WHITE)
-                });
+                let galley = ctx.fonts_mut(|fonts| fonts.layout_no_wrap((*text).to_owned(), font, Color32::WHITE));
                 let place = pos2(5.0, 5.0 + 25.0 * line as f32);
                 shapes.push(Shape::galley(place, galley, Color32::WHITE));
             }
@@ -116,11 +98,7 @@ impl Window {
     }
 
     fn paint_all(&mut self) {
-        let pictures: Vec<_> = self
-            .pictures
-            .iter()
-            .map(|(id, image)| (*id, image))
-            .collect();
+        let pictures: Vec<_> = self.pictures.iter().map(|(id, image)| (*id, image)).collect();
         let all = [PixelRect::of_size(self.size_px)];
         self.painter.paint(&pictures, &all, &mut self.pixels);
     }

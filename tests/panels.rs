@@ -1,8 +1,5 @@
 //! The window's panels without a window: by role and label, with a time of the test's own.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a helper of a test that cannot go on fails the test"
-)]
+#![allow(clippy::unwrap_used, reason = "a helper of a test that cannot go on fails the test")]
 
 #[path = "common/walk.rs"]
 mod walk;
@@ -126,10 +123,7 @@ fn what_a_person_chose_is_how_the_next_window_begins() {
         },
     );
     assert_eq!(next.state().preferences(), kept);
-    assert!(
-        !next.state().panels.has(PanelId::HELP),
-        "the list of keys is not kept"
-    );
+    assert!(!next.state().panels.has(PanelId::HELP), "the list of keys is not kept");
     assert!(next.query_by_label("Background").is_none());
 
     // Played backward when it was left: the next begins forward.

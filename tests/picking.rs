@@ -11,13 +11,10 @@ use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, Footprint, LevelStyle, LightStyle, Lighting, PointShape,
-    PointStyle, Primitive, Projection, RendererChoice, Scene, ScenePacket, Style, SurfelStyle,
-    UpAxis, pick,
+    Backdrop, Background, Camera, Content, Footprint, LevelStyle, LightStyle, Lighting, PointShape, PointStyle,
+    Primitive, Projection, RendererChoice, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
 };
-use pointreel::sequence::{
-    ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare,
-};
+use pointreel::sequence::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -31,19 +28,8 @@ fn torus(count: usize, settings: &Style) -> PreparedFrame {
     let shape = Sequence::of(Shape::Torus.frame(count)).frame(0).unwrap();
     let positions: Vec<[f32; 3]> = shape.positions().iter().map(Vec3::to_array).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(positions));
-    raw.normals = Some(
-        shape
-            .normals()
-            .unwrap()
-            .iter()
-            .map(Vec3::to_array)
-            .collect(),
-    );
-    raw.colors = Some(
-        (0..count)
-            .map(|index| color_of(index).with_alpha())
-            .collect(),
-    );
+    raw.normals = Some(shape.normals().unwrap().iter().map(Vec3::to_array).collect());
+    raw.colors = Some((0..count).map(|index| color_of(index).with_alpha()).collect());
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     let needs = Needs {
         colors: Coloring::of(ColorSource::File),
@@ -149,11 +135,7 @@ fn slots(frame: &PreparedFrame) -> HashMap<Color, usize> {
 #[test]
 fn points_are_picked_as_both_renderers_draw_them() {
     let (square, disk) = (PointShape::Square, PointShape::Disk);
-    for (size_px, shape, least_shown) in [
-        (1.0, square, 1_000),
-        (4.5, square, 2_000),
-        (4.5, disk, 2_000),
-    ] {
+    for (size_px, shape, least_shown) in [(1.0, square, 1_000), (4.5, square, 2_000), (4.5, disk, 2_000)] {
         let settings = Style {
             points: PointStyle { size_px, shape },
             ..settings(Primitive::Point)
@@ -163,10 +145,7 @@ fn points_are_picked_as_both_renderers_draw_them() {
         let numbers = slots(&frame);
         assert_eq!(numbers.len(), 30_000);
         // A GPU rounds places to a 256th of a pixel.
-        let pictures = [
-            (draw_on_cpu(&packet), 0.999),
-            (common::draw(&packet), 0.995),
-        ];
+        let pictures = [(draw_on_cpu(&packet), 0.999), (common::draw(&packet), 0.995)];
         for (image, least_share) in pictures {
             let (share, shown) = agreement(
                 &image,
@@ -175,10 +154,7 @@ fn points_are_picked_as_both_renderers_draw_them() {
                 |found, slot| found == slot,
             );
             assert!(share > least_share, "{share} at {size_px} px, {shape}");
-            assert!(
-                shown > least_shown,
-                "{shown} pixels at {size_px} px, {shape}"
-            );
+            assert!(shown > least_shown, "{shown} pixels at {size_px} px, {shape}");
         }
     }
 }
@@ -209,10 +185,7 @@ fn surfels_are_picked_where_one_alone_is_seen() {
 
 /// The distance of a point along the view.
 fn depth_of(packet: &ScenePacket, frame: &PreparedFrame, slot: usize) -> f32 {
-    -packet
-        .view
-        .to_view(Vec3::from_array(frame.points[slot].position))
-        .z
+    -packet.view.to_view(Vec3::from_array(frame.points[slot].position)).z
 }
 
 #[test]
@@ -287,12 +260,8 @@ fn a_point_inside_the_voxel_that_is_seen_is_picked() {
                 let record = &records[number];
                 let half = 0.5 * edge / (1u32 << record.level) as f32;
                 let center = Vec3::from_array(record.center);
-                let apart =
-                    |place: [f32; 3]| (Vec3::from_array(place) - center).abs().max_element();
-                let is_gap = !frame
-                    .points
-                    .iter()
-                    .any(|point| apart(point.position) <= half * 1.001);
+                let apart = |place: [f32; 3]| (Vec3::from_array(place) - center).abs().max_element();
+                let is_gap = !frame.points.iter().any(|point| apart(point.position) <= half * 1.001);
                 // A cell that touches a gap has a point, and none that is nearer is farther away than that one may be.
                 let most = if is_gap { 5.0 * half } else { half };
                 apart(frame.points[slot].position) <= most * 1.001

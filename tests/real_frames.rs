@@ -97,11 +97,7 @@ fn surfaces_are_defined_and_close_knit() {
         // Positive, and no disk larger than a tenth of the scene.
         let largest = frame.bounds().extent().max_element() * 0.1;
         for radius in &surface.radii {
-            assert!(
-                *radius > 0.0 && *radius < largest,
-                "{radius} in {}",
-                path.display()
-            );
+            assert!(*radius > 0.0 && *radius < largest, "{radius} in {}", path.display());
         }
     }
 }
@@ -134,8 +130,7 @@ fn open_share(positions: &[Vec3], surface: &Surface, lists: &Neighbours, scale: 
             for &b in &near[place + 1..] {
                 // Each triangle at its first corner.
                 let is_first = point < a && point < b;
-                let is_surface =
-                    know_each_other(point, a) && know_each_other(point, b) && know_each_other(a, b);
+                let is_surface = know_each_other(point, a) && know_each_other(point, b) && know_each_other(a, b);
                 if !(is_first && is_surface) {
                     continue;
                 }
@@ -157,9 +152,7 @@ fn open_share(positions: &[Vec3], surface: &Surface, lists: &Neighbours, scale: 
                     let slope = normal.dot(direction);
                     let along = normal.dot(offset) / slope;
                     let hit = direction * along;
-                    slope.abs() > 0.2
-                        && along.abs() <= radius
-                        && (hit - offset).length_squared() <= radius * radius
+                    slope.abs() > 0.2 && along.abs() <= radius && (hit - offset).length_squared() <= radius * radius
                 });
                 holes += u32::from(!is_covered);
             }
@@ -175,8 +168,7 @@ fn disks_close_the_surfaces_of_real_frames() {
         let positions = frame.positions();
         let surface = estimate_surface(positions, frame.sensor());
         let lists = nearest_neighbours(positions, AROUND);
-        let [open, at_a_quarter] =
-            [1.0, 0.25].map(|scale| open_share(positions, &surface, &lists, scale));
+        let [open, at_a_quarter] = [1.0, 0.25].map(|scale| open_share(positions, &surface, &lists, scale));
         println!(
             "{}: {:.4} % of the rays find a hole, {:.1} % at a quarter of the radius",
             path.display(),

@@ -12,8 +12,8 @@ use pointreel::io::ReadOptions;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::levels::{LevelsKey, LevelsKind};
 use pointreel::sequence::{
-    ColorHints, ColorSource, Coloring, DecodeFailure, FrameEntry, FrameError, FrameState, Loader,
-    LoaderOptions, Needs, OpenOptions, PreparedFrame, Sequence, SequenceError, Slot,
+    ColorHints, ColorSource, Coloring, DecodeFailure, FrameEntry, FrameError, FrameState, Loader, LoaderOptions, Needs,
+    OpenOptions, PreparedFrame, Sequence, SequenceError, Slot,
 };
 use pointreel::timeline::{Direction, LoopMode, PlayRange};
 use std::num::NonZeroUsize;
@@ -82,12 +82,7 @@ fn index_of(source: &FrameEntry) -> usize {
 
 /// `values`, which stand in the order of the frame, in the order of the file. Precondition: no point was dropped.
 fn by_file<T: Copy>(frame: &Frame, values: &[T]) -> Vec<T> {
-    let mut places: Vec<(u32, T)> = frame
-        .file_index()
-        .iter()
-        .copied()
-        .zip(values.iter().copied())
-        .collect();
+    let mut places: Vec<(u32, T)> = frame.file_index().iter().copied().zip(values.iter().copied()).collect();
     places.sort_by_key(|&(index, _)| index);
     places.into_iter().map(|(_, value)| value).collect()
 }
@@ -149,11 +144,7 @@ fn until_idle(loader: &Loader) {
         std::thread::sleep(Duration::from_millis(2));
         let loading = loader.states().contains(&FrameState::Loading);
         let now = (loader.revision(), loader.stats().decoded);
-        still = if now == before && !loading {
-            still + 1
-        } else {
-            0
-        };
+        still = if now == before && !loading { still + 1 } else { 0 };
         before = now;
     }
 }

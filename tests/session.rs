@@ -1,10 +1,7 @@
 //! One sitting in front of the real program: open, play, scrub, draw otherwise, measure, export, by real keys and a
 //! real mouse. Pictures of the screen are compared from step to step: what is undone must look as it did before, to the
 //! last bit.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a helper of a test that cannot go on fails the test"
-)]
+#![allow(clippy::unwrap_used, reason = "a helper of a test that cannot go on fails the test")]
 #![cfg(all(unix, not(target_os = "macos")))]
 
 #[path = "common/xvfb.rs"]
@@ -104,10 +101,7 @@ fn open_play_scrub_draw_otherwise_measure_and_export(painter: &str) {
         exported == photographed,
         "the export is another picture than the screen's"
     );
-    assert!(
-        program.0.try_wait().unwrap().is_none(),
-        "the window went on"
-    );
+    assert!(program.0.try_wait().unwrap().is_none(), "the window went on");
 }
 
 /// The newest picture in `folder` once there are so many.
@@ -137,16 +131,9 @@ fn new_picture(folder: &Path, count: usize) -> RgbaImage {
 fn assert_is_on_screen(saved: &RgbaImage, seen: &[u8]) {
     let [columns, rows] = [xvfb::PICTURE_COLUMNS, xvfb::PICTURE_ROWS];
     let pixels = rows.flat_map(|row| columns.clone().map(move |column| (column, row)));
-    let differing = pixels
-        .zip(seen.chunks_exact(4))
-        .filter(|&((column, row), seen)| {
-            let [red, green, blue, _] =
-                saved.get_pixel(column as u32, (row - PICTURE_TOP) as u32).0;
-            seen[..3] != [blue, green, red]
-        });
-    assert_eq!(
-        differing.count(),
-        0,
-        "pixels of the file that the screen did not show"
-    );
+    let differing = pixels.zip(seen.chunks_exact(4)).filter(|&((column, row), seen)| {
+        let [red, green, blue, _] = saved.get_pixel(column as u32, (row - PICTURE_TOP) as u32).0;
+        seen[..3] != [blue, green, red]
+    });
+    assert_eq!(differing.count(), 0, "pixels of the file that the screen did not show");
 }

@@ -53,23 +53,21 @@ fn files_of_shaders_have_no_constants_of_their_own() {
 
 /// Offsets of the members of a WGSL struct by name, and its size.
 fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
-    let permutation = Permutation::all().into_iter().find(|permutation| {
-        matches!(permutation, Permutation::Amplify(amplification) if amplification.reads_shapes)
-    });
+    let permutation = Permutation::all()
+        .into_iter()
+        .find(|permutation| matches!(permutation, Permutation::Amplify(amplification) if amplification.reads_shapes));
     let (module, _) = parse(permutation.unwrap()).unwrap();
     module
         .types
         .iter()
         .find_map(|(_, ty)| match &ty.inner {
-            naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => {
-                Some((
-                    members
-                        .iter()
-                        .map(|member| (member.name.clone().unwrap(), member.offset))
-                        .collect(),
-                    *span,
-                ))
-            }
+            naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => Some((
+                members
+                    .iter()
+                    .map(|member| (member.name.clone().unwrap(), member.offset))
+                    .collect(),
+                *span,
+            )),
             _ => None,
         })
         .unwrap_or_else(|| panic!("no WGSL struct {name}"))

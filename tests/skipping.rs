@@ -10,8 +10,8 @@ use pointreel::levels::Lod;
 use pointreel::render::gpu::GpuRenderer;
 use pointreel::render::{RenderError, RenderStats, Renderer};
 use pointreel::scene::{
-    Camera, Content, DrawingStyle, LevelStyle, LightStyle, Lighting, Primitive, Scene, ScenePacket,
-    Splatting, Strategy, Style, SurfelStyle,
+    Camera, Content, DrawingStyle, LevelStyle, LightStyle, Lighting, Primitive, Scene, ScenePacket, Splatting,
+    Strategy, Style, SurfelStyle,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -45,11 +45,7 @@ fn an_untouched_picture_costs_nothing() {
         let packet = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
         assert_eq!(cost(&mut renderer, &packet).frames, 1);
         let again = cost(&mut renderer, &packet.clone());
-        assert_eq!(
-            (again.frames, again.passes, again.uploads),
-            (0, 0, 0),
-            "{strategy}"
-        );
+        assert_eq!((again.frames, again.passes, again.uploads), (0, 0, 0), "{strategy}");
     }
 }
 
@@ -120,15 +116,9 @@ fn looping_over_a_sequence_uploads_each_pose_once() {
     let poses: Vec<ScenePacket> = (1..=5)
         .map(|pose| surfels(&sphere(100 * pose, 1.0), &camera_at(3.0), plain(), [64, 64]))
         .collect();
-    let uploads: u64 = poses
-        .iter()
-        .map(|pose| cost(&mut renderer, pose).uploads)
-        .sum();
+    let uploads: u64 = poses.iter().map(|pose| cost(&mut renderer, pose).uploads).sum();
     assert_eq!(uploads, 10);
-    let uploads: u64 = poses
-        .iter()
-        .map(|pose| cost(&mut renderer, pose).uploads)
-        .sum();
+    let uploads: u64 = poses.iter().map(|pose| cost(&mut renderer, pose).uploads).sum();
     assert_eq!(uploads, 0, "second round");
 }
 
@@ -172,10 +162,7 @@ fn the_octree_is_traversed_only_when_the_answer_can_differ() {
     assert_eq!(count, 1);
     let (count, again) = traversals(&camera, &settings, [64, 64]);
     assert_eq!(count, 1, "untouched");
-    assert!(Arc::ptr_eq(
-        &first.unwrap().records,
-        &again.unwrap().records
-    ));
+    assert!(Arc::ptr_eq(&first.unwrap().records, &again.unwrap().records));
     let lit = Style {
         light: LightStyle {
             lighting: Lighting::PerFragment,
@@ -190,11 +177,7 @@ fn the_octree_is_traversed_only_when_the_answer_can_differ() {
     };
     let (count, voxels) = traversals(&camera, &as_points, [64, 64]);
     assert!(count == 1 && voxels.is_none(), "points need no octree");
-    assert_eq!(
-        traversals(&camera_at(2.0), &settings, [64, 64]).0,
-        2,
-        "camera"
-    );
+    assert_eq!(traversals(&camera_at(2.0), &settings, [64, 64]).0, 2, "camera");
     let coarse = Style {
         levels: LevelStyle {
             lod: Lod::ThresholdPx(8.0),
@@ -203,11 +186,7 @@ fn the_octree_is_traversed_only_when_the_answer_can_differ() {
         ..settings
     };
     assert_eq!(traversals(&camera_at(2.0), &coarse, [64, 64]).0, 3, "LOD");
-    assert_eq!(
-        traversals(&camera_at(2.0), &coarse, [64, 32]).0,
-        4,
-        "viewport"
-    );
+    assert_eq!(traversals(&camera_at(2.0), &coarse, [64, 32]).0, 4, "viewport");
 }
 
 #[test]
@@ -241,18 +220,9 @@ fn a_lost_device_is_an_error_not_a_crash() {
     let packet = surfels(&sphere(100, 1.0), &camera_at(3.0), plain(), [64, 64]);
     cost(&mut renderer, &packet);
     context.simulate_loss();
-    assert!(matches!(
-        renderer.prepare(&packet),
-        Err(RenderError::DeviceLost { .. })
-    ));
-    assert!(matches!(
-        renderer.render(),
-        Err(RenderError::DeviceLost { .. })
-    ));
-    assert!(matches!(
-        renderer.read_image(),
-        Err(RenderError::DeviceLost { .. })
-    ));
+    assert!(matches!(renderer.prepare(&packet), Err(RenderError::DeviceLost { .. })));
+    assert!(matches!(renderer.render(), Err(RenderError::DeviceLost { .. })));
+    assert!(matches!(renderer.read_image(), Err(RenderError::DeviceLost { .. })));
 }
 
 #[test]
@@ -288,10 +258,7 @@ fn what_does_not_fit_makes_all_else_go_and_then_is_an_error() {
     ));
     assert_eq!(renderer.stats().resident_bytes, 0);
     cost(&mut renderer, &packets[0]);
-    assert!(
-        renderer.read_image().unwrap() == expected[0],
-        "memory came back"
-    );
+    assert!(renderer.read_image().unwrap() == expected[0], "memory came back");
 }
 
 #[test]
@@ -316,13 +283,7 @@ fn a_picture_beyond_the_adapter_is_refused() {
     let packet = surfels(&[], &camera_at(3.0), plain(), [1, 1_000_000]);
     assert!(matches!(
         renderer.prepare(&packet),
-        Err(RenderError::TooLarge {
-            height: 1_000_000,
-            ..
-        })
+        Err(RenderError::TooLarge { height: 1_000_000, .. })
     ));
-    assert!(matches!(
-        renderer.render(),
-        Err(RenderError::NothingPrepared)
-    ));
+    assert!(matches!(renderer.render(), Err(RenderError::NothingPrepared)));
 }

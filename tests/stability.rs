@@ -1,10 +1,7 @@
 //! Clouds that break numerics, through the whole chain: scales from 10⁻⁶ to 10⁹, coordinates of ten million with
 //! millimetres in them, clouds that are a point, a line, a plane or a lattice, duplicates, outliers.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
 
 #[path = "stability/brute_force.rs"]
 mod brute_force;
@@ -54,17 +51,12 @@ fn sphere(count: usize) -> Vec<DVec3> {
 /// At random within the cube from −1 to 1.
 fn block(count: usize) -> Vec<DVec3> {
     let mut random = Random(2);
-    std::iter::repeat_with(|| random.cube())
-        .take(count)
-        .collect()
+    std::iter::repeat_with(|| random.cube()).take(count).collect()
 }
 
 fn scaled(positions: &[DVec3], factor: impl Into<DVec3>) -> Vec<DVec3> {
     let factor = factor.into();
-    positions
-        .iter()
-        .map(|&position| position * factor)
-        .collect()
+    positions.iter().map(|&position| position * factor).collect()
 }
 
 fn check(name: &str, positions: &[DVec3]) -> Chain {
@@ -76,34 +68,21 @@ fn check(name: &str, positions: &[DVec3]) -> Chain {
 #[test]
 fn scales_from_a_millionth_to_a_thousand_million() {
     for factor in [1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9] {
-        let chain = check(
-            &format!("× {factor:e}"),
-            &scaled(&sphere(1500), DVec3::splat(factor)),
-        );
-        let outwards = chain.surface().into_iter().all(|(position, (normal, _))| {
-            Vec3::from_array(position.map(f32::from_bits)).dot(normal) > 0.0
-        });
+        let chain = check(&format!("× {factor:e}"), &scaled(&sphere(1500), DVec3::splat(factor)));
+        let outwards = chain
+            .surface()
+            .into_iter()
+            .all(|(position, (normal, _))| Vec3::from_array(position.map(f32::from_bits)).dot(normal) > 0.0);
         assert!(outwards, "× {factor:e}");
     }
 }
 
 #[test]
 fn extreme_aspect_ratios() {
-    for (x, y, z) in [
-        (1e6, 1.0, 1.0),
-        (1.0, 1e-6, 1.0),
-        (1e6, 1.0, 1e-3),
-        (1e-4, 1e4, 1e-4),
-    ] {
+    for (x, y, z) in [(1e6, 1.0, 1.0), (1.0, 1e-6, 1.0), (1e6, 1.0, 1e-3), (1e-4, 1e4, 1e-4)] {
         let factors = DVec3::new(x, y, z);
-        check(
-            &format!("aspect {factors}"),
-            &scaled(&sphere(1500), factors),
-        );
-        check(
-            &format!("block of aspect {factors}"),
-            &scaled(&block(1500), factors),
-        );
+        check(&format!("aspect {factors}"), &scaled(&sphere(1500), factors));
+        check(&format!("block of aspect {factors}"), &scaled(&block(1500), factors));
     }
 }
 
@@ -119,11 +98,7 @@ fn one_to_eight_points() {
 
 #[test]
 fn points_that_are_all_equal() {
-    for place in [
-        DVec3::ZERO,
-        DVec3::new(3.0, -7.0, 0.125),
-        DVec3::splat(1e9 + 0.1),
-    ] {
+    for place in [DVec3::ZERO, DVec3::new(3.0, -7.0, 0.125), DVec3::splat(1e9 + 0.1)] {
         let chain = check(&format!("all at {place}"), &vec![place; 1000]);
         let tree = chain.frame.levels.octree().unwrap();
         assert_eq!((tree.depth(), tree.leaf_count()), (0, 1));
@@ -135,14 +110,8 @@ fn points_that_are_all_equal() {
 
 #[test]
 fn lines() {
-    for direction in [
-        DVec3::X,
-        DVec3::new(1.0, 1.0, 1.0),
-        DVec3::new(0.25, -2.0, 0.5),
-    ] {
-        let line: Vec<DVec3> = (0..500)
-            .map(|step| direction * f64::from(step) / 128.0)
-            .collect();
+    for direction in [DVec3::X, DVec3::new(1.0, 1.0, 1.0), DVec3::new(0.25, -2.0, 0.5)] {
+        let line: Vec<DVec3> = (0..500).map(|step| direction * f64::from(step) / 128.0).collect();
         let chain = check(&format!("a line along {direction}"), &line);
         let spacing = direction.length() as f32 / 128.0;
         for (normal, radius) in chain.surface().into_values() {
@@ -163,8 +132,7 @@ fn planes() {
         // On multiples of 2⁻⁸, so that points are exactly on the plane in f32 too.
         let plane: Vec<DVec3> = (0..2000)
             .map(|_| {
-                let [a, b] =
-                    [random.unit(), random.unit()].map(|unit| (unit * 256.0).round() / 64.0);
+                let [a, b] = [random.unit(), random.unit()].map(|unit| (unit * 256.0).round() / 64.0);
                 if normal == Vec3::Y {
                     DVec3::new(a, 0.0, b)
                 } else {
@@ -210,11 +178,7 @@ fn duplicates() {
         let positions: Vec<DVec3> = (0..times).flat_map(|_| distinct.iter().copied()).collect();
         let chain = check(&format!("every point {times} times"), &positions);
         let tree = chain.frame.levels.octree().unwrap();
-        assert_eq!(
-            tree.leaf_count(),
-            distinct.len(),
-            "as deep as parts them, no deeper"
-        );
+        assert_eq!(tree.leaf_count(), distinct.len(), "as deep as parts them, no deeper");
         let expected = 1.0 - 1.0 / times as f32;
         assert!((tree.loss() - expected).abs() < 1e-6);
     }
@@ -240,10 +204,7 @@ fn outliers_a_million_away() {
         for &outlier in outliers {
             let key = (outlier.as_vec3() - origin).to_array().map(f32::to_bits);
             let (_, radius) = surface.remove(&key).unwrap();
-            assert!(
-                radius < 1.0,
-                "{name}: an outlier of radius {radius} hides the cloud"
-            );
+            assert!(radius < 1.0, "{name}: an outlier of radius {radius} hides the cloud");
         }
         // What is far away changes nothing here.
         assert_eq!(surface.len(), alone.len());
@@ -271,10 +232,7 @@ fn powers_of_two_change_nothing() {
         let factor = 2f64.powi(exponent);
         let chain = load(&scaled(&cloud, DVec3::splat(factor)), DELTA);
         let tree = chain.frame.levels.octree().unwrap();
-        assert_eq!(
-            (tree.depth(), tree.masks()),
-            (base_tree.depth(), base_tree.masks())
-        );
+        assert_eq!((tree.depth(), tree.masks()), (base_tree.depth(), base_tree.masks()));
         let surface = chain.surface();
         for (position, (normal, radius)) in base.surface() {
             let scaled = position.map(|bits| (f32::from_bits(bits) * factor as f32).to_bits());
@@ -284,15 +242,11 @@ fn powers_of_two_change_nothing() {
         let [camera, base_camera] = [chain.camera(), base.camera()];
         for lod_px in [0.0, 2.0, 8.0] {
             let visible = brute_force::visible_set(tree, &chain.select_view(&camera, lod_px));
-            let expected =
-                brute_force::visible_set(base_tree, &base.select_view(&base_camera, lod_px));
+            let expected = brute_force::visible_set(base_tree, &base.select_view(&base_camera, lod_px));
             assert!(visible == expected, "2^{exponent}, τ {lod_px}");
         }
         for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
-            let [image, expected] = [
-                chain.draw(&camera, primitive),
-                base.draw(&base_camera, primitive),
-            ];
+            let [image, expected] = [chain.draw(&camera, primitive), base.draw(&base_camera, primitive)];
             let difference = common::difference(&image, &expected);
             assert_eq!(difference, (0, 0), "2^{exponent} as {primitive}");
         }
@@ -312,10 +266,7 @@ fn other_factors_change_next_to_nothing() {
         for (found, expected) in tree.level_counts().iter().zip(base_tree.level_counts()) {
             // A point changes cells when it is within 2⁻²⁴ of the edge of the cube from a border, of which three axes
             // have fewer than 2¹⁰: hardly one of 2000. One that does may fill a cell and empty another.
-            assert!(
-                found.abs_diff(*expected) <= 4,
-                "× {factor:e}: {found} for {expected}"
-            );
+            assert!(found.abs_diff(*expected) <= 4, "× {factor:e}: {found} for {expected}");
         }
         for primitive in [Primitive::Surfel, Primitive::Voxel] {
             let [image, expected] = [
@@ -349,10 +300,7 @@ fn places_px(chain: &Chain, camera: &Camera, shift: DVec3) -> Vec<[f64; 2]> {
 
 /// Largest distance of two lists of places.
 fn farthest_px(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
-    let distances = a
-        .iter()
-        .zip(b)
-        .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
+    let distances = a.iter().zip(b).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
     distances.fold(0.0, f64::max)
 }
 
@@ -398,10 +346,7 @@ fn ten_million_away_with_millimetres() {
         let off_px = farthest_px(&places, &places_px(&there, &camera_there, shift));
         assert!(off_px < 1e-3, "{off_px} pixels off at {shift}");
         for primitive in [Primitive::Surfel, Primitive::Point] {
-            let images = [
-                there.draw(&camera_there, primitive),
-                here.draw(&camera, primitive),
-            ];
+            let images = [there.draw(&camera_there, primitive), here.draw(&camera, primitive)];
             let difference = common::difference(&images[0], &images[1]);
             assert_eq!(difference, (0, 0), "at {shift} as {primitive}");
         }
@@ -447,10 +392,7 @@ fn ten_million_and_a_third_away() {
         let off_px = farthest_px(&places, &places_px(&there, &camera_there, shift));
         assert!(off_px < 0.1, "{off_px} pixels off at {shift}");
         for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
-            let [image, expected] = [
-                there.draw(&camera_there, primitive),
-                here.draw(&camera, primitive),
-            ];
+            let [image, expected] = [there.draw(&camera_there, primitive), here.draw(&camera, primitive)];
             let error = flip(&expected, &image).unwrap().mean();
             assert!(error < 2e-4, "FLIP {error} at {shift} as {primitive}");
         }

@@ -10,9 +10,8 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, DrawingStyle, LightStyle, Lighting,
-    PointShape, PointStyle, Primitive, Scene, ScenePacket, Splatting, Strategy, Style, SurfelStyle,
-    UpAxis,
+    BackFaces, Backdrop, Background, Camera, Content, DrawingStyle, LightStyle, Lighting, PointShape, PointStyle,
+    Primitive, Scene, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -90,11 +89,7 @@ fn surfels_in_all_modes_and_lights() {
                 ..plain()
             };
             let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
-            assert_agreement(
-                &mut renderer,
-                &packet,
-                &format!("{splatting}, light {lighting}"),
-            );
+            assert_agreement(&mut renderer, &packet, &format!("{splatting}, light {lighting}"));
         }
     }
 }
@@ -107,13 +102,7 @@ fn a_real_frame_in_every_mode_and_primitive() {
     let mut scene = Scene::default();
     let mut agree = |settings: Style, what: &str| {
         let needs = Scene::needs(&settings);
-        let frame = prepare(
-            9,
-            Arc::clone(&frame),
-            0.0,
-            &needs,
-            &PrepareCounters::default(),
-        );
+        let frame = prepare(9, Arc::clone(&frame), 0.0, &needs, &PrepareCounters::default());
         let camera = Camera::framing(&frame.frame.bounds(), sequence.origin(), UpAxis::Y);
         let packet = scene.packet(&frame, sequence.origin(), &camera, &settings, [160, 200]);
         assert_agreement(&mut renderer, &packet, what);
@@ -208,20 +197,14 @@ fn points_of_one_and_of_several_pixels() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(5000, 1.0);
     let sizes = [1.0, 2.0, 5.0].into_iter();
-    for (size_px, &shape) in
-        sizes.flat_map(|size_px| PointShape::ALL.iter().map(move |shape| (size_px, shape)))
-    {
+    for (size_px, &shape) in sizes.flat_map(|size_px| PointShape::ALL.iter().map(move |shape| (size_px, shape))) {
         let settings = Style {
             primitive: Primitive::Point,
             points: PointStyle { size_px, shape },
             ..plain()
         };
         let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
-        assert_agreement(
-            &mut renderer,
-            &packet,
-            &format!("points of {size_px} px, {shape}"),
-        );
+        assert_agreement(&mut renderer, &packet, &format!("points of {size_px} px, {shape}"));
     }
 }
 
@@ -248,16 +231,8 @@ fn many_batches_and_chunks_draw_what_one_draws() {
         let mut packet = packet.clone();
         packet.settings.drawing.strategy = strategy;
         let image = draw_with(&mut chunked, &packet);
-        assert_eq!(
-            common::difference(&reference, &image),
-            (0, 0),
-            "{strategy} in chunks"
-        );
-        assert_eq!(
-            chunked.stats().draw_calls,
-            13,
-            "{strategy}: one draw a chunk"
-        );
+        assert_eq!(common::difference(&reference, &image), (0, 0), "{strategy} in chunks");
+        assert_eq!(chunked.stats().draw_calls, 13, "{strategy}: one draw a chunk");
     }
 }
 
@@ -274,10 +249,7 @@ fn the_compute_strategy_leaves_nothing_of_an_earlier_cloud() {
     let full = surfels(&sphere(1500, 1.0), &camera_at(3.0), settings, [64, 64]);
     let empty = surfels(&[], &camera_at(3.0), settings, [64, 64]);
     assert!(common::covered(&draw_with(&mut renderer, &full), [0, 0, 0]) > 250);
-    assert_eq!(
-        common::covered(&draw_with(&mut renderer, &empty), [0, 0, 0]),
-        0
-    );
+    assert_eq!(common::covered(&draw_with(&mut renderer, &empty), [0, 0, 0]), 0);
 }
 
 #[test]

@@ -1,8 +1,5 @@
 //! The real window of the real program under Xvfb: real keys go in, the root window's pixels come out.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a helper of a test that cannot go on fails the test"
-)]
+#![allow(clippy::unwrap_used, reason = "a helper of a test that cannot go on fails the test")]
 #![cfg(all(unix, not(target_os = "macos")))]
 
 #[path = "common/xvfb.rs"]
@@ -38,12 +35,7 @@ const F11: u32 = 0xffc8;
 fn cpu_ticks(child: &Child) -> u64 {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
     // The name in parentheses may have spaces; user and system time are fields 14 and 15.
-    let fields: Vec<&str> = stat
-        .rsplit_once(')')
-        .unwrap()
-        .1
-        .split_whitespace()
-        .collect();
+    let fields: Vec<&str> = stat.rsplit_once(')').unwrap().1.split_whitespace().collect();
     fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap()
 }
 
@@ -58,10 +50,7 @@ fn the_demo_plays_pauses_and_is_photographed(painter: &str) {
     let mut program = Process(program);
     let screen = Screen::of(&server);
 
-    let first = screen.wait_for(
-        "the window stays without a picture of the demo",
-        has_a_cloud,
-    );
+    let first = screen.wait_for("the window stays without a picture of the demo", has_a_cloud);
     screen.wait_for("the demo does not play", |picture| *picture != first);
 
     screen.wait_for_keyboard(screen.window());
@@ -77,10 +66,7 @@ fn the_demo_plays_pauses_and_is_photographed(painter: &str) {
         let before = cpu_ticks(&program.0);
         std::thread::sleep(Duration::from_secs(5));
         let used = cpu_ticks(&program.0) - before;
-        assert!(
-            used <= 1,
-            "an idle window used {used} ticks of 10 ms in 5 s"
-        );
+        assert!(used <= 1, "an idle window used {used} ticks of 10 ms in 5 s");
     }
 
     screen.key(RIGHT);
@@ -100,10 +86,7 @@ fn the_demo_plays_pauses_and_is_photographed(painter: &str) {
         saved.pixels().all(|pixel| pixel[3] == 255),
         "the saved picture is not opaque"
     );
-    assert!(
-        program.0.try_wait().unwrap().is_none(),
-        "the window went on"
-    );
+    assert!(program.0.try_wait().unwrap().is_none(), "the window went on");
 }
 
 fn a_window_of_any_size_goes_on(painter: &str) {
@@ -135,13 +118,9 @@ fn a_window_of_any_size_goes_on(painter: &str) {
         screen.key(F11);
         std::thread::sleep(Duration::from_millis(400));
     }
-    screen.wait_for("full screen and back is another picture", |picture| {
-        *picture == before
-    });
+    screen.wait_for("full screen and back is another picture", |picture| *picture == before);
     screen.key(RIGHT);
-    screen.wait_for("the window does not listen any more", |picture| {
-        *picture != before
-    });
+    screen.wait_for("the window does not listen any more", |picture| *picture != before);
     assert!(program.0.try_wait().unwrap().is_none());
 }
 
@@ -176,12 +155,7 @@ fn settings_are_kept_for_the_next_window(painter: &str) {
 }
 
 /// The picture of a window of 800 × 600 pixels, painted by `painter`, that shows points drawn by `renderer`.
-fn screenshot(
-    server: &Xvfb,
-    home: &Path,
-    [painter, renderer]: [&str; 2],
-    arguments: &[&str],
-) -> RgbaImage {
+fn screenshot(server: &Xvfb, home: &Path, [painter, renderer]: [&str; 2], arguments: &[&str]) -> RgbaImage {
     let file = home.join(format!("{renderer}.png"));
     let status = server
         .view(home, painter)
@@ -199,12 +173,7 @@ fn a_screenshot_of_either_renderer_is_written_and_the_window_ends(painter: &str)
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     for renderer in ["gpu", "cpu"] {
-        let picture = screenshot(
-            &server,
-            home.path(),
-            [painter, renderer],
-            &["--after-frames", "3"],
-        );
+        let picture = screenshot(&server, home.path(), [painter, renderer], &["--after-frames", "3"]);
         assert!(has_a_cloud(picture.as_raw()), "{renderer}");
     }
 }
@@ -241,10 +210,7 @@ fn what_was_covered_is_shown_again(painter: &str) {
     screen.cover_for_a_moment([300, 150], [500, 300]);
     let begin = Instant::now();
     while screen.pixels() != before {
-        assert!(
-            begin.elapsed() < PATIENCE,
-            "a hole stays where the window was covered"
-        );
+        assert!(begin.elapsed() < PATIENCE, "a hole stays where the window was covered");
         std::thread::sleep(Duration::from_millis(50));
     }
     assert!(program.0.try_wait().unwrap().is_none());
@@ -262,9 +228,7 @@ fn a_window_on_a_display_of_another_scale_shows_a_cloud(painter: &str) {
             .unwrap();
         let _program = Process(program);
         let screen = Screen::of(&server);
-        screen.wait_for("the window stays without a picture", |picture| {
-            has_a_cloud(picture)
-        });
+        screen.wait_for("the window stays without a picture", has_a_cloud);
     }
 }
 
@@ -293,14 +257,10 @@ fn both_painters_show_the_same_window() {
     for theme in ["dark", "light"] {
         let [gpu, cpu] = ["gpu", "cpu"].map(|painter| screen_painted_by(painter, theme));
         let pixels = gpu.chunks_exact(4).zip(cpu.chunks_exact(4));
-        let is_other =
-            |(a, b): &(&[u8], &[u8])| a[..3].iter().zip(&b[..3]).any(|(a, b)| a.abs_diff(*b) > 1);
+        let is_other = |(a, b): &(&[u8], &[u8])| a[..3].iter().zip(&b[..3]).any(|(a, b)| a.abs_diff(*b) > 1);
         let others = pixels.clone().filter(is_other).count();
         // Edges of triangles fall on the other side of a pixel's middle; the panel names the painter's adapter nowhere.
-        assert!(
-            1000 * others <= pixels.count(),
-            "{theme}: {others} pixels differ"
-        );
+        assert!(1000 * others <= pixels.count(), "{theme}: {others} pixels differ");
     }
 }
 
@@ -329,16 +289,9 @@ fn a_machine_without_vulkan_has_a_window() {
     for (painter, renderer) in [("auto", "auto"), ("cpu", "auto"), ("cpu", "gpu")] {
         let (code, said, picture) = run(painter, renderer);
         assert_eq!(code, Some(0), "{painter} {renderer}: {said}");
-        assert!(
-            has_a_cloud(picture.unwrap().as_raw()),
-            "{painter} {renderer}"
-        );
+        assert!(has_a_cloud(picture.unwrap().as_raw()), "{painter} {renderer}");
         // Who wants a GPU is told that there is none.
-        assert_eq!(
-            said.contains("The processor draws now"),
-            renderer == "gpu",
-            "{said}"
-        );
+        assert_eq!(said.contains("The processor draws now"), renderer == "gpu", "{said}");
     }
     let (code, said, _) = run("gpu", "auto");
     assert_eq!(code, Some(1), "{said}");
@@ -363,15 +316,12 @@ fn measured_window(arguments: &[&str]) -> Vec<serde_json::Value> {
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap();
     // How it was opened is another matter.
     let rows = report["rows"].as_array().unwrap().iter();
-    rows.filter(|row| row["action"] != "open")
-        .cloned()
-        .collect()
+    rows.filter(|row| row["action"] != "open").cloned().collect()
 }
 
 fn a_window_measures_itself(painter: &str) {
     let rows = measured_window(&["--present", painter, "--frames", "30"]);
-    let told =
-        |key: &str| -> Vec<&str> { rows.iter().map(|row| row[key].as_str().unwrap()).collect() };
+    let told = |key: &str| -> Vec<&str> { rows.iter().map(|row| row[key].as_str().unwrap()).collect() };
     assert_eq!(
         told("primitive"),
         [

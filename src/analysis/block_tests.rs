@@ -10,11 +10,7 @@ fn unsigned(surface: &Surface) -> (Vec<Vec3>, &[f32], &[u32]) {
         Some(&first) if first < 0.0 => -*normal,
         _ => *normal,
     };
-    (
-        normals.map(upwards).collect(),
-        &surface.radii,
-        &surface.without_plane,
-    )
+    (normals.map(upwards).collect(), &surface.radii, &surface.without_plane)
 }
 
 /// With a sensor lists of neighbours are kept for a block at a time, without one for all of these few points.
@@ -58,11 +54,7 @@ fn representatives_turn_closed_surfaces_outwards() {
         .clone()
         .and(test_shapes::sphere(60_000, &mut random).moved(Vec3::X * 5.0));
     let torus = test_shapes::torus(60_000, 0.4, &mut random);
-    for (name, shape) in [
-        ("sphere", &sphere),
-        ("two spheres", &two),
-        ("torus", &torus),
-    ] {
+    for (name, shape) in [("sphere", &sphere), ("two spheres", &two), ("torus", &torus)] {
         let share = share_outwards(shape);
         assert!(share == 1.0, "{share} of {name}");
     }

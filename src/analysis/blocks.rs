@@ -82,9 +82,7 @@ pub(super) fn surface(tree: &PointTree, k: usize, progress: &Progress) -> Option
         rim.slots.iter().zip(lists)
     });
     for (&slot, list) in of_rims {
-        let inverse = list
-            .iter()
-            .map(|&other| radii::inverse_of(cells[other as usize]));
+        let inverse = list.iter().map(|&other| radii::inverse_of(cells[other as usize]));
         sums[slot as usize] = radii::sum_in_order(inverse);
     }
     let limits = Limits::new(tree, radii::sample(count).map(|slot| cells[slot]));
@@ -109,9 +107,7 @@ fn sum_up(neighbours: &Neighbours, slots: Range<usize>, cells: &[f32], sums: &mu
     for (slot, sum) in slots.clone().zip(sums) {
         let list = neighbours.of(slot);
         if list.iter().all(|&other| slots.contains(&(other as usize))) {
-            let of_list = list
-                .iter()
-                .map(|&other| inverse[other as usize - slots.start]);
+            let of_list = list.iter().map(|&other| inverse[other as usize - slots.start]);
             *sum = radii::sum_in_order(of_list);
         } else {
             rim.slots.push(slot as u32);

@@ -136,13 +136,7 @@ impl<'a> BucketSearch<'a> {
         self.max = boxes.max.map(|row| row[lane]);
         self.row_count = 0;
         // Lanes without a point want nothing.
-        let nothing_found = std::array::from_fn(|lane| {
-            if lane < self.count {
-                f32::INFINITY
-            } else {
-                -1.0
-            }
-        });
+        let nothing_found = std::array::from_fn(|lane| if lane < self.count { f32::INFINITY } else { -1.0 });
         self.nearest.reset(nothing_found);
         self.bound = f32::INFINITY;
         self.tie_limit = None;
@@ -342,9 +336,7 @@ impl<'a> BucketSearch<'a> {
         }
         let fits_words = self.row_count <= ROWS_PER_LIST;
         for (lane, list) in lists.chunks_exact_mut(self.k).enumerate() {
-            let half = |low: usize| {
-                u64::from(words[low][lane]) | u64::from(words[low + 1][lane]) << ROWS_PER_WORD
-            };
+            let half = |low: usize| u64::from(words[low][lane]) | u64::from(words[low + 1][lane]) << ROWS_PER_WORD;
             let (near, far) = (half(0), half(2));
             let near_count = near.count_ones() as usize;
             match self.slots.first_chunk::<ROWS_PER_LIST>() {

@@ -38,9 +38,7 @@ pub fn class_name(class: i32) -> Option<&'static str> {
 /// The colour of a class, opaque. Those without a standard one have hues of their own, each far from those of its
 /// neighbours.
 pub fn class_color(class: i32) -> [u8; 4] {
-    let standard = usize::try_from(class)
-        .ok()
-        .and_then(|class| STANDARD.get(class));
+    let standard = usize::try_from(class).ok().and_then(|class| STANDARD.get(class));
     if let Some((_, color)) = standard {
         let [_, red, green, blue] = color.to_be_bytes();
         return [red, green, blue, 255];
@@ -72,17 +70,9 @@ mod tests {
                 .max()
                 .map(|most| [red == most, green == most, blue == most])
         };
-        assert_eq!(
-            brightest(5),
-            Some([false, true, false]),
-            "vegetation is green"
-        );
+        assert_eq!(brightest(5), Some([false, true, false]), "vegetation is green");
         assert_eq!(brightest(9), Some([false, false, true]), "water is blue");
-        assert_eq!(
-            brightest(6),
-            Some([true, false, false]),
-            "buildings are red"
-        );
+        assert_eq!(brightest(6), Some([true, false, false]), "buildings are red");
     }
 
     #[test]

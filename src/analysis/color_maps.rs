@@ -7,9 +7,7 @@
 use std::sync::OnceLock;
 
 /// How numbers become colours.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, Default, Hash, serde::Serialize, serde::Deserialize,
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ColorMap {
     /// Dark violet to yellow; lightness grows evenly, also for the colour-blind and in print.
@@ -31,58 +29,42 @@ pub(crate) const TABLE_LEN: usize = 1025;
 type Anchors = [u32; 33];
 
 /// Smith, van der Walt and Firing 2015, for matplotlib, dedicated to the public domain under CC0.
-#[expect(
-    clippy::mistyped_literal_suffixes,
-    reason = "these are bytes of colours"
-)]
+#[expect(clippy::mistyped_literal_suffixes, reason = "these are bytes of colours")]
 const VIRIDIS: Anchors = [
-    0x44_01_54, 0x47_0d_60, 0x48_18_6a, 0x48_23_74, 0x47_2d_7b, 0x45_36_81, 0x42_40_86, 0x3f_49_89,
-    0x3b_52_8b, 0x37_5a_8d, 0x33_63_8d, 0x2f_6a_8e, 0x2c_72_8e, 0x29_7a_8e, 0x26_81_8e, 0x23_89_8e,
-    0x21_90_8c, 0x1f_98_8b, 0x1f_9f_88, 0x21_a6_85, 0x28_ae_80, 0x31_b5_7b, 0x3e_bc_74, 0x4c_c2_6c,
-    0x5d_c9_63, 0x6e_ce_58, 0x82_d3_4c, 0x96_d8_3f, 0xab_dc_32, 0xc0_df_24, 0xd5_e2_1a, 0xea_e5_1a,
-    0xfd_e7_25,
+    0x44_01_54, 0x47_0d_60, 0x48_18_6a, 0x48_23_74, 0x47_2d_7b, 0x45_36_81, 0x42_40_86, 0x3f_49_89, 0x3b_52_8b,
+    0x37_5a_8d, 0x33_63_8d, 0x2f_6a_8e, 0x2c_72_8e, 0x29_7a_8e, 0x26_81_8e, 0x23_89_8e, 0x21_90_8c, 0x1f_98_8b,
+    0x1f_9f_88, 0x21_a6_85, 0x28_ae_80, 0x31_b5_7b, 0x3e_bc_74, 0x4c_c2_6c, 0x5d_c9_63, 0x6e_ce_58, 0x82_d3_4c,
+    0x96_d8_3f, 0xab_dc_32, 0xc0_df_24, 0xd5_e2_1a, 0xea_e5_1a, 0xfd_e7_25,
 ];
 
 /// Mikhailov 2019, "Turbo, an improved rainbow colormap for visualization", Apache 2.0.
-#[expect(
-    clippy::mistyped_literal_suffixes,
-    reason = "these are bytes of colours"
-)]
+#[expect(clippy::mistyped_literal_suffixes, reason = "these are bytes of colours")]
 const TURBO: Anchors = [
-    0x30_12_3b, 0x39_2a_73, 0x40_40_a1, 0x44_56_c7, 0x46_6b_e3, 0x46_7f_f6, 0x42_93_ff, 0x37_a7_fa,
-    0x29_bb_ec, 0x1d_cd_d8, 0x18_dc_c3, 0x1e_e8_b0, 0x31_f2_99, 0x4c_f9_7e, 0x6b_fd_64, 0x8a_ff_4d,
-    0xa3_fd_3c, 0xb8_f7_35, 0xcc_ed_34, 0xde_e0_37, 0xed_d0_3a, 0xf8_c0_3a, 0xfd_ae_35, 0xfe_98_2c,
-    0xfb_80_22, 0xf5_68_17, 0xec_52_0f, 0xe0_40_09, 0xd2_31_05, 0xc0_23_02, 0xac_17_01, 0x95_0d_01,
-    0x7a_04_03,
+    0x30_12_3b, 0x39_2a_73, 0x40_40_a1, 0x44_56_c7, 0x46_6b_e3, 0x46_7f_f6, 0x42_93_ff, 0x37_a7_fa, 0x29_bb_ec,
+    0x1d_cd_d8, 0x18_dc_c3, 0x1e_e8_b0, 0x31_f2_99, 0x4c_f9_7e, 0x6b_fd_64, 0x8a_ff_4d, 0xa3_fd_3c, 0xb8_f7_35,
+    0xcc_ed_34, 0xde_e0_37, 0xed_d0_3a, 0xf8_c0_3a, 0xfd_ae_35, 0xfe_98_2c, 0xfb_80_22, 0xf5_68_17, 0xec_52_0f,
+    0xe0_40_09, 0xd2_31_05, 0xc0_23_02, 0xac_17_01, 0x95_0d_01, 0x7a_04_03,
 ];
 
 /// Smith and van der Walt 2015, for matplotlib, dedicated to the public domain under CC0.
 const MAGMA: Anchors = [
-    0x00_00_04, 0x03_03_11, 0x0a_08_22, 0x13_0d_33, 0x1d_11_46, 0x28_11_5a, 0x36_10_6a, 0x43_0f_76,
-    0x50_12_7c, 0x5d_17_7f, 0x69_1c_81, 0x76_21_81, 0x82_26_81, 0x8f_2a_81, 0x9c_2e_7f, 0xa9_32_7d,
-    0xb6_37_79, 0xc3_3b_75, 0xcf_41_70, 0xdb_48_6a, 0xe6_51_63, 0xee_5c_5e, 0xf5_69_5c, 0xf9_78_5d,
-    0xfb_87_61, 0xfd_96_68, 0xfe_a5_71, 0xfe_b4_7b, 0xfe_c3_87, 0xfe_d1_94, 0xfd_e0_a2, 0xfc_ee_b0,
-    0xfc_fd_bf,
+    0x00_00_04, 0x03_03_11, 0x0a_08_22, 0x13_0d_33, 0x1d_11_46, 0x28_11_5a, 0x36_10_6a, 0x43_0f_76, 0x50_12_7c,
+    0x5d_17_7f, 0x69_1c_81, 0x76_21_81, 0x82_26_81, 0x8f_2a_81, 0x9c_2e_7f, 0xa9_32_7d, 0xb6_37_79, 0xc3_3b_75,
+    0xcf_41_70, 0xdb_48_6a, 0xe6_51_63, 0xee_5c_5e, 0xf5_69_5c, 0xf9_78_5d, 0xfb_87_61, 0xfd_96_68, 0xfe_a5_71,
+    0xfe_b4_7b, 0xfe_c3_87, 0xfe_d1_94, 0xfd_e0_a2, 0xfc_ee_b0, 0xfc_fd_bf,
 ];
 
 /// Moreland 2009, "Diverging color maps for scientific visualization": smooth cool to warm.
 const DIVERGING: Anchors = [
-    0x3b_4c_c0, 0x44_5a_cc, 0x4d_68_d7, 0x57_75_e1, 0x62_82_ea, 0x6c_8e_f1, 0x77_9a_f7, 0x82_a5_fb,
-    0x8d_b0_fe, 0x98_b9_ff, 0xa3_c2_fe, 0xae_c9_fc, 0xb8_d0_f9, 0xc2_d5_f4, 0xcc_d9_ee, 0xd5_db_e6,
-    0xdd_dd_dd, 0xe5_d8_d1, 0xec_d3_c5, 0xf1_cc_b9, 0xf4_c4_ad, 0xf7_bb_a0, 0xf7_b1_94, 0xf7_a6_87,
-    0xf4_9a_7b, 0xf1_8d_6f, 0xec_7f_63, 0xe5_70_58, 0xde_60_4d, 0xd5_50_42, 0xcb_3e_38, 0xc0_28_2f,
-    0xb4_04_26,
+    0x3b_4c_c0, 0x44_5a_cc, 0x4d_68_d7, 0x57_75_e1, 0x62_82_ea, 0x6c_8e_f1, 0x77_9a_f7, 0x82_a5_fb, 0x8d_b0_fe,
+    0x98_b9_ff, 0xa3_c2_fe, 0xae_c9_fc, 0xb8_d0_f9, 0xc2_d5_f4, 0xcc_d9_ee, 0xd5_db_e6, 0xdd_dd_dd, 0xe5_d8_d1,
+    0xec_d3_c5, 0xf1_cc_b9, 0xf4_c4_ad, 0xf7_bb_a0, 0xf7_b1_94, 0xf7_a6_87, 0xf4_9a_7b, 0xf1_8d_6f, 0xec_7f_63,
+    0xe5_70_58, 0xde_60_4d, 0xd5_50_42, 0xcb_3e_38, 0xc0_28_2f, 0xb4_04_26,
 ];
 
 impl ColorMap {
     /// All maps, in the order in which a list shows them.
-    pub const ALL: [Self; 5] = [
-        Self::Viridis,
-        Self::Turbo,
-        Self::Magma,
-        Self::Grey,
-        Self::Diverging,
-    ];
+    pub const ALL: [Self; 5] = [Self::Viridis, Self::Turbo, Self::Magma, Self::Grey, Self::Diverging];
 
     /// Its word on the command line and in files.
     pub fn name(self) -> &'static str {
@@ -123,9 +105,8 @@ impl ColorMap {
     pub(crate) fn table(self) -> &'static [[u8; 4]; TABLE_LEN] {
         static TABLES: [OnceLock<[[u8; 4]; TABLE_LEN]>; ColorMap::ALL.len()] =
             [const { OnceLock::new() }; ColorMap::ALL.len()];
-        TABLES[self as usize].get_or_init(|| {
-            std::array::from_fn(|step| self.color(step as f32 / (TABLE_LEN - 1) as f32))
-        })
+        TABLES[self as usize]
+            .get_or_init(|| std::array::from_fn(|step| self.color(step as f32 / (TABLE_LEN - 1) as f32)))
     }
 }
 

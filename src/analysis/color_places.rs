@@ -86,19 +86,14 @@ fn nearest(share: f32) -> u32 {
     const WHOLE: f32 = 8_388_608.0;
     const LAST: f32 = (TABLE_LEN - 1) as f32;
     let place = (share * LAST).clamp(0.0, LAST);
-    let place = if share.is_nan() {
-        NO_PLACE as f32
-    } else {
-        place
-    };
+    let place = if share.is_nan() { NO_PLACE as f32 } else { place };
     (place + WHOLE).to_bits() - WHOLE.to_bits()
 }
 
 fn logarithms() -> &'static Logarithms {
     static LOGARITHMS: OnceLock<Logarithms> = OnceLock::new();
-    LOGARITHMS.get_or_init(|| {
-        std::array::from_fn(|entry| (1.0 + entry as f64 / f64::from(1 << LOG_BITS)).log2() as f32)
-    })
+    LOGARITHMS
+        .get_or_init(|| std::array::from_fn(|entry| (1.0 + entry as f64 / f64::from(1 << LOG_BITS)).log2() as f32))
 }
 
 /// The logarithm to base 2. What has none, or is below all normal numbers, is below all others; NaN stays so.

@@ -19,11 +19,7 @@ impl ColorScale {
     pub fn new(low: f64, high: f64, is_logarithmic: bool) -> Self {
         let least = high / SIX_DECADES;
         let is_logarithmic = is_logarithmic && least > 0.0;
-        let low = if is_logarithmic && low <= 0.0 {
-            least
-        } else {
-            low
-        };
+        let low = if is_logarithmic && low <= 0.0 { least } else { low };
         Self {
             low,
             high,
@@ -116,11 +112,7 @@ impl Mapper {
             return f32::NAN;
         }
         // What has no logarithm is below all that has.
-        let logarithm = if value > 0.0 {
-            value.ln()
-        } else {
-            f64::NEG_INFINITY
-        };
+        let logarithm = if value > 0.0 { value.ln() } else { f64::NEG_INFINITY };
         if self.is_one_number() {
             self.share_of_one(logarithm)
         } else {
@@ -182,10 +174,7 @@ mod tests {
         assert!(share(f64::NAN).is_nan());
         let decades = ColorScale::new(1.0, 1000.0, true);
         assert!((decades.share(10.0) - 1.0 / 3.0).abs() < 1e-6);
-        assert_eq!(
-            [0.0, -5.0, 1000.0].map(|value| decades.share(value)),
-            [0.0, 0.0, 1.0]
-        );
+        assert_eq!([0.0, -5.0, 1000.0].map(|value| decades.share(value)), [0.0, 0.0, 1.0]);
         assert!(decades.share(f64::NAN).is_nan());
     }
 

@@ -6,9 +6,7 @@ use glam::Vec3;
 /// axis) to 255 (facing up). The zero vector is grey.
 pub fn fake_color(normal: Vec3) -> [u8; 4] {
     // `as` rounds towards zero and saturates; the half makes it nearest.
-    let [red, green, blue] = ((normal + 1.0) * 127.5 + 0.5)
-        .to_array()
-        .map(|channel| channel as u8);
+    let [red, green, blue] = ((normal + 1.0) * 127.5 + 0.5).to_array().map(|channel| channel as u8);
     [red, green, blue, 255]
 }
 

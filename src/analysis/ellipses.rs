@@ -27,21 +27,14 @@ const HALF: usize = DIRECTIONS / 2;
 const POINTS_PER_TASK: usize = 1 << 9;
 
 /// Ellipses by slot; `None` where there is a circle. `normals` are unit vectors of any sign, by slot.
-pub(super) fn closing_ellipses(
-    tree: &PointTree,
-    neighbours: &Neighbours,
-    normals: &[Vec3],
-) -> Vec<Option<Ellipse>> {
+pub(super) fn closing_ellipses(tree: &PointTree, neighbours: &Neighbours, normals: &[Vec3]) -> Vec<Option<Ellipse>> {
     let circle = Circle::new();
-    let slots = (0..tree.len())
-        .into_par_iter()
-        .with_min_len(POINTS_PER_TASK);
+    let slots = (0..tree.len()).into_par_iter().with_min_len(POINTS_PER_TASK);
     slots
         .map(|slot| {
             let [tangent, bitangent] = <[Vec3; 2]>::from(normals[slot].any_orthonormal_pair());
             let list = neighbours.of(slot);
-            let inverse =
-                circle.inverse_distances(tree.points(), slot, list, [tangent, bitangent])?;
+            let inverse = circle.inverse_distances(tree.points(), slot, list, [tangent, bitangent])?;
             let [x, y, ratio] = circle.thinnest(&inverse)?;
             Some(Ellipse {
                 axis: tangent * x + bitangent * y,
@@ -62,8 +55,7 @@ struct Circle {
 
 impl Circle {
     fn new() -> Self {
-        let angle =
-            |place: usize, count: usize| place as f32 / count as f32 * std::f32::consts::TAU;
+        let angle = |place: usize, count: usize| place as f32 / count as f32 * std::f32::consts::TAU;
         Self {
             cosines: std::array::from_fn(|place| angle(place, DIRECTIONS).cos()),
             sines: std::array::from_fn(|place| angle(place, DIRECTIONS).sin()),
@@ -92,8 +84,7 @@ impl Circle {
             }
             reach_squared = reach_squared.max(squared);
             let (x, y) = (2.0 * x / squared, 2.0 * y / squared);
-            for ((inverse, cosine), sine) in inverse.iter_mut().zip(&self.cosines).zip(&self.sines)
-            {
+            for ((inverse, cosine), sine) in inverse.iter_mut().zip(&self.cosines).zip(&self.sines) {
                 *inverse = inverse.max(x * cosine + y * sine);
             }
         }
@@ -164,9 +155,7 @@ mod tests {
             Vec3::new(x, 0.8 * y, -0.6 * y)
         };
         let rows = (-12..=12).flat_map(|i| (-12..=12).map(move |j| (i as f32, j as f32)));
-        let positions = rows
-            .map(|(i, j)| place(i * steps[0], j * steps[1]))
-            .collect();
+        let positions = rows.map(|(i, j)| place(i * steps[0], j * steps[1])).collect();
         (positions, place(0.0, 1.0))
     }
 
@@ -175,8 +164,7 @@ mod tests {
     /// Ellipses of points that are not near the rim of a [`lattice`].
     fn inner(positions: &[Vec3]) -> Vec<Option<Ellipse>> {
         let ellipses = splat_ellipses(positions, &vec![NORMAL; positions.len()]);
-        let is_inner =
-            |index: usize| (8..17).contains(&(index % 25)) && (8..17).contains(&(index / 25));
+        let is_inner = |index: usize| (8..17).contains(&(index % 25)) && (8..17).contains(&(index / 25));
         let all = ellipses.into_iter().enumerate();
         all.filter(|&(index, _)| is_inner(index))
             .map(|(_, ellipse)| ellipse)
@@ -240,8 +228,7 @@ mod tests {
         for turn in [0.0, 0.3, 1.2] {
             for steps in [[1.0, 3.0], [1.0, 2.0], [1.0, 1.0]] {
                 let (positions, _) = lattice(steps, turn);
-                let [open, shrunk] =
-                    [1.0, 2.0 / 3.0].map(|scale| open_share(&positions, steps, turn, scale));
+                let [open, shrunk] = [1.0, 2.0 / 3.0].map(|scale| open_share(&positions, steps, turn, scale));
                 assert_eq!(open, 0.0, "{steps:?} at {turn}");
                 assert!(shrunk > 0.02, "{shrunk} of {steps:?} at {turn}");
             }

@@ -33,14 +33,7 @@ impl<S: Simd> FourMatrices<S> {
     pub(super) fn lane(&self, lane: usize) -> SymmetricMat3 {
         let [xx, yy, zz] = self.diagonal.map(|row| row[lane]);
         let [xy, yz, xz] = self.beside.map(|row| row[lane]);
-        SymmetricMat3 {
-            xx,
-            xy,
-            xz,
-            yy,
-            yz,
-            zz,
-        }
+        SymmetricMat3 { xx, xy, xz, yy, yz, zz }
     }
 
     /// The sums of the eigenvalues.
@@ -71,8 +64,7 @@ impl<S: Simd> FourMatrices<S> {
         let ([xx, yy, zz], [xy, yz, xz]) = (rest.diagonal, rest.beside);
         let square_sum = xx * xx + yy * yy + zz * zz + (xy * xy + xz * xz + yz * yz) * 2.0;
         let spread = (square_sum / 6.0).sqrt();
-        let determinant =
-            xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+        let determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
         let r = determinant / (spread * 2.0 * spread * spread);
         let r = r.max(-one).min(one);
         let value = spread * extreme_roots(simd, r.abs()).copysign(r);

@@ -46,9 +46,7 @@ use crate::progress::Progress;
 use blocks::SlotSurface;
 use glam::Vec3;
 use point_tree::PointTree;
-use steps::{
-    NEIGHBOURS_STEPS, OUTWARDS_STEPS, PLANES_STEPS, RADII_STEPS, REPRESENTATIVES_STEPS, TREE_STEPS,
-};
+use steps::{NEIGHBOURS_STEPS, OUTWARDS_STEPS, PLANES_STEPS, RADII_STEPS, REPRESENTATIVES_STEPS, TREE_STEPS};
 
 /// Number of neighbours that normals and radii are estimated from.
 ///
@@ -124,12 +122,7 @@ pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
     let neighbours = tree.neighbours(k);
     let mut planes = normals::fit_planes(&tree, &neighbours, 0..tree.len());
     if fit == PlaneFit::Robust {
-        robust_planes::refine(
-            &tree,
-            &neighbours,
-            &planes.without_plane,
-            &mut planes.normals,
-        );
+        robust_planes::refine(&tree, &neighbours, &planes.without_plane, &mut planes.normals);
     }
     Planes {
         normals: tree.to_file_order(&planes.normals),
@@ -158,11 +151,7 @@ pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
 
 /// [`estimate_surface`], which advances `progress` by [`surface_steps`]. Once that is cancelled, the rest is left out
 /// and the answer is of no use.
-pub fn estimate_surface_observed(
-    positions: &[Vec3],
-    sensor: Option<Vec3>,
-    progress: &Progress,
-) -> Surface {
+pub fn estimate_surface_observed(positions: &[Vec3], sensor: Option<Vec3>, progress: &Progress) -> Surface {
     let orientation = orientation_of(positions.len(), sensor);
     surface_oriented_by(orientation, positions, sensor, progress)
 }

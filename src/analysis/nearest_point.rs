@@ -117,12 +117,9 @@ mod tests {
     use proptest::prelude::*;
 
     fn by_brute_force(positions: &[Vec3], place: Vec3) -> Option<u32> {
-        let distance =
-            |&(_, position): &(u32, &Vec3)| squared(position.as_dvec3() - place.as_dvec3());
+        let distance = |&(_, position): &(u32, &Vec3)| squared(position.as_dvec3() - place.as_dvec3());
         // The first of equal ones.
-        let nearest = (0..)
-            .zip(positions)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let nearest = (0..).zip(positions).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         nearest.map(|(index, _)| index)
     }
 

@@ -26,11 +26,7 @@ const POINTS_PER_PIECE: usize = 64 * LANES;
 
 impl Neighbours {
     /// Lists of consecutive points, of which `write` gets those of some.
-    fn by_pieces(
-        points: Range<usize>,
-        per_point: usize,
-        write: impl Fn(Range<usize>, &mut [u32]) + Sync,
-    ) -> Self {
+    fn by_pieces(points: Range<usize>, per_point: usize, write: impl Fn(Range<usize>, &mut [u32]) + Sync) -> Self {
         let pieces = (0..points.len().div_ceil(POINTS_PER_PIECE)).into_par_iter();
         let pieces = pieces.map(|piece| {
             let first = points.start + piece * POINTS_PER_PIECE;
@@ -98,13 +94,7 @@ impl PointTree {
 
     /// Writes the neighbours of a point of the file as points of the file, nearest first, equally near ones by index.
     /// `order` is scratch.
-    fn write_in_order(
-        &self,
-        file_index: u32,
-        by_slot: &Neighbours,
-        order: &mut Vec<(f32, u32)>,
-        list: &mut [u32],
-    ) {
+    fn write_in_order(&self, file_index: u32, by_slot: &Neighbours, order: &mut Vec<(f32, u32)>, list: &mut [u32]) {
         let slot = self.slot_of(file_index) as usize;
         let point = self.points()[slot].position;
         order.clear();

@@ -33,11 +33,7 @@ pub(super) struct SlotPlanes {
 const POINTS_PER_TASK: usize = 1 << 9;
 
 /// Fits planes to consecutive points and their neighbours.
-pub(super) fn fit_planes(
-    tree: &PointTree,
-    neighbours: &Neighbours,
-    slots: Range<usize>,
-) -> SlotPlanes {
+pub(super) fn fit_planes(tree: &PointTree, neighbours: &Neighbours, slots: Range<usize>) -> SlotPlanes {
     let level = Level::new();
     let mut normals = vec![Vec3::Z; slots.len()];
     let without_plane: Vec<Vec<u32>> = normals
@@ -116,9 +112,7 @@ fn fit_four<S: Simd>(
     let zero = f64x4::splat(simd, 0.0);
     let (mut sums, mut squares, mut products) = ([zero; 3], [zero; 3], [zero; 3]);
     for neighbour in 0..neighbours.per_point() {
-        let places = axes_of_four(simd, |lane| {
-            points[lists[lane][neighbour] as usize].register()
-        });
+        let places = axes_of_four(simd, |lane| points[lists[lane][neighbour] as usize].register());
         // Closures would not be compiled for the level of SIMD; loops are.
         let mut offsets = [zero; 3];
         for axis in 0..3 {
@@ -159,12 +153,7 @@ fn fit_four<S: Simd>(
 /// largest coordinate. The two smaller eigenvalues of a rounded line sum up to no more than that squared, for each
 /// point; over the largest eigenvalue, which is nearly the trace, they are the pairwise products.
 #[inline(always)]
-fn covers_a_plane<S: Simd>(
-    simd: S,
-    covariances: &FourMatrices<S>,
-    centers: [f32x4<S>; 3],
-    count: f64,
-) -> [bool; FOUR] {
+fn covers_a_plane<S: Simd>(simd: S, covariances: &FourMatrices<S>, centers: [f32x4<S>; 3], count: f64) -> [bool; FOUR] {
     const ROUNDING: f64 = 1.0 / (1u64 << 24) as f64;
     let [x, y, z] = centers;
     let center_squared = widened(simd, x * x + y * y + z * z);

@@ -63,9 +63,7 @@ fn set_open_in_lane(
         let [x, y] = cosine_and_sine(quarter_circle, direction);
         let [next_x, next_y] = cosine_and_sine(quarter_circle, direction + 1);
         let (x, y) = (first * x + second * next_x, first * y + second * next_y);
-        let along = lines
-            .iter()
-            .map(|line| line[0][lane] * x + line[1][lane] * y);
+        let along = lines.iter().map(|line| line[0][lane] * x + line[1][lane] * y);
         if along.fold(0.0, f32::max) < open * x.hypot(y) {
             inverse[direction][lane] = 0.0;
             inverse[(direction + 1) % DIRECTIONS][lane] = 0.0;

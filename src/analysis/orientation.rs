@@ -42,9 +42,7 @@ pub(super) fn face_outwards(tree: &PointTree, neighbours: &Neighbours, normals: 
     join_by_weight(&edges, neighbours, &mut signs);
 
     // From here on by root: the sign of every point relative to it, then one vote of each component.
-    let resolved: Vec<Signed> = (0..tree.len() as u32)
-        .map(|slot| signs.find(slot))
-        .collect();
+    let resolved: Vec<Signed> = (0..tree.len() as u32).map(|slot| signs.find(slot)).collect();
     for (normal, sign) in normals.iter_mut().zip(&resolved) {
         if sign.flipped {
             *normal = -*normal;
@@ -99,9 +97,7 @@ pub(super) fn face_as_representatives(tree: &PointTree, k: usize, normals: &mut 
 fn middle_of(points: &[SlotPoint]) -> usize {
     let sum: Vec3 = points.iter().map(|point| point.position).sum();
     let mean = sum / points.len() as f32;
-    let distances = points
-        .iter()
-        .map(|point| point.position.distance_squared(mean));
+    let distances = points.iter().map(|point| point.position.distance_squared(mean));
     let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
     nearest.map_or(0, |(place, _)| place)
 }
@@ -172,16 +168,10 @@ fn join_by_weight(edges: &[Edge], neighbours: &Neighbours, signs: &mut SignFores
     // Neighbours mostly know each other, so one direction of the first step joins nearly all of a smooth surface.
     let joins_at_once = |slot: u32, other: u32, edge: Edge| step_of(edge) == 0 && slot < other;
     let all = || {
-        edges
-            .chunks(per_point)
-            .zip(0u32..)
-            .flat_map(|(edges, slot)| {
-                let others = neighbours.of(slot as usize);
-                edges
-                    .iter()
-                    .zip(others)
-                    .map(move |(&edge, &other)| (slot, other, edge))
-            })
+        edges.chunks(per_point).zip(0u32..).flat_map(|(edges, slot)| {
+            let others = neighbours.of(slot as usize);
+            edges.iter().zip(others).map(move |(&edge, &other)| (slot, other, edge))
+        })
     };
     for (slot, other, edge) in all() {
         if joins_at_once(slot, other, edge) {
@@ -190,9 +180,7 @@ fn join_by_weight(edges: &[Edge], neighbours: &Neighbours, signs: &mut SignFores
     }
     signs.flatten();
     let left: Vec<(u32, u32, Edge)> = all()
-        .filter(|&(slot, other, edge)| {
-            !joins_at_once(slot, other, edge) && signs.parent(slot) != signs.parent(other)
-        })
+        .filter(|&(slot, other, edge)| !joins_at_once(slot, other, edge) && signs.parent(slot) != signs.parent(other))
         .collect();
     for (slot, other, edge) in sorted_by_step(&left) {
         signs.join(slot, other, disagree(edge));
@@ -289,15 +277,9 @@ const UNDECIDED: f32 = 1e-3;
 /// For each root, whether its component faces inwards at its extreme points.
 ///
 /// Components without an inside (a flat sheet along two axes) face the positive side of the last axis they can.
-fn components_facing_inwards(
-    points: &[SlotPoint],
-    resolved: &[Signed],
-    normals: &[Vec3],
-) -> Vec<bool> {
+fn components_facing_inwards(points: &[SlotPoint], resolved: &[Signed], normals: &[Vec3]) -> Vec<bool> {
     // Smallest and largest point along each axis, by root; a root is a point of its component.
-    let mut extremes: Vec<[[u32; 2]; 3]> = (0..points.len() as u32)
-        .map(|slot| [[slot; 2]; 3])
-        .collect();
+    let mut extremes: Vec<[[u32; 2]; 3]> = (0..points.len() as u32).map(|slot| [[slot; 2]; 3]).collect();
     for (sign, slot) in resolved.iter().zip(0u32..) {
         let extremes = &mut extremes[sign.root as usize];
         for (axis, [lowest, highest]) in extremes.iter_mut().enumerate() {

@@ -235,13 +235,8 @@ fn at_slots<T: Copy + Send + Sync>(slots: &[u32], values: &[T]) -> Vec<T> {
 
 impl Bucket {
     fn new(points: &[SlotPoint]) -> Self {
-        let axis = |axis: usize| {
-            std::array::from_fn(|place| {
-                points
-                    .get(place)
-                    .map_or(f32::MAX, |point| point.position[axis])
-            })
-        };
+        let axis =
+            |axis: usize| std::array::from_fn(|place| points.get(place).map_or(f32::MAX, |point| point.position[axis]));
         Self {
             x: axis(0),
             y: axis(1),
@@ -336,9 +331,7 @@ mod tests {
                 for (level, rows) in tree.levels.iter().enumerate() {
                     let node = slot / LANES.pow(level as u32 + 1);
                     let (row, lane) = (&rows[node / LANES], node % LANES);
-                    let is_inside = |axis: usize| {
-                        (row.min[axis][lane]..=row.max[axis][lane]).contains(&place[axis])
-                    };
+                    let is_inside = |axis: usize| (row.min[axis][lane]..=row.max[axis][lane]).contains(&place[axis]);
                     assert!((0..3).all(is_inside));
                     assert!(row.min_file_index[lane] <= file_index);
                 }

@@ -45,11 +45,7 @@ const MAX_OF_NEIGHBOURS: f32 = 4.0;
 const MAX_OF_CLOUD: f32 = 32.0;
 
 /// Radii in scene units by slot; positive and finite. `normals` are unit vectors of any sign, by slot.
-pub(super) fn closing_radii(
-    tree: &PointTree,
-    neighbours: &Neighbours,
-    normals: &[Vec3],
-) -> Vec<f32> {
+pub(super) fn closing_radii(tree: &PointTree, neighbours: &Neighbours, normals: &[Vec3]) -> Vec<f32> {
     let cells = cell_radii(tree, neighbours, normals, 0..tree.len());
     let limits = Limits::new(tree, sample(tree.len()).map(|slot| cells[slot]));
     let inverse: Vec<f32> = cells.iter().map(|&radius| inverse_of(radius)).collect();
@@ -72,12 +68,7 @@ pub(super) fn closing_radii(
 /// Distances from consecutive points to the farthest corners of their cells, in units of the tree; 0 without neighbours
 /// apart. `normals` are those of these points. Precondition: the first slot begins a bucket, and the last one ends one
 /// or is the last of all.
-pub(super) fn cell_radii(
-    tree: &PointTree,
-    neighbours: &Neighbours,
-    normals: &[Vec3],
-    slots: Range<usize>,
-) -> Vec<f32> {
+pub(super) fn cell_radii(tree: &PointTree, neighbours: &Neighbours, normals: &[Vec3], slots: Range<usize>) -> Vec<f32> {
     let level = Level::new();
     let mut radii = vec![0.0; slots.len()];
     let cells = Cells {
@@ -179,9 +170,7 @@ impl Cells<'_> {
         let last = self.first_slot + self.normals.len() - 1;
         let slot_of = |lane: usize| (first_slot + lane).min(last);
         let points = axes(simd, |lane| self.points[slot_of(lane)].register());
-        let normals = axes(simd, |lane| {
-            self.normals[slot_of(lane) - self.first_slot].extend(0.0)
-        });
+        let normals = axes(simd, |lane| self.normals[slot_of(lane) - self.first_slot].extend(0.0));
         let (tangents, bitangents) = orthonormal_pair(simd, normals);
         let mut lists = [self.neighbours.of(first_slot); LANES];
         for (lane, list) in lists.iter_mut().enumerate() {
@@ -189,9 +178,7 @@ impl Cells<'_> {
         }
         let mut reach_squared = zero;
         for (neighbour, line) in lines.iter_mut().enumerate() {
-            let places = axes(simd, |lane| {
-                self.points[lists[lane][neighbour] as usize].register()
-            });
+            let places = axes(simd, |lane| self.points[lists[lane][neighbour] as usize].register());
             let (mut x, mut y) = (zero, zero);
             for axis in 0..3 {
                 let offset = places[axis] - points[axis];
@@ -239,11 +226,7 @@ impl Cells<'_> {
 
 /// The smallest inverse distances that count, and which cells may be open between two directions.
 #[inline(always)]
-fn smallest_extreme<S: Simd>(
-    simd: S,
-    inverse: &[Row; DIRECTIONS],
-    known: f32x8<S>,
-) -> (f32x8<S>, mask32x8<S>) {
+fn smallest_extreme<S: Simd>(simd: S, inverse: &[Row; DIRECTIONS], known: f32x8<S>) -> (f32x8<S>, mask32x8<S>) {
     let zero = f32x8::splat(simd, 0.0);
     let nowhere = f32x8::splat(simd, f32::INFINITY);
     let open = known * OPEN_ALONG;
@@ -261,8 +244,7 @@ fn smallest_extreme<S: Simd>(
         smallest = smallest.min(counts);
         // See `openings`; rounding makes surpluses negative.
         let surplus = (before - here * openings::TWICE_COSINE + after).max(zero);
-        let meeting = surplus_before * (before - open_between)
-            + surplus * (here - open_between - surplus_before);
+        let meeting = surplus_before * (before - open_between) + surplus * (here - open_between - surplus_before);
         let is_between = before.min(here).simd_ge(open);
         let meeting = simd.select_f32x8(is_between, meeting, nowhere);
         least_meeting = least_meeting.min(meeting);
@@ -281,17 +263,13 @@ fn orthonormal_pair<S: Simd>(simd: S, [x, y, z]: [f32x8<S>; 3]) -> ([f32x8<S>; 3
     let sign = one.copysign(z);
     let a = -one / (sign + z);
     let b = x * y * a;
-    (
-        [one + sign * x * x * a, sign * b, -sign * x],
-        [b, sign + y * y * a, -y],
-    )
+    ([one + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y])
 }
 
 /// The inverse radii of the neighbours' cells, summed up for each of up to eight consecutive points. Eight sums side by
 /// side, for each waits for its last term.
 fn inverse_sums(inverse: &[f32], neighbours: &Neighbours, first_slot: usize, count: usize) -> Row {
-    let lists: [&[u32]; LANES] =
-        std::array::from_fn(|lane| neighbours.of(first_slot + lane.min(count - 1)));
+    let lists: [&[u32]; LANES] = std::array::from_fn(|lane| neighbours.of(first_slot + lane.min(count - 1)));
     let mut sums = [0.0; LANES];
     for neighbour in 0..neighbours.per_point() {
         for (sum, list) in sums.iter_mut().zip(lists) {

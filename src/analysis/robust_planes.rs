@@ -31,12 +31,7 @@ const SCALE: f64 = 3.6;
 const POINTS_PER_TASK: usize = 1 << 9;
 
 /// Fits the planes of all points again, starting from `normals` (by slot). Slots in `without_plane` (ascending) stay.
-pub(super) fn refine(
-    tree: &PointTree,
-    neighbours: &Neighbours,
-    without_plane: &[u32],
-    normals: &mut [Vec3],
-) {
+pub(super) fn refine(tree: &PointTree, neighbours: &Neighbours, without_plane: &[u32], normals: &mut [Vec3]) {
     normals
         .par_chunks_mut(POINTS_PER_TASK)
         .enumerate()
@@ -76,10 +71,7 @@ fn refit(samples: &mut [Sample], mut normal: DVec3) -> DVec3 {
     for _ in 0..ROUNDS {
         let distance = |sample: &Sample| normal.dot(sample.offset - mean).abs();
         let (sum, weights) = samples.iter().fold((0.0, 0.0), |(sum, weights), sample| {
-            (
-                sum + sample.weight * distance(sample),
-                weights + sample.weight,
-            )
+            (sum + sample.weight * distance(sample), weights + sample.weight)
         });
         let scale = SCALE * sum / weights;
         if scale == 0.0 {
@@ -97,28 +89,24 @@ fn refit(samples: &mut [Sample], mut normal: DVec3) -> DVec3 {
 }
 
 fn weighted_mean(samples: &[Sample]) -> DVec3 {
-    let (sum, weights) = samples
-        .iter()
-        .fold((DVec3::ZERO, 0.0), |(sum, weights), sample| {
-            (sum + sample.weight * sample.offset, weights + sample.weight)
-        });
+    let (sum, weights) = samples.iter().fold((DVec3::ZERO, 0.0), |(sum, weights), sample| {
+        (sum + sample.weight * sample.offset, weights + sample.weight)
+    });
     sum / weights
 }
 
 /// The covariance of the samples about `mean`, not divided by their weights.
 fn covariance(samples: &[Sample], mean: DVec3) -> SymmetricMat3 {
-    samples
-        .iter()
-        .fold(SymmetricMat3::default(), |sum, sample| {
-            let d = sample.offset - mean;
-            let w = sample.weight * d;
-            SymmetricMat3 {
-                xx: sum.xx + w.x * d.x,
-                xy: sum.xy + w.x * d.y,
-                xz: sum.xz + w.x * d.z,
-                yy: sum.yy + w.y * d.y,
-                yz: sum.yz + w.y * d.z,
-                zz: sum.zz + w.z * d.z,
-            }
-        })
+    samples.iter().fold(SymmetricMat3::default(), |sum, sample| {
+        let d = sample.offset - mean;
+        let w = sample.weight * d;
+        SymmetricMat3 {
+            xx: sum.xx + w.x * d.x,
+            xy: sum.xy + w.x * d.y,
+            xz: sum.xz + w.x * d.z,
+            yy: sum.yy + w.y * d.y,
+            yz: sum.yz + w.y * d.z,
+            zz: sum.zz + w.z * d.z,
+        }
+    })
 }

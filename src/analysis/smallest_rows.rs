@@ -67,12 +67,7 @@ impl SmallestRows {
 
 /// Puts the smallest of both, the first `count` of `rows`, into the ascending registers of `group`.
 #[inline(always)]
-fn merge_or_sink<S: Simd, const N: usize>(
-    simd: S,
-    group: &mut [Row; N],
-    rows: &[Row; LANES],
-    count: usize,
-) {
+fn merge_or_sink<S: Simd, const N: usize>(simd: S, group: &mut [Row; N], rows: &[Row; LANES], count: usize) {
     if count == LANES {
         merge(simd, group, rows);
     } else {
@@ -82,12 +77,7 @@ fn merge_or_sink<S: Simd, const N: usize>(
 
 /// Puts `rows` where they belong in the ascending registers of `group`; what comes out below goes to `below`.
 #[inline(always)]
-fn sink<S: Simd, const N: usize>(
-    simd: S,
-    group: &mut [Row; N],
-    rows: &[Row],
-    mut below: impl FnMut(usize, f32x8<S>),
-) {
+fn sink<S: Simd, const N: usize>(simd: S, group: &mut [Row; N], rows: &[Row], mut below: impl FnMut(usize, f32x8<S>)) {
     let mut registers = [f32x8::splat(simd, 0.0); N];
     for (register, row) in registers.iter_mut().zip(&*group) {
         *register = f32x8::from_slice(simd, row);

@@ -26,12 +26,7 @@ fn neighbours_by_brute_force(positions: &[Vec3], k: usize) -> Vec<Vec<u32>> {
 fn check_neighbours(positions: &[Vec3], k: usize) {
     let found = nearest_neighbours(positions, k);
     for (index, expected) in neighbours_by_brute_force(positions, k).iter().enumerate() {
-        assert_eq!(
-            found.of(index),
-            expected,
-            "point {index} of {}",
-            positions.len()
-        );
+        assert_eq!(found.of(index), expected, "point {index} of {}", positions.len());
     }
 }
 
@@ -82,10 +77,7 @@ fn neighbours_beside_outliers_and_at_extreme_scales() {
     // cloud.
     let huge = 2f32.powi(120);
     let scaled: Vec<Vec3> = cloud.iter().map(|&p| p * huge).collect();
-    assert_eq!(
-        nearest_neighbours(&scaled, 12),
-        nearest_neighbours(&cloud, 12)
-    );
+    assert_eq!(nearest_neighbours(&scaled, 12), nearest_neighbours(&cloud, 12));
 }
 
 /// 60,000 points that a grid or an unbalanced tree would search in quadratic time, which no one would wait for.
@@ -133,12 +125,7 @@ fn assert_defined(surface: &Surface, count: usize) {
     assert_eq!((surface.normals.len(), surface.radii.len()), (count, count));
     assert!(surface.without_plane.is_sorted());
     assert!(surface.normals.iter().all(|normal| normal.is_normalized()));
-    assert!(
-        surface
-            .radii
-            .iter()
-            .all(|radius| radius.is_finite() && *radius > 0.0)
-    );
+    assert!(surface.radii.iter().all(|radius| radius.is_finite() && *radius > 0.0));
 }
 
 #[test]
@@ -161,11 +148,7 @@ fn few_and_degenerate_points_have_a_surface() {
         assert!(normal.dot(direction).abs() < 1e-3);
     }
     // Half the distance to a neighbour, plus the overlap: the line has no gap.
-    assert!(
-        surface.radii[5..45]
-            .iter()
-            .all(|radius| (0.5..0.7).contains(radius))
-    );
+    assert!(surface.radii[5..45].iter().all(|radius| (0.5..0.7).contains(radius)));
 }
 
 /// A cell of points in a line is open between two parallel lines, in two directions of no width, wherever these are
@@ -227,21 +210,14 @@ fn closed_shapes_come_out_outward() {
     assert_outwards(&far, 1.5, 15.0);
     // A sphere within a sphere: two components, each outward of itself.
     let mut inner = test_shapes::sphere(3_000, &mut random);
-    inner
-        .positions
-        .iter_mut()
-        .for_each(|position| *position *= 0.5);
+    inner.positions.iter_mut().for_each(|position| *position *= 0.5);
     assert_outwards(&sphere.and(inner), 1.5, 15.0);
 }
 
 #[test]
 fn orientation_crosses_sharp_edges_and_keeps_thin_sheets_apart() {
     let mut random = Random(7);
-    for half_edges in [
-        Vec3::ONE,
-        Vec3::new(1.0, 1.0, 0.03),
-        Vec3::new(1.0, 0.2, 0.05),
-    ] {
+    for half_edges in [Vec3::ONE, Vec3::new(1.0, 1.0, 0.03), Vec3::new(1.0, 0.2, 0.05)] {
         let shape = test_shapes::cuboid(30_000, half_edges, &mut random);
         let surface = estimate_surface(&shape.positions, None);
         let wrong = surface
@@ -290,10 +266,7 @@ fn planes_are_exact_far_from_the_origin() {
         // On multiples of 2⁻⁶, which f32 holds exactly up to 2¹⁷.
         let positions: Vec<Vec3> = (0..5000)
             .map(|_| {
-                let (a, b) = (
-                    (random.unit() * 1000.0).round(),
-                    (random.unit() * 200.0).round(),
-                );
+                let (a, b) = ((random.unit() * 1000.0).round(), (random.unit() * 200.0).round());
                 Vec3::new(a, b * 4.0, b * -3.0) / 64.0 + Vec3::splat(offset)
             })
             .collect();
@@ -318,11 +291,7 @@ fn details_survive_a_shift_of_the_file() {
     let normals_at = |shift: f64| {
         let shifted = places.iter().map(|&place| (place + shift).to_array());
         let raw = RawCloud::from_positions(Positions::F64(shifted.collect()));
-        let origin = if shift == 0.0 {
-            DVec3::ZERO
-        } else {
-            DVec3::splat(shift)
-        };
+        let origin = if shift == 0.0 { DVec3::ZERO } else { DVec3::splat(shift) };
         let frame = Frame::from_raw(raw, origin).unwrap();
         let normals = estimate_surface(frame.positions(), Some(Vec3::Z * 10.0)).normals;
         let mut by_file = vec![Vec3::ZERO; normals.len()];
@@ -345,10 +314,7 @@ fn details_survive_a_shift_of_the_file() {
 
 /// Points (of small whole coordinates) that lie on a line or in one place with their neighbours, by exact arithmetic.
 fn without_plane_by_brute_force(points: &[[i8; 3]], k: usize) -> Vec<u32> {
-    let positions: Vec<Vec3> = points
-        .iter()
-        .map(|p| Vec3::from(p.map(f32::from)))
-        .collect();
+    let positions: Vec<Vec3> = points.iter().map(|p| Vec3::from(p.map(f32::from))).collect();
     let lists = neighbours_by_brute_force(&positions, k);
     let is_line = |(index, list): &(usize, &Vec<u32>)| {
         let offsets = || {
@@ -416,10 +382,7 @@ fn lines_and_single_places_have_no_plane() {
     // fewer.
     for (copies, expected) in [(13, all(39)), (5, Vec::new())] {
         let places = [Vec3::ZERO, Vec3::X, Vec3::new(0.2, 0.7, 0.0)];
-        let cloud: Vec<Vec3> = places
-            .iter()
-            .flat_map(|&place| vec![place; copies])
-            .collect();
+        let cloud: Vec<Vec3> = places.iter().flat_map(|&place| vec![place; copies]).collect();
         assert_eq!(without(&cloud), expected);
     }
 }
@@ -428,8 +391,12 @@ fn lines_and_single_places_have_no_plane() {
 fn uncovered(shape: &Sampled, radii: &[f32], probes: &Sampled) -> f32 {
     let reach = radii.iter().copied().fold(0.0, f32::max) * 2.0;
     let is_hole = |probe: Vec3, direction: Vec3| {
-        !shape.positions.iter().zip(&shape.normals).zip(radii).any(
-            |((&center, &normal), &radius)| {
+        !shape
+            .positions
+            .iter()
+            .zip(&shape.normals)
+            .zip(radii)
+            .any(|((&center, &normal), &radius)| {
                 let offset = center - probe;
                 if offset.length_squared() > reach * reach {
                     return false;
@@ -437,8 +404,7 @@ fn uncovered(shape: &Sampled, radii: &[f32], probes: &Sampled) -> f32 {
                 let slope = normal.dot(direction);
                 let hit = direction * (normal.dot(offset) / slope);
                 slope.abs() > 0.2 && (hit - offset).length_squared() <= radius * radius
-            },
-        )
+            })
     };
     let holes = probes
         .positions
@@ -496,10 +462,7 @@ fn sparse_regions_keep_their_large_disks() {
     let surface = estimate_surface(&positions, None);
     for (position, radius) in positions.iter().zip(&surface.radii) {
         let spacing = 0.02 * position.x;
-        assert!(
-            (0.6..1.8).contains(&(radius / spacing)),
-            "{radius} at {position}"
-        );
+        assert!((0.6..1.8).contains(&(radius / spacing)), "{radius} at {position}");
     }
 }
 
@@ -519,10 +482,7 @@ fn radii_alone_agree_with_those_of_the_surface() {
             _ => -normal,
         })
         .collect();
-    for (a, b) in splat_radii(&torus.positions, &some_missing)
-        .iter()
-        .zip(&surface.radii)
-    {
+    for (a, b) in splat_radii(&torus.positions, &some_missing).iter().zip(&surface.radii) {
         assert!((a - b).abs() <= 1e-3 * b);
     }
 }

@@ -40,9 +40,7 @@ mod x11 {
         let (connection, screen) = x11rb::connect(None)?;
         let root = connection.setup().roots[screen].root;
         let of_root = connection.get_window_attributes(root)?.reply()?;
-        let is_managed = of_root
-            .all_event_masks
-            .contains(EventMask::SUBSTRUCTURE_REDIRECT);
+        let is_managed = of_root.all_event_masks.contains(EventMask::SUBSTRUCTURE_REDIRECT);
         let of_window = connection.get_window_attributes(window)?.reply()?;
         if is_managed || of_window.map_state != MapState::VIEWABLE {
             return Ok(false);

@@ -155,12 +155,7 @@ mod tests {
         assert_eq!(follow(&mut grip, &tremble), Vec2::ZERO);
         // Slowly away: nothing is lost of the way that was held back.
         assert_eq!(follow(&mut grip, &[press(at)]), Vec2::ZERO);
-        let steps = (1..=20).map(|step| {
-            follow(
-                &mut grip,
-                &[Event::PointerMoved(at + vec2(step as f32, 0.0))],
-            )
-        });
+        let steps = (1..=20).map(|step| follow(&mut grip, &[Event::PointerMoved(at + vec2(step as f32, 0.0))]));
         assert_eq!(steps.fold(Vec2::ZERO, |sum, by| sum + by), vec2(20.0, 0.0));
     }
 
@@ -170,27 +165,16 @@ mod tests {
         let far = pos2(200.0, 0.0);
         let elsewhere = pos2(-10.0, 0.0);
         assert_eq!(
-            follow(
-                &mut grip,
-                &[press(elsewhere), Event::PointerMoved(far), release(far)]
-            ),
+            follow(&mut grip, &[press(elsewhere), Event::PointerMoved(far), release(far)]),
             Vec2::ZERO
         );
-        assert_eq!(
-            follow(&mut grip, &[Event::PointerMoved(elsewhere)]),
-            Vec2::ZERO
-        );
+        assert_eq!(follow(&mut grip, &[Event::PointerMoved(elsewhere)]), Vec2::ZERO);
 
         // A second button neither takes over nor lets go.
         let second = |pressed| button(far, PointerButton::Secondary, pressed);
         let pulls = Grip::follow(
             &mut grip,
-            &[
-                press(pos2(0.0, 0.0)),
-                second(true),
-                second(false),
-                release(far),
-            ],
+            &[press(pos2(0.0, 0.0)), second(true), second(false), release(far)],
             Modifiers::NONE,
             |_| true,
         );

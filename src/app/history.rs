@@ -59,9 +59,10 @@ impl History {
         let fields = changed_fields(present, edited);
         let before = std::mem::replace(present, edited.clone());
         let goes_on = goes_on_by_hand
-            || self.last.as_ref().is_some_and(|last| {
-                last.fields == fields && now.saturating_sub(last.at) <= GESTURE
-            });
+            || self
+                .last
+                .as_ref()
+                .is_some_and(|last| last.fields == fields && now.saturating_sub(last.at) <= GESTURE);
         if !goes_on {
             if self.past.len() == MAX_ENTRIES {
                 self.past.pop_front();

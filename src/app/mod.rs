@@ -47,9 +47,7 @@ mod work;
 
 pub use appearance::Appearance;
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
-pub use features::benchmark::{
-    Benchmark, BenchmarkEnded, BenchmarkJob, BenchmarkTable, ReportFormat,
-};
+pub use features::benchmark::{Benchmark, BenchmarkEnded, BenchmarkJob, BenchmarkTable, ReportFormat};
 pub use features::beside::{Beside, FrameDistances, Layout, OneWay};
 pub use features::camera_path::{Draft, PathEditor, PathFile};
 pub use features::comparison::{Comparison, PictureDifference, PicturePair};
@@ -73,8 +71,8 @@ pub use presets::{Preset, Presets};
 pub use recent::Recent;
 pub use side::Side;
 pub use state::{
-    Change, Counters, DialogAnswer, DialogKind, Found, GraphicsInfo, Outcome, State, StateOptions,
-    Viewport, WindowRequest,
+    Change, Counters, DialogAnswer, DialogKind, Found, GraphicsInfo, Outcome, State, StateOptions, Viewport,
+    WindowRequest,
 };
 pub use theme::apply_theme;
 pub use window::{AppError, Options, bench_window, run};

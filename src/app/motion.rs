@@ -59,10 +59,7 @@ impl Glide {
         let part = part * part * (3.0 - 2.0 * part);
         let closer = (self.to.distance / self.from.distance).powf(part);
         *camera = Camera {
-            target_in_world: self
-                .from
-                .target_in_world
-                .lerp(self.to.target_in_world, part),
+            target_in_world: self.from.target_in_world.lerp(self.to.target_in_world, part),
             distance: self.from.distance * closer,
             ..self.from
         };
@@ -146,10 +143,7 @@ mod tests {
     #[test]
     fn a_glide_leaves_the_camera_to_whoever_takes_it() {
         let from = camera();
-        let to = Camera {
-            distance: 0.1,
-            ..from
-        };
+        let to = Camera { distance: 0.1, ..from };
         let mut now = from;
         let mut glide = Glide::new(from, to, at(0));
         assert!(glide.step(&mut now, at(100)));
@@ -168,10 +162,7 @@ mod tests {
         };
         let mut now = camera();
         let begin = now.azimuth_deg;
-        assert!(
-            !turntable.step(&mut now, at(5000)),
-            "the first step says when it began"
-        );
+        assert!(!turntable.step(&mut now, at(5000)), "the first step says when it began");
         for step in 1..=10 {
             assert!(turntable.step(&mut now, at(5000 + 50 * step)));
         }

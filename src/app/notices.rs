@@ -163,19 +163,14 @@ mod tests {
     fn a_hundred_frames_with_one_fault_are_one_notice() {
         let mut notices = Notices::default();
         for frame in (0..100).chain(0..100) {
-            notices.error(format!(
-                "Frame {frame} is left out. /a/f_{frame}.ply is empty"
-            ));
+            notices.error(format!("Frame {frame} is left out. /a/f_{frame}.ply is empty"));
         }
         notices.error("Frame 3 is left out. /a/f_3.ply cannot be read");
         let [empty, unreadable] = notices.list() else {
             panic!("{:?}", notices.list())
         };
         assert_eq!((empty.count, empty.others.len()), (2, 99));
-        assert_eq!(
-            empty.others[98],
-            "Frame 99 is left out. /a/f_99.ply is empty"
-        );
+        assert_eq!(empty.others[98], "Frame 99 is left out. /a/f_99.ply is empty");
         assert_eq!(unreadable.others, [""; 0]);
         notices.info("1 is saved");
         notices.info("2 is saved");

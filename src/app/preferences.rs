@@ -206,10 +206,7 @@ impl PreferencesFile {
             .map_err(std::io::Error::other)
             .and_then(|bytes| kept::replace(file, &bytes));
         if let Err(reason) = written {
-            log::warn!(
-                "the settings could not be written to {} ({reason})",
-                file.display()
-            );
+            log::warn!("the settings could not be written to {} ({reason})", file.display());
         }
     }
 }

@@ -8,9 +8,7 @@
 use crate::kept::{self, Fields};
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{
-    DrawingStyle, LevelStyle, PointStyle, Primitive, Style, VoxelLight, VoxelStyle,
-};
+use crate::scene::{DrawingStyle, LevelStyle, PointStyle, Primitive, Style, VoxelLight, VoxelStyle};
 use serde::Serialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -200,11 +198,7 @@ fn presets_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Preset> {
         }
         let mut unread_here = Vec::new();
         let settings = kept::fields::<Style>(settings, &mut unread_here).nearest();
-        unread.extend(
-            unread_here
-                .iter()
-                .map(|reason| format!("`{name}`: {reason}")),
-        );
+        unread.extend(unread_here.iter().map(|reason| format!("`{name}`: {reason}")));
         match presets.binary_search_by(|preset| preset.name.cmp(&name)) {
             Ok(_) => unread.push(format!("`{name}` is there twice")),
             Err(place) => presets.insert(place, Preset { name, settings }),

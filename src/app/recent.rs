@@ -72,9 +72,7 @@ impl Recent {
         let Some(file) = &self.file else {
             return Ok(());
         };
-        let stored = RecentFile {
-            recent: &self.entries,
-        };
+        let stored = RecentFile { recent: &self.entries };
         let written = serde_json::to_vec_pretty(&stored)
             .map_err(std::io::Error::other)
             .and_then(|bytes| kept::replace(file, &bytes));
@@ -141,10 +139,7 @@ mod tests {
         for damaged in ["", "{", "[1,2]", r#"{"recent":[[7]]}"#, "\0\u{1}"] {
             fs::write(&file, damaged).unwrap();
             let (mut recent, problem) = Recent::load_from(&file);
-            assert!(
-                problem.is_some_and(|text| text.contains("recent.json")),
-                "{damaged:?}"
-            );
+            assert!(problem.is_some_and(|text| text.contains("recent.json")), "{damaged:?}");
             assert!(recent.entries().is_empty());
             recent.add(&["/a".into()]).unwrap();
             assert_eq!(Recent::load_from(&file).1, None);
@@ -157,11 +152,7 @@ mod tests {
     fn one_entry_that_cannot_be_read_takes_no_other_with_it() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("recent.json");
-        fs::write(
-            &file,
-            r#"{"recent": [["/a"], 7, ["/b", "/c"]], "of later": 1}"#,
-        )
-        .unwrap();
+        fs::write(&file, r#"{"recent": [["/a"], 7, ["/b", "/c"]], "of later": 1}"#).unwrap();
         let (recent, problem) = Recent::load_from(&file);
         let expected: [Vec<PathBuf>; 2] = [vec!["/a".into()], vec!["/b".into(), "/c".into()]];
         assert_eq!(recent.entries(), expected);

@@ -14,8 +14,5 @@ pub(in crate::app) fn name_of(sequence: &Sequence) -> Option<String> {
     } else {
         entry.path.parent().and_then(|folder| folder.file_name())
     };
-    Some(of_all.map_or_else(
-        || entry.name.clone(),
-        |name| name.to_string_lossy().into_owned(),
-    ))
+    Some(of_all.map_or_else(|| entry.name.clone(), |name| name.to_string_lossy().into_owned()))
 }

@@ -2,10 +2,7 @@
 //!
 //! Icons are painted rather than taken from a font: they are sharp at any scale and look the same everywhere.
 
-use egui::{
-    Color32, Context, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, Theme, ThemePreference,
-    Visuals, vec2,
-};
+use egui::{Color32, Context, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, Theme, ThemePreference, Visuals, vec2};
 
 /// What is chosen, and the playhead.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(86, 156, 255);
@@ -137,11 +134,7 @@ pub(super) fn paint_icon(painter: &Painter, icon: Icon, center: Pos2, size: f32,
         ));
     };
     let bar = |from: f32, to: f32| {
-        painter.rect_filled(
-            Rect::from_two_pos(at(from, -0.85), at(to, 0.85)),
-            1.0,
-            color,
-        );
+        painter.rect_filled(Rect::from_two_pos(at(from, -0.85), at(to, 0.85)), 1.0, color);
     };
     match icon {
         Icon::Play => triangle(-0.65, 0.85),

@@ -30,15 +30,10 @@ pub(super) struct CloserView {
 
 impl Cover {
     /// Compares the same picture on two backgrounds.
-    pub(super) fn of(
-        on_first: &RgbaImage,
-        on_second: &RgbaImage,
-        backgrounds: [[u8; 3]; 2],
-    ) -> Self {
+    pub(super) fn of(on_first: &RgbaImage, on_second: &RgbaImage, backgrounds: [[u8; 3]; 2]) -> Self {
         let [width, height] = [on_first.width(), on_first.height()];
         Self::from_fn([width as usize, height as usize], |x, y| {
-            let [first, second] =
-                [on_first, on_second].map(|image| image.get_pixel(x as u32, y as u32).0);
+            let [first, second] = [on_first, on_second].map(|image| image.get_pixel(x as u32, y as u32).0);
             first[..3] != backgrounds[0] || second[..3] != backgrounds[1]
         })
     }
@@ -65,8 +60,7 @@ impl Cover {
     /// Covered part of the rectangle from `min` to `max` (not included).
     fn share_within(&self, min: [usize; 2], max: [usize; 2]) -> f64 {
         let sum = |x: usize, y: usize| self.sums[y * (self.size_px[0] + 1) + x];
-        let covered =
-            sum(max[0], max[1]) + sum(min[0], min[1]) - sum(min[0], max[1]) - sum(max[0], min[1]);
+        let covered = sum(max[0], max[1]) + sum(min[0], min[1]) - sum(min[0], max[1]) - sum(max[0], min[1]);
         let pixels = (max[0] - min[0]) * (max[1] - min[1]);
         f64::from(covered) / pixels.max(1) as f64
     }

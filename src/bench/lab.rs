@@ -102,8 +102,7 @@ impl Quality {
     /// The one with the least error that takes at most `draw_ms`; where there is none, the fastest.
     pub fn best_within(&self, draw_ms: f64) -> &QualityChoice {
         let mut fit = self.choices.iter().rev();
-        fit.find(|choice| choice.draw_ms <= draw_ms)
-            .unwrap_or(&self.choices[0])
+        fit.find(|choice| choice.draw_ms <= draw_ms).unwrap_or(&self.choices[0])
     }
 
     /// Reads what was kept under `key`; `None` if there is nothing that can be used.
@@ -182,13 +181,10 @@ mod tests {
 
     #[test]
     fn the_front_is_what_nothing_beats() {
-        let mut points = [(1.0, 0.5), (2.0, 0.6), (3.0, 0.2), (3.0, 0.3), (4.0, 0.2)]
-            .map(|(draw_ms, flip)| point(draw_ms, flip));
+        let mut points =
+            [(1.0, 0.5), (2.0, 0.6), (3.0, 0.2), (3.0, 0.3), (4.0, 0.2)].map(|(draw_ms, flip)| point(draw_ms, flip));
         mark_front(&mut points);
-        assert_eq!(
-            points.map(|point| point.is_on_front),
-            [true, false, true, false, false]
-        );
+        assert_eq!(points.map(|point| point.is_on_front), [true, false, true, false, false]);
         // Equal ones are both as good as it gets; those of another sequence do not count.
         let mut points = [point(1.0, 0.5), point(1.0, 0.5), point(0.5, 0.1)];
         points[2].sequence = "other".to_owned();
@@ -198,8 +194,7 @@ mod tests {
 
     #[test]
     fn what_may_be_spent_decides() {
-        let points =
-            [(1.0, 0.5), (3.0, 0.2), (10.0, 0.05), (11.0, 0.4)].map(|(ms, flip)| point(ms, flip));
+        let points = [(1.0, 0.5), (3.0, 0.2), (10.0, 0.05), (11.0, 0.4)].map(|(ms, flip)| point(ms, flip));
         let quality = Quality::of(&points).unwrap();
         assert_eq!(quality.choices().len(), 3);
         assert_eq!(quality.fastest_below(0.3).draw_ms, 3.0);

@@ -54,10 +54,7 @@ pub fn run(
         ("viewpoints", options.viewpoints),
         ("repetitions", options.repeat),
         ("frames", options.frames),
-        (
-            "pixels",
-            options.viewport_px.into_iter().min().unwrap_or(0) as usize,
-        ),
+        ("pixels", options.viewport_px.into_iter().min().unwrap_or(0) as usize),
     ];
     if let Some((name, _)) = at_least_1.into_iter().find(|&(_, value)| value == 0) {
         return Err(BenchError::ZeroOption(name));

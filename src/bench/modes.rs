@@ -48,8 +48,7 @@ impl Modes {
         } else {
             any_what || self.primitives.contains(&primitive)
         };
-        let how = self.strategies.is_empty()
-            || is_gpu && self.strategies.contains(&settings.drawing.strategy);
+        let how = self.strategies.is_empty() || is_gpu && self.strategies.contains(&settings.drawing.strategy);
         let who = self.renderers.is_empty() || self.renderers.contains(&settings.drawing.renderer);
         who && what && how
     }
@@ -65,8 +64,7 @@ impl FromStr for Modes {
             let is_renderer = |choice: &RendererChoice| *choice != RendererChoice::Auto;
             if let Some(renderer) = word.parse().ok().filter(is_renderer) {
                 modes.renderers.push(renderer);
-            } else if let Some(primitive) = word.parse().ok().filter(|&one| one != Primitive::Auto)
-            {
+            } else if let Some(primitive) = word.parse().ok().filter(|&one| one != Primitive::Auto) {
                 modes.primitives.push(primitive);
             } else if let Ok(splatting) = word.parse::<Splatting>() {
                 modes.splattings.push(splatting);

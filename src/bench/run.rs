@@ -48,10 +48,7 @@ impl<'a> Run<'a> {
             inputs,
             say,
             progress,
-            report: Report::new(
-                options.clone(),
-                Environment::detect(context.map(Arc::as_ref)),
-            ),
+            report: Report::new(options.clone(), Environment::detect(context.map(Arc::as_ref))),
             steps_done: 0,
             steps_total: 0,
         })
@@ -62,18 +59,10 @@ impl<'a> Run<'a> {
     }
 
     /// The sequences with the frames chosen from each. A run has `steps_per_frame` steps a frame.
-    pub(super) fn subjects(
-        &mut self,
-        steps_per_frame: usize,
-    ) -> Result<Vec<Subject<'a>>, BenchError> {
+    pub(super) fn subjects(&mut self, steps_per_frame: usize) -> Result<Vec<Subject<'a>>, BenchError> {
         let wanted = self.options.frames;
         let mut subjects = Vec::new();
-        for Input {
-            name,
-            sequence,
-            shape,
-        } in self.inputs
-        {
+        for Input { name, sequence, shape } in self.inputs {
             let chosen = spread(sequence.len(), wanted);
             if chosen.is_empty() {
                 return Err(BenchError::Nothing(format!("{name} has no frames")));
@@ -141,9 +130,7 @@ impl<'a> Run<'a> {
         };
         if let Err(reason) = &loaded {
             self.steps_done += steps_per_frame - 1;
-            self.report
-                .notes
-                .push(format!("{}: skipped: {reason}", subject.name));
+            self.report.notes.push(format!("{}: skipped: {reason}", subject.name));
         }
         Ok(loaded)
     }

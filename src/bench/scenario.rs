@@ -81,13 +81,7 @@ pub(super) fn place<E>(
     };
     let mut best = first;
     for first_reach in FIRST_REACHES {
-        let climbed = climb(
-            first,
-            first_cover.clone(),
-            first_reach,
-            height_px,
-            &mut measure,
-        )?;
+        let climbed = climb(first, first_cover.clone(), first_reach, height_px, &mut measure)?;
         if distance_to_band(climbed.coverage) < distance_to_band(best.coverage) {
             best = climbed;
         }
@@ -107,8 +101,7 @@ fn climb<E>(
     height_px: f64,
     measure: &mut impl FnMut(&Camera) -> Result<Cover, E>,
 ) -> Result<Viewpoint, E> {
-    let range =
-        DISTANCE_RANGE.start() * best.camera.distance..=DISTANCE_RANGE.end() * best.camera.distance;
+    let range = DISTANCE_RANGE.start() * best.camera.distance..=DISTANCE_RANGE.end() * best.camera.distance;
     for _ in 0..MAX_MOVES {
         if best.is_in_band() || reach < LEAST_REACH {
             break;
@@ -171,10 +164,7 @@ impl Coverage {
             min: quantiles.min,
             mean: quantiles.mean,
             max: quantiles.max,
-            outside: shares
-                .iter()
-                .filter(|share| !COVERAGE_BAND.contains(share))
-                .count(),
+            outside: shares.iter().filter(|share| !COVERAGE_BAND.contains(share)).count(),
             count: quantiles.count,
         })
     }
@@ -204,22 +194,14 @@ mod tests {
 
     /// A rectangle in the plane z = 0, of which every `every`th pixel is seen, as drawn by a camera that looks
     /// along -z.
-    fn board(
-        center: [f64; 2],
-        half: [f64; 2],
-        every: usize,
-    ) -> impl FnMut(&Camera) -> Result<Cover, Infallible> {
+    fn board(center: [f64; 2], half: [f64; 2], every: usize) -> impl FnMut(&Camera) -> Result<Cover, Infallible> {
         move |camera| {
             let [width, height] = SIZE_PX.map(|edge| edge as f64);
-            let units_per_px =
-                2.0 * camera.distance * (0.5 * camera.fov_deg).to_radians().tan() / height;
+            let units_per_px = 2.0 * camera.distance * (0.5 * camera.fov_deg).to_radians().tan() / height;
             Ok(Cover::from_fn(SIZE_PX, |x, y| {
                 let right = (x as f64 + 0.5 - 0.5 * width) * units_per_px;
                 let up = (0.5 * height - y as f64 - 0.5) * units_per_px;
-                let place = [
-                    camera.target_in_world.x + right,
-                    camera.target_in_world.y + up,
-                ];
+                let place = [camera.target_in_world.x + right, camera.target_in_world.y + up];
                 (x + y * SIZE_PX[0]).is_multiple_of(every)
                     && (0..2).all(|axis| (place[axis] - center[axis]).abs() < half[axis])
             }))
@@ -290,10 +272,7 @@ mod tests {
             Ok::<_, Infallible>(Cover::from_fn(SIZE_PX, |x, y| x == 5 && y < pictures))
         });
         assert!(viewpoint.is_ok_and(|viewpoint| !viewpoint.is_in_band()));
-        assert!(
-            pictures <= 1 + FIRST_REACHES.len() * MAX_MOVES,
-            "{pictures}"
-        );
+        assert!(pictures <= 1 + FIRST_REACHES.len() * MAX_MOVES, "{pictures}");
     }
 
     #[test]

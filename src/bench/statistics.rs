@@ -64,10 +64,7 @@ mod tests {
     fn known_answers() {
         assert_eq!(Quantiles::of(&[]), None);
         let one = Quantiles::of(&[7.5]).unwrap();
-        assert_eq!(
-            [one.min, one.q1, one.median, one.q3, one.max, one.mean],
-            [7.5; 6]
-        );
+        assert_eq!([one.min, one.q1, one.median, one.q3, one.max, one.mean], [7.5; 6]);
         let five = Quantiles::of(&[5.0, 1.0, 4.0, 2.0, 13.0]).unwrap();
         assert_eq!(
             [five.min, five.q1, five.median, five.q3, five.max, five.mean],

@@ -50,17 +50,13 @@ impl TruthCache {
             hash.update(bytes);
         });
         let name = hex(&hash.finalize());
-        let files =
-            ["picture", "depth", "tolerance"].map(|part| folder.join(format!("{name}-{part}.png")));
+        let files = ["picture", "depth", "tolerance"].map(|part| folder.join(format!("{name}-{part}.png")));
         if let Some(truth) = read(&files, key.size_px()) {
             return truth;
         }
         let truth = make();
         if let Err(reason) = write(&files, &truth) {
-            log::warn!(
-                "the truth of a view is not kept in {}: {reason}",
-                folder.display()
-            );
+            log::warn!("the truth of a view is not kept in {}: {reason}", folder.display());
         }
         drop_oldest(folder, self.most_bytes);
         truth
@@ -74,12 +70,7 @@ fn read([picture, depth, tolerance]: &[PathBuf; 3], size_px: [u32; 2]) -> Option
         let image = image.into_rgba8();
         (image.dimensions() == (size_px[0], size_px[1])).then_some(image)
     };
-    let numbers = |image: &RgbaImage| -> Vec<f32> {
-        image
-            .pixels()
-            .map(|pixel| f32::from_le_bytes(pixel.0))
-            .collect()
-    };
+    let numbers = |image: &RgbaImage| -> Vec<f32> { image.pixels().map(|pixel| f32::from_le_bytes(pixel.0)).collect() };
     let depth = DepthImage {
         size_px,
         depth: numbers(&image(depth)?),
@@ -153,13 +144,7 @@ mod tests {
         };
         let camera = Camera::framing(&bounds, DVec3::ZERO, UpAxis::Y);
         let background = Background::solid([119; 3]);
-        TruthView::new(
-            &camera,
-            DVec3::ZERO,
-            size_px,
-            Lighting::PerFragment,
-            background,
-        )
+        TruthView::new(&camera, DVec3::ZERO, size_px, Lighting::PerFragment, background)
     }
 
     #[test]
@@ -209,8 +194,7 @@ mod tests {
         for (age, name) in ["c", "b", "a"].iter().enumerate() {
             let file = folder.path().join(name);
             fs::write(&file, [0; 100]).unwrap();
-            let modified =
-                SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(1000 + age as u64);
+            let modified = SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(1000 + age as u64);
             fs::File::options()
                 .write(true)
                 .open(&file)

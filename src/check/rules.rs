@@ -31,9 +31,9 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
     findings.extend(unreadable(facts));
     findings.extend(unreadable_parts(facts));
     let attributes = facts.iter().enumerate();
-    findings.extend(changed_attributes(attributes.filter_map(
-        |(index, facts)| Some((index, facts.as_ref().ok()?.attributes.as_slice())),
-    )));
+    findings.extend(changed_attributes(attributes.filter_map(|(index, facts)| {
+        Some((index, facts.as_ref().ok()?.attributes.as_slice()))
+    })));
     findings.extend(bounds_jumps(facts));
     findings.extend(changed_up_axes(facts));
     findings.extend(counted(
@@ -55,8 +55,10 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
         FindingKind::DuplicatePoints,
         |facts| facts.duplicate_count,
         |count, frames| {
-            format!("{count} points in {frames} lie exactly where another point does: `pointreel convert --voxel` \
-                joins them")
+            format!(
+                "{count} points in {frames} lie exactly where another point does: `pointreel convert --voxel` \
+                joins them"
+            )
         },
     ));
     findings.extend(counted(
@@ -64,8 +66,10 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
         FindingKind::ZeroNormals,
         |facts| facts.zero_normal_count,
         |count, frames| {
-            format!("{count} normals in {frames} have no length: they are estimated for the picture, `pointreel \
-                convert --estimate-normals` writes them")
+            format!(
+                "{count} normals in {frames} have no length: they are estimated for the picture, `pointreel \
+                convert --estimate-normals` writes them"
+            )
         },
     ));
     findings.extend(counted(
@@ -73,8 +77,10 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
         FindingKind::NarrowColors,
         |facts| usize::from(facts.has_narrow_colors),
         |_, frames| {
-            format!("colours of {frames} are 0 to 255 in fields of 16 bits: they are read as 8 bits, other programs \
-                may show them black")
+            format!(
+                "colours of {frames} are 0 to 255 in fields of 16 bits: they are read as 8 bits, other programs \
+                may show them black"
+            )
         },
     ));
     findings.extend(suspicious_scales(facts));
@@ -91,10 +97,7 @@ pub(super) fn most_common_up(facts: &Facts) -> Option<UpAxis> {
         }
     }
     let most = counts.iter().map(|(_, count)| *count).max()?;
-    counts
-        .into_iter()
-        .find(|(_, count)| *count == most)
-        .map(|(up, _)| up)
+    counts.into_iter().find(|(_, count)| *count == most).map(|(up, _)| up)
 }
 
 /// One finding for all frames of which `count` is not zero.
@@ -133,10 +136,7 @@ fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
     let entries = sequence.entries();
     let numbers: Option<Vec<u64>> = entries.iter().map(|entry| entry.number).collect();
     let numbers = numbers.unwrap_or_default();
-    let steps: Vec<u64> = numbers
-        .windows(2)
-        .map(|pair| pair[1].saturating_sub(pair[0]))
-        .collect();
+    let steps: Vec<u64> = numbers.windows(2).map(|pair| pair[1].saturating_sub(pair[0])).collect();
     // Every second frame may have been kept on purpose: the smallest step is the rule. Time stamps count too, but what
     // lies between them is not missing.
     let usual = steps.iter().copied().min().unwrap_or(0);
@@ -178,9 +178,10 @@ fn time_jumps(sequence: &Sequence) -> Vec<Finding> {
     let Some(&median) = sorted.get(sorted.len() / 2) else {
         return Vec::new();
     };
-    let odd = spacings.iter().enumerate().filter(|&(_, &spacing)| {
-        spacing <= 0.0 || (median > 0.0 && spacing > PAUSE_IN_SPACINGS * median)
-    });
+    let odd = spacings
+        .iter()
+        .enumerate()
+        .filter(|&(_, &spacing)| spacing <= 0.0 || (median > 0.0 && spacing > PAUSE_IN_SPACINGS * median));
     odd.map(|(index, spacing)| Finding {
         kind: FindingKind::TimeJump,
         frames: vec![index, index + 1],
@@ -227,9 +228,7 @@ fn unreadable_parts(facts: &Facts) -> Vec<Finding> {
 }
 
 /// Frames whose attributes are not those of most frames; `attributes` are those of each frame that can be read.
-pub(crate) fn changed_attributes<'a>(
-    attributes: impl IntoIterator<Item = (usize, &'a [String])>,
-) -> Vec<Finding> {
+pub(crate) fn changed_attributes<'a>(attributes: impl IntoIterator<Item = (usize, &'a [String])>) -> Vec<Finding> {
     let mut kinds: BTreeMap<&[String], Vec<usize>> = BTreeMap::new();
     for (index, attributes) in attributes {
         kinds.entry(attributes).or_default().push(index);
@@ -271,13 +270,9 @@ fn bounds_jumps(facts: &Facts) -> Vec<Finding> {
     for pair in boxes.windows(2) {
         let (before, min_before, max_before) = pair[0];
         let (after, min_after, max_after) = pair[1];
-        let diagonals = [
-            (max_before - min_before).length(),
-            (max_after - min_after).length(),
-        ];
+        let diagonals = [(max_before - min_before).length(), (max_after - min_after).length()];
         let larger = diagonals[0].max(diagonals[1]);
-        let moved =
-            (min_after * 0.5 + max_after * 0.5).distance(min_before * 0.5 + max_before * 0.5);
+        let moved = (min_after * 0.5 + max_after * 0.5).distance(min_before * 0.5 + max_before * 0.5);
         let has_grown = larger > DIAGONAL_FACTOR * diagonals[0].min(diagonals[1]);
         if moved > JUMP_IN_DIAGONALS * larger || has_grown {
             findings.push(Finding {

@@ -15,10 +15,7 @@ fn grid(shift: f64) -> RawCloud {
 /// What is found in these clouds, under these names.
 fn found(clouds: Vec<(&str, RawCloud)>) -> Vec<(FindingKind, Vec<usize>)> {
     let sources = clouds.iter().zip(0..).map(|((name, _), place)| FrameEntry {
-        number: name
-            .trim_matches(|c: char| !c.is_ascii_digit())
-            .parse()
-            .ok(),
+        number: name.trim_matches(|c: char| !c.is_ascii_digit()).parse().ok(),
         // The decoder finds the cloud again by the name.
         name: format!("{place}"),
         ..FrameEntry::file(*name)
@@ -78,20 +75,14 @@ fn each_fault_is_found_where_it_is() {
     );
     assert_eq!(
         broken(&|cloud| set(cloud, 99, [100.0, 0.0, 0.0])),
-        [
-            (Kind::BoundsJump, vec![0, 1]),
-            (Kind::BoundsJump, vec![1, 2])
-        ]
+        [(Kind::BoundsJump, vec![0, 1]), (Kind::BoundsJump, vec![1, 2])]
     );
     assert_eq!(
         broken(&|cloud| {
             cloud.normals = Some(vec![[0.0, 0.0, 1.0]; 100]);
             cloud.normals.as_mut().unwrap()[7] = [0.0; 3];
         }),
-        [
-            (Kind::ChangedAttributes, vec![1]),
-            (Kind::ZeroNormals, vec![1])
-        ]
+        [(Kind::ChangedAttributes, vec![1]), (Kind::ZeroNormals, vec![1])]
     );
     assert_eq!(
         broken(&|cloud| cloud.has_narrow_colors = true),
@@ -105,15 +96,9 @@ fn numbers_that_are_missing_are_gaps_and_strides_are_not() {
         let clouds = numbers.iter().map(|&number| (number, grid(0.0)));
         found(clouds.collect())
     };
-    assert_eq!(
-        names(&["1", "2", "5", "6"]),
-        [(FindingKind::NumberGap, vec![1, 2])]
-    );
+    assert_eq!(names(&["1", "2", "5", "6"]), [(FindingKind::NumberGap, vec![1, 2])]);
     assert_eq!(names(&["10", "20", "30"]), []);
-    assert_eq!(
-        names(&["10", "20", "40", "50"]),
-        [(FindingKind::NumberGap, vec![1, 2])]
-    );
+    assert_eq!(names(&["10", "20", "40", "50"]), [(FindingKind::NumberGap, vec![1, 2])]);
     assert_eq!(
         names(&["5", "6", "8", "10"]),
         [
@@ -127,24 +112,16 @@ fn numbers_that_are_missing_are_gaps_and_strides_are_not() {
 
 #[test]
 fn coordinates_that_lose_digits_are_told_of() {
-    let far: Vec<[f32; 3]> = (0..100)
-        .map(|index| [4e6 + index as f32, 5e6, 0.0])
-        .collect();
+    let far: Vec<[f32; 3]> = (0..100).map(|index| [4e6 + index as f32, 5e6, 0.0]).collect();
     let cloud = RawCloud::from_positions(Positions::F32(far));
-    assert_eq!(
-        found(vec![("a", cloud)]),
-        [(FindingKind::SuspiciousScale, vec![0])]
-    );
+    assert_eq!(found(vec![("a", cloud)]), [(FindingKind::SuspiciousScale, vec![0])]);
     let mut tiny = grid(0.0);
     if let Positions::F64(positions) = &mut tiny.positions {
         for position in positions {
             *position = position.map(|value| value * 1e-9);
         }
     }
-    assert_eq!(
-        found(vec![("a", tiny)]),
-        [(FindingKind::SuspiciousScale, vec![0])]
-    );
+    assert_eq!(found(vec![("a", tiny)]), [(FindingKind::SuspiciousScale, vec![0])]);
 }
 
 #[test]
@@ -156,20 +133,12 @@ fn pauses_and_stamps_that_go_back_are_found() {
         });
         let sequence = Sequence::with_decoder(sources.collect(), |_| Ok(grid(0.0)));
         let findings = check(&sequence, &|_| {}).findings;
-        let findings = findings
-            .into_iter()
-            .map(|finding| (finding.kind, finding.frames));
+        let findings = findings.into_iter().map(|finding| (finding.kind, finding.frames));
         findings.collect::<Vec<_>>()
     };
     assert_eq!(at(&[0, 100, 205, 300]), []);
-    assert_eq!(
-        at(&[0, 100, 200, 5000, 5100]),
-        [(FindingKind::TimeJump, vec![2, 3])]
-    );
-    assert_eq!(
-        at(&[0, 100, 50, 150]),
-        [(FindingKind::TimeJump, vec![1, 2])]
-    );
+    assert_eq!(at(&[0, 100, 200, 5000, 5100]), [(FindingKind::TimeJump, vec![2, 3])]);
+    assert_eq!(at(&[0, 100, 50, 150]), [(FindingKind::TimeJump, vec![1, 2])]);
 }
 
 #[test]

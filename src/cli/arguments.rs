@@ -4,10 +4,7 @@ use super::colors::ColorArgs;
 use super::style_arguments::StyleArgs;
 use super::warnings;
 use crate::io::ReadOptions;
-use crate::scene::{
-    BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style,
-    SurfelStyle,
-};
+use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use clap::Args;
 use glam::DVec3;
@@ -24,10 +21,7 @@ pub(super) const DEMO_INPUT: &str = "demo:";
 pub(super) const VIEW: &str = "View";
 
 /// Opens what a person named; nothing is the built-in sequence.
-pub(super) fn open_sequence(
-    inputs: &[PathBuf],
-    options: &OpenOptions,
-) -> Result<Sequence, SequenceError> {
+pub(super) fn open_sequence(inputs: &[PathBuf], options: &OpenOptions) -> Result<Sequence, SequenceError> {
     match inputs {
         [] => Sequence::open(&[DEMO_INPUT.into()], options),
         _ => Sequence::open(inputs, options),
@@ -35,10 +29,7 @@ pub(super) fn open_sequence(
 }
 
 /// [`open_sequence`], which warns of what is left out. A window says that itself.
-pub(super) fn open_sequence_and_tell(
-    inputs: &[PathBuf],
-    options: &OpenOptions,
-) -> Result<Sequence, SequenceError> {
+pub(super) fn open_sequence_and_tell(inputs: &[PathBuf], options: &OpenOptions) -> Result<Sequence, SequenceError> {
     let sequence = open_sequence(inputs, options)?;
     for note in sequence.source().notes() {
         warnings::warn(note);
@@ -216,34 +207,22 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn elevation(text: &str) -> Result<f64, String> {
-    number_in(
-        text,
-        |value| (-90.0..=90.0).contains(value),
-        "degrees from -90 to 90",
-    )
+    number_in(text, |value| (-90.0..=90.0).contains(value), "degrees from -90 to 90")
 }
 
 pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
-    number_in(
-        text,
-        |value| (1.0..=170.0).contains(value),
-        "degrees from 1 to 170",
-    )
+    number_in(text, |value| (1.0..=170.0).contains(value), "degrees from 1 to 170")
 }
 
 fn clip_box(text: &str) -> Result<ClipShape, String> {
-    let numbers: Option<Vec<f64>> = text
-        .split(',')
-        .map(|number| number.trim().parse().ok())
-        .collect();
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     let corners = numbers.and_then(|numbers| <[f64; 6]>::try_from(numbers).ok());
     corners
         .map(|[a, b, c, d, e, f]| (DVec3::new(a, b, c), DVec3::new(d, e, f)))
         .filter(|(min, max)| min.is_finite() && max.is_finite() && min.cmple(*max).all())
         .map(|(min, max)| ClipShape::Box { min, max })
         .ok_or_else(|| {
-            "expected six numbers, the smallest x,y,z and then the largest, such as 0,0,0,1.5,2,1"
-                .to_owned()
+            "expected six numbers, the smallest x,y,z and then the largest, such as 0,0,0,1.5,2,1".to_owned()
         })
 }
 
@@ -272,10 +251,7 @@ impl FromStr for FrameRange {
         };
         match range {
             Some((first, last)) if first <= last => Ok(Self { first, last }),
-            _ => Err(
-                "expected a frame such as 0, or a range such as 0..23 with both ends included"
-                    .to_owned(),
-            ),
+            _ => Err("expected a frame such as 0, or a range such as 0..23 with both ends included".to_owned()),
         }
     }
 }

@@ -1,8 +1,6 @@
 //! `pointreel bench`: the suites of the benchmark menu, without a window.
 
-use super::arguments::{
-    DEMO_INPUT, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px,
-};
+use super::arguments::{DEMO_INPUT, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px};
 use super::output::{answer, say};
 use crate::app::{self, PresentChoice};
 use crate::bench::{self, BenchOptions, Input, Modes, OptionGroup, Report, Step, Suite, suites};
@@ -167,10 +165,7 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         fps: arguments.fps,
         ..arguments.read.open_options()
     };
-    let inputs = arguments
-        .inputs
-        .iter()
-        .map(|input| open_input(input, &open));
+    let inputs = arguments.inputs.iter().map(|input| open_input(input, &open));
     let inputs = inputs.collect::<anyhow::Result<Vec<Input>>>()?;
     let default = BenchOptions::new(arguments.suite);
     let options = BenchOptions {
@@ -206,13 +201,7 @@ fn measure(inputs: &[Input], options: &BenchOptions) -> anyhow::Result<Report> {
             None
         }
     };
-    let report = bench::run(
-        inputs,
-        options,
-        context.as_ref(),
-        &show_progress,
-        &Progress::default(),
-    );
+    let report = bench::run(inputs, options, context.as_ref(), &show_progress, &Progress::default());
     clear_progress();
     Ok(report?)
 }
@@ -241,9 +230,7 @@ fn sequence_name(input: &Path) -> String {
     } else {
         absolute.file_stem()
     };
-    name.unwrap_or(input.as_os_str())
-        .to_string_lossy()
-        .into_owned()
+    name.unwrap_or(input.as_os_str()).to_string_lossy().into_owned()
 }
 
 fn write(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
@@ -257,9 +244,7 @@ fn write(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
 fn show_progress(step: Step) {
     let mut stderr = std::io::stderr().lock();
     if stderr.is_terminal() {
-        let Step {
-            done, total, label, ..
-        } = step;
+        let Step { done, total, label, .. } = step;
         // A terminal that has gone is no failure.
         let _ = write!(stderr, "\r\x1b[K[{done}/{total}] {label}");
         let _ = stderr.flush();

@@ -2,14 +2,10 @@
 
 use super::output::{answer, say};
 use crate::kept::write_whole;
-use crate::measure::{
-    PixelDifference, SSIM_WINDOW_PX, SsimError, flip, mean_squared_error, psnr_db, ssim,
-};
+use crate::measure::{PixelDifference, SSIM_WINDOW_PX, SsimError, flip, mean_squared_error, psnr_db, ssim};
 use anyhow::{Context as _, anyhow, bail};
 use clap::Args;
-use image::{
-    DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader, Limits, RgbaImage,
-};
+use image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader, Limits, RgbaImage};
 use serde::Serialize;
 use std::fs;
 use std::io::{BufReader, Cursor, ErrorKind};
@@ -103,8 +99,7 @@ pub(super) fn run(arguments: &CompareArgs) -> anyhow::Result<()> {
         write_picture(heatmap, &errors.to_heatmap())?;
     }
     if arguments.json {
-        let json = serde_json::to_string_pretty(&comparison)
-            .context("the answer cannot be written as JSON")?;
+        let json = serde_json::to_string_pretty(&comparison).context("the answer cannot be written as JSON")?;
         answer(&json);
     } else {
         answer(&table(&comparison, difference.pixel_count));
@@ -130,10 +125,7 @@ fn table(comparison: &Comparison, pixel_count: u64) -> String {
         format!("none (below {SSIM_WINDOW_PX}x{SSIM_WINDOW_PX} pixels)"),
         |ssim| format!("{ssim:.5}"),
     );
-    let flip = format!(
-        "{:.5} mean, {:.5} largest",
-        comparison.flip_mean, comparison.flip_max
-    );
+    let flip = format!("{:.5} mean, {:.5} largest", comparison.flip_mean, comparison.flip_max);
     let different = format!(
         "{:.2} % ({} of {pixel_count})",
         100.0 * comparison.different_share,
@@ -152,8 +144,7 @@ fn table(comparison: &Comparison, pixel_count: u64) -> String {
             format!("{} of 255", comparison.largest_difference),
         ),
     ];
-    rows.map(|(name, value)| format!("{name:<20}{value}"))
-        .join("\n")
+    rows.map(|(name, value)| format!("{name:<20}{value}")).join("\n")
 }
 
 /// A PNG file as 8-bit RGBA; says so where that loses something.
@@ -190,9 +181,7 @@ fn read(path: &Path) -> anyhow::Result<RgbaImage> {
     }
     let image = image.into_rgba8();
     if image.pixels().any(|pixel| pixel[3] != 255) {
-        say(&format!(
-            "warning: {name} is not opaque, and its alpha is ignored"
-        ));
+        say(&format!("warning: {name} is not opaque, and its alpha is ignored"));
     }
     Ok(image)
 }
@@ -226,10 +215,7 @@ fn check_target(heatmap: &Path, inputs: [&Path; 2]) -> anyhow::Result<()> {
         bail!("{name} is no file, and no heatmap can take its place");
     }
     let place = fs::canonicalize(heatmap).ok();
-    if inputs
-        .map(|input| fs::canonicalize(input).ok())
-        .contains(&place)
-    {
+    if inputs.map(|input| fs::canonicalize(input).ok()).contains(&place) {
         bail!("{name} is compared itself: give the heatmap another name");
     }
     Ok(())
@@ -239,8 +225,6 @@ fn check_target(heatmap: &Path, inputs: [&Path; 2]) -> anyhow::Result<()> {
 fn write_picture(path: &Path, image: &RgbaImage) -> anyhow::Result<()> {
     let cannot = || format!("{} cannot be written", path.display());
     let mut bytes = Cursor::new(Vec::new());
-    image
-        .write_to(&mut bytes, ImageFormat::Png)
-        .with_context(cannot)?;
+    image.write_to(&mut bytes, ImageFormat::Png).with_context(cannot)?;
     write_whole(path, bytes.get_ref()).with_context(cannot)
 }

@@ -54,10 +54,7 @@ struct Answer {
 pub(super) fn run(arguments: &CompareFramesArgs) -> anyhow::Result<()> {
     let sequence = open_sequence_and_tell(&arguments.inputs, &arguments.read.picture_options())?;
     let CompareFramesArgs {
-        from,
-        to,
-        threshold,
-        ..
+        from, to, threshold, ..
     } = *arguments;
     let [pose, other] = [sequence.frame(from)?, sequence.frame(to)?];
     for warning in pose.warnings().iter().chain(other.warnings()) {
@@ -79,8 +76,7 @@ pub(super) fn run(arguments: &CompareFramesArgs) -> anyhow::Result<()> {
         share_above: change.share_above(threshold),
     };
     if arguments.json {
-        let json =
-            serde_json::to_string_pretty(&found).context("the answer cannot be written as JSON")?;
+        let json = serde_json::to_string_pretty(&found).context("the answer cannot be written as JSON")?;
         answer(&json);
     } else {
         answer(&table(&found));
@@ -99,13 +95,8 @@ fn table(found: &Answer) -> String {
         ("largest", found.max.to_string()),
         (
             "farther away",
-            format!(
-                "{:.2} % than {}",
-                100.0 * found.share_above,
-                found.threshold
-            ),
+            format!("{:.2} % than {}", 100.0 * found.share_above, found.threshold),
         ),
     ];
-    rows.map(|(name, value)| format!("{name:<20}{value}"))
-        .join("\n")
+    rows.map(|(name, value)| format!("{name:<20}{value}")).join("\n")
 }

@@ -155,9 +155,7 @@ fn matrix(text: &str) -> Result<DMat4, String> {
     rows.and_then(|rows| <[f64; 16]>::try_from(rows).ok())
         .filter(|rows| rows[12..] == [0.0, 0.0, 0.0, 1.0])
         .map(|rows| DMat4::from_cols_array(&rows).transpose())
-        .ok_or_else(|| {
-            "expected 16 numbers row by row, the last four 0 0 0 1, or a file with them".to_owned()
-        })
+        .ok_or_else(|| "expected 16 numbers row by row, the last four 0 0 0 1, or a file with them".to_owned())
 }
 
 #[cfg(test)]
@@ -177,18 +175,10 @@ mod tests {
     #[test]
     fn matrices_are_read_row_by_row() {
         let moved = matrix("1,0,0,10, 0,1,0,20, 0,0,1,30, 0,0,0,1").unwrap();
-        assert_eq!(
-            moved.transform_point3(DVec3::ZERO),
-            DVec3::new(10.0, 20.0, 30.0)
-        );
+        assert_eq!(moved.transform_point3(DVec3::ZERO), DVec3::new(10.0, 20.0, 30.0));
         let short = matrix("0 -1 0 0\n1 0 0 0\n0 0 1 0").unwrap();
         assert_eq!(short.transform_point3(DVec3::X), DVec3::Y);
-        for wrong in [
-            "",
-            "1 2 3",
-            "1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1",
-            "nowhere.txt",
-        ] {
+        for wrong in ["", "1 2 3", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1", "nowhere.txt"] {
             assert!(matrix(wrong).is_err(), "{wrong}");
         }
     }

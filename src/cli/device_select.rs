@@ -35,8 +35,7 @@ fn is_useless(variable: impl Fn(&str) -> Option<OsString>) -> bool {
     if names_a_card.iter().any(|name| variable(name).is_some()) {
         return false;
     }
-    let is_absolute =
-        |name| variable(name).is_some_and(|path| path.as_encoded_bytes().starts_with(b"/"));
+    let is_absolute = |name| variable(name).is_some_and(|path| path.as_encoded_bytes().starts_with(b"/"));
     let has_place = is_absolute("XDG_RUNTIME_DIR") || is_absolute("WAYLAND_DISPLAY");
     !has_place && variable("WAYLAND_SOCKET").is_none()
 }

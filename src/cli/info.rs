@@ -152,17 +152,10 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         guess: guess(&sequence),
         origin: origin.to_array(),
         fps: sequence.fps(),
-        recordings: sequence
-            .source()
-            .recordings()
-            .iter()
-            .map(recording_info)
-            .collect(),
+        recordings: sequence.source().recordings().iter().map(recording_info).collect(),
     };
     if arguments.json {
-        answer(
-            &serde_json::to_string_pretty(&info).context("the answer cannot be written as JSON")?,
-        );
+        answer(&serde_json::to_string_pretty(&info).context("the answer cannot be written as JSON")?);
     } else {
         answer(table(&info).trim_end());
     }
@@ -231,10 +224,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
         index,
         file: entry.path.display().to_string(),
         name: entry.name.clone(),
-        normals_file: entry
-            .normals
-            .as_ref()
-            .map(|path| path.display().to_string()),
+        normals_file: entry.normals.as_ref().map(|path| path.display().to_string()),
         time_s: entry.time.map(|time| time.as_secs_f64()),
         content,
     }

@@ -3,10 +3,7 @@
 use std::io::Write as _;
 
 /// One line on stderr.
-#[expect(
-    clippy::print_stderr,
-    reason = "the command line speaks to a person here"
-)]
+#[expect(clippy::print_stderr, reason = "the command line speaks to a person here")]
 pub(super) fn say(line: &str) {
     eprintln!("{line}");
 }

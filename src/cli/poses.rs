@@ -38,12 +38,7 @@ pub(super) struct PosesArgs {
 
 impl PosesArgs {
     /// All that was asked for, for pictures of the frames of `range`.
-    pub(super) fn poses(
-        &self,
-        range: FrameRange,
-        headless: &Headless,
-        settings: &Style,
-    ) -> anyhow::Result<Poses> {
+    pub(super) fn poses(&self, range: FrameRange, headless: &Headless, settings: &Style) -> anyhow::Result<Poses> {
         let onion = |count: u8| OnionSkin {
             is_on: true,
             before: count.into(),
@@ -67,12 +62,7 @@ impl PosesArgs {
     }
 
     /// The trails that were asked for, through the frames of `range`; where they end is said.
-    fn trails(
-        &self,
-        range: FrameRange,
-        headless: &Headless,
-        settings: &Style,
-    ) -> anyhow::Result<Option<Trails>> {
+    fn trails(&self, range: FrameRange, headless: &Headless, settings: &Style) -> anyhow::Result<Option<Trails>> {
         if self.trail.is_empty() {
             return Ok(None);
         }

@@ -62,10 +62,8 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         (failed, sequence.len())
     };
     if let Some(path) = &arguments.stats {
-        let json = serde_json::to_string_pretty(&stats)
-            .context("the statistics cannot be written as JSON")?;
-        std::fs::write(path, json)
-            .with_context(|| format!("{} cannot be written", path.display()))?;
+        let json = serde_json::to_string_pretty(&stats).context("the statistics cannot be written as JSON")?;
+        std::fs::write(path, json).with_context(|| format!("{} cannot be written", path.display()))?;
     }
     match failed.as_slice() {
         [] => Ok(()),
@@ -96,12 +94,8 @@ fn make_folder(output: &Path, frame_count: usize) -> anyhow::Result<()> {
     if folder.as_os_str().is_empty() {
         return Ok(());
     }
-    std::fs::create_dir_all(folder).with_context(|| {
-        format!(
-            "the folder {} for the pictures cannot be made",
-            folder.display()
-        )
-    })
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("the folder {} for the pictures cannot be made", folder.display()))
 }
 
 /// Renders every frame that can be; returns those that cannot, with the reason.

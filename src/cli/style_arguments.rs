@@ -39,11 +39,7 @@ fn with_options(command: Command, described: &'static Described) -> Command {
     match &described.values {
         // Colours belong together, and a background can be transparent: they are options of their own.
         Values::Colors | Values::Background => command,
-        Values::Switch(_) => command.arg(
-            option(described.flag)
-                .help(described.help)
-                .action(ArgAction::SetTrue),
-        ),
+        Values::Switch(_) => command.arg(option(described.flag).help(described.help).action(ArgAction::SetTrue)),
         Values::Words(_) | Values::Number(_) => command.arg(
             option(described.flag)
                 .help(described.help_line())
@@ -57,14 +53,10 @@ fn with_options(command: Command, described: &'static Described) -> Command {
                 let option = option(kind.flag).help(kind.help);
                 match &kind.number {
                     None => option.action(ArgAction::SetTrue),
-                    Some(told) => {
-                        option
-                            .value_name(told.value_name)
-                            .value_parser(move |text: &str| {
-                                let number = told.numbers.parse(text);
-                                number.map(|number| Value::Kind(place, number))
-                            })
-                    }
+                    Some(told) => option.value_name(told.value_name).value_parser(move |text: &str| {
+                        let number = told.numbers.parse(text);
+                        number.map(|number| Value::Kind(place, number))
+                    }),
                 }
             });
             command.args(options).group(group)
@@ -81,9 +73,7 @@ fn given(matches: &ArgMatches, described: &Described) -> Option<Value> {
     let value = |flag| matches.get_one::<Value>(flag).copied();
     match &described.values {
         Values::Colors | Values::Background => None,
-        Values::Switch(_) => matches
-            .get_flag(described.flag)
-            .then_some(Value::Switch(true)),
+        Values::Switch(_) => matches.get_flag(described.flag).then_some(Value::Switch(true)),
         Values::Words(_) | Values::Number(_) => value(described.flag),
         Values::Kinds(kinds) => kinds.iter().enumerate().find_map(|(place, kind)| {
             let is_chosen = |flag| matches.get_flag(flag).then_some(Value::Kind(place, 0.0));
@@ -98,9 +88,7 @@ fn given(matches: &ArgMatches, described: &Described) -> Option<Value> {
 impl Args for StyleArgs {
     fn augment_args(command: Command) -> Command {
         let settings = all().into_iter();
-        settings.fold(command, |command, (described, _)| {
-            with_options(command, described)
-        })
+        settings.fold(command, |command, (described, _)| with_options(command, described))
     }
 
     fn augment_args_for_update(command: Command) -> Command {

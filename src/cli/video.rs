@@ -58,9 +58,7 @@ pub(super) fn render_video(
     bar.clear();
     let failed = exported?;
     for (frame, error) in &failed {
-        warnings::warn_of_frame(&format!(
-            "frame {frame} is not shown, the one before it stays: {error}"
-        ));
+        warnings::warn_of_frame(&format!("frame {frame} is not shown, the one before it stays: {error}"));
     }
     answer(&format!(
         "{} pictures written to {}, {per_second:.5} a second",
@@ -86,10 +84,7 @@ fn written_path(video: &VideoArgs, path: &CameraPath) -> anyhow::Result<(CameraP
 }
 
 /// A turntable, or a camera that stands still, as the arguments say.
-fn path_around(
-    arguments: &RenderArgs,
-    headless: &Headless,
-) -> anyhow::Result<(CameraPath, f64, f64)> {
+fn path_around(arguments: &RenderArgs, headless: &Headless) -> anyhow::Result<(CameraPath, f64, f64)> {
     let video = &arguments.video;
     let sequence = headless.sequence();
     if video.fps.is_some() && video.seconds.is_some() {
@@ -100,9 +95,7 @@ fn path_around(
     let last = range.map_or(sequence.len() - 1, |range| range.last);
     let pictures = match video.turntable {
         Some(_) if range.is_some() && first != last => {
-            bail!(
-                "--turntable plays the whole sequence or holds one frame: --frame takes one number here"
-            )
+            bail!("--turntable plays the whole sequence or holds one frame: --frame takes one number here")
         }
         Some(pictures) => f64::from(pictures),
         None => (last - first + 1) as f64,

@@ -1,11 +1,7 @@
 //! `pointreel view`: the window.
 
-use super::arguments::{
-    PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, open_sequence, size_px,
-};
-use crate::app::{
-    Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions,
-};
+use super::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, open_sequence, size_px};
+use crate::app::{Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions};
 use crate::kept;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::OpenOptions;
@@ -126,16 +122,10 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             open,
             follow: args.follow,
             paused: args.paused,
-            budget_bytes: args
-                .memory
-                .map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
+            budget_bytes: args.memory.map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
             recent,
             presets,
-            timelines: args
-                .screenshot
-                .is_none()
-                .then(|| kept::place_of("timelines"))
-                .flatten(),
+            timelines: args.screenshot.is_none().then(|| kept::place_of("timelines")).flatten(),
             ..StateOptions::default()
         },
         sequence: Some(Arc::new(sequence)),

@@ -167,10 +167,7 @@ mod tests {
     fn a_window_says_the_first_at_once() {
         let mut warnings = warnings(When::FirstAtOnce);
         let first = "warning: f_0.ply, face 0: it is broken";
-        assert_eq!(
-            note_many(&mut warnings),
-            [first, "warning: the disk is full"]
-        );
+        assert_eq!(note_many(&mut warnings), [first, "warning: the disk is full"]);
         let counted = format!("{first} (and 99 more frames; --verbose lists them)");
         assert_eq!(warnings.finish(), [counted]);
     }
@@ -194,13 +191,7 @@ mod tests {
     #[test]
     fn one_more_is_singular() {
         assert_eq!(more(0, "frames"), "");
-        assert_eq!(
-            more(1, "frames"),
-            " (and 1 more frame; --verbose lists them)"
-        );
-        assert_eq!(
-            more(1, "like it"),
-            " (and 1 more like it; --verbose lists them)"
-        );
+        assert_eq!(more(1, "frames"), " (and 1 more frame; --verbose lists them)");
+        assert_eq!(more(1, "like it"), " (and 1 more like it; --verbose lists them)");
     }
 }

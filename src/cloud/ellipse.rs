@@ -113,10 +113,7 @@ mod tests {
             // The thinnest is not taken for one.
             let axis = tangent_basis(oct_decode(normal))[0];
             for axis in [axis, -axis] {
-                assert_ne!(
-                    encode_ellipse(normal, Some(Ellipse { axis, ratio: 0.0 })),
-                    0
-                );
+                assert_ne!(encode_ellipse(normal, Some(Ellipse { axis, ratio: 0.0 })), 0);
             }
         }
     }

@@ -4,9 +4,7 @@
 //! finds them in the cache. [`Frame::file_index`] leads back to the file.
 
 use super::value_sample::{SharedSample, ValueSample};
-use super::{
-    AxisConvention, LengthUnit, Positions, RawCloud, ScalarField, even_places, radius_factor,
-};
+use super::{AxisConvention, LengthUnit, Positions, RawCloud, ScalarField, even_places, radius_factor};
 use crate::math::{Aabb, Cube, order_of_codes};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -30,10 +28,7 @@ pub enum CloudError {
         found: usize,
     },
     /// More points than indices of 31 bits tell apart.
-    #[error(
-        "{found} points are more than a frame can hold ({})",
-        Frame::MAX_POINTS
-    )]
+    #[error("{found} points are more than a frame can hold ({})", Frame::MAX_POINTS)]
     TooManyPoints {
         /// Number of points.
         found: usize,
@@ -80,9 +75,7 @@ impl Frame {
             bounds,
             dropped_points: point_count - file_index.len(),
             positions: gather(&moved, &file_index, |position| position),
-            colors: raw
-                .colors
-                .map(|colors| gather(&colors, &file_index, |color| color)),
+            colors: raw.colors.map(|colors| gather(&colors, &file_index, |color| color)),
             normals: raw.normals.map(|normals| {
                 // First all to their places: a processor that waits for roots fetches little from memory meanwhile.
                 let mut normals = gather(&normals, &file_index, Vec3::from_array);
@@ -91,9 +84,7 @@ impl Frame {
                 }
                 normals
             }),
-            radii: raw
-                .radii
-                .map(|radii| gather(&radii, &file_index, usable_radius)),
+            radii: raw.radii.map(|radii| gather(&radii, &file_index, usable_radius)),
             scalars: raw
                 .scalars
                 .into_iter()
@@ -116,11 +107,7 @@ impl Frame {
 
     /// [`Frame::from_raw`] of at most `most_points` points, taken evenly from the order of the file. Radii grow, so
     /// that they cover what all cover.
-    pub fn from_raw_sample(
-        mut raw: RawCloud,
-        origin: DVec3,
-        most_points: usize,
-    ) -> Result<Self, CloudError> {
+    pub fn from_raw_sample(mut raw: RawCloud, origin: DVec3, most_points: usize) -> Result<Self, CloudError> {
         let point_count = raw.positions.len();
         if point_count <= most_points {
             return Self::from_raw(raw, origin);
@@ -134,11 +121,7 @@ impl Frame {
     ///
     /// # Panics
     /// Precondition: no more points than in the file.
-    pub fn from_sampled(
-        mut raw: RawCloud,
-        origin: DVec3,
-        point_count: usize,
-    ) -> Result<Self, CloudError> {
+    pub fn from_sampled(mut raw: RawCloud, origin: DVec3, point_count: usize) -> Result<Self, CloudError> {
         let places = even_places(point_count, raw.positions.len());
         assert_eq!(places.len(), raw.positions.len(), "points of a larger file");
         let factor = radius_factor(point_count, places.len());
@@ -167,16 +150,10 @@ impl Frame {
     }
 
     /// The points at these slots, with `radii` or none, and where each of them stands here.
-    pub(crate) fn part(
-        &self,
-        taken: &[u32],
-        radii: Option<Vec<f32>>,
-    ) -> Result<(Self, Vec<u32>), CloudError> {
+    pub(crate) fn part(&self, taken: &[u32], radii: Option<Vec<f32>>) -> Result<(Self, Vec<u32>), CloudError> {
         let raw = RawCloud {
             positions: Positions::F32(gather(&self.positions, taken, |at| at.to_array())),
-            colors: self
-                .colors()
-                .map(|colors| gather(colors, taken, |color| color)),
+            colors: self.colors().map(|colors| gather(colors, taken, |color| color)),
             normals: self
                 .normals()
                 .map(|normals| gather(normals, taken, |normal| normal.to_array())),
@@ -246,12 +223,7 @@ impl Frame {
     pub fn value_sample(&self) -> &Arc<ValueSample> {
         self.sample.0.get_or_init(|| {
             let (positions, colors) = (self.positions(), self.colors());
-            Arc::new(ValueSample::of_arrays(
-                positions,
-                colors,
-                &self.scalars,
-                self.sensor,
-            ))
+            Arc::new(ValueSample::of_arrays(positions, colors, &self.scalars, self.sensor))
         })
     }
 
@@ -343,11 +315,7 @@ fn check_lengths(raw: &RawCloud) -> Result<(), CloudError> {
     Ok(())
 }
 
-fn check_length<T>(
-    attribute: &'static str,
-    expected: usize,
-    entries: Option<&[T]>,
-) -> Result<(), CloudError> {
+fn check_length<T>(attribute: &'static str, expected: usize, entries: Option<&[T]>) -> Result<(), CloudError> {
     match entries {
         Some(entries) if entries.len() != expected => Err(CloudError::LengthMismatch {
             attribute,
@@ -392,11 +360,7 @@ fn in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
 }
 
 /// What `convert` makes of the values at `indices`.
-fn gather<T: Copy + Sync, U: Send>(
-    values: &[T],
-    indices: &[u32],
-    convert: impl Fn(T) -> U + Sync,
-) -> Vec<U> {
+fn gather<T: Copy + Sync, U: Send>(values: &[T], indices: &[u32], convert: impl Fn(T) -> U + Sync) -> Vec<U> {
     indices
         .par_iter()
         .with_min_len(POINTS_PER_TASK)
@@ -438,10 +402,7 @@ mod tests {
         raw.normals = Some(vec![[0.0, 0.0, 2.0], [1.0; 3], [1.0; 3], [f32::NAN; 3]]);
         raw.radii = Some(vec![0.5, 1.0, 1.0, f32::NAN]);
         let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
-        assert_eq!(
-            frame.positions(),
-            [Vec3::new(1.0, 2.0, 3.0), Vec3::new(7.0, 8.0, 9.0)]
-        );
+        assert_eq!(frame.positions(), [Vec3::new(1.0, 2.0, 3.0), Vec3::new(7.0, 8.0, 9.0)]);
         assert_eq!(frame.colors(), Some([[1; 4], [4; 4]].as_slice()));
         assert_eq!(frame.normals(), Some([Vec3::Z, Vec3::ZERO].as_slice()));
         assert_eq!(frame.radii(), Some([0.5, 0.0].as_slice()));
@@ -487,10 +448,7 @@ mod tests {
             "cover as much"
         );
         let whole = Frame::from_raw(raw.clone(), DVec3::ZERO).unwrap();
-        assert_eq!(
-            Frame::from_raw_sample(raw, DVec3::ZERO, 100).unwrap(),
-            whole
-        );
+        assert_eq!(Frame::from_raw_sample(raw, DVec3::ZERO, 100).unwrap(), whole);
         let (again, slots) = whole.sample(25).unwrap();
         assert_eq!(again.points_in_file(), 100);
         for (&slot, at) in slots.iter().zip(again.positions()) {

@@ -67,11 +67,7 @@ fn triangles(level: u32) -> Vec<[Vec3; 3]> {
 
 /// Middles of the edges from the first corner to the second, on to the third, and back.
 fn edge_middles([a, b, c]: &[Vec3; 3]) -> [Vec3; 3] {
-    [
-        (*a + *b).normalize(),
-        (*b + *c).normalize(),
-        (*c + *a).normalize(),
-    ]
+    [(*a + *b).normalize(), (*b + *c).normalize(), (*c + *a).normalize()]
 }
 
 fn parts(triangle: &[Vec3; 3]) -> [[Vec3; 3]; 4] {
@@ -169,11 +165,7 @@ mod tests {
             assert_eq!(normals.len(), 1 << bits);
             for (index, &normal) in normals.iter().enumerate() {
                 let finest = quantise_normal(normal);
-                assert_eq!(
-                    coarser_normal(finest, bits),
-                    index as u32,
-                    "{bits} {normal}"
-                );
+                assert_eq!(coarser_normal(finest, bits), index as u32, "{bits} {normal}");
             }
         }
     }
@@ -199,10 +191,7 @@ mod tests {
     fn middle_parts_have_the_direction_of_the_whole() {
         for (index, &normal) in quantised_normals(13).iter().enumerate() {
             let middle = quantised_normals(17)[index << 4];
-            assert!(
-                angle(normal, middle).to_degrees() < 0.03,
-                "{normal} {middle}"
-            );
+            assert!(angle(normal, middle).to_degrees() < 0.03, "{normal} {middle}");
         }
     }
 
@@ -213,13 +202,10 @@ mod tests {
         let (mut sum, mut nearest_sum, mut largest) = (0.0, 0.0, 0f32);
         let count = 3000;
         for unit in spiral(count) {
-            let error = angle(
-                all[coarser_normal(quantise_normal(unit), 13) as usize],
-                unit,
-            );
-            let nearest = all.iter().fold(f32::MAX, |least, &normal| {
-                least.min((normal - unit).length_squared())
-            });
+            let error = angle(all[coarser_normal(quantise_normal(unit), 13) as usize], unit);
+            let nearest = all
+                .iter()
+                .fold(f32::MAX, |least, &normal| least.min((normal - unit).length_squared()));
             sum += f64::from(error);
             nearest_sum += f64::from(nearest.sqrt());
             largest = largest.max(error);
@@ -227,11 +213,7 @@ mod tests {
         let mean_deg = (sum / f64::from(count)).to_degrees();
         assert!(sum <= 1.05 * nearest_sum, "{sum} beside {nearest_sum}");
         assert!((0.7..1.0).contains(&mean_deg), "{mean_deg}°");
-        assert!(
-            largest <= largest_normal_error(13),
-            "{}°",
-            largest.to_degrees()
-        );
+        assert!(largest <= largest_normal_error(13), "{}°", largest.to_degrees());
     }
 
     #[test]
@@ -240,10 +222,7 @@ mod tests {
             let all = quantised_normals(bits);
             let (mut sum, mut largest) = (0.0, 0f32);
             for unit in spiral(100_000) {
-                let error = angle(
-                    all[coarser_normal(quantise_normal(unit), bits) as usize],
-                    unit,
-                );
+                let error = angle(all[coarser_normal(quantise_normal(unit), bits) as usize], unit);
                 sum += f64::from(error);
                 largest = largest.max(error);
             }
@@ -251,10 +230,7 @@ mod tests {
             assert!(mean_deg < mean_most_deg, "{bits} bits: {mean_deg}°");
             let bound = largest_normal_error(bits);
             let largest_deg = largest.to_degrees();
-            assert!(
-                (0.6 * bound..=bound).contains(&largest),
-                "{bits} bits: {largest_deg}°"
-            );
+            assert!((0.6 * bound..=bound).contains(&largest), "{bits} bits: {largest_deg}°");
         }
     }
 

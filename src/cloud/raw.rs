@@ -171,10 +171,7 @@ impl RawCloud {
             Positions::F64(positions) => Positions::F64(gather(positions, indices)),
         };
         self.colors = self.colors.as_ref().map(|colors| gather(colors, indices));
-        self.normals = self
-            .normals
-            .as_ref()
-            .map(|normals| gather(normals, indices));
+        self.normals = self.normals.as_ref().map(|normals| gather(normals, indices));
         self.radii = self.radii.as_ref().map(|radii| gather(radii, indices));
         for field in &mut self.scalars {
             field.values = gather(&field.values, indices);
@@ -190,9 +187,7 @@ impl RawCloud {
             ("normal", self.normals.is_some()),
             ("radius", self.radii.is_some()),
         ];
-        let names = arrays
-            .into_iter()
-            .filter_map(|(name, there)| there.then_some(name));
+        let names = arrays.into_iter().filter_map(|(name, there)| there.then_some(name));
         names
             .chain(self.scalars.iter().map(|field| field.name.as_str()))
             .collect()

@@ -94,14 +94,7 @@ mod tests {
 
     #[test]
     fn axes_are_exact() {
-        for axis in [
-            Vec3::X,
-            Vec3::Y,
-            Vec3::Z,
-            Vec3::NEG_X,
-            Vec3::NEG_Y,
-            Vec3::NEG_Z,
-        ] {
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z] {
             assert_eq!(oct_decode(oct_encode(axis)), axis);
         }
     }

@@ -57,9 +57,6 @@ mod tests {
         for place in even_places(640 * 480, 640 * 480 / 16) {
             met[place % width] += 1;
         }
-        assert!(
-            met.iter().all(|&times| (5..=80).contains(&times)),
-            "{met:?}"
-        );
+        assert!(met.iter().all(|&times| (5..=80).contains(&times)), "{met:?}");
     }
 }

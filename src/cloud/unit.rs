@@ -44,9 +44,6 @@ impl LengthUnit {
             (1200.0 / 3937.0, Self::SurveyFoot),
         ];
         let is = |length: f64| (metres / length - 1.0).abs() < 1e-7;
-        units
-            .into_iter()
-            .find(|(length, _)| is(*length))
-            .map(|(_, unit)| unit)
+        units.into_iter().find(|(length, _)| is(*length)).map(|(_, unit)| unit)
     }
 }

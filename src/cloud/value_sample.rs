@@ -129,10 +129,7 @@ impl ValueSample {
         }
         let positions = self.positions.iter();
         let mut values: Vec<f32> = match kind {
-            ValueKind::Field(place) => self
-                .scalars
-                .get(place)
-                .map_or(Vec::new(), |field| field.values.clone()),
+            ValueKind::Field(place) => self.scalars.get(place).map_or(Vec::new(), |field| field.values.clone()),
             ValueKind::Along(up) => positions.map(|position| position.dot(up)).collect(),
             ValueKind::From(place) => positions.map(|position| position.distance(place)).collect(),
         };
@@ -195,10 +192,7 @@ mod tests {
         let sorted = sample.sorted(ValueKind::Field(0));
         for share in [0.01, 0.5, 0.99] {
             let found = sorted[(share * sorted.len() as f64) as usize];
-            assert!(
-                (f64::from(found) - share * 200_000.0).abs() < 200.0,
-                "{share}: {found}"
-            );
+            assert!((f64::from(found) - share * 200_000.0).abs() < 200.0, "{share}: {found}");
         }
     }
 }

@@ -26,9 +26,7 @@ pub struct Edit {
 #[non_exhaustive]
 pub enum EditError {
     /// A transform without an inverse has no normals.
-    #[error(
-        "the transform squeezes the cloud flat: its upper left 3 x 3 numbers must have an inverse"
-    )]
+    #[error("the transform squeezes the cloud flat: its upper left 3 x 3 numbers must have an inverse")]
     FlatTransform,
     /// Cells that a cloud has too many of.
     #[error(
@@ -72,10 +70,7 @@ impl fmt::Display for Edit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut words = Vec::new();
         if let Some(transform) = &self.transform {
-            words.push(format!(
-                "transform {:?}",
-                transform.transpose().to_cols_array()
-            ));
+            words.push(format!("transform {:?}", transform.transpose().to_cols_array()));
         }
         if let Some(edge) = self.voxel_edge {
             words.push(format!("cells of {edge}"));
@@ -114,9 +109,7 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
     for radius in cloud.radii.iter_mut().flatten() {
         *radius *= scale;
     }
-    cloud.sensor = cloud
-        .sensor
-        .map(|sensor| transform.transform_point3(sensor));
+    cloud.sensor = cloud.sensor.map(|sensor| transform.transform_point3(sensor));
     if determinant < 0.0 {
         // A mirror turns faces inside out.
         for face in &mut cloud.faces {
@@ -186,21 +179,12 @@ fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
         Positions::F64(_) => Positions::F64(means.map(|mean| mean.to_array()).collect()),
     };
     let color = |cell: &Cell| cell.color.map(|sum| (sum / cell.count).round() as u8);
-    cloud.colors = cloud
-        .colors
-        .take()
-        .map(|_| cells.iter().map(color).collect());
+    cloud.colors = cloud.colors.take().map(|_| cells.iter().map(color).collect());
     let normal = |cell: &Cell| cell.normal.normalize_or_zero().to_array();
-    cloud.normals = cloud
-        .normals
-        .take()
-        .map(|_| cells.iter().map(normal).collect());
+    cloud.normals = cloud.normals.take().map(|_| cells.iter().map(normal).collect());
     // What one point covers, each of the joined ones covered in part.
     let radius = |cell: &Cell| ((cell.radius / cell.count).max(0.5 * edge)) as f32;
-    cloud.radii = cloud
-        .radii
-        .take()
-        .map(|_| cells.iter().map(radius).collect());
+    cloud.radii = cloud.radii.take().map(|_| cells.iter().map(radius).collect());
     for (place, field) in cloud.scalars.iter_mut().enumerate() {
         let mean = |cell: &Cell| (cell.scalars[place] / cell.count) as f32;
         field.values = cells.iter().map(mean).collect();

@@ -43,11 +43,7 @@ pub struct Converted {
 ///
 /// # Errors
 /// What concerns all frames; what concerns one is in [`Converted::failed`].
-pub fn convert(
-    sequence: &Sequence,
-    conversion: &Conversion,
-    progress: &Progress,
-) -> Result<Converted, ConvertError> {
+pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress) -> Result<Converted, ConvertError> {
     if let Output::Folder(folder) = &conversion.output {
         fs::create_dir_all(folder).map_err(|reason| ConvertError::Write {
             path: folder.clone(),
@@ -58,9 +54,7 @@ pub fn convert(
     let last = sequence.len().saturating_sub(1);
     let range = conversion.frames.clone().unwrap_or(0..=last);
     let Shard { index, count } = conversion.shard;
-    let frames: Vec<usize> = range
-        .filter(|frame| frame % count == index && *frame <= last)
-        .collect();
+    let frames: Vec<usize> = range.filter(|frame| frame % count == index && *frame <= last).collect();
     progress.set(0, frames.len());
     let outcomes: Vec<(usize, Option<Result<Outcome, ConvertError>>)> = frames
         .par_iter()
@@ -97,22 +91,14 @@ enum Outcome {
     Left,
 }
 
-fn convert_frame(
-    sequence: &Sequence,
-    index: usize,
-    conversion: &Conversion,
-) -> Result<Outcome, ConvertError> {
+fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> Result<Outcome, ConvertError> {
     let entry = sequence.entry(index);
     let path = match &conversion.output {
         Output::File(path) => path.clone(),
         Output::Folder(folder) => {
             let stem = match entry.time {
                 // As long as seconds since 1970, so that it is read as a time and not as a number.
-                Some(time) => format!(
-                    "frame_{index:06}_{:010}.{:09}",
-                    time.as_secs(),
-                    time.subsec_nanos()
-                ),
+                Some(time) => format!("frame_{index:06}_{:010}.{:09}", time.as_secs(), time.subsec_nanos()),
                 None => format!("frame_{index:06}"),
             };
             folder.join(format!("{stem}.{}", conversion.format.extension()))
@@ -122,13 +108,10 @@ fn convert_frame(
         return Ok(Outcome::Left);
     }
     let mut cloud = sequence.decode(index)?;
-    conversion
-        .edit
-        .apply(&mut cloud)
-        .map_err(|reason| ConvertError::Edit {
-            path: entry.path.clone(),
-            reason,
-        })?;
+    conversion.edit.apply(&mut cloud).map_err(|reason| ConvertError::Edit {
+        path: entry.path.clone(),
+        reason,
+    })?;
     kept::write_whole_with(&path, |file| {
         crate::io::write(&mut *file, conversion.format, &cloud)?;
         // On the disk before it has its name: what stands in the folder is finished, whatever happens to the machine.

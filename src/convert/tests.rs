@@ -13,11 +13,7 @@ fn cube() -> RawCloud {
         .map(|index| [index % 10, index / 10 % 10, index / 100].map(|value| f64::from(value) + 0.5))
         .collect();
     RawCloud {
-        colors: Some(
-            (0..1000)
-                .map(|index| [(index % 256) as u8, 7, 9, 255])
-                .collect(),
-        ),
+        colors: Some((0..1000).map(|index| [(index % 256) as u8, 7, 9, 255]).collect()),
         normals: Some(vec![[0.0, 0.0, 1.0]; 1000]),
         radii: Some(vec![0.5; 1000]),
         scalars: vec![ScalarField::new(
@@ -73,10 +69,7 @@ fn cells_join_what_is_in_them() {
         voxel_edge: Some(1e-18),
         ..Edit::default()
     };
-    assert!(matches!(
-        tiny.apply(&mut cube()),
-        Err(EditError::TooManyCells { .. })
-    ));
+    assert!(matches!(tiny.apply(&mut cube()), Err(EditError::TooManyCells { .. })));
 }
 
 #[test]
@@ -92,15 +85,10 @@ fn thinning_out_is_even_and_keeps_the_order() {
     let mut counts = [0; 8];
     for index in 0..125 {
         let position = cloud.positions.get(index);
-        let octant = (0..3).fold(0, |octant, axis| {
-            octant * 2 + usize::from(position[axis] > 5.0)
-        });
+        let octant = (0..3).fold(0, |octant, axis| octant * 2 + usize::from(position[axis] > 5.0));
         counts[octant] += 1;
     }
-    assert!(
-        counts.iter().all(|count| (14..=17).contains(count)),
-        "{counts:?}"
-    );
+    assert!(counts.iter().all(|count| (14..=17).contains(count)), "{counts:?}");
 }
 
 #[test]
@@ -130,9 +118,7 @@ fn sequence() -> Sequence {
     });
     Sequence::with_decoder(sources.collect(), |source| match source.number {
         Some(3) => Err("broken".into()),
-        Some(number) => Ok(RawCloud::from_positions(Positions::F64(vec![
-            [number as f64; 3],
-        ]))),
+        Some(number) => Ok(RawCloud::from_positions(Positions::F64(vec![[number as f64; 3]]))),
         None => Err("no number".into()),
     })
 }
@@ -238,10 +224,7 @@ fn times_are_in_the_names() {
     }];
     let stamped = Sequence::with_decoder(sources, |_| Ok(cube()));
     convert(&stamped, &conversion(folder.path()), &Progress::default()).unwrap();
-    assert_eq!(
-        names(folder.path()),
-        ["frame_000000_1305031102.175000000.ply"]
-    );
+    assert_eq!(names(folder.path()), ["frame_000000_1305031102.175000000.ply"]);
 }
 
 #[test]

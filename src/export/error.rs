@@ -110,9 +110,7 @@ pub enum ExportError {
         count: usize,
     },
     /// Larger than the format can hold.
-    #[error(
-        "the video is larger than the 4 GiB of a WebP file: choose .mp4 or PNG files, or a smaller size"
-    )]
+    #[error("the video is larger than the 4 GiB of a WebP file: choose .mp4 or PNG files, or a smaller size")]
     TooManyBytes,
     /// Somebody cancelled it; nothing was written.
     #[error("the export was cancelled")]

@@ -37,11 +37,8 @@ impl GifFile {
         let create = || {
             let (partial, file) = Partial::create(output)?;
             let [width, height] = stream.size_px.map(|edge| edge as u16);
-            let mut encoder =
-                Encoder::new(BufWriter::new(file), width, height, &[]).map_err(io::Error::other)?;
-            encoder
-                .set_repeat(Repeat::Infinite)
-                .map_err(io::Error::other)?;
+            let mut encoder = Encoder::new(BufWriter::new(file), width, height, &[]).map_err(io::Error::other)?;
+            encoder.set_repeat(Repeat::Infinite).map_err(io::Error::other)?;
             Ok((partial, encoder))
         };
         let (partial, encoder) = create().map_err(|reason| failed(output, reason))?;

@@ -46,10 +46,7 @@ impl Mp4File {
             .args(["-r", &stream.per_second.to_string(), "-i", "pipe:0"])
             .args(["-c:v", "libx264", "-preset", "medium", "-crf", "18"])
             // What every player takes, with the colours said: else players guess by the size.
-            .args([
-                "-vf",
-                "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
-            ])
+            .args(["-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p"])
             .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
             .args(["-color_trc", "bt709", "-color_range", "tv"])
             .args(["-movflags", "+faststart", "-fflags", "+bitexact"])
@@ -72,9 +69,7 @@ impl Mp4File {
             }
             String::from_utf8_lossy(&text).trim().replace('\n', "; ")
         };
-        let messages = thread::Builder::new()
-            .name("ffmpeg messages".to_owned())
-            .spawn(read);
+        let messages = thread::Builder::new().name("ffmpeg messages".to_owned()).spawn(read);
         let mut sink = Self {
             output: output.to_owned(),
             ffmpeg,

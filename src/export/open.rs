@@ -23,9 +23,7 @@ impl VideoFormat {
             Some("gif") => Ok(Self::Gif),
             Some("webp") => Ok(Self::Webp),
             Some("mp4") => Ok(Self::Mp4),
-            Some(_) => Err(ExportError::UnknownFormat {
-                path: path.to_owned(),
-            }),
+            Some(_) => Err(ExportError::UnknownFormat { path: path.to_owned() }),
         }
     }
 

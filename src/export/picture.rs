@@ -85,14 +85,7 @@ pub fn draw_picture(
         pixels.extend_from_slice(&strip);
         Ok(())
     };
-    for_each_strip(
-        headless,
-        frame,
-        camera,
-        settings,
-        size,
-        (take, &Progress::default()),
-    )?;
+    for_each_strip(headless, frame, camera, settings, size, (take, &Progress::default()))?;
     let [width, height] = size.size_px;
     Ok(RgbaImage::from_raw(width, height, pixels).unwrap_or_default())
 }
@@ -140,10 +133,7 @@ pub fn write_picture_observed(
         .map_err(failed)
 }
 
-fn start_png(
-    file: File,
-    [width, height]: [u32; 2],
-) -> io::Result<png::StreamWriter<'static, BufWriter<File>>> {
+fn start_png(file: File, [width, height]: [u32; 2]) -> io::Result<png::StreamWriter<'static, BufWriter<File>>> {
     let mut encoder = png::Encoder::new(BufWriter::new(file), width, height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
@@ -155,9 +145,7 @@ fn start_png(
 pub fn check_size([width, height]: [u32; 2]) -> Result<(), ExportError> {
     let is_fine = |edge| (1..=MAX_EDGE_PX).contains(&edge);
     let is_fine = is_fine(width) && is_fine(height);
-    is_fine
-        .then_some(())
-        .ok_or(ExportError::PictureSize { width, height })
+    is_fine.then_some(()).ok_or(ExportError::PictureSize { width, height })
 }
 
 type TakeStrip<'a> = &'a mut dyn FnMut(RgbaImage) -> Result<(), ExportError>;
@@ -257,11 +245,7 @@ fn note_part(progress: &Progress, drawn: usize, total: usize) -> Result<(), Expo
     Ok(())
 }
 
-fn draw_part(
-    headless: &mut Headless,
-    packet: &ScenePacket,
-    is_transparent: bool,
-) -> Result<RgbaImage, ExportError> {
+fn draw_part(headless: &mut Headless, packet: &ScenePacket, is_transparent: bool) -> Result<RgbaImage, ExportError> {
     let mut draw = |packet: &ScenePacket| {
         let drawn = headless.draw_packet(packet);
         drawn.map_err(|reason: RenderError| HeadlessError::from(reason))
@@ -302,35 +286,19 @@ mod tests {
     #[test]
     fn alpha_is_what_does_not_shine_through() {
         assert_eq!(with_alpha([0, 0, 0, 255], [255, 255, 255, 255]), [0; 4]);
-        assert_eq!(
-            with_alpha([9, 80, 200, 255], [9, 80, 200, 255]),
-            [9, 80, 200, 255]
-        );
+        assert_eq!(with_alpha([9, 80, 200, 255], [9, 80, 200, 255]), [9, 80, 200, 255]);
         // Half of a colour: 0.5 · c, and as much plus 0.5 · white.
-        assert_eq!(
-            with_alpha([50, 100, 0, 255], [178, 228, 128, 255]),
-            [100, 201, 0, 127]
-        );
+        assert_eq!(with_alpha([50, 100, 0, 255], [178, 228, 128, 255]), [100, 201, 0, 127]);
     }
 
     #[test]
     fn laid_over_any_colour_it_is_what_was_drawn() {
         for alpha in 0..=255u32 {
             for color in [0, 1, 77, 200, 255u32] {
-                let over =
-                    |behind: u32| ((color * alpha + behind * (255 - alpha)) as f32 / 255.0).round();
-                let pixel = |behind: u32| {
-                    [
-                        over(behind) as u8,
-                        over(behind) as u8,
-                        over(behind) as u8,
-                        255,
-                    ]
-                };
+                let over = |behind: u32| ((color * alpha + behind * (255 - alpha)) as f32 / 255.0).round();
+                let pixel = |behind: u32| [over(behind) as u8, over(behind) as u8, over(behind) as u8, 255];
                 let [seen, .., found] = with_alpha(pixel(0), pixel(255));
-                let again = (u32::from(seen) * u32::from(found) + 119 * (255 - u32::from(found)))
-                    as f32
-                    / 255.0;
+                let again = (u32::from(seen) * u32::from(found) + 119 * (255 - u32::from(found))) as f32 / 255.0;
                 assert!((again - over(119)).abs() <= 1.51, "{color} at {alpha}");
             }
         }

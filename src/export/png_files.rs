@@ -77,9 +77,7 @@ impl FrameSink for PngFiles {
 
     fn finish(mut self: Box<Self>) -> Result<(), ExportError> {
         for partial in self.partials.drain(..) {
-            partial
-                .finish()
-                .map_err(|reason| failed(&self.name, reason))?;
+            partial.finish().map_err(|reason| failed(&self.name, reason))?;
         }
         self.new_folder = None;
         Ok(())

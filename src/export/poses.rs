@@ -10,9 +10,7 @@ use crate::levels::LevelsKey;
 use crate::levels::octree::StopCriterion;
 use crate::measure::Change;
 use crate::scene::Style;
-use crate::sequence::{
-    FrameError, Ghost, Needs, OnionSkin, Paint, PreparedFrame, Trails, with_ghosts,
-};
+use crate::sequence::{FrameError, Ghost, Needs, OnionSkin, Paint, PreparedFrame, Trails, with_ghosts};
 use std::sync::Arc;
 
 /// Radius of trails, as a share of that of the frame.
@@ -96,9 +94,7 @@ impl Poses {
             for (index, share, tint) in onion.around(pose.index, headless.sequence().len()) {
                 match headless.frame_beside(index, settings) {
                     Ok(frame) => ghosts.push(Ghost { frame, share, tint }),
-                    Err(error) => dressed
-                        .problems
-                        .push(format!("frame {index} is no ghost: {error}")),
+                    Err(error) => dressed.problems.push(format!("frame {index} is no ghost: {error}")),
                 }
             }
             dressed.add(&ghosts, &needs, headless)?;
@@ -136,12 +132,7 @@ impl Poses {
 }
 
 impl Dressed {
-    fn add(
-        &mut self,
-        ghosts: &[Ghost],
-        needs: &Needs,
-        headless: &Headless,
-    ) -> Result<(), FrameError> {
+    fn add(&mut self, ghosts: &[Ghost], needs: &Needs, headless: &Headless) -> Result<(), FrameError> {
         if !ghosts.is_empty() {
             let merged = with_ghosts(&self.frame, ghosts, needs);
             let merged = merged.map_err(|reason| invalid(&self.frame, headless, reason))?;
@@ -183,11 +174,7 @@ impl ChangeColors {
     }
 }
 
-fn invalid(
-    pose: &PreparedFrame,
-    headless: &Headless,
-    reason: crate::cloud::CloudError,
-) -> FrameError {
+fn invalid(pose: &PreparedFrame, headless: &Headless, reason: crate::cloud::CloudError) -> FrameError {
     FrameError::Invalid {
         index: pose.index,
         path: headless.sequence().entry(pose.index).path.clone(),

@@ -35,11 +35,7 @@ pub(super) struct PaintedBar {
 
 impl PaintedBar {
     /// The bar for a picture; `None` where there is no length, or no room.
-    pub(super) fn of(
-        camera: &Camera,
-        [width, height]: [u32; 2],
-        unit: Option<LengthUnit>,
-    ) -> Option<Self> {
+    pub(super) fn of(camera: &Camera, [width, height]: [u32; 2], unit: Option<LengthUnit>) -> Option<Self> {
         let scale = (f64::from(height) / ROWS).max(0.5);
         let bar = ScaleBar::of(camera, f64::from(height), scale, unit)?;
         let scale = scale as f32;
@@ -65,8 +61,7 @@ impl PaintedBar {
             *place = [place[0] - leftmost + margin, place[1] + margin];
         }
         let widest = length.max(text_width);
-        let size_px =
-            [widest + 2.0 * margin, baseline + end + 2.0 * margin].map(|edge| edge.ceil() as u32);
+        let size_px = [widest + 2.0 * margin, baseline + end + 2.0 * margin].map(|edge| edge.ceil() as u32);
         let left = (MARGIN * scale) as u32;
         let top = height.checked_sub(size_px[1] + left)?;
         (left + size_px[0] <= width).then(|| Self {
@@ -184,10 +179,7 @@ mod tests {
 
     #[test]
     fn strips_have_their_rows_of_it_and_transparent_pictures_have_it_opaque() {
-        let (size, painted) = (
-            [640, 360],
-            PaintedBar::of(&camera(), [640, 360], None).unwrap(),
-        );
+        let (size, painted) = ([640, 360], PaintedBar::of(&camera(), [640, 360], None).unwrap());
         let mut whole = RgbaImage::new(size[0], size[1]);
         painted.paint(&mut whole, 0);
         assert!(whole.pixels().any(|pixel| pixel.0 == [245, 245, 245, 255]));

@@ -21,10 +21,7 @@ fn glyph(letter: char) -> (&'static [&'static str], f32) {
         '5' => (&["40 00 03 33 44 45 36 16 05"], 4.0),
         '6' => (&["30 10 02 05 16 36 45 44 33 13 04"], 4.0),
         '7' => (&["00 40 16"], 4.0),
-        '8' => (
-            &["10 30 41 42 33 13 02 01 10", "33 44 45 36 16 05 04 13"],
-            4.0,
-        ),
+        '8' => (&["10 30 41 42 33 13 02 01 10", "33 44 45 36 16 05 04 13"], 4.0),
         '9' => (&["16 36 44 41 30 10 01 02 13 33 42"], 4.0),
         '.' => (&["06 06"], 0.4),
         '-' => (&["04 34"], 3.0),
@@ -79,19 +76,12 @@ mod tests {
         for letter in "0123456789.-cefikmnstuUSµ".chars() {
             let (strokes, width) = text_strokes(&letter.to_string(), 6.0);
             assert!(!strokes.is_empty(), "{letter}");
-            let is_inside =
-                |[x, y]: [f32; 2]| (0.0..=width + 0.61).contains(&x) && (0.0..=8.0).contains(&y);
-            assert!(
-                strokes.iter().flatten().all(|&place| is_inside(place)),
-                "{letter}"
-            );
+            let is_inside = |[x, y]: [f32; 2]| (0.0..=width + 0.61).contains(&x) && (0.0..=8.0).contains(&y);
+            assert!(strokes.iter().flatten().all(|&place| is_inside(place)), "{letter}");
         }
         let (strokes, width) = text_strokes("1 m", 12.0);
         // 2.4, a gap, a space of 2, a gap and 6, twice as large.
-        assert!(
-            (width - 2.0 * (2.4 + 1.6 + 2.0 + 1.6 + 6.0)).abs() < 1e-4,
-            "{width}"
-        );
+        assert!((width - 2.0 * (2.4 + 1.6 + 2.0 + 1.6 + 6.0)).abs() < 1e-4, "{width}");
         assert!(strokes.iter().flatten().any(|place| place[0] > 20.0));
     }
 }

@@ -104,9 +104,7 @@ pub fn render_path(
         };
         let drawn = draw_pictures(headless, video, &sender, progress, tell);
         drop(sender);
-        let encoded = encoder
-            .join()
-            .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        let encoded = encoder.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         (drawn, Some(encoded))
     });
     // Who draws stops where nobody takes the pictures: the encoder knows why.
@@ -131,10 +129,7 @@ fn no_thread(reason: io::Error) -> ExportError {
     }
 }
 
-fn encode(
-    pictures: Receiver<RgbaImage>,
-    mut sink: Box<dyn FrameSink>,
-) -> Result<Box<dyn FrameSink>, ExportError> {
+fn encode(pictures: Receiver<RgbaImage>, mut sink: Box<dyn FrameSink>) -> Result<Box<dyn FrameSink>, ExportError> {
     for picture in pictures {
         sink.push(&picture)?;
     }

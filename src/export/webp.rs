@@ -78,13 +78,7 @@ impl WebpFile {
             .map_err(|reason| failed(&self.output, io::Error::other(reason)))?;
         let duration_ms = self.stream.ticks(self.index, 1000.0) as u32;
         let mut place: Vec<u8> = Vec::with_capacity(16);
-        for number in [
-            part.start[0] / 2,
-            part.start[1] / 2,
-            width - 1,
-            height - 1,
-            duration_ms,
-        ] {
+        for number in [part.start[0] / 2, part.start[1] / 2, width - 1, height - 1, duration_ms] {
             place.extend(three_bytes(number));
         }
         place.push(DO_NOT_BLEND);

@@ -81,12 +81,7 @@ fn parts<const BYTES: usize, const WIDTH: usize>(raw: &[u8; BYTES]) -> [[u8; WID
 }
 
 /// Gives `cloud` the colours in `channels`, and notes whether they were narrower than their fields.
-pub(super) fn set_colors(
-    cloud: &mut RawCloud,
-    channels: [&Column<'_>; 3],
-    alpha: Option<&Column<'_>>,
-    count: usize,
-) {
+pub(super) fn set_colors(cloud: &mut RawCloud, channels: [&Column<'_>; 3], alpha: Option<&Column<'_>>, count: usize) {
     let scales = Scales::of(channels, alpha, count);
     let mut colors = Vec::with_capacity(count);
     append_colors(&mut colors, channels, alpha, &scales, count);
@@ -111,9 +106,7 @@ impl Scales {
         let is_word = |column: &Column<'_>| matches!(column.scalar, Scalar::I16 | Scalar::U16);
         Self {
             channels: channels.map(|column| column.scalar.full_scale(largest)),
-            alpha: alpha.map_or(1.0, |column| {
-                column.scalar.full_scale(self::largest(&[column], count))
-            }),
+            alpha: alpha.map_or(1.0, |column| column.scalar.full_scale(self::largest(&[column], count))),
             is_narrow: channels.into_iter().all(is_word) && largest > 0.0 && largest <= 255.0,
         }
     }
@@ -150,12 +143,7 @@ pub(super) fn append_colors(
     } else {
         colors.resize(start + count, [255; 4]);
         for (channel, column) in channels.into_iter().enumerate() {
-            write_channel(
-                &mut colors[start..],
-                column,
-                channel,
-                scales.channels[channel],
-            );
+            write_channel(&mut colors[start..], column, channel, scales.channels[channel]);
         }
     }
     if let Some(alpha) = alpha {
@@ -222,11 +210,7 @@ mod tests {
     use super::*;
     use crate::cloud::Positions;
 
-    fn colors(
-        channels: [&Column<'_>; 3],
-        alpha: Option<&Column<'_>>,
-        count: usize,
-    ) -> (Vec<[u8; 4]>, bool) {
+    fn colors(channels: [&Column<'_>; 3], alpha: Option<&Column<'_>>, count: usize) -> (Vec<[u8; 4]>, bool) {
         let mut cloud = RawCloud::from_positions(Positions::F32(Vec::new()));
         set_colors(&mut cloud, channels, alpha, count);
         (cloud.colors.unwrap(), cloud.has_narrow_colors)
@@ -250,14 +234,9 @@ mod tests {
                     }
                 }
                 let step = bytes.len() / 2;
-                let columns = [0, 1, 2]
-                    .map(|i| packed(&bytes, Scalar::F32, pad + i * (4 + gap), step, big_endian));
+                let columns = [0, 1, 2].map(|i| packed(&bytes, Scalar::F32, pad + i * (4 + gap), step, big_endian));
                 let columns = columns.each_ref();
-                assert_eq!(
-                    vectors_f32(columns, 2),
-                    expected,
-                    "{pad} {gap} {big_endian}"
-                );
+                assert_eq!(vectors_f32(columns, 2), expected, "{pad} {gap} {big_endian}");
                 let wide = expected.map(|vector| vector.map(f64::from));
                 assert_eq!(vectors_f64(columns, 2), wide, "{pad} {gap} {big_endian}");
             }
@@ -281,11 +260,7 @@ mod tests {
             ([1.0, 32768.0, 65535.0], Scalar::F64, [0, 128, 255, 255]),
             ([0.0, 7.0, 255.0], Scalar::U16, [0, 7, 255, 255]),
             ([0.0, 7.0, 255.0], Scalar::I32, [0, 7, 255, 255]),
-            (
-                [f64::NAN, -1.0, f64::INFINITY],
-                Scalar::F64,
-                [0, 0, 255, 255],
-            ),
+            ([f64::NAN, -1.0, f64::INFINITY], Scalar::F64, [0, 0, 255, 255]),
         ] {
             let columns = color.map(|channel| parsed(&[channel], scalar));
             let (found, is_narrow) = colors(columns.each_ref(), None, 1);
@@ -299,10 +274,7 @@ mod tests {
     fn alpha_has_a_scale_of_its_own() {
         let channels = [9.0, 8.0, 255.0].map(|channel| parsed(&[channel], Scalar::F32));
         let alpha = parsed(&[0.5], Scalar::F32);
-        assert_eq!(
-            colors(channels.each_ref(), Some(&alpha), 1).0,
-            [[9, 8, 255, 128]]
-        );
+        assert_eq!(colors(channels.each_ref(), Some(&alpha), 1).0, [[9, 8, 255, 128]]);
         let rows = [1, 2, 3, 4, 0, 5, 6, 7, 8, 0];
         let columns = [0, 1, 2, 3].map(|start| packed(&rows, Scalar::U8, start, 5, false));
         let [red, green, blue, alpha] = columns.each_ref();

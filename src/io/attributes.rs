@@ -90,10 +90,7 @@ pub(super) struct Roles {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Colors {
     /// Red, green and blue in columns of their own.
-    Channels {
-        channels: [usize; 3],
-        alpha: Option<usize>,
-    },
+    Channels { channels: [usize; 3], alpha: Option<usize> },
     /// All in one number.
     Packed(usize),
 }
@@ -101,14 +98,9 @@ pub(super) enum Colors {
 impl Roles {
     /// Fails when there are no coordinates.
     pub(super) fn of(columns: &[Column<'_>]) -> Result<Self, Fault> {
-        let find = |name: &str| {
-            columns
-                .iter()
-                .position(|column| column.name.eq_ignore_ascii_case(name))
-        };
+        let find = |name: &str| columns.iter().position(|column| column.name.eq_ignore_ascii_case(name));
         let find_any = |names: &[&str]| names.iter().find_map(|name| find(name));
-        let find_all =
-            |names: &[&str; 3]| Some([find(names[0])?, find(names[1])?, find(names[2])?]);
+        let find_all = |names: &[&str; 3]| Some([find(names[0])?, find(names[1])?, find(names[2])?]);
 
         let positions = find_all(&POSITIONS).ok_or_else(|| {
             let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
@@ -179,16 +171,10 @@ fn has_all(names: &[&str], wanted: &[&str; 3]) -> bool {
 
 /// The `count` normals in `columns`.
 pub(super) fn normals(columns: &[Column<'_>], count: usize) -> Result<Vec<[f32; 3]>, Fault> {
-    let find = |name: &&str| {
-        columns
-            .iter()
-            .find(|column| column.name.eq_ignore_ascii_case(name))
-    };
+    let find = |name: &&str| columns.iter().find(|column| column.name.eq_ignore_ascii_case(name));
     let find_all = |[x, y, z]: &[&str; 3]| Some([find(x)?, find(y)?, find(z)?]);
     let axes = NORMALS.iter().find_map(find_all).ok_or_else(|| {
-        Fault::header(
-            "there are no normals: expected nx, ny and nz, or normal_x, normal_y and normal_z",
-        )
+        Fault::header("there are no normals: expected nx, ny and nz, or normal_x, normal_y and normal_z")
     })?;
     let [x, y, z] = axes.map(|axis| axis.to_f32(count));
     Ok((0..count).map(|row| [x[row], y[row], z[row]]).collect())

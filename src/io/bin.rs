@@ -49,11 +49,9 @@ const MOST_SAMPLED: usize = 1 << 16;
 
 /// `name` tells the width where it is nuScenes', `columns` where a person does.
 pub(super) fn decode(name: &Path, bytes: &[u8], columns: Option<u8>) -> Result<RawCloud, Fault> {
-    let is_nuscenes = name.file_name().is_some_and(|name| {
-        name.to_string_lossy()
-            .to_ascii_lowercase()
-            .ends_with(".pcd.bin")
-    });
+    let is_nuscenes = name
+        .file_name()
+        .is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(".pcd.bin"));
     let (widths, told_by) = match columns {
         Some(columns) => (vec![usize::from(columns)], "as asked for"),
         None if is_nuscenes => (vec![NUSCENES_WIDTH], "by the name"),
@@ -94,18 +92,12 @@ pub(super) fn decode(name: &Path, bytes: &[u8], columns: Option<u8>) -> Result<R
         })
         .collect();
     let mut cloud = growing::cloud(&columns, bytes.len() / step)?;
-    cloud.assumption = Some(format!(
-        "{width} numbers a point: {} ({told_by})",
-        names.join(" ")
-    ));
+    cloud.assumption = Some(format!("{width} numbers a point: {} ({told_by})", names.join(" ")));
     Ok(cloud)
 }
 
 fn wrong_size(byte_count: usize, widths: &[usize]) -> Fault {
-    let expected: Vec<String> = widths
-        .iter()
-        .map(|width| (width * FLOAT_BYTES).to_string())
-        .collect();
+    let expected: Vec<String> = widths.iter().map(|width| (width * FLOAT_BYTES).to_string()).collect();
     Fault::new(
         Place::Byte(byte_count),
         format!(
@@ -138,9 +130,7 @@ fn implausible(bytes: &[u8], width: usize) -> Option<Fault> {
                 return Some(Fault::entry(
                     "point",
                     index,
-                    format!(
-                        "{value:e} is no {place}: this is not a file of {width} floats a point"
-                    ),
+                    format!("{value:e} is no {place}: this is not a file of {width} floats a point"),
                 ));
             }
         }
@@ -173,14 +163,11 @@ fn names(bytes: &[u8], width: usize) -> Vec<&'static str> {
     let mut names = vec!["x", "y", "z", "value_4", "value_5", "value_6"];
     names.truncate(width);
     let all = |column: usize, is_one: fn(f32) -> bool| {
-        width > column
-            && records(bytes, width).all(|record| is_one(f32::from_le_bytes(record[column])))
+        width > column && records(bytes, width).all(|record| is_one(f32::from_le_bytes(record[column])))
     };
     if all(INTENSITY, |value| (0.0..=MOST_INTENSITY).contains(&value)) {
         names[INTENSITY] = "intensity";
-        if all(RING, |value| {
-            value.fract() == 0.0 && (0.0..=MOST_RING).contains(&value)
-        }) {
+        if all(RING, |value| value.fract() == 0.0 && (0.0..=MOST_RING).contains(&value)) {
             names[RING] = "ring";
         }
     }

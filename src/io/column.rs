@@ -29,10 +29,7 @@ impl Scalar {
 
     /// Whether single precision may lose digits of it. Narrower integers fit an f32 exactly.
     pub(super) fn is_wide(self) -> bool {
-        matches!(
-            self,
-            Self::F64 | Self::I32 | Self::U32 | Self::I64 | Self::U64
-        )
+        matches!(self, Self::F64 | Self::I32 | Self::U32 | Self::I64 | Self::U64)
     }
 
     /// What is full intensity in colours of which `largest` is the brightest channel: told by the type, but writers put
@@ -247,13 +244,7 @@ pub(super) mod tests {
     use super::*;
 
     /// A column in rows.
-    pub(crate) fn packed(
-        bytes: &[u8],
-        scalar: Scalar,
-        start: usize,
-        step: usize,
-        big_endian: bool,
-    ) -> Column<'_> {
+    pub(crate) fn packed(bytes: &[u8], scalar: Scalar, start: usize, step: usize, big_endian: bool) -> Column<'_> {
         Column {
             name: "c".to_owned(),
             scalar,
@@ -280,24 +271,12 @@ pub(super) mod tests {
         // 0xffc00001 is a NaN as a float, a negative number as an integer.
         let bits = 0xffc0_0001_u32;
         for scalar in [Scalar::U32, Scalar::I32, Scalar::F32] {
-            assert_eq!(
-                packed(&bits.to_le_bytes(), scalar, 0, 4, false).bits(1),
-                [bits]
-            );
-            assert_eq!(
-                packed(&bits.to_be_bytes(), scalar, 0, 4, true).bits(1),
-                [bits]
-            );
+            assert_eq!(packed(&bits.to_le_bytes(), scalar, 0, 4, false).bits(1), [bits]);
+            assert_eq!(packed(&bits.to_be_bytes(), scalar, 0, 4, true).bits(1), [bits]);
         }
         assert_eq!(parsed(&[f64::from(bits)], Scalar::U32).bits(1), [bits]);
-        assert_eq!(
-            parsed(&[f64::from(bits as i32)], Scalar::I32).bits(1),
-            [bits]
-        );
+        assert_eq!(parsed(&[f64::from(bits as i32)], Scalar::I32).bits(1), [bits]);
         let float = f32::from_bits(0x00ff_8000);
-        assert_eq!(
-            parsed(&[f64::from(float)], Scalar::F32).bits(1),
-            [0x00ff_8000]
-        );
+        assert_eq!(parsed(&[f64::from(float)], Scalar::F32).bits(1), [0x00ff_8000]);
     }
 }

@@ -47,9 +47,7 @@ mod tests {
     #[test]
     fn what_formats_say_of_units() {
         let of = |name: &str| Format::of_extension(Path::new(name)).and_then(Format::unit);
-        for name in [
-            "a.glb", "a.e57", "a.ptx", "000.bin", "a.mcap", "a.bag", "a.db3",
-        ] {
+        for name in ["a.glb", "a.e57", "a.ptx", "000.bin", "a.mcap", "a.bag", "a.db3"] {
             assert_eq!(of(name), Some(LengthUnit::Metre), "{name}");
         }
         for name in ["a.ply", "a.stl", "a.obj", "a.las", "a.npy", "a.zip"] {
@@ -66,15 +64,10 @@ mod tests {
     #[test]
     fn first_bytes_count_more_than_names() {
         let detect = |name: &str, bytes: &[u8]| Format::detect(Path::new(name), bytes);
-        let known =
-            |extension: &str| Format::of_extension(&Path::new("a").with_extension(extension));
+        let known = |extension: &str| Format::of_extension(&Path::new("a").with_extension(extension));
         for name in ["a.ply", "a.txt", "a.pcd", "a.las", "a"] {
             assert_eq!(detect(name, b"ply\r\nformat"), known("ply"), "{name}");
-            assert_eq!(
-                detect(name, b"# .PCD v.7\n\nVERSION .7\n"),
-                known("pcd"),
-                "{name}"
-            );
+            assert_eq!(detect(name, b"# .PCD v.7\n\nVERSION .7\n"), known("pcd"), "{name}");
             assert_eq!(detect(name, b"LASF"), known("las"), "{name}");
         }
         // Columns of text have no magic; words that only begin like one are text.

@@ -10,8 +10,7 @@ use super::format::{Format, Magic, Traits};
 use super::options::ReadOptions;
 use crate::cloud::{Positions, RawCloud};
 use draco_core::{
-    DataType, DecodeLimits, DecoderBuffer, GeometryAttributeType, Mesh, MeshDecoder,
-    PointAttribute, PointIndex,
+    DataType, DecodeLimits, DecoderBuffer, GeometryAttributeType, Mesh, MeshDecoder, PointAttribute, PointIndex,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -34,20 +33,15 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fa
     let unpack = || {
         let mut mesh = Mesh::new();
         let mut buffer = DecoderBuffer::new(bytes).with_limits(limits);
-        MeshDecoder::new()
-            .decode(&mut buffer, &mut mesh)
-            .map_err(|error| {
-                Fault::new(
-                    Place::Byte(buffer.position()),
-                    format!(
-                        "{error}: the file is damaged or truncated, or needs a higher --max-memory"
-                    ),
-                )
-            })?;
+        MeshDecoder::new().decode(&mut buffer, &mut mesh).map_err(|error| {
+            Fault::new(
+                Place::Byte(buffer.position()),
+                format!("{error}: the file is damaged or truncated, or needs a higher --max-memory"),
+            )
+        })?;
         cloud(&mesh)
     };
-    catch_unwind(AssertUnwindSafe(unpack))
-        .unwrap_or_else(|_| Err(Fault::header("the compressed data are damaged")))
+    catch_unwind(AssertUnwindSafe(unpack)).unwrap_or_else(|_| Err(Fault::header("the compressed data are damaged")))
 }
 
 fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
@@ -67,10 +61,7 @@ fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
     if let Some(normals) = attribute(GeometryAttributeType::Normal)
         && normals.num_components() == 3
     {
-        cloud.normals = Some(arrays::vectors_f32(
-            columns(normals, count)?.each_ref(),
-            count,
-        ));
+        cloud.normals = Some(arrays::vectors_f32(columns(normals, count)?.each_ref(), count));
     }
     if let Some(colors) = attribute(GeometryAttributeType::Color)
         && (3..=4).contains(&colors.num_components())
@@ -83,12 +74,7 @@ fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
     }
     let faces = mesh.faces().iter().map(|face| face.map(|point| point.0));
     cloud.faces = faces.collect();
-    if cloud
-        .faces
-        .iter()
-        .flatten()
-        .any(|&point| point as usize >= count)
-    {
+    if cloud.faces.iter().flatten().any(|&point| point as usize >= count) {
         return Err(Fault::header("a face refers to a point that is not there"));
     }
     Ok(cloud)
@@ -103,11 +89,7 @@ fn columns(attribute: &PointAttribute, count: usize) -> Result<[Column<'static>;
 }
 
 /// One component of an attribute for every point, of which several may share a value.
-fn column(
-    attribute: &PointAttribute,
-    component: usize,
-    count: usize,
-) -> Result<Column<'static>, Fault> {
+fn column(attribute: &PointAttribute, component: usize, count: usize) -> Result<Column<'static>, Fault> {
     let wrong = || Fault::header("the values of an attribute are not all there");
     let scalar = match attribute.data_type() {
         DataType::Int8 => Scalar::I8,

@@ -101,12 +101,7 @@ impl FixedRows {
     /// [`FixedRows::read`], and where that takes longer than `most_time`: a disk may have to look for every row.
     ///
     /// Precondition: each place is below the number of rows.
-    pub(super) fn read_at(
-        &self,
-        path: &Path,
-        places: &[usize],
-        most_time: Duration,
-    ) -> io::Result<Option<RawCloud>> {
+    pub(super) fn read_at(&self, path: &Path, places: &[usize], most_time: Duration) -> io::Result<Option<RawCloud>> {
         let Some((roles, _)) = self.open(path)? else {
             return Ok(None);
         };
@@ -236,11 +231,7 @@ mod tests {
             let offset = row_bytes;
             row_bytes += scalar.byte_size();
             let name = name.to_owned();
-            Field {
-                name,
-                scalar,
-                offset,
-            }
+            Field { name, scalar, offset }
         });
         FixedRows {
             start: 0,
@@ -310,10 +301,7 @@ mod tests {
         let rows = rows(true);
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), bytes(&rows)).unwrap();
-        let whole = rows
-            .read(file.path(), &Progress::default())
-            .unwrap()
-            .unwrap();
+        let whole = rows.read(file.path(), &Progress::default()).unwrap().unwrap();
         for places in [vec![], vec![0, 1, 7, 500, COUNT - 1], (0..COUNT).collect()] {
             let mut expected = whole.clone();
             expected.keep(&places);
@@ -342,9 +330,7 @@ mod tests {
         let changed = |change: fn(&mut FixedRows)| {
             let mut rows = rows(false);
             change(&mut rows);
-            rows.read(file.path(), &Progress::default())
-                .unwrap()
-                .is_some()
+            rows.read(file.path(), &Progress::default()).unwrap().is_some()
         };
         assert!(changed(|_| ()));
         assert!(changed(|rows| rows.count -= 1));
@@ -374,9 +360,7 @@ mod tests {
             bytes.extend([index as u8, (index >> 8) as u8, 9]);
         }
         std::fs::write(file.path(), &bytes).unwrap();
-        let sample = |most, fewest| {
-            super::super::read_sample(file.path(), most, fewest, Duration::MAX).unwrap()
-        };
+        let sample = |most, fewest| super::super::read_sample(file.path(), most, fewest, Duration::MAX).unwrap();
         assert!(sample(100, COUNT + 1).is_none());
         let (raw, count) = sample(100, COUNT).unwrap();
         let found = Frame::from_sampled(raw, DVec3::ZERO, count).unwrap();

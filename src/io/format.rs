@@ -93,9 +93,7 @@ impl Format {
         let extension = name.extension().and_then(|extension| extension.to_str());
         let is = |extension: &str| {
             let known = self.0.extensions.iter();
-            known
-                .copied()
-                .any(|known| extension.eq_ignore_ascii_case(known))
+            known.copied().any(|known| extension.eq_ignore_ascii_case(known))
         };
         extension.is_some_and(is)
     }

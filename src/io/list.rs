@@ -12,11 +12,7 @@ use std::path::Path;
 /// What is in the file at `path`; a file of one frame is not looked at beyond its first bytes. Of a recording, the
 /// point clouds of `topic` are the frames: none where it has no such topic, those of the topic that has the most if
 /// `None`.
-pub fn contents(
-    path: &Path,
-    topic: Option<&str>,
-    options: &ReadOptions,
-) -> Result<Contents, IoError> {
+pub fn contents(path: &Path, topic: Option<&str>, options: &ReadOptions) -> Result<Contents, IoError> {
     match Format::detect(path, &first_bytes(path)?) {
         Some(format) => list_format(path, format, topic, options),
         None => Ok(Contents::of_entries(vec![Entry::whole()])),
@@ -38,12 +34,10 @@ pub(super) fn list_format(
     let entries = match format.holds() {
         Holding::Messages => return recording::list(path, format, topic, options),
         Holding::Members => archive::list(path, format, options)?,
-        Holding::Cloud | Holding::Scans | Holding::Moments => {
-            match format.codec().and_then(|codec| codec.list) {
-                Some(list) => list(path, options)?,
-                None => vec![Entry::whole()],
-            }
-        }
+        Holding::Cloud | Holding::Scans | Holding::Moments => match format.codec().and_then(|codec| codec.list) {
+            Some(list) => list(path, options)?,
+            None => vec![Entry::whole()],
+        },
     };
     Ok(Contents::of_entries(entries))
 }
@@ -56,9 +50,7 @@ pub(super) fn first_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     };
     // A pipe or device may never end; only regular files are read.
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
-        return Err(IoError::NotAFile {
-            path: path.to_owned(),
-        });
+        return Err(IoError::NotAFile { path: path.to_owned() });
     }
     let mut magic = Vec::with_capacity(Format::MAGIC_BYTES);
     let file = File::open(path).map_err(failed)?;

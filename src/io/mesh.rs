@@ -52,11 +52,7 @@ pub(super) struct Places(pub(super) Vec<Place>);
 
 /// Replaces the vertices of `cloud` by `count` points spread evenly over its faces. A mesh whose faces have no area
 /// keeps its vertices.
-pub(super) fn sample(
-    cloud: &mut RawCloud,
-    count: NonZeroUsize,
-    options: &ReadOptions,
-) -> Result<(), Fault> {
+pub(super) fn sample(cloud: &mut RawCloud, count: NonZeroUsize, options: &ReadOptions) -> Result<(), Fault> {
     if let Some(places) = Places::spread(&cloud.positions, &cloud.faces, count, options)? {
         check_memory(cloud, count, options)?;
         *cloud = places.apply(cloud);
@@ -66,11 +62,7 @@ pub(super) fn sample(
 }
 
 /// Fails where `count` points with the attributes of `cloud` are more than the options allow.
-pub(super) fn check_memory(
-    cloud: &RawCloud,
-    count: NonZeroUsize,
-    options: &ReadOptions,
-) -> Result<(), Fault> {
+pub(super) fn check_memory(cloud: &RawCloud, count: NonZeroUsize, options: &ReadOptions) -> Result<(), Fault> {
     let position_bytes = match cloud.positions {
         Positions::F32(_) => 12,
         Positions::F64(_) => 24,
@@ -82,11 +74,7 @@ pub(super) fn check_memory(
     check_bytes(count, point_bytes + size_of::<Place>(), options)
 }
 
-fn check_bytes(
-    count: NonZeroUsize,
-    point_bytes: usize,
-    options: &ReadOptions,
-) -> Result<(), Fault> {
+fn check_bytes(count: NonZeroUsize, point_bytes: usize, options: &ReadOptions) -> Result<(), Fault> {
     let needed = (count.get() as u64).saturating_mul(point_bytes as u64);
     if needed > options.max_memory_bytes {
         let what = format!("a mesh sampled with {count} points");
@@ -139,9 +127,7 @@ impl Places {
             a + (b - a) * second + (c - a) * third
         };
         let positions = match mesh.positions {
-            Positions::F32(_) => {
-                Positions::F32(self.map(|place| position(place).as_vec3().to_array()))
-            }
+            Positions::F32(_) => Positions::F32(self.map(|place| position(place).as_vec3().to_array())),
             Positions::F64(_) => Positions::F64(self.map(|place| position(place).to_array())),
         };
         let mut cloud = RawCloud::from_positions(positions);
@@ -153,9 +139,8 @@ impl Places {
             };
             self.map(|place| [0, 1, 2, 3].map(|index| channel(place, index)))
         });
-        let blended = |values: &[f32]| {
-            self.map(|place| blend(corners(place).map(|corner| values[corner]), place.weights))
-        };
+        let blended =
+            |values: &[f32]| self.map(|place| blend(corners(place).map(|corner| values[corner]), place.weights));
         cloud.radii = mesh.radii.as_deref().map(blended);
         let fields = mesh.scalars.iter().map(|field| ScalarField {
             name: field.name.clone(),
@@ -192,10 +177,7 @@ fn along_curve(positions: &Positions, faces: &[[u32; 3]]) -> Vec<(u32, f64)> {
         .collect();
     // The index decides between faces of one cell, so the order is the same in every run.
     ordered.sort_unstable_by_key(|&(cell, index, _)| (cell, index));
-    ordered
-        .into_iter()
-        .map(|(_, index, area)| (index, area))
-        .collect()
+    ordered.into_iter().map(|(_, index, area)| (index, area)).collect()
 }
 
 /// Where a point of the unit cube is on Morton's curve of 2^21 cells a side.
@@ -293,22 +275,16 @@ mod tests {
         assert_eq!(points.len(), COUNT);
         let mut cells = [0; CELLS * CELLS];
         for point in &points {
-            cells[(point.y * CELLS as f64) as usize * CELLS + (point.x * CELLS as f64) as usize] +=
-                1;
+            cells[(point.y * CELLS as f64) as usize * CELLS + (point.x * CELLS as f64) as usize] += 1;
         }
         let expected = COUNT / (CELLS * CELLS);
         for count in cells {
             // Random points would differ by the root of their number, 8, in two thirds of the cells, and by 24 in some.
-            assert!(
-                count > expected - 16 && count < expected + 16,
-                "{count} of {expected}"
-            );
+            assert!(count > expected - 16 && count < expected + 16, "{count} of {expected}");
         }
         let nearest = |point: &DVec3| {
             let others = points.iter().filter(|other| *other != point);
-            others
-                .map(|other| other.distance(*point))
-                .fold(f64::INFINITY, f64::min)
+            others.map(|other| other.distance(*point)).fold(f64::INFINITY, f64::min)
         };
         let spacing = (1.0 / COUNT as f64).sqrt();
         let mean = points.iter().map(nearest).sum::<f64>() / COUNT as f64;
@@ -322,20 +298,11 @@ mod tests {
         let Positions::F32(positions) = &mut mesh.positions else {
             panic!()
         };
-        positions.extend([
-            [10.0, 0.0, 0.0],
-            [10.0, 3.0, 0.0],
-            [10.0, 0.0, 4.0],
-            [f32::NAN; 3],
-        ]);
+        positions.extend([[10.0, 0.0, 0.0], [10.0, 3.0, 0.0], [10.0, 0.0, 4.0], [f32::NAN; 3]]);
         // Six units of area after three, a line, a point and a face beyond all numbers.
-        mesh.faces
-            .extend([[4, 5, 6], [0, 1, 1], [2, 2, 2], [0, 1, 7]]);
+        mesh.faces.extend([[4, 5, 6], [0, 1, 1], [2, 2, 2], [0, 1, 7]]);
         let cloud = sampled(&mesh, 900);
-        let far = points(&cloud)
-            .into_iter()
-            .filter(|point| point.x > 9.0)
-            .count();
+        let far = points(&cloud).into_iter().filter(|point| point.x > 9.0).count();
         assert_eq!((cloud.positions.len(), far), (900, 600));
         assert!(points(&cloud).iter().all(|point| point.is_finite()));
         let normals = cloud.normals.unwrap();

@@ -86,9 +86,7 @@ const TABLE: &[Codec] = &[
     },
     Codec {
         encoders: &[las::write::LAS, las::write::LAZ],
-        ..Codec::reading(las::FORMAT, |file| {
-            las::decode(file.bytes, file.options, file.progress)
-        })
+        ..Codec::reading(las::FORMAT, |file| las::decode(file.bytes, file.options, file.progress))
     },
     Codec {
         list: Some(e57::list),
@@ -96,9 +94,7 @@ const TABLE: &[Codec] = &[
             e57::decode(file.bytes, file.part, file.options, file.progress)
         })
     },
-    Codec::reading(draco::FORMAT, |file| {
-        draco::decode(file.bytes, file.options)
-    }),
+    Codec::reading(draco::FORMAT, |file| draco::decode(file.bytes, file.options)),
     Codec {
         encoders: &[text_write::ENCODER],
         ..Codec::reading(xyz::FORMAT, |file| xyz::decode(file.bytes, file.progress))
@@ -117,9 +113,7 @@ const TABLE: &[Codec] = &[
         encoders: &[npy_write::ENCODER],
         ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes))
     },
-    Codec::reading(npy::ARCHIVE, |file| {
-        npy::decode_archive(file.bytes, file.options)
-    }),
+    Codec::reading(npy::ARCHIVE, |file| npy::decode_archive(file.bytes, file.options)),
     Codec::reading(bin::FORMAT, |file| {
         bin::decode(file.name, file.bytes, file.options.bin_columns)
     }),

@@ -20,8 +20,7 @@ pub fn natural_order(left: &Path, right: &Path) -> Ordering {
         .then_with(|| {
             let (left_stem, left_extension) = split_name(left);
             let (right_stem, right_extension) = split_name(right);
-            compare_names(&left_stem, &right_stem)
-                .then_with(|| compare_names(&left_extension, &right_extension))
+            compare_names(&left_stem, &right_stem).then_with(|| compare_names(&left_extension, &right_extension))
         })
         .then_with(|| left.as_os_str().cmp(right.as_os_str()))
 }
@@ -54,10 +53,7 @@ pub(crate) fn split_name(path: &Path) -> (std::borrow::Cow<'_, str>, std::borrow
         (Some(stem), Some(extension)) if !is_number(&extension.to_string_lossy()) => {
             (stem.to_string_lossy(), extension.to_string_lossy())
         }
-        _ => (
-            path.file_name().unwrap_or_default().to_string_lossy(),
-            "".into(),
-        ),
+        _ => (path.file_name().unwrap_or_default().to_string_lossy(), "".into()),
     }
 }
 
@@ -124,11 +120,7 @@ impl<'a> Iterator for Runs<'a> {
             .unwrap_or(self.0.len());
         let (run, rest) = self.0.split_at(end);
         self.0 = rest;
-        Some(if is_digits {
-            Run::Digits(run)
-        } else {
-            Run::Text(run)
-        })
+        Some(if is_digits { Run::Digits(run) } else { Run::Text(run) })
     }
 }
 
@@ -154,14 +146,8 @@ mod tests {
     #[test]
     fn numbers_beyond_64_bits_are_compared() {
         assert_eq!(
-            sorted(&[
-                "t100000000000000000000000.ply",
-                "t99999999999999999999999.ply"
-            ]),
-            [
-                "t99999999999999999999999.ply",
-                "t100000000000000000000000.ply"
-            ]
+            sorted(&["t100000000000000000000000.ply", "t99999999999999999999999.ply"]),
+            ["t99999999999999999999999.ply", "t100000000000000000000000.ply"]
         );
     }
 

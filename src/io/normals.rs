@@ -88,9 +88,7 @@ pub(crate) fn read_with_normals(
         join(&mut cloud, path, normals, progress);
     }
     if progress.is_cancelled() {
-        return Err(IoError::Cancelled {
-            path: path.to_owned(),
-        });
+        return Err(IoError::Cancelled { path: path.to_owned() });
     }
     if let Some(format) = Format::detect(path, &first_bytes(path)?)
         && let Some(count) = options.of_format(format).sample_count
@@ -124,9 +122,7 @@ fn read_normals(path: &Path, progress: &Progress) -> Result<Vec<[f32; 3]>, IoErr
         path: path.to_owned(),
         source,
     })?;
-    let unknown = || IoError::UnknownFormat {
-        path: path.to_owned(),
-    };
+    let unknown = || IoError::UnknownFormat { path: path.to_owned() };
     let format = Format::detect(path, &bytes).ok_or_else(unknown)?;
     let columns = format.codec().and_then(|codec| codec.columns.as_ref());
     let normals = match columns {
@@ -170,20 +166,13 @@ mod tests {
         assert_eq!(rows("a.pcd", PCD), Some(Rows::Normals));
         assert_eq!(rows("a.ply", PLY), Some(Rows::Normals));
         assert_eq!(rows("a.ply", POINTS), Some(Rows::Points));
-        assert_eq!(
-            rows("a.ply", &POINTS.replace(" y\n", " ny\n")),
-            Some(Rows::Other)
-        );
+        assert_eq!(rows("a.ply", &POINTS.replace(" y\n", " ny\n")), Some(Rows::Other));
         let labels = PCD.replace("normal_z", "label");
         assert_eq!(rows("a.pcd", &labels), Some(Rows::Other));
         assert_eq!(rows("a.txt", "1\n2\n3\n"), Some(Rows::Other));
         assert_eq!(rows("a.txt", "2\n1 2 3\n4 5 6\n"), None, "counted points");
         assert_eq!(rows("a.txt", "x y z\n1 2 3\n"), None);
-        assert_eq!(
-            rows("a.ply", "ply\nformat ascii 1.0\nelement"),
-            None,
-            "not written yet"
-        );
+        assert_eq!(rows("a.ply", "ply\nformat ascii 1.0\nelement"), None, "not written yet");
         assert_eq!(rows("a.ply", ""), None);
         assert_eq!(rows_of(folder.path()), None);
         assert_eq!(rows_of(&folder.path().join("missing.ply")), None);

@@ -71,9 +71,8 @@ pub(super) fn decode_archive(bytes: &[u8], options: &ReadOptions) -> Result<RawC
     let members = unpacked(bytes, options)?;
     let mut arrays = Vec::new();
     for (name, bytes) in &members {
-        let array = Array::parse(bytes).map_err(|fault| {
-            Fault::new(fault.place, format!("array `{name}`: {}", fault.problem))
-        })?;
+        let array = Array::parse(bytes)
+            .map_err(|fault| Fault::new(fault.place, format!("array `{name}`: {}", fault.problem)))?;
         arrays.push((name.to_ascii_lowercase(), array));
     }
     let is_one_of = |names: &[&str], name: &str| names.contains(&name);
@@ -118,11 +117,7 @@ pub(super) fn decode_archive(bytes: &[u8], options: &ReadOptions) -> Result<RawC
                 array.shape.first().unwrap_or(&0)
             )));
         }
-        let width = if array.shape.len() == 2 {
-            array.shape[1]
-        } else {
-            1
-        };
+        let width = if array.shape.len() == 2 { array.shape[1] } else { 1 };
         for (column, name) in names.iter().enumerate().take(width) {
             columns.retain(|known| known.name != *name);
             columns.push(array.column((*name).to_owned(), column, width, count));
@@ -144,8 +139,7 @@ pub(super) fn decode_archive(bytes: &[u8], options: &ReadOptions) -> Result<RawC
 
 /// Names and bytes of the arrays in an archive, unpacked to no more than may be.
 fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(String, Vec<u8>)>, Fault> {
-    let damaged =
-        |error: &dyn std::fmt::Display| Fault::header(format!("the archive is damaged ({error})"));
+    let damaged = |error: &dyn std::fmt::Display| Fault::header(format!("the archive is damaged ({error})"));
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
     let mut members = Vec::new();
     let mut left = options.max_memory_bytes;
@@ -156,11 +150,7 @@ fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(String, Vec<u8>)
             continue;
         };
         if member.size() > left {
-            return Err(Fault::too_large(
-                &format!("array `{name}`"),
-                member.size(),
-                options,
-            ));
+            return Err(Fault::too_large(&format!("array `{name}`"), member.size(), options));
         }
         let mut unpacked = Vec::new();
         // The size is a claim as well: what is unpacked beyond the limit ends it.
@@ -216,10 +206,10 @@ fn table<'a>(array: &Array<'a>, first: &str) -> Result<(Vec<Column<'a>>, usize),
         })
         .collect();
     let names = xyz::guessed_names(&told_by);
-    let columns = names.into_iter().enumerate().map(|(index, name)| Column {
-        name,
-        ..column(index)
-    });
+    let columns = names
+        .into_iter()
+        .enumerate()
+        .map(|(index, name)| Column { name, ..column(index) });
     Ok((columns.collect(), count))
 }
 
@@ -243,20 +233,11 @@ fn records<'a>(array: &Array<'a>, count: usize) -> Result<Vec<Column<'a>>, Fault
         };
         for (index, name) in names.iter().enumerate().take(field.length) {
             let start = field.offset + index * number.bytes();
-            columns.push(number.column(
-                (*name).to_owned(),
-                array.payload,
-                start,
-                *row_bytes,
-                count,
-            ));
+            columns.push(number.column((*name).to_owned(), array.payload, start, *row_bytes, count));
         }
     }
     if columns.is_empty() && count > 0 {
-        return Err(Fault::new(
-            Place::Header,
-            "no field of the records is a number",
-        ));
+        return Err(Fault::new(Place::Header, "no field of the records is a number"));
     }
     Ok(columns)
 }

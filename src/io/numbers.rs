@@ -44,10 +44,7 @@ impl<'a> Tokens<'a> {
         }
         self.position = start;
         if let Ok((value, length)) = fast_float2::parse_partial::<f64, _>(&self.bytes[start..])
-            && self
-                .bytes
-                .get(start + length)
-                .is_none_or(|&byte| separates(byte))
+            && self.bytes.get(start + length).is_none_or(|&byte| separates(byte))
         {
             self.position = start + length;
             return Some(Ok(value));
@@ -152,19 +149,8 @@ mod tests {
     #[test]
     fn numbers_of_all_runtimes_are_read() {
         assert_eq!(parse_number(b"-1.5e3"), Some(-1500.0));
-        for not_a_number in [
-            b"nan".as_slice(),
-            b"NaN",
-            b"-nan",
-            b"-nan(ind)",
-            b"1.#QNAN",
-            b"-1.#IND",
-        ] {
-            assert!(
-                parse_number(not_a_number).unwrap().is_nan(),
-                "{}",
-                quoted(not_a_number)
-            );
+        for not_a_number in [b"nan".as_slice(), b"NaN", b"-nan", b"-nan(ind)", b"1.#QNAN", b"-1.#IND"] {
+            assert!(parse_number(not_a_number).unwrap().is_nan(), "{}", quoted(not_a_number));
         }
         assert_eq!(parse_number(b"-inf"), Some(f64::NEG_INFINITY));
         for wrong in [b"".as_slice(), b"x", b"1,5", b"\xff", b"0x10"] {

@@ -67,9 +67,7 @@ struct Model {
 
 impl Model {
     fn statement(&mut self, line: &[u8], number: usize) -> Result<(), Fault> {
-        let mut words = line
-            .split(u8::is_ascii_whitespace)
-            .filter(|word| !word.is_empty());
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {
             Some(b"v") => self.vertex(words, number),
             Some(b"vn") => {
@@ -86,11 +84,7 @@ impl Model {
         }
     }
 
-    fn vertex<'a>(
-        &mut self,
-        words: impl Iterator<Item = &'a [u8]>,
-        number: usize,
-    ) -> Result<(), Fault> {
+    fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>, number: usize) -> Result<(), Fault> {
         let (values, count) = numbers::<7>(words, number)?;
         if count < 3 {
             return Err(too_few("vertex", count, number));
@@ -107,11 +101,7 @@ impl Model {
         Ok(())
     }
 
-    fn face<'a>(
-        &mut self,
-        words: impl Iterator<Item = &'a [u8]>,
-        number: usize,
-    ) -> Result<(), Fault> {
+    fn face<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>, number: usize) -> Result<(), Fault> {
         self.polygon.clear();
         for word in words {
             if word.starts_with(b"#") {
@@ -134,10 +124,7 @@ impl Model {
             if let Some(normal) = normal.and_then(|normal| resolve(normal, self.normals.len())) {
                 self.vertex_normals.resize(self.positions.len(), [0.0; 3]);
                 self.has_normals = true;
-                for (sum, axis) in self.vertex_normals[index]
-                    .iter_mut()
-                    .zip(self.normals[normal])
-                {
+                for (sum, axis) in self.vertex_normals[index].iter_mut().zip(self.normals[normal]) {
                     *sum += axis;
                 }
             }
@@ -189,29 +176,19 @@ fn colors(colors: &[[f64; 3]]) -> Vec<[u8; 4]> {
 }
 
 /// Up to `N` numbers, and how many there are.
-fn numbers<'a, const N: usize>(
-    words: impl Iterator<Item = &'a [u8]>,
-    line: usize,
-) -> Result<([f64; N], usize), Fault> {
+fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a [u8]>, line: usize) -> Result<([f64; N], usize), Fault> {
     let mut values = [0.0; N];
     let mut count = 0;
     for word in words.take_while(|word| !word.starts_with(b"#")).take(N) {
-        values[count] = parse_number(word).ok_or_else(|| {
-            Fault::new(
-                Place::Line(line),
-                format!("found {}, expected a number", quoted(word)),
-            )
-        })?;
+        values[count] = parse_number(word)
+            .ok_or_else(|| Fault::new(Place::Line(line), format!("found {}, expected a number", quoted(word))))?;
         count += 1;
     }
     Ok((values, count))
 }
 
 fn too_few(what: &str, count: usize, line: usize) -> Fault {
-    Fault::new(
-        Place::Line(line),
-        format!("the {what} has {count} numbers, expected 3"),
-    )
+    Fault::new(Place::Line(line), format!("the {what} has {count} numbers, expected 3"))
 }
 
 /// Numbers count from 1, negative ones backwards from the last.

@@ -60,12 +60,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
         growing::cloud(&columns, vertices)?
     };
     for index in 0..faces {
-        face(
-            &lines.numbers("face", index)?,
-            index,
-            vertices,
-            &mut cloud.faces,
-        )?;
+        face(&lines.numbers("face", index)?, index, vertices, &mut cloud.faces)?;
     }
     Ok(cloud)
 }
@@ -74,10 +69,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
 fn header(lines: &mut Lines<'_>) -> Result<(String, [usize; 2]), Fault> {
     let fault = |line: usize, problem: String| Fault::new(Place::Line(line), problem);
     let Some(mut line) = lines.next() else {
-        return Err(fault(
-            1,
-            "the file has no line but comments, expected `OFF`".to_owned(),
-        ));
+        return Err(fault(1, "the file has no line but comments, expected `OFF`".to_owned()));
     };
     let word = line.split(u8::is_ascii_whitespace).next().unwrap_or(line);
     let mut keyword = String::new();
@@ -142,12 +134,7 @@ fn names(keyword: &str, count: usize) -> Vec<&'static str> {
     names
 }
 
-fn face(
-    numbers: &[f64],
-    index: usize,
-    vertices: usize,
-    faces: &mut Vec<[u32; 3]>,
-) -> Result<(), Fault> {
+fn face(numbers: &[f64], index: usize, vertices: usize, faces: &mut Vec<[u32; 3]>) -> Result<(), Fault> {
     let corners = numbers.first().copied().unwrap_or(0.0);
     // Behind the corners a face may have a colour.
     let Some(corners) = numbers
@@ -212,10 +199,7 @@ impl<'a> Lines<'a> {
                 parse_number(word).ok_or_else(|| {
                     Fault::new(
                         Place::Line(self.number),
-                        format!(
-                            "found {} in {list} {index}, expected a number",
-                            quoted(word)
-                        ),
+                        format!("found {} in {list} {index}, expected a number", quoted(word)),
                     )
                 })
             })
@@ -233,11 +217,7 @@ impl<'a> Iterator for Lines<'a> {
             self.rest = end.map(|end| &rest[end + 1..]);
             self.number += 1;
             let line = &rest[..end.unwrap_or(rest.len())];
-            let line = line
-                .split(|&byte| byte == b'#')
-                .next()
-                .unwrap_or(line)
-                .trim_ascii();
+            let line = line.split(|&byte| byte == b'#').next().unwrap_or(line).trim_ascii();
             if !line.is_empty() {
                 return Some(line);
             }

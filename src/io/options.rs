@@ -40,10 +40,7 @@ impl ReadOptions {
     /// The same with so many numbers a point in files without a header.
     #[must_use]
     pub fn with_bin_columns(self, bin_columns: Option<u8>) -> Self {
-        Self {
-            bin_columns,
-            ..self
-        }
+        Self { bin_columns, ..self }
     }
 
     /// The same with so many points from each file of a mesh format; `None` for its vertices.
@@ -58,10 +55,7 @@ impl ReadOptions {
     /// The same with so many points from whatever has faces; `None` for its vertices.
     #[must_use]
     pub fn with_sample_count(self, sample_count: Option<NonZeroUsize>) -> Self {
-        Self {
-            sample_count,
-            ..self
-        }
+        Self { sample_count, ..self }
     }
 }
 

@@ -95,11 +95,7 @@ fn header_text(bytes: &[u8]) -> Result<(Vec<u8>, usize), Fault> {
         end += line.len();
         let content = line.trim_ascii();
         if !content.starts_with(b"VERSION") && !content.starts_with(b"#") {
-            text.extend(
-                content
-                    .iter()
-                    .map(|&byte| if byte.is_ascii() { byte } else { b'?' }),
-            );
+            text.extend(content.iter().map(|&byte| if byte.is_ascii() { byte } else { b'?' }));
             text.push(b'\n');
         }
         if content.len() >= 4 && content[..4].eq_ignore_ascii_case(b"DATA") {
@@ -165,17 +161,20 @@ impl Table {
 
     /// Fails when `available` bytes cannot hold the points that the header claims.
     fn check_claim(&self, row_bytes: usize, available: usize) -> Result<usize, Fault> {
-        self.rows.checked_mul(row_bytes).filter(|&needed| needed <= available).ok_or_else(|| {
-            Fault::entry(
-                "point",
-                available.checked_div(row_bytes).unwrap_or(0),
-                format!(
-                    "the file ends here, but its header claims {} points of at least {row_bytes} bytes: it is \
+        self.rows
+            .checked_mul(row_bytes)
+            .filter(|&needed| needed <= available)
+            .ok_or_else(|| {
+                Fault::entry(
+                    "point",
+                    available.checked_div(row_bytes).unwrap_or(0),
+                    format!(
+                        "the file ends here, but its header claims {} points of at least {row_bytes} bytes: it is \
                      truncated, or its header is wrong",
-                    self.rows
-                ),
-            )
-        })
+                        self.rows
+                    ),
+                )
+            })
     }
 
     /// The fields but for padding, and the bytes before each in a row. Of fields with several numbers (descriptors) it
@@ -235,13 +234,10 @@ impl Table {
         }
         let Some((sizes, rest)) = payload.split_at_checked(SIZES_BYTES) else {
             return Err(fault(
-                "the file ends before the sizes of the compressed block: it is truncated"
-                    .to_owned(),
+                "the file ends before the sizes of the compressed block: it is truncated".to_owned(),
             ));
         };
-        let size = |at: usize| {
-            u32::from_le_bytes([sizes[at], sizes[at + 1], sizes[at + 2], sizes[at + 3]]) as usize
-        };
+        let size = |at: usize| u32::from_le_bytes([sizes[at], sizes[at + 1], sizes[at + 2], sizes[at + 3]]) as usize;
         let (packed, unpacked) = (size(0), size(4));
         let Some(packed_bytes) = rest.get(..packed) else {
             return Err(fault(format!(
@@ -251,9 +247,7 @@ impl Table {
         };
         let needed = self.check_claim(self.row_bytes, unpacked)?;
         if unpacked > packed.saturating_mul(MAX_LZF_RATIO).min(MAX_LZF_BYTES) {
-            return Err(fault(format!(
-                "{packed} bytes cannot unpack to the claimed {unpacked}"
-            )));
+            return Err(fault(format!("{packed} bytes cannot unpack to the claimed {unpacked}")));
         }
         let block = match lzf::decompress(packed_bytes, unpacked) {
             Ok(block) => block,
@@ -270,22 +264,14 @@ impl Table {
         Ok(block)
     }
 
-    fn ascii(
-        &self,
-        payload: &[u8],
-        first_line: usize,
-        progress: &Progress,
-    ) -> Result<Vec<Column<'static>>, Fault> {
+    fn ascii(&self, payload: &[u8], first_line: usize, progress: &Progress) -> Result<Vec<Column<'static>>, Fault> {
         /// A digit and a separator.
         const LEAST_NUMBER_BYTES: usize = 2;
         let row_numbers = self
             .fields
             .iter()
             .fold(0usize, |sum, field| sum.saturating_add(field.count));
-        self.check_claim(
-            row_numbers.saturating_mul(LEAST_NUMBER_BYTES),
-            payload.len() + 1,
-        )?;
+        self.check_claim(row_numbers.saturating_mul(LEAST_NUMBER_BYTES), payload.len() + 1)?;
         let mut columns = self.columns(|_, _| Values::Parsed(Vec::with_capacity(self.rows)));
         let mut tokens = Tokens::new(payload, first_line);
         for row in 0..self.rows {
@@ -298,20 +284,13 @@ impl Table {
                         Fault::entry(
                             "point",
                             row,
-                            format!(
-                                "the file ends before field `{}`: it is truncated",
-                                field.name
-                            ),
+                            format!("the file ends before field `{}`: it is truncated", field.name),
                         )
                     })?;
                     let value = value.map_err(|token| {
                         Fault::new(
                             Place::Line(tokens.line()),
-                            format!(
-                                "field `{}` is {}, expected a number",
-                                field.name,
-                                quoted(token)
-                            ),
+                            format!("field `{}` is {}, expected a number", field.name, quoted(token)),
                         )
                     })?;
                     if number == 0 {

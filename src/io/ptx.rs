@@ -41,9 +41,7 @@ const NAMES: [(&str, Scalar); 7] = [
 ];
 /// Coordinates, and with them intensity and colour.
 const WIDTHS: [usize; 3] = [3, 4, 7];
-const DIALECT: Dialect = Dialect {
-    decimal_comma: false,
-};
+const DIALECT: Dialect = Dialect { decimal_comma: false };
 
 /// True when the first lines are a header: no other text has numbers in lines of one, three and four like it.
 pub(super) fn is_ptx(start: &[u8]) -> bool {
@@ -61,9 +59,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
         let text = lines.take(count).ok_or_else(|| {
             Fault::new(
                 Place::Line(lines.number),
-                format!(
-                    "the file ends here, but the scan before it has {count} points: it is truncated"
-                ),
+                format!("the file ends here, but the scan before it has {count} points: it is truncated"),
             )
         })?;
         let width = match width(text) {
@@ -81,9 +77,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
             let line = rows.lones.first().map_or(first_line, |lone| lone.line);
             return Err(Fault::new(
                 Place::Line(line),
-                format!(
-                    "found a line of one number among {count} points, expected {width} numbers"
-                ),
+                format!("found a line of one number among {count} points, expected {width} numbers"),
             ));
         }
         for index in 0..count {
@@ -159,9 +153,7 @@ impl<'a> Lines<'a> {
             return None;
         }
         let end = self.rest.iter().position(|&byte| byte == b'\n');
-        let (line, rest) = self
-            .rest
-            .split_at(end.map_or(self.rest.len(), |end| end + 1));
+        let (line, rest) = self.rest.split_at(end.map_or(self.rest.len(), |end| end + 1));
         self.rest = rest;
         self.number += 1;
         Some(line.trim_ascii())
@@ -211,10 +203,7 @@ impl<'a> Lines<'a> {
             }
             if expected == 1 {
                 if numbers[0] < 0.0 || numbers[0].fract() != 0.0 {
-                    return fault(format!(
-                        "found {} as a number of columns or rows",
-                        numbers[0]
-                    ));
+                    return fault(format!("found {} as a number of columns or rows", numbers[0]));
                 }
                 count *= numbers[0];
             }

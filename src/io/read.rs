@@ -37,19 +37,12 @@ pub fn read_part_observed(
 ) -> Result<RawCloud, IoError> {
     let cloud = read_watched(path, part, options, progress);
     if progress.is_cancelled() {
-        return Err(IoError::Cancelled {
-            path: path.to_owned(),
-        });
+        return Err(IoError::Cancelled { path: path.to_owned() });
     }
     cloud
 }
 
-fn read_watched(
-    path: &Path,
-    part: &Part,
-    options: &ReadOptions,
-    progress: &Progress,
-) -> Result<RawCloud, IoError> {
+fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Progress) -> Result<RawCloud, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
@@ -70,9 +63,7 @@ fn read_watched(
     {
         let entries = list_format(path, format, None, options)?.entries;
         return match entries.first() {
-            Some(first) if first.part != Part::Whole => {
-                read_watched(path, &first.part, options, progress)
-            }
+            Some(first) if first.part != Part::Whole => read_watched(path, &first.part, options, progress),
             _ => Err(IoError::NoFrame {
                 path: path.to_owned(),
                 format,
@@ -142,13 +133,9 @@ fn read_bytes_with(
     progress: &Progress,
 ) -> Result<RawCloud, IoError> {
     if bytes.is_empty() {
-        return Err(IoError::Empty {
-            path: name.to_owned(),
-        });
+        return Err(IoError::Empty { path: name.to_owned() });
     }
-    let unknown = || IoError::UnknownFormat {
-        path: name.to_owned(),
-    };
+    let unknown = || IoError::UnknownFormat { path: name.to_owned() };
     let format = Format::detect(name, bytes).ok_or_else(unknown)?;
     let codec = format.codec().ok_or_else(unknown)?;
     let options = &options.of_format(format);
@@ -183,7 +170,5 @@ pub(super) fn finished(
         }
         Ok(cloud)
     };
-    decoded
-        .and_then(sampled)
-        .map_err(|fault| fault.of(name, format))
+    decoded.and_then(sampled).map_err(|fault| fault.of(name, format))
 }

@@ -31,9 +31,7 @@ impl Dialect {
         };
         let mut has_comma = false;
         for line in head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii) {
-            let is_numbers = line
-                .iter()
-                .all(|byte| b"0123456789+-.,;eE \t\"".contains(byte));
+            let is_numbers = line.iter().all(|byte| b"0123456789+-.,;eE \t\"".contains(byte));
             if !is_numbers || !line.contains(&b',') {
                 continue;
             }
@@ -45,19 +43,15 @@ impl Dialect {
             {
                 words += 1;
                 let commas = word.split(|&byte| byte == b',').count() - 1;
-                let is_between_digits = word.windows(3).any(|three| {
-                    three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit()
-                });
+                let is_between_digits = word
+                    .windows(3)
+                    .any(|three| three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit());
                 if commas > 1 || (commas == 1 && (!is_between_digits || word.contains(&b'.'))) {
-                    return Self {
-                        decimal_comma: false,
-                    };
+                    return Self { decimal_comma: false };
                 }
             }
             if words < 3 {
-                return Self {
-                    decimal_comma: false,
-                };
+                return Self { decimal_comma: false };
             }
         }
         Self {
@@ -75,11 +69,7 @@ impl Dialect {
     }
 
     /// Appends the numbers of `line` to `values`, NaN for an empty column; fails with what is no number.
-    pub(super) fn parse_line<'a>(
-        self,
-        line: &'a [u8],
-        values: &mut Vec<f64>,
-    ) -> Result<usize, &'a [u8]> {
+    pub(super) fn parse_line<'a>(self, line: &'a [u8], values: &mut Vec<f64>) -> Result<usize, &'a [u8]> {
         let before = values.len();
         let mut has_number = false;
         let mut at = 0;
@@ -97,14 +87,9 @@ impl Dialect {
             }
             let rest = &line[at..];
             let (value, length) = match fast_float2::parse_partial::<f64, _>(rest) {
-                Ok((value, length)) if rest.get(length).is_none_or(|&byte| self.parts(byte)) => {
-                    (value, length)
-                }
+                Ok((value, length)) if rest.get(length).is_none_or(|&byte| self.parts(byte)) => (value, length),
                 _ => {
-                    let length = rest
-                        .iter()
-                        .position(|&byte| self.parts(byte))
-                        .unwrap_or(rest.len());
+                    let length = rest.iter().position(|&byte| self.parts(byte)).unwrap_or(rest.len());
                     let token = &rest[..length];
                     (self.parse_odd(token).ok_or(token)?, length)
                 }
@@ -281,10 +266,7 @@ fn parse_block(text: &[u8], width: usize, dialect: Dialect) -> Block {
                 return block;
             }
             Err(token) => {
-                block.fault = Some((
-                    number,
-                    format!("found {}, expected a number", quoted(token)),
-                ));
+                block.fault = Some((number, format!("found {}, expected a number", quoted(token))));
                 return block;
             }
         }
@@ -310,19 +292,13 @@ mod tests {
             ("1.5,2;3;4\n", false),
             ("1,5;2,5;3,5\n1,2,3\n", false),
         ] {
-            assert_eq!(
-                Dialect::of(text.as_bytes()),
-                Dialect { decimal_comma },
-                "{text:?}"
-            );
+            assert_eq!(Dialect::of(text.as_bytes()), Dialect { decimal_comma }, "{text:?}");
         }
     }
 
     #[test]
     fn empty_columns_are_no_numbers_and_empty_lines_no_rows() {
-        let dialect = Dialect {
-            decimal_comma: false,
-        };
+        let dialect = Dialect { decimal_comma: false };
         let parsed = |line: &str| {
             let mut values = Vec::new();
             let count = dialect.parse_line(line.as_bytes(), &mut values).unwrap();
@@ -338,12 +314,8 @@ mod tests {
 
     #[test]
     fn many_blocks_are_parsed_as_one_and_name_the_line() {
-        let mut text: Vec<String> = (0..200_000)
-            .map(|i| format!("{i} {} -{i}.5 7", i * 2))
-            .collect();
-        let dialect = Dialect {
-            decimal_comma: false,
-        };
+        let mut text: Vec<String> = (0..200_000).map(|i| format!("{i} {} -{i}.5 7", i * 2)).collect();
+        let dialect = Dialect { decimal_comma: false };
         let progress = Progress::default();
         let rows = parse(text.join("\n").as_bytes(), 1, 4, dialect, &progress).unwrap();
         assert_eq!(progress.done(), text.join("\n").len());

@@ -73,11 +73,7 @@ impl SharedFile {
     }
 }
 
-fn open(
-    path: &Path,
-    options: &ReadOptions,
-    progress: &Progress,
-) -> Result<Arc<Scene<'static>>, IoError> {
+fn open(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Arc<Scene<'static>>, IoError> {
     let bytes = watched::read_file(path, progress).map_err(|source| IoError::Io {
         path: path.to_owned(),
         source,

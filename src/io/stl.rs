@@ -29,11 +29,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let claimed = bytes
         .get(HEADER_BYTES..START_BYTES)
         .map(|count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize);
-    let needed = claimed.map(|count| {
-        count
-            .saturating_mul(TRIANGLE_BYTES)
-            .saturating_add(START_BYTES)
-    });
+    let needed = claimed.map(|count| count.saturating_mul(TRIANGLE_BYTES).saturating_add(START_BYTES));
     if needed.is_some_and(|needed| needed == bytes.len()) {
         return Ok(binary(bytes));
     }
@@ -73,10 +69,7 @@ impl Mesh {
         // Minus zero is the same place as zero.
         let position = position.map(|axis| if axis == 0.0 { 0.0 } else { axis });
         let next = self.positions.len() as u32;
-        let index = *self
-            .index_of
-            .entry(position.map(f32::to_bits))
-            .or_insert(next);
+        let index = *self.index_of.entry(position.map(f32::to_bits)).or_insert(next);
         if index == next {
             self.positions.push(position);
             self.colors.push(color);
@@ -140,10 +133,7 @@ fn text(bytes: &[u8]) -> Result<RawCloud, Fault> {
             let [a, b, c] = corners[..] else {
                 return Err(Fault::new(
                     Place::Line(tokens.line()),
-                    format!(
-                        "the facet that ends here has {} vertices, expected 3",
-                        corners.len()
-                    ),
+                    format!("the facet that ends here has {} vertices, expected 3", corners.len()),
                 ));
             };
             mesh.faces.push([a, b, c]);

@@ -89,9 +89,7 @@ fn runs(text: &str) -> Vec<Run<'_>> {
     let mut rest = text;
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
         let found = &rest[start..];
-        let end = found
-            .find(|c: char| !c.is_ascii_digit())
-            .unwrap_or(found.len());
+        let end = found.find(|c: char| !c.is_ascii_digit()).unwrap_or(found.len());
         let mut behind = found[end..].chars();
         let separator = behind.next();
         let is_digit_next = behind.next().is_some_and(|c| c.is_ascii_digit());
@@ -125,11 +123,7 @@ fn date(runs: &[Run<'_>]) -> Option<Duration> {
         } else {
             let [second, third] = [runs.next()?, runs.next()?];
             let parts = [run, second, third];
-            if parts
-                .iter()
-                .zip(widths)
-                .any(|(part, width)| part.digits.len() != width)
-            {
+            if parts.iter().zip(widths).any(|(part, width)| part.digits.len() != width) {
                 return None;
             }
             fields.extend(parts.map(|part| part.digits));
@@ -161,22 +155,13 @@ fn date(runs: &[Run<'_>]) -> Option<Duration> {
         None => 0,
     };
     let day_seconds = u64::from(hour * 3600 + minute * 60 + second);
-    is_in_range.then(|| {
-        Duration::new(
-            days_since_1970(year, month, day) * 86_400 + day_seconds,
-            nanos,
-        )
-    })
+    is_in_range.then(|| Duration::new(days_since_1970(year, month, day) * 86_400 + day_seconds, nanos))
 }
 
 /// Days from the first of January 1970. Precondition: the year is none before it.
 fn days_since_1970(year: u32, month: u32, day: u32) -> u64 {
-    let is_leap = |year: u32| {
-        (year.is_multiple_of(4) && !year.is_multiple_of(100)) || year.is_multiple_of(400)
-    };
-    let years: u64 = (1970..year)
-        .map(|year| if is_leap(year) { 366 } else { 365 })
-        .sum();
+    let is_leap = |year: u32| (year.is_multiple_of(4) && !year.is_multiple_of(100)) || year.is_multiple_of(400);
+    let years: u64 = (1970..year).map(|year| if is_leap(year) { 366 } else { 365 }).sum();
     let months: u64 = (1..month)
         .map(|month| match month {
             2 => 28 + u64::from(is_leap(year)),
@@ -235,10 +220,7 @@ mod tests {
     fn names_of_recorders_have_times() {
         for (names, expected) in [
             (
-                [
-                    "frame_20121214T142255.814212.pcd",
-                    "frame_20121214T142256.068683.pcd",
-                ],
+                ["frame_20121214T142255.814212.pcd", "frame_20121214T142256.068683.pcd"],
                 [1_355_494_975.814_212, 1_355_494_976.068_683],
             ),
             (
@@ -258,10 +240,7 @@ mod tests {
                 [1_351_492.123_456, 1_351_493.023_456],
             ),
             (
-                [
-                    "scan_1403636579763555584.ply",
-                    "scan_1403636579863555584.ply",
-                ],
+                ["scan_1403636579763555584.ply", "scan_1403636579863555584.ply"],
                 [1_403_636_579.763_555, 1_403_636_579.863_555],
             ),
             (
@@ -287,20 +266,8 @@ mod tests {
         let expected = [(1_317_042_145, 964_389_445), (1_317_042_146, 0)];
         let expected = expected.map(|(seconds, nanos)| Duration::new(seconds, nanos));
         assert_eq!(list, Some(expected.to_vec()));
-        for wrong in [
-            "1\n\n2",
-            "a",
-            "-1",
-            "nan",
-            "1e30",
-            "2011-13-26 13:02:25",
-            "",
-        ] {
-            assert_eq!(
-                times_of_lines(wrong).filter(|times| !times.is_empty()),
-                None,
-                "{wrong}"
-            );
+        for wrong in ["1\n\n2", "a", "-1", "nan", "1e30", "2011-13-26 13:02:25", ""] {
+            assert_eq!(times_of_lines(wrong).filter(|times| !times.is_empty()), None, "{wrong}");
         }
     }
 
@@ -319,10 +286,7 @@ mod tests {
             ["1305031102.211214.ply", "1305031102.211214.ply"],
             ["1305031102.175304.ply", "2024-12-14_14-22-55.ply"],
             ["1305031102.175304.ply", "last.ply"],
-            [
-                "99999999999999999999999.ply",
-                "999999999999999999999999.ply",
-            ],
+            ["99999999999999999999999.ply", "999999999999999999999999.ply"],
         ] {
             assert_eq!(times_of_names(&names), [None, None], "{names:?}");
         }

@@ -27,10 +27,7 @@ pub(super) enum Packing {
 const ZSTD_WINDOW_LOG_MAX: u32 = 27;
 
 /// The bytes that come out of `packed`.
-pub(super) fn reader<'a>(
-    packing: Packing,
-    packed: impl Read + 'a,
-) -> io::Result<Box<dyn Read + 'a>> {
+pub(super) fn reader<'a>(packing: Packing, packed: impl Read + 'a) -> io::Result<Box<dyn Read + 'a>> {
     Ok(match packing {
         Packing::Stored => Box::new(packed),
         Packing::Deflate => Box::new(flate2::read::DeflateDecoder::new(packed)),
@@ -71,11 +68,7 @@ pub(super) fn unpack(
 }
 
 /// Unpacks what does not say how much it is.
-pub(super) fn unpack_unknown(
-    packing: Packing,
-    packed: impl Read,
-    options: &ReadOptions,
-) -> Result<Vec<u8>, String> {
+pub(super) fn unpack_unknown(packing: Packing, packed: impl Read, options: &ReadOptions) -> Result<Vec<u8>, String> {
     let bytes = drain(packing, packed, options.max_memory_bytes)?;
     if bytes.len() as u64 > options.max_memory_bytes {
         return Err(too_large(bytes.len() as u64, options));

@@ -52,9 +52,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
         progress,
     )?;
     let count = parsed.len();
-    if let Some(claimed) =
-        claimed_points(head.claimed, &parsed, width)?.filter(|&claimed| claimed > count)
-    {
+    if let Some(claimed) = claimed_points(head.claimed, &parsed, width)?.filter(|&claimed| claimed > count) {
         return Err(cut_short(claimed, count));
     }
     let names = match head.names.take().filter(|names| names.len() == width) {
@@ -206,9 +204,7 @@ fn plain_coordinate(name: String) -> String {
         ("hochwert", "y"),
         ("height", "z"),
     ];
-    let known = COORDINATES
-        .iter()
-        .find(|(other, _)| name.eq_ignore_ascii_case(other));
+    let known = COORDINATES.iter().find(|(other, _)| name.eq_ignore_ascii_case(other));
     known.map_or(name, |(_, plain)| (*plain).to_owned())
 }
 
@@ -279,11 +275,7 @@ mod tests {
     fn names(text: &str) -> Vec<String> {
         let rows: Vec<Vec<f64>> = text
             .lines()
-            .map(|line| {
-                line.split(' ')
-                    .map(|token| token.parse().unwrap())
-                    .collect()
-            })
+            .map(|line| line.split(' ').map(|token| token.parse().unwrap()).collect())
             .collect();
         let columns: Vec<Vec<f64>> = (0..rows[0].len())
             .map(|column| rows.iter().map(|row| row[column]).collect())
@@ -319,8 +311,8 @@ mod tests {
             ("1\n1 2 3\n4 5 6\n", 2),
             ("1\n1 2 3\n2\n4 5 6\n7 8 9\n", 3),
         ] {
-            let cloud = decode(text.as_bytes(), &Progress::default())
-                .unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"));
+            let cloud =
+                decode(text.as_bytes(), &Progress::default()).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"));
             assert_eq!(cloud.positions.len(), points, "{text:?}");
         }
         for text in [
@@ -330,10 +322,7 @@ mod tests {
             "1.5\n1 2 3\n",
             "2\n1 2 3\n1\n",
         ] {
-            assert!(
-                decode(text.as_bytes(), &Progress::default()).is_err(),
-                "{text:?}"
-            );
+            assert!(decode(text.as_bytes(), &Progress::default()).is_err(), "{text:?}");
         }
     }
 }

@@ -59,31 +59,19 @@ pub(crate) fn read_leniently<T: Default>(
         let (problem, file) = copied(file, what, &in_short(&unread));
         (Some(problem), file)
     };
-    Lenient {
-        value,
-        problem,
-        file,
-    }
+    Lenient { value, problem, file }
 }
 
 /// Copies `file`, of which not all can be read. Returns the text for a notice, and the file if it was copied.
 fn copied(file: &Path, what: &str, reasons: &str) -> (String, Option<PathBuf>) {
-    let unread = format!(
-        "Not all of {what} in {} can be read ({reasons})",
-        file.display()
-    );
+    let unread = format!("Not all of {what} in {} can be read ({reasons})", file.display());
     match copy_beside(file) {
         Ok(copy) => (
-            format!(
-                "{unread}: the file as it is was copied to {}",
-                copy.display()
-            ),
+            format!("{unread}: the file as it is was copied to {}", copy.display()),
             Some(file.to_owned()),
         ),
         Err(reason) => (
-            format!(
-                "{unread}, nor can the file be copied ({reason}): it stays as it is, and changes are not kept"
-            ),
+            format!("{unread}, nor can the file be copied ({reason}): it stays as it is, and changes are not kept"),
             None,
         ),
     }
@@ -91,10 +79,7 @@ fn copied(file: &Path, what: &str, reasons: &str) -> (String, Option<PathBuf>) {
 
 /// The fields of `T` that `stored` has, each by itself: what cannot be read is as by default and noted in `unread`. `T`
 /// must take defaults for what is missing (`#[serde(default)]`).
-pub(crate) fn fields<T: DeserializeOwned + Default>(
-    stored: &Fields,
-    unread: &mut Vec<String>,
-) -> T {
+pub(crate) fn fields<T: DeserializeOwned + Default>(stored: &Fields, unread: &mut Vec<String>) -> T {
     let mut readable = stored.clone();
     readable.retain(|name, value| {
         let alone = Fields::from_iter([(name.clone(), value.clone())]);
@@ -127,9 +112,7 @@ pub(crate) fn entries<'a>(stored: &'a Fields, name: &str, unread: &mut Vec<Strin
 pub(crate) fn note_later_version(stored: &Fields, known: u32, unread: &mut Vec<String>) {
     let version = stored.get("version").and_then(Value::as_u64);
     if let Some(version) = version.filter(|&version| version > u64::from(known)) {
-        unread.push(format!(
-            "it has version {version}, this program knows {known}"
-        ));
+        unread.push(format!("it has version {version}, this program knows {known}"));
     }
 }
 

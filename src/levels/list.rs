@@ -121,15 +121,10 @@ mod tests {
 
     /// The places of what is drawn, and the factor on its radii.
     fn drawn(list: &PointList, cut: &Cut) -> (Vec<usize>, f32) {
-        let Records::Surfels { points, shapes } =
-            list.write(cut, usize::MAX, RecordBuffers::default())
-        else {
+        let Records::Surfels { points, shapes } = list.write(cut, usize::MAX, RecordBuffers::default()) else {
             panic!("a list is drawn as surfels");
         };
-        assert_eq!(
-            (points.len(), shapes.len()),
-            (cut.node_count(), points.len())
-        );
+        assert_eq!((points.len(), shapes.len()), (cut.node_count(), points.len()));
         let places = points.iter().map(|point| point.position[0] as usize);
         let places: Vec<usize> = places.collect();
         assert!(
@@ -161,14 +156,8 @@ mod tests {
             for most in [1, 2, 3, 10, 999, 1000, 5000] {
                 let cut = list.cut_at_most(most, &view(21), CutHints::default());
                 let found = drawn(&list, &cut).0.len();
-                assert!(
-                    found <= most && found <= count,
-                    "{found} of {most}, {count}"
-                );
-                assert!(
-                    2 * found + 1 >= most.min(count),
-                    "{found} of {most}, {count}"
-                );
+                assert!(found <= most && found <= count, "{found} of {most}, {count}");
+                assert!(2 * found + 1 >= most.min(count), "{found} of {most}, {count}");
             }
         }
     }

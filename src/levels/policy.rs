@@ -129,10 +129,7 @@ mod tests {
             }
             let settled = affordable;
             let measured_ms = time_ms(settled.voxels());
-            assert!(
-                (0.75..=1.3).contains(&(measured_ms / asked_ms)),
-                "{measured_ms} ms"
-            );
+            assert!((0.75..=1.3).contains(&(measured_ms / asked_ms)), "{measured_ms} ms");
             affordable.learn(settled.voxels() as usize, measured_ms, asked_ms);
             assert_eq!(affordable, settled, "it stays");
         }

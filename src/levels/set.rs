@@ -108,11 +108,7 @@ impl LevelsSet {
     ///
     /// Precondition: what is there was made of `cloud`.
     #[must_use]
-    pub fn completed(
-        &self,
-        key: Option<LevelsKey>,
-        cloud: &CloudRecords<'_>,
-    ) -> (Self, LevelsWork) {
+    pub fn completed(&self, key: Option<LevelsKey>, cloud: &CloudRecords<'_>) -> (Self, LevelsWork) {
         let mut work = LevelsWork::default();
         let mut levels = Self {
             octree: self.octree.clone(),
@@ -133,8 +129,7 @@ impl LevelsSet {
         levels.made = shapes.and_then(|shapes| {
             let known = self.made.as_ref();
             let (octree, points) = (levels.octree(), cloud.points);
-            let known = known
-                .filter(|known| self.kind() == Some(kind) && known.is_of(octree, points, shapes));
+            let known = known.filter(|known| self.kind() == Some(kind) && known.is_of(octree, points, shapes));
             known.cloned().or_else(|| {
                 work.codes = u32::from(kind == LevelsKind::Codes);
                 Made::of(kind, octree, points, shapes)
@@ -172,11 +167,7 @@ impl Made {
         let records = || (Arc::clone(points), Arc::clone(shapes));
         let surfels = || {
             let (points, shapes) = records();
-            Some(Arc::new(LodSurfels::new(
-                Arc::clone(octree?),
-                points,
-                shapes,
-            )))
+            Some(Arc::new(LodSurfels::new(Arc::clone(octree?), points, shapes)))
         };
         Some(match kind {
             LevelsKind::Cubes => return None,
@@ -213,9 +204,7 @@ impl Made {
 impl CloudRecords<'_> {
     fn octree(&self, stop: StopCriterion) -> Octree {
         let of_points = || self.points.iter().map(|point| point.color).collect();
-        let colors = self
-            .colors
-            .map_or_else(|| Cow::Owned(of_points()), Cow::Borrowed);
+        let colors = self.colors.map_or_else(|| Cow::Owned(of_points()), Cow::Borrowed);
         Octree::build(self.positions, &colors, stop)
     }
 }

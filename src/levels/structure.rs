@@ -32,10 +32,7 @@ pub trait Levels: Debug + Send + Sync {
                 return cut;
             }
         }
-        let anew = CutHints {
-            before: None,
-            ..hints
-        };
+        let anew = CutHints { before: None, ..hints };
         let mut visited_nodes = 0;
         let mut cut_at = |step: u32| {
             let lod_px = threshold_px(view.lod_px, step);

@@ -56,10 +56,7 @@ impl Cube {
         } else {
             nearest
         };
-        Some(Self {
-            min: bounds.min,
-            edge,
-        })
+        Some(Self { min: bounds.min, edge })
     }
 
     /// Edge of the cells of `level`.
@@ -246,10 +243,7 @@ mod tests {
         let points = [Vec3::splat(-f32::MAX), Vec3::splat(f32::MAX)];
         let cube = Cube::around(&points).unwrap();
         assert!(cube.edge.is_finite());
-        assert_eq!(
-            cube.codes(&points),
-            [0, morton::encode([FINEST_CELLS - 1; 3])]
-        );
+        assert_eq!(cube.codes(&points), [0, morton::encode([FINEST_CELLS - 1; 3])]);
     }
 
     proptest! {

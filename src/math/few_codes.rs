@@ -39,13 +39,7 @@ pub(crate) fn index_of(item: u64) -> usize {
 pub(crate) fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>, code: impl Fn(usize) -> u64) {
     // Three bits divide a surface by four. Two levels more, so that few cells have two points.
     let telling_bits = items.len().max(1).ilog2() * 3 / 2 + 4;
-    items::sort(
-        items,
-        scratch,
-        &mut Vec::new(),
-        telling_bits,
-        MOST_DIGIT_BITS,
-    );
+    items::sort(items, scratch, &mut Vec::new(), telling_bits, MOST_DIGIT_BITS);
     let are_alike = |pair: &[u64]| pair[0] ^ pair[1] <= INDEX;
     let mut rest = items.as_mut_slice();
     while let Some(first) = rest.windows(2).position(are_alike) {

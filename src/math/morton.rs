@@ -86,8 +86,7 @@ impl PackedCell {
     #[inline(always)]
     pub(crate) fn parting(self, next: Self) -> (u8, bool) {
         let different = self.0 ^ next.0;
-        let along_any =
-            (different | different >> LEVELS | different >> (2 * LEVELS)) as u32 % FINEST_CELLS;
+        let along_any = (different | different >> LEVELS | different >> (2 * LEVELS)) as u32 % FINEST_CELLS;
         // The exponent of a number of 21 bits, exact as an f32, is its highest bit; this is one SIMD instruction. That
         // of 0 is −127.
         let exponent = ((along_any as i32 as f32).to_bits() >> 23) as i32 - 127;

@@ -45,10 +45,7 @@ pub fn order_of_codes(codes: &[u64]) -> Vec<u32> {
         let mut items = codes.to_vec();
         few_codes::make_items(&mut items);
         few_codes::sort(&mut items, &mut vec![0; codes.len()], |index| codes[index]);
-        return items
-            .into_iter()
-            .map(|item| few_codes::index_of(item) as u32)
-            .collect();
+        return items.into_iter().map(|item| few_codes::index_of(item) as u32).collect();
     }
     order_in_buckets(codes)
 }
@@ -120,12 +117,7 @@ impl<T: Copy + Default + Send + Sync> Buckets<T> {
 
     /// Writes to `carried` what goes with each code, in their order, and hands the codes of each bucket to `write`, in
     /// order, with the place of the bucket. Those without codes are left out.
-    pub(crate) fn sort_each<P: Send>(
-        &self,
-        carried: &mut [T],
-        places: Vec<P>,
-        write: impl Fn(&[u64], P) + Sync,
-    ) {
+    pub(crate) fn sort_each<P: Send>(&self, carried: &mut [T], places: Vec<P>, write: impl Fn(&[u64], P) + Sync) {
         self.places(carried)
             .into_par_iter()
             .zip(places)
@@ -303,11 +295,7 @@ mod tests {
         expected.sort_unstable();
         let expected: Vec<u32> = expected.into_iter().map(|(_, index)| index).collect();
         assert!(order_of_codes(codes) == expected, "{} codes", codes.len());
-        assert!(
-            order_in_buckets(codes) == expected,
-            "{} codes in buckets",
-            codes.len()
-        );
+        assert!(order_in_buckets(codes) == expected, "{} codes in buckets", codes.len());
     }
 
     /// A fixed sequence of well-mixed 64-bit numbers (splitmix64).
@@ -345,9 +333,7 @@ mod tests {
     /// Many in one bucket, which differ in more bits than an item keeps, some in those that it does not keep alone.
     #[test]
     fn codes_that_an_item_has_no_room_for() {
-        let codes: Vec<u64> = (0..20_000)
-            .map(|i| (mixed(i) % 8) << 48 | mixed(i + 7) & 7)
-            .collect();
+        let codes: Vec<u64> = (0..20_000).map(|i| (mixed(i) % 8) << 48 | mixed(i + 7) & 7).collect();
         assert_sorted_like_std(&codes);
     }
 

@@ -67,15 +67,9 @@ impl SymmetricMat3 {
         };
         let (low, low_vector, high, high_vector) = apart.rest.eigen_in_plane(apart.vector);
         let (values, vectors) = if apart.is_smallest {
-            (
-                [apart.value, low, high],
-                [apart.vector, low_vector, high_vector],
-            )
+            ([apart.value, low, high], [apart.vector, low_vector, high_vector])
         } else {
-            (
-                [low, high, apart.value],
-                [low_vector, high_vector, apart.vector],
-            )
+            ([low, high, apart.value], [low_vector, high_vector, apart.vector])
         };
         SymmetricEigen {
             values: values.map(|value| (apart.mean + value) * apart.scale),
@@ -161,8 +155,7 @@ impl SymmetricMat3 {
     }
 
     fn determinant(&self) -> f64 {
-        self.xx * (self.yy * self.zz - self.yz * self.yz)
-            - self.xy * (self.xy * self.zz - self.yz * self.xz)
+        self.xx * (self.yy * self.zz - self.yz * self.yz) - self.xy * (self.xy * self.zz - self.yz * self.xz)
             + self.xz * (self.xy * self.yz - self.yy * self.xz)
     }
 
@@ -259,10 +252,7 @@ mod tests {
     fn check(matrix: &SymmetricMat3, tolerance: f64) {
         let SymmetricEigen { values, vectors } = matrix.eigen();
         let size = matrix.largest_entry().max(f64::MIN_POSITIVE);
-        assert!(
-            values[0] <= values[1] && values[1] <= values[2],
-            "{values:?}"
-        );
+        assert!(values[0] <= values[1] && values[1] <= values[2], "{values:?}");
         for i in 0..3 {
             assert!((vectors[i].length() - 1.0).abs() < tolerance);
             assert!(vectors[i].dot(vectors[(i + 1) % 3]).abs() < tolerance);
@@ -271,10 +261,7 @@ mod tests {
         assert_eq!(matrix.smallest_eigenvector(), vectors[0]);
         let again = compose(values, vectors);
         for (found, expected) in again.entries().iter().zip(matrix.entries()) {
-            assert!(
-                (found - expected).abs() <= tolerance * size,
-                "{again:?} for {matrix:?}"
-            );
+            assert!((found - expected).abs() <= tolerance * size, "{again:?} for {matrix:?}");
         }
     }
 
@@ -296,12 +283,7 @@ mod tests {
             zz: 2.0,
         };
         let root = 2f64.sqrt();
-        for (found, expected) in chain
-            .eigen()
-            .values
-            .into_iter()
-            .zip([2.0 - root, 2.0, 2.0 + root])
-        {
+        for (found, expected) in chain.eigen().values.into_iter().zip([2.0 - root, 2.0, 2.0 + root]) {
             assert!((found - expected).abs() < 1e-14, "{found} for {expected}");
         }
     }

@@ -25,11 +25,7 @@ pub struct Change {
 impl Change {
     /// Measures from each of `places` to the nearest of `other`, both finite; `None` if there is no other, or once
     /// `is_wanted` says no.
-    pub fn between(
-        places: &[Vec3],
-        other: &[Vec3],
-        is_wanted: impl Fn() -> bool + Sync,
-    ) -> Option<Self> {
+    pub fn between(places: &[Vec3], other: &[Vec3], is_wanted: impl Fn() -> bool + Sync) -> Option<Self> {
         if other.is_empty() || !is_wanted() {
             return None;
         }
@@ -64,10 +60,7 @@ impl Change {
     /// The distance that so large a share of the points do not exceed, scene units: the nearest rank; 0 without points.
     pub fn quantile(&self, share: f64) -> f32 {
         let rank = (share * self.sorted.len() as f64).ceil() as usize;
-        self.sorted
-            .get(rank.saturating_sub(1))
-            .copied()
-            .unwrap_or(0.0)
+        self.sorted.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
     }
 
     /// The largest distance (one-sided Hausdorff distance), scene units; 0 without points.
@@ -167,10 +160,7 @@ mod tests {
         assert_eq!(change.share_above(0.25), 0.01);
         assert!((change.mean - (99.0 * 0.25 + 4.0) / 100.0).abs() < 1e-12);
         let none = Change::between(&a, &a, || true).unwrap();
-        assert_eq!(
-            (none.mean, none.largest(), none.share_above(0.0)),
-            (0.0, 0.0, 0.0)
-        );
+        assert_eq!((none.mean, none.largest(), none.share_above(0.0)), (0.0, 0.0, 0.0));
     }
 
     #[test]
@@ -190,9 +180,6 @@ mod tests {
         assert_eq!(Change::between(&[Vec3::ZERO], &[], || true), None);
         assert_eq!(Change::between(&[Vec3::ZERO], &[Vec3::ONE], || false), None);
         let empty = Change::between(&[], &[Vec3::ONE], || true).unwrap();
-        assert_eq!(
-            (empty.quantile(0.5), empty.largest(), empty.mean),
-            (0.0, 0.0, 0.0)
-        );
+        assert_eq!((empty.quantile(0.5), empty.largest(), empty.mean), (0.0, 0.0, 0.0));
     }
 }

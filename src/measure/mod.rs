@@ -53,10 +53,7 @@ fn check_sizes(reference_px: [u32; 2], test_px: [u32; 2]) -> Result<(), SizeMism
     if reference_px == test_px {
         return Ok(());
     }
-    Err(SizeMismatch {
-        reference_px,
-        test_px,
-    })
+    Err(SizeMismatch { reference_px, test_px })
 }
 
 fn size_px(image: &RgbaImage) -> [u32; 2] {

@@ -79,10 +79,7 @@ mod tests {
         ] {
             let found = in_plane(degrees) * 3.0;
             let sided = angle_deg(found, Vec3::X, Orientation::Matters);
-            assert!(
-                (sided - f64::from(degrees)).abs() < 1e-4,
-                "{sided} for {degrees}"
-            );
+            assert!((sided - f64::from(degrees)).abs() < 1e-4, "{sided} for {degrees}");
             let unsided = angle_deg(found, Vec3::X, Orientation::Ignored);
             assert!((unsided - plane).abs() < 1e-4, "{unsided} for {degrees}");
         }
@@ -93,11 +90,7 @@ mod tests {
         // 0, 1 … 99 degrees: 95 of the 100 do not exceed 94.
         let found: Vec<Vec3> = (0..100).map(|degrees| in_plane(degrees as f32)).collect();
         let error = AngularError::of(&found, &[Vec3::X; 100], Orientation::Matters).unwrap();
-        for (found, expected) in [
-            (error.mean_deg, 49.5),
-            (error.p95_deg, 94.0),
-            (error.max_deg, 99.0),
-        ] {
+        for (found, expected) in [(error.mean_deg, 49.5), (error.p95_deg, 94.0), (error.max_deg, 99.0)] {
             assert!((found - expected).abs() < 1e-4, "{found} for {expected}");
         }
         // 91 … 99 fold to 89 … 81.

@@ -16,9 +16,7 @@ pub fn mean_squared_error(reference: &RgbaImage, test: &RgbaImage) -> Result<f64
     let sum: u64 = reference
         .pixels()
         .zip(test.pixels())
-        .flat_map(|(reference, test)| {
-            (0..3).map(|channel| reference[channel].abs_diff(test[channel]))
-        })
+        .flat_map(|(reference, test)| (0..3).map(|channel| reference[channel].abs_diff(test[channel])))
         .map(|difference| u64::from(difference).pow(2))
         .sum();
     let channels = 3 * u64::from(reference.width()) * u64::from(reference.height());
@@ -40,10 +38,7 @@ mod tests {
     fn known_answers() {
         let black = RgbaImage::from_pixel(4, 3, Rgba([0, 0, 0, 255]));
         let white = RgbaImage::from_pixel(4, 3, Rgba([255; 4]));
-        assert_eq!(
-            psnr_db(mean_squared_error(&black, &black).unwrap()),
-            f64::INFINITY
-        );
+        assert_eq!(psnr_db(mean_squared_error(&black, &black).unwrap()), f64::INFINITY);
         assert_eq!(mean_squared_error(&black, &white), Ok(PEAK * PEAK));
         assert_eq!(psnr_db(PEAK * PEAK), 0.0);
         // One step in every channel: 20 log10(255).

@@ -60,10 +60,7 @@ pub fn ssim(reference: &RgbaImage, test: &RgbaImage) -> Result<f64, SsimError> {
         return Err(SsimError::TooSmall { size_px });
     }
     let width = reference.width() as usize;
-    let pixels: Vec<[f64; 2]> = luma(reference)
-        .zip(luma(test))
-        .map(<[f64; 2]>::from)
-        .collect();
+    let pixels: Vec<[f64; 2]> = luma(reference).zip(luma(test)).map(<[f64; 2]>::from).collect();
     let weights = weights();
     let [columns, rows] = size_px.map(|edge| edge as usize + 1 - WINDOW);
     // A sum for each row, added up in order.
@@ -75,11 +72,9 @@ pub fn ssim(reference: &RgbaImage, test: &RgbaImage) -> Result<f64, SsimError> {
 }
 
 fn luma(image: &RgbaImage) -> impl Iterator<Item = f64> {
-    image.pixels().map(|pixel| {
-        (0..3)
-            .map(|channel| LUMA[channel] * f64::from(pixel[channel]))
-            .sum()
-    })
+    image
+        .pixels()
+        .map(|pixel| (0..3).map(|channel| LUMA[channel] * f64::from(pixel[channel])).sum())
 }
 
 /// The Gaussian along one axis; its weights add up to 1.
@@ -120,8 +115,7 @@ fn sum_of_row(rows: &[[f64; 2]], width: usize, weights: &[f64; WINDOW]) -> f64 {
 /// Equation 13 of the paper, from the means of x, y, x², y² and x y.
 fn similarity([x, y, xx, yy, xy]: [f64; 5]) -> f64 {
     let [variance_x, variance_y, covariance] = [xx - x * x, yy - y * y, xy - x * y];
-    (2.0 * (x * y) + C1) * (2.0 * covariance + C2)
-        / ((x * x + y * y + C1) * (variance_x + variance_y + C2))
+    (2.0 * (x * y) + C1) * (2.0 * covariance + C2) / ((x * x + y * y + C1) * (variance_x + variance_y + C2))
 }
 
 #[cfg(test)]
@@ -161,15 +155,13 @@ mod tests {
                     }
                 }
                 let total: f64 = window.iter().map(|entry| entry.0).sum();
-                let mean = |of: &dyn Fn(f64, f64) -> f64| {
-                    window.iter().map(|&(w, x, y)| w * of(x, y)).sum::<f64>() / total
-                };
+                let mean =
+                    |of: &dyn Fn(f64, f64) -> f64| window.iter().map(|&(w, x, y)| w * of(x, y)).sum::<f64>() / total;
                 let [mx, my] = [mean(&|x, _| x), mean(&|_, y| y)];
                 let vx = mean(&|x, _| (x - mx).powi(2));
                 let vy = mean(&|_, y| (y - my).powi(2));
                 let cov = mean(&|x, y| (x - mx) * (y - my));
-                sum += (2.0 * mx * my + c1) * (2.0 * cov + c2)
-                    / ((mx.powi(2) + my.powi(2) + c1) * (vx + vy + c2));
+                sum += (2.0 * mx * my + c1) * (2.0 * cov + c2) / ((mx.powi(2) + my.powi(2) + c1) * (vx + vy + c2));
                 count += 1;
             }
         }
@@ -213,11 +205,7 @@ mod tests {
         let brighter = gray([48, 48], |x, y| (68 + x + 2 * y) as u8);
         let noisy = gray([48, 48], |x, y| {
             let value = 60 + x + 2 * y;
-            (if (x + y) % 2 == 0 {
-                value + 8
-            } else {
-                value - 8
-            }) as u8
+            (if (x + y) % 2 == 0 { value + 8 } else { value - 8 }) as u8
         });
         assert!(ssim(&image, &brighter).unwrap() > 0.98);
         assert!(ssim(&image, &noisy).unwrap() < 0.9);
@@ -227,10 +215,7 @@ mod tests {
     fn what_cannot_be_compared_is_said() {
         let error = ssim(&RgbaImage::new(20, 10), &RgbaImage::new(20, 10)).unwrap_err();
         assert_eq!(error, SsimError::TooSmall { size_px: [20, 10] });
-        assert_eq!(
-            error.to_string(),
-            "a picture of 20x10 pixels has no window of 11x11"
-        );
+        assert_eq!(error.to_string(), "a picture of 20x10 pixels has no window of 11x11");
         let error = ssim(&RgbaImage::new(20, 12), &RgbaImage::new(20, 13)).unwrap_err();
         assert!(matches!(error, SsimError::Size(_)), "{error}");
     }

@@ -91,11 +91,7 @@ impl std::ops::AddAssign for SurfaceError {
 
 impl SurfaceError {
     /// Compares what `test` shows with what `truth` does, of the same view.
-    pub fn of(
-        truth: &DepthImage,
-        test: &DepthImage,
-        tolerance: DepthTolerance<'_>,
-    ) -> Result<Self, SurfaceMismatch> {
+    pub fn of(truth: &DepthImage, test: &DepthImage, tolerance: DepthTolerance<'_>) -> Result<Self, SurfaceMismatch> {
         super::check_sizes(truth.size_px, test.size_px)?;
         check_depths(truth)?;
         check_depths(test)?;
@@ -159,10 +155,7 @@ fn check_depths(image: &DepthImage) -> Result<(), SurfaceMismatch> {
     }
 }
 
-fn check_tolerance(
-    size_px: [u32; 2],
-    tolerance: DepthTolerance<'_>,
-) -> Result<(), SurfaceMismatch> {
+fn check_tolerance(size_px: [u32; 2], tolerance: DepthTolerance<'_>) -> Result<(), SurfaceMismatch> {
     let tolerances = match &tolerance {
         DepthTolerance::Everywhere(one) => std::slice::from_ref(one),
         DepthTolerance::PerPixel(tolerances) => {
@@ -229,9 +222,7 @@ mod tests {
                 })
                 .collect(),
         };
-        let compare = |test: &DepthImage| {
-            SurfaceError::of(&square(4), test, DepthTolerance::Everywhere(0.0)).unwrap()
-        };
+        let compare = |test: &DepthImage| SurfaceError::of(&square(4), test, DepthTolerance::Everywhere(0.0)).unwrap();
         let moved = compare(&square(6));
         assert_eq!((moved.hole_count, moved.extra_count), (12, 12));
         assert_eq!(moved.wrong_surface_count, 0);
@@ -248,13 +239,8 @@ mod tests {
                 size_px,
                 depth: vec![NONE; (size_px[0] * size_px[1]) as usize],
             };
-            let error =
-                SurfaceError::of(&nothing, &nothing, DepthTolerance::Everywhere(0.1)).unwrap();
-            let shares = [
-                error.hole_share(),
-                error.wrong_surface_share(),
-                error.extra_share(),
-            ];
+            let error = SurfaceError::of(&nothing, &nothing, DepthTolerance::Everywhere(0.1)).unwrap();
+            let shares = [error.hole_share(), error.wrong_surface_share(), error.extra_share()];
             assert_eq!(shares, [0.0; 3]);
         }
     }

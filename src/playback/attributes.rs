@@ -27,9 +27,7 @@ impl FirstAttributes {
         self.was_told = true;
         let named = |has: [bool; 3]| {
             let names = ATTRIBUTES.iter().zip(has);
-            let names: Vec<&str> = names
-                .filter_map(|(name, has)| has.then_some(*name))
-                .collect();
+            let names: Vec<&str> = names.filter_map(|(name, has)| has.then_some(*name)).collect();
             if names.is_empty() {
                 "none of colors, normals and radii".to_owned()
             } else {

@@ -11,9 +11,7 @@ use super::can_draw;
 use super::pairing::{Pair, PairBy, PairTimes};
 use super::player::{PlayerChange, new_warnings};
 use crate::scene::{Scene, Style};
-use crate::sequence::{
-    FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot,
-};
+use crate::sequence::{FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot};
 use crate::timeline::{Clock, Direction, LoopMode, PlayRange};
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -42,11 +40,7 @@ pub struct Companion {
 impl Companion {
     /// Opens `sequence` beside `leader`, whose origin it takes if that keeps its detail. Paired by time where both have
     /// times.
-    pub fn new(
-        leader: &Arc<Sequence>,
-        sequence: Arc<Sequence>,
-        options: LoaderOptions,
-    ) -> Result<Self, SequenceError> {
+    pub fn new(leader: &Arc<Sequence>, sequence: Arc<Sequence>, options: LoaderOptions) -> Result<Self, SequenceError> {
         sequence.share_origin_with(leader);
         Ok(Self::with_loader(leader, Loader::new(sequence, options)?))
     }

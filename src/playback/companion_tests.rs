@@ -53,10 +53,8 @@ fn options(budget_bytes: usize) -> LoaderOptions {
 impl Theatre {
     fn new(sequences: &[Arc<Sequence>; 2], costs: [Cost; 2], budget_bytes: usize) -> Self {
         let shares = Companion::shares(budget_bytes);
-        let (a, a_workers) =
-            Simulation::new(&sequences[0], options(shares[0]), POINTS, move |_| costs[0]);
-        let (b, b_workers) =
-            Simulation::new(&sequences[1], options(shares[1]), POINTS, move |_| costs[1]);
+        let (a, a_workers) = Simulation::new(&sequences[0], options(shares[0]), POINTS, move |_| costs[0]);
+        let (b, b_workers) = Simulation::new(&sequences[1], options(shares[1]), POINTS, move |_| costs[1]);
         Self {
             player: Player::with_loader(a, true),
             companion: Companion::with_loader(&sequences[0], b),
@@ -77,11 +75,7 @@ impl Theatre {
     fn update(&mut self) {
         let now = self.now();
         let (player, companion) = (&mut self.player, &mut self.companion);
-        for (workers, loader) in self
-            .workers
-            .iter_mut()
-            .zip([player.loader(), companion.loader()])
-        {
+        for (workers, loader) in self.workers.iter_mut().zip([player.loader(), companion.loader()]) {
             workers.advance(loader, now);
         }
         player.update_beside(now, &self.settings, |clock, is_playing| {
@@ -142,11 +136,7 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
     // B: half the rate, and it ends before A.
     let sequences = [sequence(6, Some(40), &[]), sequence(2, Some(80), &[])];
     let mut theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
-    assert_eq!(
-        theatre.companion.paired_by(),
-        PairBy::Time,
-        "both have times"
-    );
+    assert_eq!(theatre.companion.paired_by(), PairBy::Time, "both have times");
     let pairs = |theatre: &mut Theatre| -> Vec<Option<usize>> {
         (0..6)
             .map(|frame| {
@@ -172,15 +162,9 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
     let a_frame_earlier = [None, Some(0), Some(0), Some(0), Some(1), Some(1)];
     assert_eq!(pairs(&mut theatre), a_frame_earlier);
     theatre.companion.pair_by(PairBy::Index);
-    assert_eq!(
-        pairs(&mut theatre),
-        [None, Some(0), Some(1), None, None, None]
-    );
+    assert_eq!(pairs(&mut theatre), [None, Some(0), Some(1), None, None, None]);
     theatre.companion.set_offset_frames(0);
-    assert_eq!(
-        pairs(&mut theatre),
-        [Some(0), Some(1), None, None, None, None]
-    );
+    assert_eq!(pairs(&mut theatre), [Some(0), Some(1), None, None, None, None]);
 }
 
 #[test]
@@ -197,24 +181,15 @@ fn without_times_of_both_the_index_decides() {
 fn a_broken_frame_of_b_stops_nobody_and_is_told_once() {
     let sequences = [sequence(4, None, &[]), sequence(4, None, &[2])];
     let mut theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
-    let shown_by_a: Vec<_> = theatre
-        .play(300)
-        .iter()
-        .map(|&(ms, a, _)| (ms, a))
-        .collect();
-    let each_40_ms: Vec<_> = (0..8)
-        .map(|frame| (2 + 40 * frame, Some(frame as usize % 4)))
-        .collect();
+    let shown_by_a: Vec<_> = theatre.play(300).iter().map(|&(ms, a, _)| (ms, a)).collect();
+    let each_40_ms: Vec<_> = (0..8).map(|frame| (2 + 40 * frame, Some(frame as usize % 4))).collect();
     assert_eq!(shown_by_a, each_40_ms);
     theatre.player.seek(2, theatre.now());
     theatre.update();
     assert_eq!(theatre.companion.failure().unwrap().index(), 2);
     assert_eq!(theatre.companion.waiting_for(), None);
     let change = theatre.companion.show(&theatre.settings);
-    assert!(
-        change.new_failure.is_none() && !change.visible,
-        "told before"
-    );
+    assert!(change.new_failure.is_none() && !change.visible, "told before");
 }
 
 #[test]

@@ -39,9 +39,7 @@ impl Pair {
     /// The frame `offset` later than `index`, of `frame_count`, which is at least 1.
     pub(super) fn by_index(index: usize, offset: i64, frame_count: usize) -> Self {
         let last = i64::try_from(frame_count - 1).unwrap_or(i64::MAX);
-        let wanted = i64::try_from(index)
-            .unwrap_or(i64::MAX)
-            .saturating_add(offset);
+        let wanted = i64::try_from(index).unwrap_or(i64::MAX).saturating_add(offset);
         let nearest = wanted.clamp(0, last);
         Self {
             nearest: nearest as usize,
@@ -91,9 +89,7 @@ impl PairTimes {
     /// Frames of B for each of A, at their usual rates.
     pub(super) fn frames_per_frame(&self) -> f64 {
         match median_spacing(&self.a_secs) {
-            Some(a_spacing_secs) if self.b_spacing_secs > 0.0 => {
-                a_spacing_secs / self.b_spacing_secs
-            }
+            Some(a_spacing_secs) if self.b_spacing_secs > 0.0 => a_spacing_secs / self.b_spacing_secs,
             _ => 1.0,
         }
     }
@@ -105,9 +101,7 @@ impl PairTimes {
         let after = self.b_secs.partition_point(|&secs| secs < at_secs);
         let away = |frame: usize| (self.b_secs[frame] - at_secs).abs();
         let candidates = after.saturating_sub(1)..(after + 1).min(self.b_secs.len());
-        let nearest = candidates
-            .min_by(|&a, &b| away(a).total_cmp(&away(b)))
-            .unwrap_or(0);
+        let nearest = candidates.min_by(|&a, &b| away(a).total_cmp(&away(b))).unwrap_or(0);
         Pair {
             nearest,
             is_there: away(nearest) <= REACH_IN_SPACINGS * self.b_spacing_secs,
@@ -117,10 +111,7 @@ impl PairTimes {
 
 fn growing(times: &[Option<Duration>]) -> Option<Vec<Duration>> {
     let times: Vec<Duration> = times.iter().copied().collect::<Option<_>>()?;
-    times
-        .windows(2)
-        .all(|pair| pair[0] < pair[1])
-        .then_some(times)
+    times.windows(2).all(|pair| pair[0] < pair[1]).then_some(times)
 }
 
 fn ends(times: &[Duration]) -> Option<[Duration; 2]> {
@@ -158,11 +149,7 @@ mod tests {
 
     #[test]
     fn by_index_an_offset_runs_out_of_frames() {
-        let frames = |offset| -> Vec<_> {
-            (0..4)
-                .map(|index| Pair::by_index(index, offset, 3).frame())
-                .collect()
-        };
+        let frames = |offset| -> Vec<_> { (0..4).map(|index| Pair::by_index(index, offset, 3).frame()).collect() };
         assert_eq!(frames(0), [Some(0), Some(1), Some(2), None]);
         assert_eq!(frames(2), [Some(2), None, None, None]);
         assert_eq!(frames(-1), [None, Some(0), Some(1), Some(2)]);
@@ -179,14 +166,8 @@ mod tests {
         let times = PairTimes::of(&a, &b).unwrap();
         assert!(!times.counts_from_first());
         // 1050 is 40 ms behind the first and 60 before the second.
-        assert_eq!(
-            frames(&times, 0),
-            [Some(0), Some(0), Some(1), Some(1), Some(2)]
-        );
-        assert_eq!(
-            frames(&times, 1),
-            [Some(1), Some(1), Some(2), Some(2), None]
-        );
+        assert_eq!(frames(&times, 0), [Some(0), Some(0), Some(1), Some(1), Some(2)]);
+        assert_eq!(frames(&times, 1), [Some(1), Some(1), Some(2), Some(2), None]);
         assert!((times.frames_per_frame() - 0.5).abs() < 1e-12);
     }
 
@@ -196,17 +177,7 @@ mod tests {
         let a = at(&[0, 100, 200, 300, 400, 500, 600, 700, 800]);
         let b = at(&[200, 300, 400, 600, 700]);
         let times = PairTimes::of(&a, &b).unwrap();
-        let expected = [
-            None,
-            None,
-            Some(0),
-            Some(1),
-            Some(2),
-            None,
-            Some(3),
-            Some(4),
-            None,
-        ];
+        let expected = [None, None, Some(0), Some(1), Some(2), None, Some(3), Some(4), None];
         assert_eq!(frames(&times, 0), expected);
         assert_eq!((times.pair(0, 0).nearest, times.pair(8, 0).nearest), (0, 4));
     }

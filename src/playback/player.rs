@@ -11,9 +11,7 @@
 use super::attributes::FirstAttributes;
 use super::marks::{Run, runs};
 use crate::scene::{Primitive, Scene, Style};
-use crate::sequence::{
-    FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot,
-};
+use crate::sequence::{FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot};
 use crate::timeline::{Clock, Direction, LoopMode, PlayRange};
 use std::collections::{HashSet, VecDeque};
 use std::sync::Arc;
@@ -70,11 +68,7 @@ pub struct PlayerChange {
 
 impl Player {
     /// Opens `sequence` at its first frame, paused unless `play`.
-    pub fn new(
-        sequence: Arc<Sequence>,
-        options: LoaderOptions,
-        play: bool,
-    ) -> Result<Self, SequenceError> {
+    pub fn new(sequence: Arc<Sequence>, options: LoaderOptions, play: bool) -> Result<Self, SequenceError> {
         let loader = Loader::new(sequence, options)?;
         Ok(Self::with_loader(loader, play))
     }
@@ -320,22 +314,16 @@ impl Player {
         let frame = match slot {
             Slot::Partial(frame) | Slot::Ready(frame) | Slot::Coarse(frame) => Some(frame),
             // An older picture of the same pose serves meanwhile; one that cannot be drawn as asked would only flash.
-            Slot::Stale(frame) if can_draw(&frame, settings.primitive) || self.shows(target) => {
-                Some(frame)
-            }
+            Slot::Stale(frame) if can_draw(&frame, settings.primitive) || self.shows(target) => Some(frame),
             Slot::Stale(_) | Slot::Pending => None,
             Slot::Failed(error) => {
                 self.arrive(ahead, now);
                 if self.told.insert(target) {
                     change.new_failure = Some(Arc::clone(&error));
                 }
-                change.visible |= self
-                    .failure
-                    .as_ref()
-                    .is_none_or(|known| known.index() != target);
+                change.visible |= self.failure.as_ref().is_none_or(|known| known.index() != target);
                 self.failure = Some(error);
-                change.visible |=
-                    self.clock.frame() != playhead_before || self.is_playing() != playing_before;
+                change.visible |= self.clock.frame() != playhead_before || self.is_playing() != playing_before;
                 change.beyond_frame |= change.visible;
                 return change;
             }
@@ -356,9 +344,7 @@ impl Player {
     }
 
     fn shows(&self, index: usize) -> bool {
-        self.shown
-            .as_ref()
-            .is_some_and(|shown| shown.index == index)
+        self.shown.as_ref().is_some_and(|shown| shown.index == index)
     }
 
     /// Stops on the frame that the clock has come to.
@@ -388,11 +374,7 @@ impl Player {
 
     /// True if it is another picture than before.
     fn show(&mut self, frame: Arc<PreparedFrame>, now: Duration) -> bool {
-        if self
-            .shown
-            .as_ref()
-            .is_some_and(|shown| Arc::ptr_eq(shown, &frame))
-        {
+        if self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &frame)) {
             return false;
         }
         if !self.shows(frame.index) {

@@ -25,11 +25,7 @@ impl Gate {
 
     fn pass(&self, frame: u64) {
         let open = self.open.lock().unwrap();
-        drop(
-            self.changed
-                .wait_while(open, |open| !open.contains(&frame))
-                .unwrap(),
-        );
+        drop(self.changed.wait_while(open, |open| !open.contains(&frame)).unwrap());
     }
 }
 
@@ -60,20 +56,14 @@ impl Fixture {
         });
         let sequence = Sequence::with_decoder(sources.collect(), move |source| {
             waiting.pass(source.number.unwrap_or(0));
-            Ok(RawCloud::from_positions(Positions::F32(vec![
-                [0.0; 3], [1.0; 3],
-            ])))
+            Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]])))
         });
         let player = Player::new(Arc::new(sequence), LoaderOptions::default(), play).unwrap();
         let settings = Style {
             primitive: Primitive::Point,
             ..Style::default()
         };
-        Self {
-            gate,
-            player,
-            settings,
-        }
+        Self { gate, player, settings }
     }
 
     fn update(&mut self, now: Duration) -> Option<usize> {
@@ -87,14 +77,8 @@ impl Fixture {
         let needs = Scene::needs(&self.settings);
         let begin = Instant::now();
         for frame in frames {
-            while matches!(
-                self.player.loader.get(frame as usize, &needs),
-                Slot::Pending
-            ) {
-                assert!(
-                    begin.elapsed() < Duration::from_secs(20),
-                    "frame {frame} does not come"
-                );
+            while matches!(self.player.loader.get(frame as usize, &needs), Slot::Pending) {
+                assert!(begin.elapsed() < Duration::from_secs(20), "frame {frame} does not come");
                 std::thread::yield_now();
             }
         }
@@ -124,10 +108,7 @@ fn playing_begins_with_the_first_picture() {
     );
     fixture.load(0..3);
     assert_eq!(fixture.update(Duration::from_secs(8)), Some(0));
-    assert_eq!(
-        fixture.player.next_deadline(),
-        Some(Duration::from_secs(8) + FRAME)
-    );
+    assert_eq!(fixture.player.next_deadline(), Some(Duration::from_secs(8) + FRAME));
     assert_eq!(fixture.update(Duration::from_secs(8) + FRAME), Some(1));
 }
 
@@ -140,11 +121,7 @@ fn a_slow_disk_holds_the_clock_and_loses_no_frame() {
     assert_eq!(fixture.update(now), Some(0));
     for frame in 1..6 {
         now += FRAME;
-        assert_eq!(
-            fixture.update(now),
-            Some(frame - 1),
-            "frame {frame} is not there yet"
-        );
+        assert_eq!(fixture.update(now), Some(frame - 1), "frame {frame} is not there yet");
         assert_eq!(fixture.player.waiting_for(), Some(frame));
         now += Duration::from_secs(1);
         fixture.load(frame as u64..frame as u64 + 1);
@@ -264,9 +241,7 @@ impl Source for Arc<Stream> {
     }
 
     fn decoder(&self) -> Box<dyn Decoder> {
-        Box::new(|_: &FrameEntry, _: &Progress| {
-            Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 8])))
-        })
+        Box::new(|_: &FrameEntry, _: &Progress| Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 8]))))
     }
 
     fn is_live(&self) -> bool {
@@ -290,9 +265,7 @@ fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
         let begin = std::time::Instant::now();
         loop {
             player.update(Duration::from_millis(now_ms), &settings);
-            if player.waiting_for().is_none()
-                && (player.shown().is_some() || player.failure().is_some())
-            {
+            if player.waiting_for().is_none() && (player.shown().is_some() || player.failure().is_some()) {
                 let failed = player.failure().map(ToString::to_string);
                 return (player.shown().map(|frame| frame.index), failed);
             }
@@ -307,11 +280,7 @@ fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
     player.toggle(Duration::from_millis(200));
     let mut seen = Vec::new();
     for step in 1..=4 {
-        seen.push(
-            shown(&mut player, 200 + 1000 * step / 24 + 5 * step)
-                .0
-                .unwrap(),
-        );
+        seen.push(shown(&mut player, 200 + 1000 * step / 24 + 5 * step).0.unwrap());
     }
     assert!(seen.iter().all(|frame| (7..10).contains(frame)), "{seen:?}");
     // Who goes to a frame that is gone is told so; one that was kept is shown.

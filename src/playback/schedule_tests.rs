@@ -75,10 +75,7 @@ impl Theatre {
         while self.now < end {
             self.workers.advance(&self.player.loader, self.now);
             self.player.update(self.now, &self.settings);
-            let shown = self
-                .player
-                .shown()
-                .map(|frame| (frame.index, frame.frame.len()));
+            let shown = self.player.shown().map(|frame| (frame.index, frame.frame.len()));
             if let Some((index, points)) = shown
                 && shown != self.last
             {
@@ -92,9 +89,7 @@ impl Theatre {
             self.workers.advance(&self.player.loader, self.now);
             let next = [self.player.next_deadline(), self.workers.next_event()];
             let next = next.into_iter().flatten().min().unwrap_or(end);
-            self.now = next
-                .max(self.free_at)
-                .max(self.now + Duration::from_nanos(1));
+            self.now = next.max(self.free_at).max(self.now + Duration::from_nanos(1));
         }
         schedule
     }
@@ -155,10 +150,7 @@ fn a_loop_gains_points_from_turn_to_turn() {
     theatre.play(5000);
     let schedule = theatre.play(5600);
     assert!(schedule.len() >= 12, "a whole turn");
-    assert!(
-        schedule.iter().all(|&(_, _, points)| points == POINTS),
-        "{schedule:?}"
-    );
+    assert!(schedule.iter().all(|&(_, _, points)| points == POINTS), "{schedule:?}");
     assert_eq!(theatre.counted()[..2], [0, 0]);
 }
 
@@ -194,15 +186,7 @@ fn a_disk_that_is_too_slow_for_anything_delays_frames_and_loses_none() {
     let mut theatre = Theatre::new(move |_| disk, &[]);
     let schedule = theatre.play(1000);
     // The first alone, then two at a time, 200 ms each and a little for the points; of two the second is on time.
-    let due = [
-        (201, 0),
-        (401, 1),
-        (441, 2),
-        (601, 3),
-        (641, 4),
-        (801, 5),
-        (841, 6),
-    ];
+    let due = [(201, 0), (401, 1), (441, 2), (601, 3), (641, 4), (801, 5), (841, 6)];
     let shown: Vec<(u64, usize)> = schedule.iter().map(|&(ms, frame, _)| (ms, frame)).collect();
     assert_eq!(shown, due);
     let [late, skipped, _] = theatre.counted();
@@ -231,10 +215,7 @@ fn playing_after_a_look_at_a_frame_begins_with_all_points() {
     theatre.player.toggle(theatre.now);
     let schedule = theatre.play(1500);
     assert!(schedule.len() > 10, "{schedule:?}");
-    assert!(
-        schedule.iter().all(|&(_, _, points)| points == POINTS),
-        "{schedule:?}"
-    );
+    assert!(schedule.iter().all(|&(_, _, points)| points == POINTS), "{schedule:?}");
 }
 
 /// Frames that are there with all points are not shown with them for want of a copy with more than before.

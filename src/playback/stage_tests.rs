@@ -28,9 +28,7 @@ fn sequence(frames: usize, points: usize) -> Arc<Sequence> {
             ..RawCloud::from_positions(Positions::F32(positions))
         }
     };
-    let frames = FrameList::new(sources.collect(), move |_, _| {
-        Ok(cloud((0..points).collect()))
-    });
+    let frames = FrameList::new(sources.collect(), move |_, _| Ok(cloud((0..points).collect())));
     Arc::new(Sequence::of(frames.with_sample(move |_, most, fewest| {
         Ok((points >= fewest).then(|| (cloud(even_places(points, most)), points)))
     })))
@@ -96,20 +94,13 @@ fn seen_of(points: usize) -> Vec<ShownFrame> {
 
 #[test]
 fn a_large_frame_comes_as_some_points_all_points_and_surfels() {
-    let expected = [
-        (SAMPLE, false, true),
-        (LARGE, false, true),
-        (LARGE, true, false),
-    ];
+    let expected = [(SAMPLE, false, true), (LARGE, false, true), (LARGE, true, false)];
     assert_eq!(seen_of(LARGE), expected);
 }
 
 #[test]
 fn frames_that_are_read_fast_have_no_sample_and_small_ones_no_stages() {
-    assert_eq!(
-        seen_of(MIDDLE),
-        [(MIDDLE, false, true), (MIDDLE, true, false)]
-    );
+    assert_eq!(seen_of(MIDDLE), [(MIDDLE, false, true), (MIDDLE, true, false)]);
     assert_eq!(seen_of(SMALL), [(SMALL, true, false)]);
 }
 
@@ -131,10 +122,7 @@ fn points_that_are_asked_for_alone_have_two_stages() {
     let mut stage = Stage::new(&sequence(1, LARGE), true, LoaderOptions::default());
     stage.settings.primitive = Primitive::Point;
     stage.settings.colors = crate::sequence::ColorSource::Uniform.into();
-    assert_eq!(
-        stage.watch(),
-        [(SAMPLE, false, true), (LARGE, false, false)]
-    );
+    assert_eq!(stage.watch(), [(SAMPLE, false, true), (LARGE, false, false)]);
 }
 
 #[test]
@@ -145,10 +133,7 @@ fn other_frames_wait_until_the_one_that_is_looked_at_is_whole() {
     // All are whole in the end, and those that nobody looked at came at once.
     let needs = Scene::needs(&stage.settings);
     for frame in 0..3 {
-        assert!(matches!(
-            stage.player.loader().get(frame, &needs),
-            Slot::Ready(_)
-        ));
+        assert!(matches!(stage.player.loader().get(frame, &needs), Slot::Ready(_)));
     }
     assert_eq!(stage.player.loader().stats().coarse_frames, 1);
 }
@@ -158,8 +143,7 @@ fn frames_that_play_have_no_stages() {
     let mut stage = Stage::new(&sequence(3, LARGE), true, LoaderOptions::default());
     let seen = stage.watch();
     assert!(
-        seen.iter()
-            .all(|&(_, is_surfel, is_partial)| is_surfel && !is_partial),
+        seen.iter().all(|&(_, is_surfel, is_partial)| is_surfel && !is_partial),
         "{seen:?}"
     );
 }
@@ -197,9 +181,7 @@ fn normals_that_are_cancelled_leave_the_points() {
     };
     let mut player = Player::new(sequence(1, LARGE), options, true).unwrap();
     let mut settings = Style::default();
-    cancel(&mut player, &settings, |stage| {
-        stage == ReadingStage::Normals
-    });
+    cancel(&mut player, &settings, |stage| stage == ReadingStage::Normals);
     while player.loader().is_busy() {
         std::thread::yield_now();
     }
@@ -228,17 +210,9 @@ fn what_the_machine_has_no_memory_for_stays_points_and_is_said() {
     assert_eq!(seen, [(SAMPLE, false, true), (LARGE, false, false)]);
     let frame = stage.player.shown().unwrap();
     let said = frame.frame.warnings().join(" ");
-    assert!(
-        said.contains("600000 points") && said.contains("GiB"),
-        "{said}"
-    );
+    assert!(said.contains("600000 points") && said.contains("GiB"), "{said}");
     // Who asks for surfels and nothing else is told that there are none.
     let loader = Loader::new(sequence(1, LARGE), options).unwrap();
-    let error = loader
-        .wait(0, &Scene::needs(&Style::default()))
-        .unwrap_err();
-    assert!(
-        matches!(error, FrameError::TooLarge { points: LARGE, .. }),
-        "{error}"
-    );
+    let error = loader.wait(0, &Scene::needs(&Style::default())).unwrap_err();
+    assert!(matches!(error, FrameError::TooLarge { points: LARGE, .. }), "{error}");
 }

@@ -91,9 +91,7 @@ pub enum RenderError {
         reason: String,
     },
     /// The GPU has no room.
-    #[error(
-        "the GPU is out of memory for {what}; a smaller picture, another primitive or fewer points may fit"
-    )]
+    #[error("the GPU is out of memory for {what}; a smaller picture, another primitive or fewer points may fit")]
     OutOfMemory {
         /// What was to be allocated.
         what: &'static str,

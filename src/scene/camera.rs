@@ -91,9 +91,7 @@ impl FromStr for UpAxis {
             .iter()
             .find(|(name, _)| *name == word)
             .map(|&(_, axis)| axis)
-            .ok_or_else(|| {
-                ParseChoiceError::new("up axis", text, Self::ALL.iter().map(|(name, _)| *name))
-            })
+            .ok_or_else(|| ParseChoiceError::new("up axis", text, Self::ALL.iter().map(|(name, _)| *name)))
     }
 }
 
@@ -238,10 +236,7 @@ impl Camera {
 
     /// Looks along an axis; target and distance stay.
     pub fn look_from(&mut self, preset: ViewPreset) {
-        if let Some(&(_, _, azimuth, elevation)) = ViewPreset::ALL
-            .iter()
-            .find(|(_, this, _, _)| *this == preset)
-        {
+        if let Some(&(_, _, azimuth, elevation)) = ViewPreset::ALL.iter().find(|(_, this, _, _)| *this == preset) {
             self.azimuth_deg = azimuth;
             self.elevation_deg = elevation;
         }
@@ -267,8 +262,7 @@ impl Camera {
 
     /// Shifts eye and target by pixels of a picture `height_px` high, so that the target follows the pointer.
     pub fn pan_px(&mut self, dx_px: f64, dy_px: f64, height_px: f64) {
-        let units_per_px =
-            2.0 * self.distance * (0.5 * self.fov_deg).to_radians().tan() / height_px.max(1.0);
+        let units_per_px = 2.0 * self.distance * (0.5 * self.fov_deg).to_radians().tan() / height_px.max(1.0);
         let rotation = self.view_from_world_rotation();
         self.target_in_world += (rotation.row(1) * dy_px - rotation.row(0) * dx_px) * units_per_px;
     }
@@ -392,8 +386,7 @@ impl ViewTransform {
         let [whole, start, part] = [whole_px, start_px, part_px].map(|px| px.map(f64::from));
         let to_middle_px = [0, 1].map(|axis| 0.5 * (whole[axis] - part[axis]) - start[axis]);
         Self {
-            focal: [0, 1]
-                .map(|axis| (f64::from(self.focal[axis]) * whole[axis] / part[axis]) as f32),
+            focal: [0, 1].map(|axis| (f64::from(self.focal[axis]) * whole[axis] / part[axis]) as f32),
             // Rows are counted downwards.
             center_ndc: [
                 (2.0 * to_middle_px[0] / part[0]) as f32,
@@ -417,8 +410,7 @@ impl ViewTransform {
 
     /// The frustum in the space of the frame.
     pub fn frustum_in_frame(&self) -> Frustum {
-        let view_from_frame =
-            Mat4::from_mat3(self.view_from_frame_rotation) * Mat4::from_translation(-self.eye_high);
+        let view_from_frame = Mat4::from_mat3(self.view_from_frame_rotation) * Mat4::from_translation(-self.eye_high);
         Frustum::from_clip_matrix(&(self.clip_from_view() * view_from_frame))
     }
 
@@ -481,10 +473,7 @@ mod tests {
         let camera = Camera::framing(&unit_box(), DVec3::new(1e7, -2e7, 3e6), UpAxis::Z);
         let transform = camera.transform(DVec3::new(1e7, -2e7, 3e6), [640, 480]);
         let target = transform.to_view(Vec3::ZERO);
-        assert!(
-            (target + Vec3::Z * camera.distance as f32).length() < 1e-5,
-            "{target}"
-        );
+        assert!((target + Vec3::Z * camera.distance as f32).length() < 1e-5, "{target}");
     }
 
     #[test]
@@ -494,10 +483,7 @@ mod tests {
         let transform = camera.transform(DVec3::ZERO, [480, 480]);
         let clip = transform.clip_from_view() * transform.to_view(Vec3::ZERO).extend(1.0);
         let px = clip.truncate().truncate() / clip.w * 240.0;
-        assert!(
-            (px.x - 48.0).abs() < 1e-3 && (px.y - 24.0).abs() < 1e-3,
-            "{px}"
-        );
+        assert!((px.x - 48.0).abs() < 1e-3 && (px.y - 24.0).abs() < 1e-3, "{px}");
     }
 
     #[test]
@@ -513,14 +499,8 @@ mod tests {
             ]
         };
         let (in_whole, in_part) = (px(&whole, [640.0, 480.0]), px(&part, [240.0, 90.0]));
-        assert!(
-            (in_whole[0] - in_part[0] - 400.0).abs() < 1e-3,
-            "{in_part:?}"
-        );
-        assert!(
-            (in_whole[1] - in_part[1] - 120.0).abs() < 1e-3,
-            "{in_part:?}"
-        );
+        assert!((in_whole[0] - in_part[0] - 400.0).abs() < 1e-3, "{in_part:?}");
+        assert!((in_whole[1] - in_part[1] - 120.0).abs() < 1e-3, "{in_part:?}");
         assert_eq!(part.rows_of_whole, [0.25, 0.4375]);
         assert_eq!(whole.of_part([640, 480], [0, 0], [640, 480]), whole);
     }

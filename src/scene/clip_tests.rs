@@ -3,8 +3,8 @@
 use super::*;
 use crate::cloud::{Frame, Positions, RawCloud};
 use crate::scene::{
-    BackFaces, Camera, CodeStyle, DrawingStyle, Footprint, LevelStyle, OfSequence, Primitive,
-    RendererChoice, Scene, Style, SurfelStyle, UpAxis, pick,
+    BackFaces, Camera, CodeStyle, DrawingStyle, Footprint, LevelStyle, OfSequence, Primitive, RendererChoice, Scene,
+    Style, SurfelStyle, UpAxis, pick,
 };
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete, prepare};
 use proptest::prelude::*;
@@ -16,9 +16,7 @@ const SIZE: [u32; 2] = [96, 64];
 const ECEF: DVec3 = DVec3::new(4_510_720.0, -3_911_168.0, 2_207_744.0);
 
 fn frame(places: &[Vec3], origin: DVec3) -> PreparedFrame {
-    let positions = places
-        .iter()
-        .map(|place| (origin + place.as_dvec3()).to_array());
+    let positions = places.iter().map(|place| (origin + place.as_dvec3()).to_array());
     let mut raw = RawCloud::from_positions(Positions::F64(positions.collect()));
     let normal = |place: &Vec3| (*place + 0.01).normalize_or(Vec3::Z).to_array();
     raw.normals = Some(places.iter().map(normal).collect());
@@ -169,9 +167,7 @@ proptest! {
 
 #[test]
 fn the_same_clip_is_the_same_allocation() {
-    let places: Vec<Vec3> = (0..100)
-        .map(|index| Vec3::splat(index as f32 / 50.0 - 1.0))
-        .collect();
+    let places: Vec<Vec3> = (0..100).map(|index| Vec3::splat(index as f32 / 50.0 - 1.0)).collect();
     let frame = frame(&places, DVec3::ZERO);
     let mut scene = Scene::default();
     let mut packet = |min: f64, is_on: bool| {

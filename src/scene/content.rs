@@ -190,9 +190,7 @@ impl PartialEq for Content {
                     && a.cube_edge == b.cube_edge
             }
             (Self::Coded(a), Self::Coded(b)) => {
-                Arc::ptr_eq(&a.cloud, &b.cloud)
-                    && a.lod_px == b.lod_px
-                    && a.deepest_level == b.deepest_level
+                Arc::ptr_eq(&a.cloud, &b.cloud) && a.lod_px == b.lod_px && a.deepest_level == b.deepest_level
             }
             _ => false,
         }

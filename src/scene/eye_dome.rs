@@ -72,8 +72,7 @@ impl EyeDomeLight {
 
     fn new(whole_height_px: f32, telephoto: f32, strength: f32) -> Self {
         let asked_px = RADIUS_PX_AT_720 * whole_height_px / 720.0;
-        let reach_px = [asked_px, asked_px * std::f32::consts::FRAC_1_SQRT_2]
-            .map(|reach_px| reach_px.round().max(1.0));
+        let reach_px = [asked_px, asked_px * std::f32::consts::FRAC_1_SQRT_2].map(|reach_px| reach_px.round().max(1.0));
         let [straight_px, diagonal_px] = reach_px;
         let lengths_px = [straight_px, diagonal_px * std::f32::consts::SQRT_2];
         let per_step = strength * GAIN / 8.0;

@@ -82,11 +82,7 @@ fn spacing_under(width: f64) -> f64 {
     let exponent = (width / LEAST_CELLS).log10();
     // What is a power of ten but for rounding is that power.
     let spacing = 10f64.powi((exponent + 1e-9).floor().clamp(-30.0, 30.0) as i32);
-    if width > 0.0 && width.is_finite() {
-        spacing
-    } else {
-        1.0
-    }
+    if width > 0.0 && width.is_finite() { spacing } else { 1.0 }
 }
 
 /// A [`GroundPlane`] in view space. The ray with z = -1 meets it at `height / (normal · ray)` of its length.

@@ -120,8 +120,7 @@ impl<'a> Grid<'a> {
         if depth < self.view.near {
             return None;
         }
-        let ndc = [0, 1]
-            .map(|axis| in_view[axis] * self.view.focal[axis] / depth + self.view.center_ndc[axis]);
+        let ndc = [0, 1].map(|axis| in_view[axis] * self.view.focal[axis] / depth + self.view.center_ndc[axis]);
         let [column, row] = [ndc[0], -ndc[1]].map(|share| 0.5 * (share + 1.0));
         let is_inside = (0.0..1.0).contains(&column) && (0.0..1.0).contains(&row);
         is_inside.then(|| {

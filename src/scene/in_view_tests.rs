@@ -31,8 +31,7 @@ fn in_morton_order(positions: &[Vec3]) -> Vec<Vec3> {
 /// A square lattice in the plane of `x` and `y` through `middle`.
 fn plate(middle: Vec3, [x, y]: [Vec3; 2], points_along: u16) -> Vec<Vec3> {
     let step = |index: u16| 2.0 * f32::from(index) / f32::from(points_along - 1) - 1.0;
-    let places =
-        (0..points_along).flat_map(|row| (0..points_along).map(move |column| (column, row)));
+    let places = (0..points_along).flat_map(|row| (0..points_along).map(move |column| (column, row)));
     places
         .map(|(column, row)| middle + step(column) * x + step(row) * y)
         .collect()
@@ -83,19 +82,12 @@ fn a_dense_plate_keeps_one_to_three_points_a_pixel_and_a_sparse_one_all() {
 
 #[test]
 fn what_is_kept_of_a_floor_at_a_grazing_angle_defines_its_plane() {
-    let floor = plate(
-        Vec3::new(0.0, -0.2, 0.0),
-        [2.0 * Vec3::X, 2.0 * Vec3::Z],
-        900,
-    );
+    let floor = plate(Vec3::new(0.0, -0.2, 0.0), [2.0 * Vec3::X, 2.0 * Vec3::Z], 900);
     let floor = in_morton_order(&floor);
     let kept = kept(&floor, &camera(3.0), None);
     assert!((2_000..200_000).contains(&kept.len()), "{}", kept.len());
     let surface = estimate_surface_fast(&kept, None);
-    let upright = surface
-        .normals
-        .iter()
-        .filter(|normal| normal.y.abs() > 0.999);
+    let upright = surface.normals.iter().filter(|normal| normal.y.abs() > 0.999);
     let share = upright.count() as f64 / kept.len() as f64;
     assert!(share > 0.999, "{share}");
 }
@@ -109,10 +101,7 @@ fn the_number_of_kept_points_has_a_bound() {
     let kept = points_in_view(&wall, &view, viewport_px, None).len() as f64;
     // Each piece keeps a whole number of points.
     let pieces = (wall.len() / POINTS_PER_PIECE) as f64;
-    assert!(
-        (0.9 * MOST_POINTS..MOST_POINTS + pieces).contains(&kept),
-        "{kept}"
-    );
+    assert!((0.9 * MOST_POINTS..MOST_POINTS + pieces).contains(&kept), "{kept}");
 }
 
 #[test]

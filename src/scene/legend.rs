@@ -153,11 +153,7 @@ fn decades(low: f64, high: f64) -> Vec<(f64, f64)> {
         values = of(&[1.0]);
     }
     let stride = values.len().div_ceil(MAX_TICKS).max(1);
-    values
-        .into_iter()
-        .step_by(stride)
-        .map(|value| (value, value))
-        .collect()
+    values.into_iter().step_by(stride).map(|value| (value, value)).collect()
 }
 
 /// A number with the digits that tell it from one `step` away.
@@ -187,10 +183,7 @@ mod tests {
 
     #[test]
     fn ticks_stand_at_round_numbers() {
-        assert_eq!(
-            texts(0.0, 255.0, false),
-            ["0", "50", "100", "150", "200", "250"]
-        );
+        assert_eq!(texts(0.0, 255.0, false), ["0", "50", "100", "150", "200", "250"]);
         assert_eq!(texts(-0.31, 0.52, false), ["-0.2", "0", "0.2", "0.4"]);
         assert_eq!(texts(1.0, 1000.0, true), ["1", "10", "100", "1000"]);
         assert_eq!(texts(1.5, 30.0, true), ["2", "5", "10", "20"]);

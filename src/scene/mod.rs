@@ -33,9 +33,8 @@ pub use pick::{Pick, PickedNormal, pick};
 pub use scale_bar::ScaleBar;
 pub(crate) use style::choices;
 pub use style::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,
-    LevelStyle, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError,
-    PointShape, PointStyle, Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle,
-    VoxelLight, VoxelStyle, coloring, describe,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointShape, PointStyle, Primitive,
+    RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

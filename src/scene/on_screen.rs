@@ -12,11 +12,7 @@ impl Camera {
 
     /// Both ends of the part of a line that is in front of the near plane, as [`Camera::to_px`]; `None` where there is
     /// none.
-    pub fn line_to_px(
-        &self,
-        ends_in_world: [DVec3; 2],
-        viewport_px: [u32; 2],
-    ) -> Option<[DVec2; 2]> {
+    pub fn line_to_px(&self, ends_in_world: [DVec3; 2], viewport_px: [u32; 2]) -> Option<[DVec2; 2]> {
         let near = self.lens().near();
         let [a, b] = ends_in_world.map(|end| self.in_view_space(end));
         let [in_front_a, in_front_b] = [a, b].map(|end| -end.z >= near);
@@ -33,8 +29,7 @@ impl Camera {
     /// From world space to view space (right, up, backward). Around the target first: near it nothing is lost however
     /// far away the eye is.
     fn in_view_space(&self, place_in_world: DVec3) -> DVec3 {
-        let around_target =
-            self.view_from_world_rotation() * (place_in_world - self.target_in_world);
+        let around_target = self.view_from_world_rotation() * (place_in_world - self.target_in_world);
         around_target - DVec3::Z * self.lens().distance
     }
 

@@ -21,12 +21,7 @@ impl ScaleBar {
     /// The longest within [`Self::LENGTHS_PX`] times `scale` in a picture `height_px` high. In perspective, things
     /// nearer than the target look longer than that, and those farther away shorter. `None` where lengths are beyond
     /// f64.
-    pub fn of(
-        camera: &Camera,
-        height_px: f64,
-        scale: f64,
-        unit: Option<LengthUnit>,
-    ) -> Option<Self> {
+    pub fn of(camera: &Camera, height_px: f64, scale: f64, unit: Option<LengthUnit>) -> Option<Self> {
         let lens = camera.lens();
         let px_per_unit = 0.5 * height_px * lens.focal / lens.distance;
         let longest = Self::LENGTHS_PX.end() * scale / px_per_unit;
@@ -60,10 +55,7 @@ fn round_length(longest: f64) -> Option<f64> {
     let is_usable = longest.is_normal() && longest > 0.0 && exponent.abs() < 300.0;
     let power = 10f64.powi(exponent as i32);
     let steps = [5.0, 2.0, 1.0].map(|step| step * power);
-    steps
-        .into_iter()
-        .find(|step| *step <= longest)
-        .filter(|_| is_usable)
+    steps.into_iter().find(|step| *step <= longest).filter(|_| is_usable)
 }
 
 /// Metres in the unit in which they are read best.
@@ -112,9 +104,7 @@ mod tests {
                 let range = 79.99..=200.01;
                 assert!(range.contains(&bar.length_px), "{distance}: {bar:?}");
                 let mantissa = bar.length / 10f64.powf(bar.length.log10().floor());
-                let is_round = [1.0, 2.0, 5.0, 10.0]
-                    .iter()
-                    .any(|step| (mantissa - step).abs() < 1e-9);
+                let is_round = [1.0, 2.0, 5.0, 10.0].iter().any(|step| (mantissa - step).abs() < 1e-9);
                 assert!(is_round, "{distance}: {bar:?}");
             }
         }
@@ -170,11 +160,7 @@ mod tests {
     fn what_has_no_scale_has_no_bar() {
         for (distance, height_px) in [(f64::NAN, 720.0), (1.0, 0.0), (0.0, 720.0), (1e307, 720.0)] {
             let camera = camera(distance, Projection::Perspective);
-            assert_eq!(
-                ScaleBar::of(&camera, height_px, 1.0, None),
-                None,
-                "{distance}"
-            );
+            assert_eq!(ScaleBar::of(&camera, height_px, 1.0, None), None, "{distance}");
         }
     }
 }

@@ -100,16 +100,12 @@ impl FromStr for Camera {
                 words.number(finite("target"), is_finite)?,
                 words.number(finite("target"), is_finite)?,
             ),
-            distance: words.named(("distance", "a number above 0"), |value| {
-                DISTANCE_RANGE.contains(value)
-            })?,
+            distance: words.named(("distance", "a number above 0"), |value| DISTANCE_RANGE.contains(value))?,
             azimuth_deg: words.named(finite("azimuth"), is_finite)?,
             elevation_deg: words.named(("elevation", "degrees from -90 to 90"), |value| {
                 (-90.0..=90.0).contains(value)
             })?,
-            fov_deg: words.named(("fov", "degrees from 1 to 170"), |value| {
-                FOV_RANGE_DEG.contains(value)
-            })?,
+            fov_deg: words.named(("fov", "degrees from 1 to 170"), |value| FOV_RANGE_DEG.contains(value))?,
             up: {
                 words.expect("up")?;
                 clipped(words.next("up axis")?).parse::<UpAxis>()?
@@ -233,18 +229,10 @@ mod tests {
         let good = camera().to_string();
         for (from, to, message) in [
             ("view 1", "view 2", "this is no view"),
-            (
-                "-0.1",
-                "nan",
-                "`nan` is no target of a view: expected a finite number",
-            ),
+            ("-0.1", "nan", "`nan` is no target of a view: expected a finite number"),
             ("-0.1 ", "", "`distance` is no target of a view"),
             ("distance 2.5", "distance 0", "`0` is no distance of a view"),
-            (
-                "distance",
-                "length",
-                "`length` in a view where `distance` was expected",
-            ),
+            ("distance", "length", "`length` in a view where `distance` was expected"),
             ("elevation 15", "elevation 91", "degrees from -90 to 90"),
             ("fov 45", "fov 171", "degrees from 1 to 170"),
             ("-y", "w", "`w` is no up axis"),

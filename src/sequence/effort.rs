@@ -99,8 +99,7 @@ impl Effort {
             self.decode_ms.add(decode_ms);
         }
         if made.points > 0 {
-            self.rest_ns_per_point
-                .add(made.rest_ms * 1e6 / made.points as f64);
+            self.rest_ns_per_point.add(made.rest_ms * 1e6 / made.points as f64);
         }
         self.plan();
     }
@@ -109,8 +108,7 @@ impl Effort {
     pub(super) fn note_drawn(&mut self, points: usize, picture_ms: f64) {
         let interval_ms = self.interval.map(milliseconds);
         let points_in_file = self.points_in_file;
-        self.drawing
-            .note(points, picture_ms, interval_ms, points_in_file);
+        self.drawing.note(points, picture_ms, interval_ms, points_in_file);
     }
 
     /// The detail of frames that are due soon.
@@ -134,8 +132,7 @@ impl Effort {
             return usize::MAX;
         };
         let interval_ms = (interval.as_secs_f64() * 1e3).max(1e-3);
-        let frame_ms =
-            self.decode_ms.worst + self.rest_ns_per_point.worst * self.points_in_file as f64 / 1e6;
+        let frame_ms = self.decode_ms.worst + self.rest_ns_per_point.worst * self.points_in_file as f64 / 1e6;
         let span_ms = SPAN.as_secs_f64() * 1e3 + 4.0 * frame_ms;
         (span_ms / interval_ms).max(FEWEST) as usize
     }
@@ -154,8 +151,7 @@ impl Effort {
 
     /// How many points there is time to make frames of.
     fn plan(&mut self) {
-        let (Some(interval), Some(ns_per_point)) = (self.interval, self.rest_ns_per_point.mean)
-        else {
+        let (Some(interval), Some(ns_per_point)) = (self.interval, self.rest_ns_per_point.mean) else {
             return;
         };
         let time_ms = PLANNED * self.workers as f64 * interval.as_secs_f64() * 1e3;
@@ -254,11 +250,7 @@ mod tests {
     fn a_little_more_time_changes_nothing() {
         let mut effort = played_at(25.0);
         effort.note_made(&made(8.0, 230.0, MILLION));
-        assert_eq!(
-            effort.in_time(),
-            Detail::at_most(1 << 17),
-            "260,000 fall short of 2^18"
-        );
+        assert_eq!(effort.in_time(), Detail::at_most(1 << 17), "260,000 fall short of 2^18");
         for _ in 0..50 {
             effort.note_made(&made(8.0, 200.0, MILLION));
         }
@@ -306,10 +298,7 @@ mod tests {
         // The person comes near, and goes away again.
         let near = drawn(&mut effort, |points| 2.0 + points as f64 / 2_000.0);
         assert_eq!(near, Detail::at_most(1 << 16));
-        assert_eq!(
-            drawn(&mut effort, |points| points as f64 / 100_000.0),
-            Detail::Full
-        );
+        assert_eq!(drawn(&mut effort, |points| points as f64 / 100_000.0), Detail::Full);
     }
 
     #[test]
@@ -372,11 +361,7 @@ mod tests {
     fn frames_of_before_say_nothing_of_what_is_tried() {
         let mut effort = played_at(25.0);
         let ms = |points: usize| 3.0 + points as f64 / 8_700.0;
-        assert_eq!(
-            drawn(&mut effort, ms),
-            Detail::at_most(1 << 18),
-            "33 of 40 ms"
-        );
+        assert_eq!(drawn(&mut effort, ms), Detail::at_most(1 << 18), "33 of 40 ms");
         for _ in 0..100 {
             effort.note_drawn(1 << 17, ms(1 << 17));
             effort.note_drawn(1 << 18, ms(1 << 18));
@@ -388,11 +373,7 @@ mod tests {
             let points = effort.at_best().most_points().min(1 << 17);
             effort.note_drawn(points, points as f64 / 2_080.0);
         }
-        assert_eq!(
-            effort.at_best(),
-            Detail::at_most(1 << 16),
-            "63 ms for 2^17, 32 planned"
-        );
+        assert_eq!(effort.at_best(), Detail::at_most(1 << 16), "63 ms for 2^17, 32 planned");
     }
 
     #[test]

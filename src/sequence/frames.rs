@@ -8,9 +8,7 @@ use super::stopwatch::milliseconds_since;
 use crate::cloud::{Frame, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
-use crate::source::{
-    self, DecodeFailure, Decoder, FrameEntry, FrameList, OpenOptions, SequenceError, Source,
-};
+use crate::source::{self, DecodeFailure, Decoder, FrameEntry, FrameList, OpenOptions, SequenceError, Source};
 use crate::timeline::{DEFAULT_FPS, Pace};
 use glam::DVec3;
 use std::ops::Range;
@@ -174,8 +172,7 @@ impl Sequence {
     /// become the same f32. To be said before the origin is asked for; later it changes nothing.
     pub fn share_origin_with(self: &Arc<Self>, other: &Arc<Self>) {
         if !Arc::ptr_eq(self, other) {
-            self.origin
-                .share(Arc::clone(other) as Arc<dyn OriginFrames>);
+            self.origin.share(Arc::clone(other) as Arc<dyn OriginFrames>);
         }
     }
 
@@ -220,9 +217,7 @@ impl Sequence {
     fn decoder_for(&self, index: usize) -> Box<dyn Decoder> {
         let mut idle = lock(&self.decoders);
         let of_before = idle.iter().position(|&(last, _)| last + 1 == index);
-        let taken = of_before
-            .map(|place| idle.swap_remove(place))
-            .or(idle.pop());
+        let taken = of_before.map(|place| idle.swap_remove(place)).or(idle.pop());
         drop(idle);
         taken.map_or_else(|| self.source.decoder(), |(_, decoder)| decoder)
     }
@@ -244,8 +239,7 @@ impl Sequence {
     /// Frame `index`: decoded, validated and moved to [`Sequence::origin`].
     pub fn frame(&self, index: usize) -> Result<Frame, FrameError> {
         let progress = Progress::default();
-        self.load(index, Detail::Full, &progress)
-            .map(|loaded| loaded.frame)
+        self.load(index, Detail::Full, &progress).map(|loaded| loaded.frame)
     }
 
     /// How often a decoder was called so far.
@@ -257,12 +251,7 @@ impl Sequence {
     ///
     /// # Errors
     /// As [`Sequence::frame`], and [`FrameError::Cancelled`] once `progress` is.
-    pub(crate) fn load(
-        &self,
-        index: usize,
-        detail: Detail,
-        progress: &Progress,
-    ) -> Result<LoadedFrame, FrameError> {
+    pub(crate) fn load(&self, index: usize, detail: Detail, progress: &Progress) -> Result<LoadedFrame, FrameError> {
         let origin = self.origin.origin(self, progress);
         let origin = origin.ok_or_else(|| self.cancelled(index))?;
         let (raw, decoder_ms) = match self.origin.take_kept(index) {
@@ -288,12 +277,7 @@ impl Sequence {
 
     /// At most `most_points` of frame `index`, if it has at least `fewest_points` and they can be read without the
     /// others.
-    pub(crate) fn load_sample(
-        &self,
-        index: usize,
-        most_points: usize,
-        fewest_points: usize,
-    ) -> Option<LoadedFrame> {
+    pub(crate) fn load_sample(&self, index: usize, most_points: usize, fewest_points: usize) -> Option<LoadedFrame> {
         let start = Instant::now();
         let entry = self.entry(index);
         // What is wrong is said when all of it is read.
@@ -335,11 +319,7 @@ impl OriginFrames for Sequence {
         self.len()
     }
 
-    fn decode_timed(
-        &self,
-        index: usize,
-        progress: &Progress,
-    ) -> Result<(RawCloud, f32), FrameError> {
+    fn decode_timed(&self, index: usize, progress: &Progress) -> Result<(RawCloud, f32), FrameError> {
         let start = Instant::now();
         let raw = self.decode_observed(index, progress)?;
         Ok((raw, milliseconds_since(start)))

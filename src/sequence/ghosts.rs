@@ -32,20 +32,14 @@ impl Ghost {
     /// The tint at least half as bright as it is, more where the point is bright.
     fn color(&self, [red, green, blue, _]: [u8; 4]) -> [u8; 4] {
         let luma = (2 * u32::from(red) + 5 * u32::from(green) + u32::from(blue)) / 8;
-        let [red, green, blue] = self
-            .tint
-            .map(|channel| (u32::from(channel) * (255 + luma) / 510) as u8);
+        let [red, green, blue] = self.tint.map(|channel| (u32::from(channel) * (255 + luma) / 510) as u8);
         [red, green, blue, 255]
     }
 }
 
 /// The points of `pose` as they are drawn and those of `ghosts`, with what `needs` ask for but colours. Where surfels
 /// are asked for, ghosts without shapes are left out.
-pub fn with_ghosts(
-    pose: &PreparedFrame,
-    ghosts: &[Ghost],
-    needs: &Needs,
-) -> Result<PreparedFrame, CloudError> {
+pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Result<PreparedFrame, CloudError> {
     let has_shapes = pose.shapes.is_some() && needs.shapes;
     let (mut positions, mut colors) = (Vec::new(), Vec::new());
     let (mut normals, mut radii) = (Vec::new(), Vec::new());
@@ -65,11 +59,7 @@ pub fn with_ghosts(
             continue;
         }
         for slot in ghost.slots() {
-            add(
-                &ghost.frame,
-                slot,
-                ghost.color(ghost.frame.points[slot].color),
-            );
+            add(&ghost.frame, slot, ghost.color(ghost.frame.points[slot].color));
         }
     }
     let mut raw = RawCloud::from_positions(Positions::F32(positions));

@@ -39,8 +39,8 @@ mod watch;
 pub use crate::io::natural_order;
 pub use crate::source::{DecodeFailure, FrameEntry, OpenOptions, Recording, SequenceError, Shape};
 pub use coloring::{
-    ColorHints, ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint,
-    PaintValues, ParseColoringError, UNIFORM_COLOR, plain_field_name, value_kind,
+    ColorHints, ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint, PaintValues,
+    ParseColoringError, UNIFORM_COLOR, plain_field_name, value_kind,
 };
 pub use detail::Detail;
 pub use error::FrameError;
@@ -48,9 +48,7 @@ pub use frames::Sequence;
 pub use ghosts::{Ghost, with_ghosts};
 #[cfg(test)]
 pub(crate) use loader::simulation;
-pub use loader::{
-    FrameFacts, FrameState, Loader, LoaderOptions, LoaderStats, Reading, ReadingStage, Slot,
-};
+pub use loader::{FrameFacts, FrameState, Loader, LoaderOptions, LoaderStats, Reading, ReadingStage, Slot};
 pub use needs::Needs;
 pub use onion::OnionSkin;
 pub use prepare::{PrepareCounters, PreparedFrame, Timings, complete, prepare, prepare_part};

@@ -69,10 +69,7 @@ mod tests {
             ..OnionSkin::default()
         };
         let found = onion.around(5, 8);
-        let shares: Vec<(usize, f32)> = found
-            .iter()
-            .map(|&(index, share, _)| (index, share))
-            .collect();
+        let shares: Vec<(usize, f32)> = found.iter().map(|&(index, share, _)| (index, share)).collect();
         // The fourth, 11, and 9 are beyond the end.
         assert_eq!(shares, [(3, 0.6), (1, 0.6 * 2.0 / 3.0), (7, 0.6)]);
         assert_eq!(found[0].2, PAST_TINT);

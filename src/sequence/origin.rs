@@ -39,11 +39,7 @@ pub(super) trait OriginFrames: Send + Sync {
     fn frame_count(&self) -> usize;
 
     /// Decodes a frame in file coordinates; with the time that it took in milliseconds.
-    fn decode_timed(
-        &self,
-        index: usize,
-        progress: &Progress,
-    ) -> Result<(RawCloud, f32), FrameError>;
+    fn decode_timed(&self, index: usize, progress: &Progress) -> Result<(RawCloud, f32), FrameError>;
 
     /// Their origin; `None` if deciding it was cancelled.
     fn origin_observed(&self, progress: &Progress) -> Option<DVec3>;
@@ -118,17 +114,14 @@ impl OriginFinder {
                 return None;
             }
             let decoded = frames.decode_timed(index, progress);
-            let bounds = decoded
-                .as_ref()
-                .map(|(raw, _)| raw.positions.finite_bounds().1);
+            let bounds = decoded.as_ref().map(|(raw, _)| raw.positions.finite_bounds().1);
             match bounds {
                 Ok(Some((min, max))) => {
                     let beside = match self.beside.get() {
                         Some(other) => Some(other.origin_observed(progress)?),
                         None => None,
                     };
-                    let shared =
-                        beside.filter(|&origin| is_near(origin, min, max, FAR_BESIDE_IN_EXTENTS));
+                    let shared = beside.filter(|&origin| is_near(origin, min, max, FAR_BESIDE_IN_EXTENTS));
                     let origin = shared.unwrap_or_else(|| origin_of_bounds(min, max));
                     if let Ok((raw, _)) = &decoded {
                         let sample = Arc::new(ValueSample::of_raw(raw, origin));
@@ -246,13 +239,11 @@ mod tests {
         };
         let sources = ["a.ply", "b.ply"].map(FrameEntry::file);
         let source = FrameList::new(sources.into(), move |_, _| Ok(cloud((0..1000).collect())));
-        let sequence = Sequence::of(source.with_sample(move |_, most, fewest| {
-            Ok((fewest <= 1000).then(|| (cloud(even_places(1000, most)), 1000)))
-        }));
-        assert!(
-            sequence.load_sample(1, 100, 0).is_none(),
-            "the first one decides"
-        );
+        let sequence =
+            Sequence::of(source.with_sample(move |_, most, fewest| {
+                Ok((fewest <= 1000).then(|| (cloud(even_places(1000, most)), 1000)))
+            }));
+        assert!(sequence.load_sample(1, 100, 0).is_none(), "the first one decides");
         assert!(sequence.load_sample(0, 100, 1001).is_none(), "too few");
         let sample = sequence.load_sample(0, 100, 1000).unwrap().frame;
         assert_eq!((sample.len(), sample.points_in_file()), (100, 1000));
@@ -269,10 +260,7 @@ mod tests {
     #[test]
     fn far_coordinates_move_to_a_short_origin() {
         // Extent √(50² + 27² + 30²) ≈ 64.2, so the step is 128.
-        let origin = origin_of_bounds(
-            DVec3::new(-75.0, -766.0, 0.0),
-            DVec3::new(-25.0, -739.0, 30.0),
-        );
+        let origin = origin_of_bounds(DVec3::new(-75.0, -766.0, 0.0), DVec3::new(-25.0, -739.0, 30.0));
         assert_eq!(origin, DVec3::new(0.0, -768.0, 0.0));
     }
 
@@ -289,13 +277,10 @@ mod tests {
         use crate::cloud::Positions;
         let corners = |min: DVec3, edge: f64| {
             let positions = vec![min.to_array(), (min + DVec3::splat(edge)).to_array()];
-            Arc::new(Sequence::with_decoder(
-                vec![FrameEntry::file("corners")],
-                move |_| {
-                    let positions = Positions::F64(positions.clone());
-                    Ok(RawCloud::from_positions(positions))
-                },
-            ))
+            Arc::new(Sequence::with_decoder(vec![FrameEntry::file("corners")], move |_| {
+                let positions = Positions::F64(positions.clone());
+                Ok(RawCloud::from_positions(positions))
+            }))
         };
         let survey = DVec3::new(4.5e6, 5.0e5, 100.0);
         let a = corners(survey, 64.0);

@@ -45,9 +45,7 @@ pub(super) fn lacks_surface(frame: &Frame) -> bool {
 
 /// The file's radii if every point has one.
 fn file_radii(frame: &Frame) -> Option<&[f32]> {
-    frame
-        .radii()
-        .filter(|radii| radii.iter().all(|&radius| radius > 0.0))
+    frame.radii().filter(|radii| radii.iter().all(|&radius| radius > 0.0))
 }
 
 /// Takes what the file has and estimates the rest: a zero normal and a zero radius count as missing. Where normals are
@@ -80,9 +78,7 @@ pub(super) fn complete_surface(
         }
         (None, _) => {
             let mut surface = estimate(positions, frame.sensor());
-            keep_given(&mut surface.normals, frame.normals(), |&normal| {
-                normal != Vec3::ZERO
-            });
+            keep_given(&mut surface.normals, frame.normals(), |&normal| normal != Vec3::ZERO);
             keep_given(&mut surface.radii, frame.radii(), |&radius| radius > 0.0);
             (
                 CompleteSurface {
@@ -126,11 +122,7 @@ pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec
 
 /// Records in `paint`, which is that of this frame. Precondition: `shapes` for fake colours of a frame that lacks
 /// normals.
-pub(super) fn painted_points(
-    frame: &Frame,
-    paint: &Paint,
-    shapes: Option<&[ShapeRecord]>,
-) -> Vec<PointRecord> {
+pub(super) fn painted_points(frame: &Frame, paint: &Paint, shapes: Option<&[ShapeRecord]>) -> Vec<PointRecord> {
     let in_one = |[red, green, blue]: [u8; 3]| {
         let color = [red, green, blue, 255];
         points(frame, rayon::iter::repeat_n(color, frame.len()))
@@ -138,9 +130,7 @@ pub(super) fn painted_points(
     match (paint, shapes) {
         (Paint::Uniform(color), _) => in_one(*color),
         (Paint::Normal, Some(shapes)) => points_in_shape_colors(frame, shapes),
-        (Paint::Normal, None) => {
-            points_in_normal_colors(frame, frame.normals().unwrap_or_default())
-        }
+        (Paint::Normal, None) => points_in_normal_colors(frame, frame.normals().unwrap_or_default()),
         (Paint::File, _) => match frame.colors() {
             Some(colors) => points(frame, colors.par_iter().copied()),
             None => in_one(UNIFORM_RGB),
@@ -159,9 +149,7 @@ pub(super) fn painted_points(
 fn points_in_shape_colors(frame: &Frame, shapes: &[ShapeRecord]) -> Vec<PointRecord> {
     points(
         frame,
-        shapes
-            .par_iter()
-            .map(|shape| fake_color(oct_decode(shape.normal))),
+        shapes.par_iter().map(|shape| fake_color(oct_decode(shape.normal))),
     )
 }
 

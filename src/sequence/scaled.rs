@@ -74,11 +74,7 @@ pub(super) fn points_in_class_colors(frame: &Frame, classes: &[f32]) -> Vec<Poin
     in_chunks(frame, &table, &fill, |values, places| {
         for (place, value) in places.iter_mut().zip(values) {
             let class = (value.clamp(0.0, (CLASSES - 1) as f32) + 0.5) as i32 as u32;
-            *place = if value.is_nan() {
-                CLASSES as u32
-            } else {
-                class
-            };
+            *place = if value.is_nan() { CLASSES as u32 } else { class };
         }
     })
 }

@@ -27,11 +27,7 @@ pub(super) struct Stamps {
 impl Stamps {
     /// The pace of `count` frames, and its frames a second; `None` unless each was taken later than the one before.
     /// Asks for the times of those that came since the last call.
-    pub(super) fn pace(
-        &mut self,
-        count: usize,
-        time_of: impl Fn(usize) -> Option<Duration>,
-    ) -> Option<(Pace, f64)> {
+    pub(super) fn pace(&mut self, count: usize, time_of: impl Fn(usize) -> Option<Duration>) -> Option<(Pace, f64)> {
         if count > self.count && !self.are_useless {
             self.are_useless = self.take(count, time_of).is_none();
             self.found = (!self.are_useless)
@@ -45,9 +41,7 @@ impl Stamps {
         for index in self.count..count {
             let time = time_of(index)?;
             if index > 0 {
-                let spacing = time
-                    .checked_sub(self.last)
-                    .filter(|spacing| !spacing.is_zero());
+                let spacing = time.checked_sub(self.last).filter(|spacing| !spacing.is_zero());
                 self.spacings_s.push(spacing?.as_secs_f64());
             }
             self.last = time;

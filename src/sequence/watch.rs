@@ -10,10 +10,7 @@ const INTERVAL: Duration = Duration::from_secs(1);
 
 /// Takes frames that come behind the last one of `sequence`, and calls `wake` then. Ends by itself some time
 /// after the sequence is dropped.
-pub fn watch(
-    sequence: &Arc<Sequence>,
-    wake: Arc<dyn Fn() + Send + Sync>,
-) -> Result<(), SequenceError> {
+pub fn watch(sequence: &Arc<Sequence>, wake: Arc<dyn Fn() + Send + Sync>) -> Result<(), SequenceError> {
     if !sequence.source().may_grow() {
         return Ok(());
     }
@@ -28,10 +25,7 @@ pub fn watch(
 fn look(sequence: &Weak<Sequence>, wake: &Arc<dyn Fn() + Send + Sync>) {
     loop {
         // A sequence that is closed meanwhile is not kept.
-        let Some(source) = sequence
-            .upgrade()
-            .map(|sequence| Arc::clone(sequence.source()))
-        else {
+        let Some(source) = sequence.upgrade().map(|sequence| Arc::clone(sequence.source())) else {
             return;
         };
         match source.wait_for_more(INTERVAL) {

@@ -21,13 +21,10 @@ const FRAMES: &[(&str, &[u8])] = frames!(
 
 /// 24 poses of about 8,000 coloured points.
 pub fn demo() -> FrameList {
-    let entries = FRAMES
-        .iter()
-        .zip(0..)
-        .map(|(&(name, bytes), number)| FrameEntry {
-            number: Some(number),
-            ..FrameEntry::embedded(format!("demo/{name}"), bytes)
-        });
+    let entries = FRAMES.iter().zip(0..).map(|(&(name, bytes), number)| FrameEntry {
+        number: Some(number),
+        ..FrameEntry::embedded(format!("demo/{name}"), bytes)
+    });
     FrameList::new(entries.collect(), |entry, _| {
         Ok(io::read_bytes(&entry.path, entry.content.embedded())?)
     })

@@ -7,9 +7,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum SequenceError {
     /// No input was named.
-    #[error(
-        "no input was given: name a folder of frames, a file, or a pattern such as 'scan_*.ply'"
-    )]
+    #[error("no input was given: name a folder of frames, a file, or a pattern such as 'scan_*.ply'")]
     NoInput,
     /// A path that is not there.
     #[error("{} does not exist: name a file, a folder of frames, or a pattern such as 'scan_*.ply'", path.display())]
@@ -34,9 +32,7 @@ pub enum SequenceError {
         pattern: String,
     },
     /// A pattern that is not one.
-    #[error(
-        "{pattern} is not a valid pattern ({reason}): put [ and ] around the characters * ? [ to mean themselves"
-    )]
+    #[error("{pattern} is not a valid pattern ({reason}): put [ and ] around the characters * ? [ to mean themselves")]
     BadPattern {
         /// The pattern as given.
         pattern: String,
@@ -76,9 +72,7 @@ pub enum SequenceError {
     #[error("opening was cancelled")]
     Cancelled,
     /// The system gives no thread to load frames on.
-    #[error(
-        "no thread could be started to load frames ({reason}): close other programs or raise the process limit"
-    )]
+    #[error("no thread could be started to load frames ({reason}): close other programs or raise the process limit")]
     NoThread {
         /// The system's reason.
         reason: std::io::Error,

@@ -9,8 +9,7 @@ use std::sync::Arc;
 type Decode = dyn Fn(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync;
 
 /// Reads some points of a frame alone: see [`Source::sample`].
-type Sample =
-    dyn Fn(&FrameEntry, usize, usize) -> Result<Option<FrameSample>, DecodeFailure> + Send + Sync;
+type Sample = dyn Fn(&FrameEntry, usize, usize) -> Result<Option<FrameSample>, DecodeFailure> + Send + Sync;
 
 /// Frames that one function decodes, called from several threads at once.
 pub struct FrameList {
@@ -23,10 +22,7 @@ impl FrameList {
     /// The frames that `decode` makes of `entries`.
     pub fn new(
         entries: Vec<FrameEntry>,
-        decode: impl Fn(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure>
-        + Send
-        + Sync
-        + 'static,
+        decode: impl Fn(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync + 'static,
     ) -> Self {
         Self {
             entries: entries.into_iter().map(Arc::new).collect(),
@@ -37,13 +33,10 @@ impl FrameList {
 
     /// The same frames, of which `sample` reads some points alone.
     #[must_use]
-    pub fn with_sample(
-        mut self,
-        sample: impl Fn(&FrameEntry, usize, usize) -> Result<Option<FrameSample>, DecodeFailure>
-        + Send
-        + Sync
-        + 'static,
-    ) -> Self {
+    pub fn with_sample<S>(mut self, sample: S) -> Self
+    where
+        S: Fn(&FrameEntry, usize, usize) -> Result<Option<FrameSample>, DecodeFailure> + Send + Sync + 'static,
+    {
         self.sample = Some(Box::new(sample));
         self
     }

@@ -36,11 +36,7 @@ use std::sync::Arc;
 
 /// The source that `inputs` name: one that is [`Generated`], else files, folders and patterns. `progress` counts the
 /// files that were looked at, and may be cancelled.
-pub fn open(
-    inputs: &[PathBuf],
-    options: &OpenOptions,
-    progress: &Progress,
-) -> Result<Arc<dyn Source>, SequenceError> {
+pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs
         && let Some(generated) = Generated::of_name(input)?
     {

@@ -152,9 +152,7 @@ impl Shape {
 
     /// Red, green and blue at a place: soft waves of a few periods, so that blurring shows.
     pub(crate) fn color_at(position: DVec3) -> [u8; 3] {
-        let waves = (position * DVec3::new(7.0, 6.0, 5.0))
-            .to_array()
-            .map(f64::sin);
+        let waves = (position * DVec3::new(7.0, 6.0, 5.0)).to_array().map(f64::sin);
         let pattern = waves[0] * waves[1] + waves[1] * waves[2] + waves[2] * waves[0];
         let channel = |phase: f64| 140.0 + 90.0 * (1.5 * pattern + phase).sin();
         [0.0, 2.1, 4.2].map(|phase| channel(phase) as u8)
@@ -176,9 +174,7 @@ impl Shape {
         RawCloud {
             colors: Some(positions.iter().map(color).collect()),
             normals: Some(normals.iter().map(Vec3::to_array).collect()),
-            ..RawCloud::from_positions(Positions::F32(
-                positions.iter().map(Vec3::to_array).collect(),
-            ))
+            ..RawCloud::from_positions(Positions::F32(positions.iter().map(Vec3::to_array).collect()))
         }
     }
 }
@@ -223,15 +219,11 @@ mod tests {
                 Shape::Saddle => p.z - p.x * p.x + p.y * p.y,
             };
             for (&position, &normal) in positions.iter().zip(&normals) {
-                assert!(
-                    height(position).abs() < 1e-5,
-                    "{} at {position}",
-                    shape.name()
+                assert!(height(position).abs() < 1e-5, "{} at {position}", shape.name());
+                let gradient = Vec3::from_array(
+                    [Vec3::X, Vec3::Y, Vec3::Z]
+                        .map(|axis| height(position + axis * 1e-3) - height(position - axis * 1e-3)),
                 );
-                let gradient =
-                    Vec3::from_array([Vec3::X, Vec3::Y, Vec3::Z].map(|axis| {
-                        height(position + axis * 1e-3) - height(position - axis * 1e-3)
-                    }));
                 // Differences reach over an edge that is nearer than their step.
                 let near_faces = position.abs().cmpgt(Vec3::splat(0.998));
                 let is_at_edge = shape == Shape::Cube && near_faces.bitmask().count_ones() > 1;
@@ -307,10 +299,7 @@ mod tests {
             .filter(|offset| *offset != Vec3::ZERO)
             .collect();
         assert_eq!(offsets.len(), 1000);
-        let squares: f32 = offsets
-            .iter()
-            .map(|offset| offset.length_squared() / 3.0)
-            .sum();
+        let squares: f32 = offsets.iter().map(|offset| offset.length_squared() / 3.0).sum();
         let deviation = (squares / 1000.0).sqrt();
         assert!((deviation / 0.06 - 1.0).abs() < 0.06, "{deviation}");
     }

@@ -119,15 +119,9 @@ struct SpinDecoder {
 }
 
 impl Decoder for SpinDecoder {
-    fn decode(
-        &mut self,
-        index: usize,
-        _entry: &FrameEntry,
-        _progress: &Progress,
-    ) -> Result<RawCloud, DecodeFailure> {
-        let at_rest = Arc::clone(
-            lock(&self.ring.at_rest).get_or_insert_with(|| Arc::new(self.shape.cloud(self.points))),
-        );
+    fn decode(&mut self, index: usize, _entry: &FrameEntry, _progress: &Progress) -> Result<RawCloud, DecodeFailure> {
+        let at_rest =
+            Arc::clone(lock(&self.ring.at_rest).get_or_insert_with(|| Arc::new(self.shape.cloud(self.points))));
         let turns = (index % FRAMES_PER_TURN) as f32 / FRAMES_PER_TURN as f32;
         let turn = Quat::from_rotation_y(TAU * turns);
         let turned = |at: &[f32; 3]| (turn * Vec3::from_array(*at)).to_array();
@@ -177,8 +171,7 @@ mod tests {
         let [begin, quarter, turn] = [0, 24, 96].map(|index| decoded(&spin, index));
         let positions = |cloud: &RawCloud| -> Vec<Vec3> {
             let all = 0..cloud.positions.len();
-            all.map(|index| cloud.positions.get(index).as_vec3())
-                .collect()
+            all.map(|index| cloud.positions.get(index).as_vec3()).collect()
         };
         assert_eq!(positions(&begin), positions(&turn));
         for (before, after) in positions(&begin).iter().zip(positions(&quarter)) {

@@ -91,12 +91,7 @@ pub trait Source: Send + Sync {
 pub trait Decoder: Send {
     /// The point cloud of frame `index`, which `entry` tells of, in file coordinates. Says how far it is; what it
     /// returns after it was cancelled is not looked at.
-    fn decode(
-        &mut self,
-        index: usize,
-        entry: &FrameEntry,
-        progress: &Progress,
-    ) -> Result<RawCloud, DecodeFailure>;
+    fn decode(&mut self, index: usize, entry: &FrameEntry, progress: &Progress) -> Result<RawCloud, DecodeFailure>;
 }
 
 /// A function that decodes every frame by itself.
@@ -104,12 +99,7 @@ impl<F> Decoder for F
 where
     F: FnMut(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure> + Send,
 {
-    fn decode(
-        &mut self,
-        _index: usize,
-        entry: &FrameEntry,
-        progress: &Progress,
-    ) -> Result<RawCloud, DecodeFailure> {
+    fn decode(&mut self, _index: usize, entry: &FrameEntry, progress: &Progress) -> Result<RawCloud, DecodeFailure> {
         self(entry, progress)
     }
 }

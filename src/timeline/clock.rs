@@ -83,9 +83,7 @@ impl Clock {
     pub fn advance(&mut self, now: Duration) -> usize {
         if self.playing {
             let due = self.steps_due(now).max(self.steps);
-            let arrival = self
-                .travel
-                .after(self.anchor.frame, self.anchor.direction, due);
+            let arrival = self.travel.after(self.anchor.frame, self.anchor.direction, due);
             let moved = arrival.steps - self.steps;
             if self.travel.frames().len() > 1 {
                 self.skipped += moved.saturating_sub(1);
@@ -107,9 +105,7 @@ impl Clock {
             return;
         }
         self.playing = true;
-        if self.travel.loop_mode == LoopMode::Off
-            && self.travel.after(self.frame, self.direction, 1).steps == 0
-        {
+        if self.travel.loop_mode == LoopMode::Off && self.travel.after(self.frame, self.direction, 1).steps == 0 {
             self.frame = self.travel.start(self.direction);
             self.anchor.phase = 0.0;
         }
@@ -317,9 +313,7 @@ impl Clock {
 
     /// Median frames from the beginning of the anchor's frame until `steps` are made.
     fn elapsed_at(&self, steps: u64) -> f64 {
-        let Anchor {
-            frame, direction, ..
-        } = self.anchor;
+        let Anchor { frame, direction, .. } = self.anchor;
         self.pace.elapsed_at(&self.travel, frame, direction, steps)
     }
 
@@ -331,11 +325,8 @@ impl Clock {
 
     fn steps_due(&self, now: Duration) -> u64 {
         let elapsed = self.frames_since_anchor(now) + TOLERANCE_FRAMES;
-        let Anchor {
-            frame, direction, ..
-        } = self.anchor;
-        self.pace
-            .steps_within(&self.travel, frame, direction, elapsed)
+        let Anchor { frame, direction, .. } = self.anchor;
+        self.pace.steps_within(&self.travel, frame, direction, elapsed)
     }
 
     /// Advances, then makes the present position the anchor.

@@ -88,10 +88,7 @@ fn ping_pong_tells_where_it_goes_next() {
             clock.direction()
         })
         .collect();
-    assert_eq!(
-        directions,
-        [Forward, Forward, Backward, Backward, Forward, Forward]
-    );
+    assert_eq!(directions, [Forward, Forward, Backward, Backward, Forward, Forward]);
 }
 
 #[test]
@@ -269,10 +266,7 @@ fn frames_last_as_long_as_their_times_say() {
     assert_eq!(shown(&mut clock, 0, 11), [0, 1, 1, 2, 3, 0, 1, 1, 2, 3, 0]);
     assert_eq!(clock.skipped(), 0);
     let mut clock = uneven(LoopMode::PingPong);
-    assert_eq!(
-        shown(&mut clock, 0, 12),
-        [0, 1, 1, 2, 3, 2, 1, 1, 0, 1, 1, 2]
-    );
+    assert_eq!(shown(&mut clock, 0, 12), [0, 1, 1, 2, 3, 2, 1, 1, 0, 1, 1, 2]);
     let mut clock = uneven(LoopMode::Off);
     assert_eq!(shown(&mut clock, 0, 6), [0, 1, 1, 2, 3, 3]);
     assert!(!clock.is_playing());

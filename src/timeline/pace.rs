@@ -50,13 +50,7 @@ impl Pace {
 
     /// How many steps a playhead is due to have made when `elapsed` median frames have passed since frame `start`
     /// began.
-    pub(crate) fn steps_within(
-        &self,
-        travel: &Travel,
-        start: usize,
-        direction: Direction,
-        elapsed: f64,
-    ) -> u64 {
+    pub(crate) fn steps_within(&self, travel: &Travel, start: usize, direction: Direction, elapsed: f64) -> u64 {
         if self.is_even() {
             return elapsed.floor() as u64;
         }
@@ -90,13 +84,7 @@ impl Pace {
     }
 
     /// Median frames from the beginning of frame `start` until the playhead has made `steps`.
-    pub(crate) fn elapsed_at(
-        &self,
-        travel: &Travel,
-        start: usize,
-        direction: Direction,
-        steps: u64,
-    ) -> f64 {
+    pub(crate) fn elapsed_at(&self, travel: &Travel, start: usize, direction: Direction, steps: u64) -> f64 {
         if self.is_even() {
             return steps as f64;
         }

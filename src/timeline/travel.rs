@@ -31,9 +31,7 @@ impl Direction {
 }
 
 /// What happens at the ends of a sequence.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, Default, Hash, serde::Serialize, serde::Deserialize,
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LoopMode {
     /// Playing stops.
@@ -148,11 +146,7 @@ impl Travel {
         };
         Arrival {
             index: self.mirrored(direction, position as usize),
-            direction: if turned {
-                direction.reversed()
-            } else {
-                direction
-            },
+            direction: if turned { direction.reversed() } else { direction },
             steps,
         }
     }
@@ -182,12 +176,7 @@ impl Travel {
     }
 
     /// The frame that is needed `rank`-th, each counted once; `None` beyond the last that will be needed.
-    pub(crate) fn upcoming(
-        &self,
-        playhead: usize,
-        direction: Direction,
-        rank: usize,
-    ) -> Option<usize> {
+    pub(crate) fn upcoming(&self, playhead: usize, direction: Direction, rank: usize) -> Option<usize> {
         let count = self.frames().len();
         let Some(position) = self.position(direction, playhead) else {
             return match rank.checked_sub(1) {
@@ -258,9 +247,7 @@ impl Travel {
         let below = all(frames.start..playhead);
         let above = all(playhead + 1..frames.end);
         match (direction, self.loop_mode) {
-            (Direction::Forward, LoopMode::Loop) => {
-                Box::new(idle.chain(below.rev()).chain(above.rev()))
-            }
+            (Direction::Forward, LoopMode::Loop) => Box::new(idle.chain(below.rev()).chain(above.rev())),
             (Direction::Forward, _) => Box::new(idle.chain(below).chain(above.rev())),
             (Direction::Backward, LoopMode::Loop) => Box::new(idle.chain(above).chain(below)),
             (Direction::Backward, _) => Box::new(idle.chain(above.rev()).chain(below)),
@@ -329,10 +316,7 @@ mod tests {
         assert_eq!(walk(LoopMode::Off, 1, Backward, 4), [1, 0, 0, 0]);
         assert_eq!(walk(LoopMode::Loop, 2, Forward, 5), [2, 3, 0, 1, 2]);
         assert_eq!(walk(LoopMode::Loop, 1, Backward, 5), [1, 0, 3, 2, 1]);
-        assert_eq!(
-            walk(LoopMode::PingPong, 2, Forward, 8),
-            [2, 3, 2, 1, 0, 1, 2, 3]
-        );
+        assert_eq!(walk(LoopMode::PingPong, 2, Forward, 8), [2, 3, 2, 1, 0, 1, 2, 3]);
         assert_eq!(walk(LoopMode::PingPong, 1, Backward, 6), [1, 0, 1, 2, 3, 2]);
         assert_eq!(walk(LoopMode::PingPong, 3, Forward, 3), [3, 2, 1]);
     }
@@ -340,14 +324,7 @@ mod tests {
     fn any_travel() -> impl Strategy<Value = (Travel, usize, Direction)> {
         let ends = prop::option::of((0usize..14, 0usize..14));
         let first = 0usize..12;
-        let travel = (
-            1usize..12,
-            0usize..12,
-            0usize..3,
-            any::<bool>(),
-            ends,
-            first,
-        );
+        let travel = (1usize..12, 0usize..12, 0usize..3, any::<bool>(), ends, first);
         travel.prop_map(|(n, playhead, mode, back, ends, first)| {
             let range = ends.map_or_else(PlayRange::default, |(first, last)| {
                 PlayRange::default().beginning_at(first).ending_at(last)
@@ -359,11 +336,7 @@ mod tests {
                     ..Travel::whole(n, LoopMode::ALL[mode])
                 },
                 playhead % n,
-                if back {
-                    Direction::Backward
-                } else {
-                    Direction::Forward
-                },
+                if back { Direction::Backward } else { Direction::Forward },
             )
         })
     }

@@ -30,19 +30,12 @@ pub(crate) fn imports(sources: &Sources) -> Imports {
             continue;
         }
         let of_file = imports.entry(module.file.clone()).or_default();
-        let mut mentions: Vec<&Mention> = module
-            .mentions
-            .iter()
-            .filter(|mention| !mention.is_test)
-            .collect();
+        let mut mentions: Vec<&Mention> = module.mentions.iter().filter(|mention| !mention.is_test).collect();
         // What is written in full is shown rather than what follows from it.
         mentions.sort_by_key(|mention| mention.place == Place::Code);
         for mention in mentions {
             let is_glob = match &mention.place {
-                Place::Comment
-                | Place::Use {
-                    is_export: true, ..
-                } => continue,
+                Place::Comment | Place::Use { is_export: true, .. } => continue,
                 Place::Use { name, .. } => name.is_none(),
                 Place::Code => false,
             };
@@ -53,9 +46,7 @@ pub(crate) fn imports(sources: &Sources) -> Imports {
             };
             let file = &sources.modules[&definer].file;
             if *file != module.file {
-                of_file
-                    .entry(file.clone())
-                    .or_insert_with(|| mention.path.join("::"));
+                of_file.entry(file.clone()).or_insert_with(|| mention.path.join("::"));
             }
         }
     }
@@ -168,9 +159,7 @@ pub(crate) fn differences(imports: &Imports, known: &[&[&str]]) -> Vec<String> {
         .map(|files| files.iter().map(ToString::to_string).collect())
         .collect();
     for knot in found.difference(&known) {
-        let nearest = known
-            .iter()
-            .max_by_key(|files| files.intersection(knot).count());
+        let nearest = known.iter().max_by_key(|files| files.intersection(knot).count());
         let listed = nearest.cloned().unwrap_or_default();
         for file in knot.difference(&listed) {
             wrong.push(format!(
@@ -181,10 +170,7 @@ pub(crate) fn differences(imports: &Imports, known: &[&[&str]]) -> Vec<String> {
         }
     }
     for listed in known.difference(&found) {
-        let rests: Vec<&Knot> = found
-            .iter()
-            .filter(|knot| !knot.is_disjoint(listed))
-            .collect();
+        let rests: Vec<&Knot> = found.iter().filter(|knot| !knot.is_disjoint(listed)).collect();
         let tied: Knot = rests.iter().copied().flatten().cloned().collect();
         for file in listed.difference(&tied) {
             wrong.push(format!("{file} is tied no longer: take it off the list"));

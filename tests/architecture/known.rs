@@ -7,8 +7,5 @@ pub(crate) const KNOTS: &[&[&str]] = &[
         "levels/octree/sorted_points.rs",
         "levels/octree/write.rs",
     ],
-    &[
-        "levels/octree/small_subtrees.rs",
-        "levels/octree/traversal.rs",
-    ],
+    &["levels/octree/small_subtrees.rs", "levels/octree/traversal.rs"],
 ];

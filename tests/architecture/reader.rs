@@ -13,11 +13,7 @@ fn read(files: &[(&str, &str)]) -> Sources {
 
 /// What the module `a::b` names from the root, if `text` is all that is in its file.
 fn named(text: &str) -> Vec<String> {
-    let sources = read(&[
-        ("lib.rs", "mod a;"),
-        ("a/mod.rs", "mod b;"),
-        ("a/b.rs", text),
-    ]);
+    let sources = read(&[("lib.rs", "mod a;"), ("a/mod.rs", "mod b;"), ("a/b.rs", text)]);
     let module = ["a".to_string(), "b".to_string()];
     let mut named: Vec<String> = sources.modules[module.as_slice()]
         .mentions
@@ -58,11 +54,7 @@ fn a_tree_may_stand_on_many_lines_with_globs_self_and_other_names() {
             math::*,
             io::read as _,
         };";
-    assert_eq!(
-        named(text),
-        ["cloud", "cloud::Frame", "io::read", "math"],
-        "{text}"
-    );
+    assert_eq!(named(text), ["cloud", "cloud::Frame", "io::read", "math"], "{text}");
 }
 
 #[test]
@@ -75,9 +67,7 @@ fn a_use_is_known_by_its_other_name() {
         .mentions
         .iter()
         .filter_map(|mention| match &mention.place {
-            Place::Use { name, is_export } => {
-                Some((mention.path.join("::"), name.as_deref(), *is_export))
-            }
+            Place::Use { name, is_export } => Some((mention.path.join("::"), name.as_deref(), *is_export)),
             Place::Code | Place::Comment => None,
         })
         .collect();
@@ -191,10 +181,7 @@ fn tests_are_found_by_their_attribute_wherever_their_file_is() {
 fn what_a_parent_exports_again_counts_for_the_sibling_that_defines_it() {
     let files = [
         ("lib.rs", "mod a;"),
-        (
-            "a/mod.rs",
-            "mod b; mod c; mod d; pub use b::{B, deeper::*}; use d::d;",
-        ),
+        ("a/mod.rs", "mod b; mod c; mod d; pub use b::{B, deeper::*}; use d::d;"),
         ("a/b/mod.rs", "pub mod deeper; pub struct B;"),
         ("a/b/deeper.rs", "pub struct Deep;"),
         (
@@ -238,10 +225,7 @@ fn a_parent_imports_what_it_exports_where_it_names_it_itself() {
         ])
     };
     assert_eq!(parent("mod b; pub use b::B;"), [""; 0]);
-    assert_eq!(
-        parent("mod b; pub use b::B; struct A(B);"),
-        ["a.rs → a/b.rs"]
-    );
+    assert_eq!(parent("mod b; pub use b::B; struct A(B);"), ["a.rs → a/b.rs"]);
     assert_eq!(parent("mod b; fn a() { b::c() }"), ["a.rs → a/b.rs"]);
     assert_eq!(parent("mod b; fn a(b: u8, x: X) { x.b; x.c() }"), [""; 0]);
 }
@@ -273,10 +257,7 @@ fn circle() -> Imports {
 
 #[test]
 fn a_knot_is_the_files_that_can_be_reached_from_each_other() {
-    let knots: Vec<Vec<String>> = knots::knots(&circle())
-        .into_iter()
-        .map(Vec::from_iter)
-        .collect();
+    let knots: Vec<Vec<String>> = knots::knots(&circle()).into_iter().map(Vec::from_iter).collect();
     assert_eq!(knots, [["a.rs", "b.rs", "c.rs"]]);
     assert_eq!(
         knots::circle(&circle(), "b.rs"),
@@ -291,9 +272,7 @@ fn the_list_of_knots_says_what_was_tied_and_what_was_untied() {
     assert_eq!(wrong(&[]).len(), 3, "a new knot");
     let grown = wrong(&[&["a.rs", "b.rs"]]);
     assert!(
-        grown[0].starts_with(
-            "c.rs is tied into a knot of 3 files by\n  c.rs imports a.rs: crate::a::A"
-        ),
+        grown[0].starts_with("c.rs is tied into a knot of 3 files by\n  c.rs imports a.rs: crate::a::A"),
         "{grown:?}"
     );
     assert_eq!(

@@ -75,9 +75,7 @@ impl Module {
     }
 
     pub(crate) fn globs(&self) -> impl Iterator<Item = &[String]> {
-        self.uses()
-            .filter(|(_, name)| name.is_none())
-            .map(|(path, _)| path)
+        self.uses().filter(|(_, name)| name.is_none()).map(|(path, _)| path)
     }
 
     fn uses(&self) -> impl Iterator<Item = (&[String], Option<&str>)> {
@@ -90,10 +88,7 @@ impl Module {
 
     /// The names in all paths but those of comments.
     pub(crate) fn names_in_code(&self) -> impl Iterator<Item = &str> {
-        let in_code = self
-            .mentions
-            .iter()
-            .filter(|mention| mention.place != Place::Comment);
+        let in_code = self.mentions.iter().filter(|mention| mention.place != Place::Comment);
         in_code.flat_map(|mention| mention.path.iter().map(String::as_str))
     }
 }
@@ -142,9 +137,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn read_file(&mut self, scope: &Scope, text: &str) {
-        let stream: TokenStream = text
-            .parse()
-            .unwrap_or_else(|error| panic!("{}: {error}", scope.file));
+        let stream: TokenStream = text.parse().unwrap_or_else(|error| panic!("{}: {error}", scope.file));
         let mut tokens = Vec::new();
         flatten(stream, &mut tokens);
         self.read_module(&borrowed(&tokens), scope);
@@ -167,8 +160,7 @@ impl Reader<'_> {
         while let Some((token, after)) = rest.split_first() {
             let follows_visibility = matches!(*token, "pub" | ")");
             rest = match rest {
-                ["#", "[", "cfg", "(", "test", ")", "]", ..]
-                | ["#", "[", "cfg", "(", "all", "(", "test", ",", ..] => {
+                ["#", "[", "cfg", "(", "test", ")", "]", ..] | ["#", "[", "cfg", "(", "all", "(", "test", ",", ..] => {
                     let attribute = 1 + closing(&rest[1..]);
                     let (item, after) = rest[attribute..].split_at(end_of_item(&rest[attribute..]));
                     let test = Scope {
@@ -231,15 +223,9 @@ impl Reader<'_> {
         let child = scope.child(name);
         let files = match given {
             Some(file) => vec![format!("{}{file}", folder_of(&scope.file))],
-            None => vec![
-                format!("{}{name}.rs", scope.folder),
-                format!("{}mod.rs", child.folder),
-            ],
+            None => vec![format!("{}{name}.rs", scope.folder), format!("{}mod.rs", child.folder)],
         };
-        let Some((file, text)) = files
-            .iter()
-            .find_map(|file| Some((file, (self.text)(file)?)))
-        else {
+        let Some((file, text)) = files.iter().find_map(|file| Some((file, (self.text)(file)?))) else {
             panic!("{} declares {name}, which has no file", scope.file);
         };
         let child = Scope {
@@ -251,19 +237,12 @@ impl Reader<'_> {
     }
 
     fn module(&mut self, scope: &Scope) -> &mut Module {
-        self.sources
-            .modules
-            .entry(scope.module.clone())
-            .or_default()
+        self.sources.modules.entry(scope.module.clone()).or_default()
     }
 
     fn mention(&mut self, scope: &Scope, path: Path, place: Place) {
         let is_test = scope.is_test;
-        self.module(scope).mentions.insert(Mention {
-            path,
-            place,
-            is_test,
-        });
+        self.module(scope).mentions.insert(Mention { path, place, is_test });
     }
 }
 
@@ -273,8 +252,7 @@ fn folder_of(file: &str) -> &str {
 }
 
 fn is_name(token: &str) -> bool {
-    token.starts_with(|c: char| c.is_alphabetic() || c == '_')
-        && token.chars().all(|c| c.is_alphanumeric() || c == '_')
+    token.starts_with(|c: char| c.is_alphabetic() || c == '_') && token.chars().all(|c| c.is_alphanumeric() || c == '_')
 }
 
 fn borrowed(tokens: &[String]) -> Vec<&str> {
@@ -360,11 +338,7 @@ fn read_path<'a, 'b>(tokens: &'b [&'a str]) -> (Path, &'b [&'a str]) {
 
 /// Reads the tree of a `use` below `stem` into paths and the names that they are given, none for a glob. What is after
 /// it is returned.
-fn read_tree<'a, 'b>(
-    tokens: &'b [&'a str],
-    stem: &Path,
-    leaves: &mut Vec<(Path, Option<String>)>,
-) -> &'b [&'a str] {
+fn read_tree<'a, 'b>(tokens: &'b [&'a str], stem: &Path, leaves: &mut Vec<(Path, Option<String>)>) -> &'b [&'a str] {
     let joined = |name: &str| [stem.as_slice(), &[name.to_string()]].concat();
     match tokens {
         ["{", after @ ..] => {
@@ -391,11 +365,7 @@ fn read_tree<'a, 'b>(
 }
 
 /// Reads the end of a path in the tree of a `use`, which may have another name there.
-fn read_name<'a, 'b>(
-    path: Path,
-    tokens: &'b [&'a str],
-    leaves: &mut Vec<(Path, Option<String>)>,
-) -> &'b [&'a str] {
+fn read_name<'a, 'b>(path: Path, tokens: &'b [&'a str], leaves: &mut Vec<(Path, Option<String>)>) -> &'b [&'a str] {
     let (name, after) = match tokens {
         ["as", name, after @ ..] => (Some((*name).into()), after),
         _ => (path.last().cloned(), tokens),
@@ -407,10 +377,7 @@ fn read_name<'a, 'b>(
 /// What comments link to: whatever looks like a path from the root or the module above. Examples name the crate as
 /// others do.
 fn paths_in_comments(text: &str) -> Vec<Path> {
-    let comments: Vec<&str> = text
-        .lines()
-        .filter_map(|line| Some(line.split_once("//")?.1))
-        .collect();
+    let comments: Vec<&str> = text.lines().filter_map(|line| Some(line.split_once("//")?.1)).collect();
     let tokens = words(&comments);
     let mut leaves = Vec::new();
     let mut rest = tokens.as_slice();

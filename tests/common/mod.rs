@@ -9,8 +9,8 @@ use pointreel::math::Aabb;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, LightStyle, Lighting, Primitive, Projection,
-    ScenePacket, Splatting, Style, SurfelStyle, Surfels, UpAxis, Voxels,
+    Backdrop, Background, Camera, Content, LightStyle, Lighting, Primitive, Projection, ScenePacket, Splatting, Style,
+    SurfelStyle, Surfels, UpAxis, Voxels,
 };
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 
@@ -34,14 +34,11 @@ pub(crate) fn context() -> Arc<Context> {
     Arc::clone(&CONTEXT)
 }
 
-static RENDERER: LazyLock<Mutex<GpuRenderer>> =
-    LazyLock::new(|| Mutex::new(GpuRenderer::new(context()).unwrap()));
+static RENDERER: LazyLock<Mutex<GpuRenderer>> = LazyLock::new(|| Mutex::new(GpuRenderer::new(context()).unwrap()));
 
 /// The renderer that the tests of one binary share; tests that read counters make their own.
 pub(crate) fn renderer() -> MutexGuard<'static, GpuRenderer> {
-    RENDERER
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
+    RENDERER.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 /// Draws a packet with the shared renderer.
@@ -98,12 +95,7 @@ pub(crate) struct Surfel {
 }
 
 /// A packet of surfels (or of points, by the settings).
-pub(crate) fn surfels(
-    surfels: &[Surfel],
-    camera: &Camera,
-    settings: Style,
-    viewport_px: [u32; 2],
-) -> ScenePacket {
+pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, settings: Style, viewport_px: [u32; 2]) -> ScenePacket {
     let positions: Vec<Vec3> = surfels.iter().map(|surfel| surfel.position).collect();
     let points = surfels.iter().map(|surfel| PointRecord {
         position: surfel.position.to_array(),
@@ -139,10 +131,7 @@ pub(crate) fn voxels(
     settings: Style,
     viewport_px: [u32; 2],
 ) -> ScenePacket {
-    let centers: Vec<Vec3> = records
-        .iter()
-        .map(|record| Vec3::from_array(record.center))
-        .collect();
+    let centers: Vec<Vec3> = records.iter().map(|record| Vec3::from_array(record.center)).collect();
     ScenePacket {
         viewport_px,
         view: camera.transform(DVec3::ZERO, viewport_px),
@@ -179,9 +168,7 @@ pub(crate) fn sphere(count: u32, sphere_radius: f32) -> Vec<Surfel> {
             let (sin, cos) = (golden_angle * i as f32).sin_cos();
             let ring = (1.0 - y * y).sqrt();
             let normal = Vec3::new(ring * cos, y, ring * sin);
-            let color = (normal * 127.5 + 127.5)
-                .to_array()
-                .map(|channel| channel as u8);
+            let color = (normal * 127.5 + 127.5).to_array().map(|channel| channel as u8);
             Surfel {
                 position: normal * sphere_radius,
                 normal,
@@ -195,10 +182,7 @@ pub(crate) fn sphere(count: u32, sphere_radius: f32) -> Vec<Surfel> {
 
 /// Number of pixels that are not `background`.
 pub(crate) fn covered(image: &RgbaImage, background: [u8; 3]) -> usize {
-    image
-        .pixels()
-        .filter(|pixel| pixel.0[..3] != background)
-        .count()
+    image.pixels().filter(|pixel| pixel.0[..3] != background).count()
 }
 
 /// Number of pixels of exactly this colour.
@@ -212,12 +196,7 @@ pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage) -> (usize, u8) {
     a.pixels()
         .zip(b.pixels())
         .fold((0, 0), |(count, max), (Rgba(a), Rgba(b))| {
-            let most = a
-                .iter()
-                .zip(b)
-                .map(|(a, b)| a.abs_diff(*b))
-                .max()
-                .unwrap_or(0);
+            let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
             (count + usize::from(most > 0), max.max(most))
         })
 }

@@ -23,8 +23,7 @@ pub(crate) fn sequence(broken: &'static [u64]) -> Arc<Sequence> {
             return Err(format!("{}: line 3: expected an element", source.name).into());
         }
         let size = 1.0 + number as f32 / 100.0;
-        let corners = (0..8)
-            .map(|corner| [0, 1, 2].map(|axis| size * (corner >> axis & 1) as f32 - 0.5 * size));
+        let corners = (0..8).map(|corner| [0, 1, 2].map(|axis| size * (corner >> axis & 1) as f32 - 0.5 * size));
         Ok(RawCloud::from_positions(Positions::F32(corners.collect())))
     }))
 }
@@ -53,12 +52,7 @@ pub(crate) fn state_on(sequence: Arc<Sequence>, options: StateOptions) -> State 
     load_all(&mut state);
     state.update(Duration::ZERO);
     // The view does not change by itself any more.
-    let is_shown = |state: &State| {
-        state
-            .player
-            .as_ref()
-            .is_some_and(|player| player.shown().is_some())
-    };
+    let is_shown = |state: &State| state.player.as_ref().is_some_and(|player| player.shown().is_some());
     let begin = std::time::Instant::now();
     while is_shown(&state) && !state.has_looked() && begin.elapsed() < Duration::from_secs(20) {
         std::thread::sleep(Duration::from_millis(1));

@@ -1,8 +1,5 @@
 //! The real program on an X server without a screen: real keys and a real mouse go in, pixels come out.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a helper of a test that cannot go on fails the test"
-)]
+#![allow(clippy::unwrap_used, reason = "a helper of a test that cannot go on fails the test")]
 #![allow(dead_code, reason = "no test needs all of it")]
 
 use std::io::Read as _;
@@ -121,30 +118,15 @@ impl Screen {
     pub(crate) fn of(server: &Xvfb) -> Self {
         let (connection, number) = x11rb::connect(Some(&server.display)).unwrap();
         let screen = &connection.setup().roots[number];
-        let (root, size) = (
-            screen.root,
-            [screen.width_in_pixels, screen.height_in_pixels],
-        );
-        Self {
-            connection,
-            root,
-            size,
-        }
+        let (root, size) = (screen.root, [screen.width_in_pixels, screen.height_in_pixels]);
+        Self { connection, root, size }
     }
 
     /// All pixels, 4 bytes each.
     pub(crate) fn pixels(&self) -> Vec<u8> {
         let [width, height] = self.size;
         self.connection
-            .get_image(
-                xproto::ImageFormat::Z_PIXMAP,
-                self.root,
-                0,
-                0,
-                width,
-                height,
-                u32::MAX,
-            )
+            .get_image(xproto::ImageFormat::Z_PIXMAP, self.root, 0, 0, width, height, u32::MAX)
             .unwrap()
             .reply()
             .unwrap()
@@ -202,22 +184,11 @@ impl Screen {
     pub(crate) fn window(&self) -> xproto::Window {
         let begin = Instant::now();
         loop {
-            let children = self
-                .connection
-                .query_tree(self.root)
-                .unwrap()
-                .reply()
-                .unwrap()
-                .children;
+            let children = self.connection.query_tree(self.root).unwrap().reply().unwrap().children;
             let viewable = children.into_iter().find(|&child| {
-                let attributes = self
-                    .connection
-                    .get_window_attributes(child)
-                    .unwrap()
-                    .reply();
+                let attributes = self.connection.get_window_attributes(child).unwrap().reply();
                 let geometry = self.connection.get_geometry(child).unwrap().reply();
-                attributes
-                    .is_ok_and(|attributes| attributes.map_state == xproto::MapState::VIEWABLE)
+                attributes.is_ok_and(|attributes| attributes.map_state == xproto::MapState::VIEWABLE)
                     && geometry.is_ok_and(|geometry| geometry.width > 100)
             });
             if let Some(window) = viewable {
@@ -230,9 +201,7 @@ impl Screen {
 
     /// Gives the window another size, as its edge drawn by the mouse would.
     pub(crate) fn resize(&self, window: xproto::Window, width: u32, height: u32) {
-        let size = xproto::ConfigureWindowAux::new()
-            .width(width)
-            .height(height);
+        let size = xproto::ConfigureWindowAux::new().width(width).height(height);
         self.connection
             .configure_window(window, &size)
             .unwrap()
@@ -266,30 +235,14 @@ impl Screen {
         std::thread::sleep(Duration::from_millis(300));
         let over = [x, y].map(|edge| usize::try_from(edge).unwrap() + 1);
         let pixel = 4 * (over[1] * usize::from(self.size[0]) + over[0]);
-        assert_eq!(
-            self.pixels()[pixel..pixel + 3],
-            [0xff, 0, 0xff],
-            "it is not covered"
-        );
-        self.connection
-            .destroy_window(window)
-            .unwrap()
-            .check()
-            .unwrap();
+        assert_eq!(self.pixels()[pixel..pixel + 3], [0xff, 0, 0xff], "it is not covered");
+        self.connection.destroy_window(window).unwrap().check().unwrap();
     }
 
     /// Waits until the window has the keyboard, which it takes itself: there is no window manager.
     pub(crate) fn wait_for_keyboard(&self, window: xproto::Window) {
         let begin = Instant::now();
-        while self
-            .connection
-            .get_input_focus()
-            .unwrap()
-            .reply()
-            .unwrap()
-            .focus
-            != window
-        {
+        while self.connection.get_input_focus().unwrap().reply().unwrap().focus != window {
             assert!(begin.elapsed() < PATIENCE, "the window has no keyboard");
             std::thread::sleep(Duration::from_millis(50));
         }
@@ -343,9 +296,7 @@ pub(crate) fn has_a_cloud(picture: &[u8]) -> bool {
 }
 
 pub(crate) fn pngs(folder: &Path) -> Vec<PathBuf> {
-    let files = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path());
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     files
         .filter(|path| path.extension().is_some_and(|extension| extension == "png"))
         .collect()

@@ -3,16 +3,14 @@
 use super::{headless, near_by, settings};
 use crate::common;
 use image::RgbaImage;
-use pointreel::export::{
-    ExportError, MAX_EDGE_PX, PictureSize, draw_picture, write_picture, write_picture_observed,
-};
+use pointreel::export::{ExportError, MAX_EDGE_PX, PictureSize, draw_picture, write_picture, write_picture_observed};
 use pointreel::levels::Lod;
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{
-    Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle, LightStyle,
-    PointStyle, Primitive, Splatting, Strategy, Style, SurfelStyle,
+    Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle, LightStyle, PointStyle, Primitive,
+    Splatting, Strategy, Style, SurfelStyle,
 };
 use std::sync::{Arc, Mutex};
 
@@ -77,20 +75,18 @@ fn ways() -> Vec<Style> {
         ..settings()
     }));
     // In parts neighbours are seen beyond them, and lines go on.
-    ways.extend(
-        [Primitive::Surfel, Primitive::Voxel].map(|primitive| Style {
-            primitive,
-            light: LightStyle {
-                eye_dome: EyeDome::On,
-                ..settings().light
-            },
-            backdrop: Backdrop {
-                grid: true,
-                ..settings().backdrop
-            },
-            ..settings()
-        }),
-    );
+    ways.extend([Primitive::Surfel, Primitive::Voxel].map(|primitive| Style {
+        primitive,
+        light: LightStyle {
+            eye_dome: EyeDome::On,
+            ..settings().light
+        },
+        backdrop: Backdrop {
+            grid: true,
+            ..settings().backdrop
+        },
+        ..settings()
+    }));
     ways
 }
 
@@ -143,8 +139,7 @@ fn over(picture: &RgbaImage, behind: [u8; 3]) -> RgbaImage {
     for pixel in over.pixels_mut() {
         let alpha = f32::from(pixel.0[3]) / 255.0;
         for (channel, behind) in pixel.0.iter_mut().zip(behind) {
-            *channel =
-                (f32::from(*channel) * alpha + f32::from(behind) * (1.0 - alpha)).round() as u8;
+            *channel = (f32::from(*channel) * alpha + f32::from(behind) * (1.0 - alpha)).round() as u8;
         }
         pixel.0[3] = 255;
     }
@@ -182,12 +177,7 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
         let (opaque, transparent) = (draw(false), draw(true));
         let (_, largest) = common::difference(&over(&transparent, [200, 60, 120]), &opaque);
         assert!(largest <= 2, "{primitive}: {largest}");
-        let share = |alpha: u8| {
-            transparent
-                .pixels()
-                .filter(|pixel| pixel.0[3] == alpha)
-                .count()
-        };
+        let share = |alpha: u8| transparent.pixels().filter(|pixel| pixel.0[3] == alpha).count();
         assert!(share(0) > 1000, "{primitive}: nothing is transparent");
         assert!(share(255) > 1000, "{primitive}: nothing is opaque");
         assert_eq!(transparent.get_pixel(0, 0).0, [0; 4]);
@@ -256,8 +246,7 @@ fn a_picture_that_is_cancelled_between_its_parts_leaves_nothing() {
             }
         });
         let output = (file.as_path(), &progress);
-        let written =
-            write_picture_observed(&mut headless, &frame, &camera, &settings, size, output);
+        let written = write_picture_observed(&mut headless, &frame, &camera, &settings, size, output);
         assert_eq!(progress.of(), Some(6));
         let told = told.lock().unwrap().clone();
         (written, told)
@@ -284,18 +273,14 @@ fn what_cannot_be_drawn_is_refused_and_leaves_nothing() {
         ..settings()
     };
     let (frame, camera) = near_by(&headless, &settings);
-    let mut write = |size: PictureSize| {
-        write_picture(&mut headless, &frame, &camera, &settings, size, &file).unwrap_err()
-    };
+    let mut write =
+        |size: PictureSize| write_picture(&mut headless, &frame, &camera, &settings, size, &file).unwrap_err();
     let huge = write(PictureSize::opaque([MAX_EDGE_PX + 1, 4]));
     assert!(matches!(huge, ExportError::PictureSize { .. }), "{huge}");
     let scaled = write(PictureSize {
         part_edge_px: Some(50),
         ..PictureSize::opaque(SIZE_PX)
     });
-    assert!(
-        matches!(scaled, ExportError::ScaledParts { .. }),
-        "{scaled}"
-    );
+    assert!(matches!(scaled, ExportError::ScaledParts { .. }), "{scaled}");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

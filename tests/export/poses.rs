@@ -4,20 +4,15 @@ use super::headless_of;
 use image::RgbaImage;
 use pointreel::analysis::ColorMap;
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::export::{
-    ChangeColors, PictureSize, Poses, TrailLook, Video, draw_picture, export_video,
-};
+use pointreel::export::{ChangeColors, PictureSize, Poses, TrailLook, Video, draw_picture, export_video};
 use pointreel::headless::Headless;
 use pointreel::math::Aabb;
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{
-    Backdrop, Background, Camera, CameraPath, LightStyle, Lighting, PointStyle, Primitive, Style,
-    UpAxis,
+    Backdrop, Background, Camera, CameraPath, LightStyle, Lighting, PointStyle, Primitive, Style, UpAxis,
 };
-use pointreel::sequence::{
-    ColorSource, Coloring, FrameEntry, OnionSkin, Sequence, TrailRequest, Trails,
-};
+use pointreel::sequence::{ColorSource, Coloring, FrameEntry, OnionSkin, Sequence, TrailRequest, Trails};
 use std::collections::HashSet;
 
 const FRAMES: usize = 4;
@@ -86,15 +81,9 @@ fn pictures(poses: &Poses) -> (Vec<RgbaImage>, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("{frame}.png");
     let mut said = Vec::new();
-    let failed = export_video(
-        &mut walk(),
-        &video,
-        &output,
-        &Progress::default(),
-        &mut |picture| {
-            said.extend(picture.problems.clone());
-        },
-    );
+    let failed = export_video(&mut walk(), &video, &output, &Progress::default(), &mut |picture| {
+        said.extend(picture.problems.clone());
+    });
     assert!(failed.unwrap().is_empty());
     let mut headless = walk();
     let pictures = (0..FRAMES).map(|frame| {
@@ -170,11 +159,7 @@ fn points_have_the_colour_of_their_distance_to_the_other_pose() {
         let mut without = 0;
         for (frame, picture) in pictures.iter().enumerate() {
             let is_there = (0..FRAMES as i64).contains(&(frame as i64 + step));
-            let expected = if is_there {
-                [red, green, blue]
-            } else {
-                [255; 3]
-            };
+            let expected = if is_there { [red, green, blue] } else { [255; 3] };
             assert_eq!(colors(picture, 0..160), [expected].into(), "frame {frame}");
             without += usize::from(!is_there);
         }
@@ -192,13 +177,7 @@ fn trails_lead_from_pose_to_pose() {
         points_in_file: 40,
         frames: 0..FRAMES,
     };
-    let found = Trails::trace(
-        &request,
-        headless.sequence(),
-        |_| None,
-        &Progress::default(),
-    )
-    .unwrap();
+    let found = Trails::trace(&request, headless.sequence(), |_| None, &Progress::default()).unwrap();
     assert!(found.breaks().is_empty());
     let with = |look| Poses {
         trails: Some((found.clone(), vec![look])),

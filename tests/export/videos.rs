@@ -4,9 +4,7 @@ use super::{headless, headless_of, near_by};
 use image::codecs::gif::GifDecoder;
 use image::codecs::webp::WebPDecoder;
 use image::{AnimationDecoder as _, Frame, RgbaImage};
-use pointreel::export::{
-    ExportError, PictureSize, Poses, Video, draw_picture, export_video, open_sink,
-};
+use pointreel::export::{ExportError, PictureSize, Poses, Video, draw_picture, export_video, open_sink};
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
@@ -47,17 +45,11 @@ fn video<'a>(path: &'a CameraPath, settings: &'a Style) -> Video<'a> {
 fn export(video: &Video<'_>, output: &Path) -> Vec<usize> {
     let mut shown = Vec::new();
     let mut headless = headless(AnyRenderer::cpu());
-    let failed = export_video(
-        &mut headless,
-        video,
-        output,
-        &Progress::default(),
-        &mut |picture| {
-            assert_eq!(picture.done, shown.len() + 1);
-            assert_eq!(picture.total, video.picture_count());
-            shown.push(picture.stats.index);
-        },
-    );
+    let failed = export_video(&mut headless, video, output, &Progress::default(), &mut |picture| {
+        assert_eq!(picture.done, shown.len() + 1);
+        assert_eq!(picture.total, video.picture_count());
+        shown.push(picture.stats.index);
+    });
     assert!(failed.unwrap().is_empty());
     shown
 }
@@ -67,9 +59,7 @@ fn expected(video: &Video<'_>) -> Vec<RgbaImage> {
     let mut headless = headless(AnyRenderer::cpu());
     (0..video.picture_count())
         .map(|picture| {
-            let (camera, frame) = video
-                .path
-                .at(picture as f64 * video.speed / video.per_second);
+            let (camera, frame) = video.path.at(picture as f64 * video.speed / video.per_second);
             let frame = headless.frame(frame % 24, video.settings).unwrap();
             draw_picture(&mut headless, &frame, &camera, video.settings, video.size).unwrap()
         })
@@ -183,10 +173,7 @@ fn png_files_get_their_names_together() {
             assert!(image::open(folder.path().join(name)).unwrap().to_rgba8() == *expected);
         }
     }
-    assert_eq!(
-        fs::read_dir(folder.path().join("named")).unwrap().count(),
-        7
-    );
+    assert_eq!(fs::read_dir(folder.path().join("named")).unwrap().count(), 7);
 }
 
 #[test]
@@ -250,19 +237,8 @@ fn an_mp4_is_made_by_ffmpeg() {
     let file = folder.path().join("a.mp4");
     if !ffmpeg_is_there() {
         let mut headless = headless(AnyRenderer::cpu());
-        let error = export_video(
-            &mut headless,
-            &video,
-            &file,
-            &Progress::default(),
-            &mut |_| {},
-        );
-        assert!(
-            error
-                .unwrap_err()
-                .to_string()
-                .contains("apt-get install ffmpeg")
-        );
+        let error = export_video(&mut headless, &video, &file, &Progress::default(), &mut |_| {});
+        assert!(error.unwrap_err().to_string().contains("apt-get install ffmpeg"));
         return;
     }
     export(&video, &file);
@@ -318,11 +294,7 @@ fn formats_refuse_what_they_have_not() {
 fn the_time_path_plays_backwards_holds_and_begins_anew() {
     let settings = Style::default();
     let (_, camera) = near_by(&headless(AnyRenderer::cpu()), &settings);
-    let key = |time_s: f64, frame: f64| Keyframe {
-        time_s,
-        camera,
-        frame,
-    };
+    let key = |time_s: f64, frame: f64| Keyframe { time_s, camera, frame };
     let keys = vec![
         key(0.0, 2.0),
         key(2.0, 0.0),
@@ -352,10 +324,7 @@ fn a_broken_frame_is_reported_and_the_one_before_it_stays() {
         if source.path == broken {
             return Err("torn".into());
         }
-        let index = demo
-            .entries()
-            .iter()
-            .position(|known| known.path == source.path);
+        let index = demo.entries().iter().position(|known| known.path == source.path);
         demo.decode(index.unwrap()).map_err(Into::into)
     });
     let path = turntable(&settings);

@@ -69,19 +69,12 @@ fn protobuf(seconds: u8, has_pose: bool, stride: u32, data: &[u8]) -> Vec<u8> {
     message.extend(bytes(2, b"lidar"));
     if has_pose {
         let (position, orientation) = POSE;
-        let pose = [
-            bytes(1, &doubles(&position)),
-            bytes(2, &doubles(&orientation)),
-        ];
+        let pose = [bytes(1, &doubles(&position)), bytes(2, &doubles(&orientation))];
         message.extend(bytes(3, &pose.concat()));
     }
     message.extend(fixed32(4, stride));
     for (name, offset, kind) in FIELDS {
-        let field = [
-            bytes(1, name.as_bytes()),
-            fixed32(2, offset),
-            vec![3 << 3, kind],
-        ];
+        let field = [bytes(1, name.as_bytes()), fixed32(2, offset), vec![3 << 3, kind]];
         message.extend(bytes(5, &field.concat()));
     }
     message.extend(bytes(6, data));
@@ -119,14 +112,8 @@ const WRITERS: [(&str, Writer); 2] = [("protobuf", protobuf), ("json", json)];
 fn write(path: &Path, encoding: &str, messages: &[Vec<u8>], options: mcap::WriteOptions) {
     let mut file = std::fs::File::create(path).unwrap();
     let mut writer = options.create(&mut file).unwrap();
-    let schema_encoding = if encoding == "json" {
-        "jsonschema"
-    } else {
-        encoding
-    };
-    let schema = writer
-        .add_schema("foxglove.PointCloud", schema_encoding, b"")
-        .unwrap();
+    let schema_encoding = if encoding == "json" { "jsonschema" } else { encoding };
+    let schema = writer.add_schema("foxglove.PointCloud", schema_encoding, b"").unwrap();
     let channel = writer
         .add_channel(schema, "/lidar", encoding, &BTreeMap::new())
         .unwrap();
@@ -202,18 +189,8 @@ fn the_first_bytes_of_json_tell_the_time() {
     let path = folder.path().join("a.mcap");
     // A field of that name is no time of the message, and comes first here.
     let message = br#"{"fields":[{"name":"timestamp","offset":0,"type":7}],"timestamp" : {"sec":3,"nsec":4},"data":""#;
-    let message = [
-        &message[..],
-        &b"AAAA".repeat(1000),
-        b"\",\"point_stride\":4}",
-    ]
-    .concat();
-    write(
-        &path,
-        "json",
-        &[message],
-        mcap::WriteOptions::new().use_chunks(false),
-    );
+    let message = [&message[..], &b"AAAA".repeat(1000), b"\",\"point_stride\":4}"].concat();
+    write(&path, "json", &[message], mcap::WriteOptions::new().use_chunks(false));
     let entries = io::list(&path, &ReadOptions::default()).unwrap();
     assert_eq!(entries[0].time, Some(Duration::new(3, 4)));
 }
@@ -235,11 +212,7 @@ fn what_does_not_fit_is_said() {
             ),
             (
                 message(1, false, STRIDE, &data(5))[..40].to_vec(),
-                if encoding == "json" {
-                    "EOF"
-                } else {
-                    "truncated"
-                },
+                if encoding == "json" { "EOF" } else { "truncated" },
             ),
         ] {
             write(&path, encoding, &[bad], mcap::WriteOptions::new());
@@ -250,17 +223,9 @@ fn what_does_not_fit_is_said() {
     let typed = String::from_utf8(json(1, false, STRIDE, &data(1)))
         .unwrap()
         .replace("\"type\":4", "\"type\":0");
-    write(
-        &path,
-        "json",
-        &[typed.into_bytes()],
-        mcap::WriteOptions::new(),
-    );
+    write(&path, "json", &[typed.into_bytes()], mcap::WriteOptions::new());
     let error = io::read(&path).unwrap_err().to_string();
-    assert!(
-        error.contains("field `ring` is of type 0, expected 1 to 8"),
-        "{error}"
-    );
+    assert!(error.contains("field `ring` is of type 0, expected 1 to 8"), "{error}");
     // Points of three bytes become three doubles: that is asked for before it is taken.
     let mut narrow = fixed32(4, 3);
     for (index, name) in [b"x", b"y", b"z"].into_iter().enumerate() {
@@ -295,12 +260,7 @@ fn damaged_messages_are_answered() {
             flipped.into_iter().chain([message[..at].to_vec()])
         });
         let damaged: Vec<_> = damaged.collect();
-        write(
-            &path,
-            encoding,
-            &damaged,
-            mcap::WriteOptions::new().use_chunks(false),
-        );
+        write(&path, encoding, &damaged, mcap::WriteOptions::new().use_chunks(false));
         let entries = io::list(&path, &ReadOptions::default()).unwrap();
         assert_eq!(entries.len(), damaged.len());
         let options = ReadOptions::default().with_max_memory(1 << 20);

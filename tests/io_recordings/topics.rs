@@ -40,10 +40,7 @@ fn the_topic_that_is_named_is_read() {
     for path in recordings(folder.path()) {
         let most = io::contents(&path, None, &options).unwrap();
         assert_eq!(most.topics, topics("/points"), "{}", path.display());
-        assert_eq!(
-            most,
-            io::contents(&path, Some("/points"), &options).unwrap()
-        );
+        assert_eq!(most, io::contents(&path, Some("/points"), &options).unwrap());
 
         let other = io::contents(&path, Some("/other"), &options).unwrap();
         assert_eq!(other.topics, topics("/other"));
@@ -75,18 +72,11 @@ fn sequences_are_of_one_topic() {
     // A recording in several files: their topics together.
     let both = open(&[first.clone(), second], Some("/other")).unwrap();
     assert_eq!(both.len(), 4);
-    let counts: Vec<usize> = both
-        .source()
-        .topics()
-        .iter()
-        .map(|topic| topic.cloud_count)
-        .collect();
+    let counts: Vec<usize> = both.source().topics().iter().map(|topic| topic.cloud_count).collect();
     assert_eq!(counts, [4, 6]);
 
     for wrong in ["/talk", "points", ""] {
-        let error = open(std::slice::from_ref(&first), Some(wrong))
-            .unwrap_err()
-            .to_string();
+        let error = open(std::slice::from_ref(&first), Some(wrong)).unwrap_err().to_string();
         assert!(error.contains("/other (2), /points (3)"), "{error}");
     }
     let cloud = folder.path().join("a.xyz");
@@ -101,11 +91,7 @@ fn a_recording_without_clouds_is_said() {
     let folder = folder();
     let path = folder.path().join("a.mcap");
     let mut file = std::io::Cursor::new(Vec::new());
-    mcap::WriteOptions::new()
-        .create(&mut file)
-        .unwrap()
-        .finish()
-        .unwrap();
+    mcap::WriteOptions::new().create(&mut file).unwrap().finish().unwrap();
     std::fs::write(&path, file.into_inner()).unwrap();
     let sequence = open(&[path], None).unwrap();
     assert_eq!(sequence.len(), 1);
@@ -144,10 +130,7 @@ fn commands_take_a_topic() {
     let unknown = pointreel(&["info", path, "--topic", "/lidar"]);
     assert_eq!(unknown.status.code(), Some(1));
     let error = String::from_utf8_lossy(&unknown.stderr).into_owned();
-    assert!(
-        error.contains("name one of /other (2), /points (3)"),
-        "{error}"
-    );
+    assert!(error.contains("name one of /other (2), /points (3)"), "{error}");
 
     // Frames of two topics are not mixed in one folder.
     let output = folder.path().join("frames");
@@ -156,8 +139,5 @@ fn commands_take_a_topic() {
     let mixed = pointreel(&["convert", path, output, "--topic", "/other"]);
     assert_eq!(mixed.status.code(), Some(1));
     let error = String::from_utf8_lossy(&mixed.stderr).into_owned();
-    assert!(
-        error.contains("topic /points there, topic /other now"),
-        "{error}"
-    );
+    assert!(error.contains("topic /points there, topic /other now"), "{error}");
 }

@@ -13,8 +13,7 @@ use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::panels::window_ui;
 use pointreel::app::{
-    BenchmarkJob, BenchmarkTable, Command, PanelId, Preferences, Quantity, State, StateOptions,
-    Tool, apply_theme,
+    BenchmarkJob, BenchmarkTable, Command, PanelId, Preferences, Quantity, State, StateOptions, Tool, apply_theme,
 };
 use pointreel::bench::Table;
 use pointreel::scene::{PointStyle, Primitive, Style};
@@ -65,11 +64,7 @@ impl Shown {
     fn fill_pictures(&mut self, share: u32) {
         let viewport = &self.harness.state().viewport;
         let sizes = [viewport.size_px, viewport.other_size_px];
-        let count = if viewport.other_texture.is_some() {
-            2
-        } else {
-            1
-        };
+        let count = if viewport.other_texture.is_some() { 2 } else { 1 };
         let filter = if share == 1 {
             TextureFilter::Nearest
         } else {
@@ -93,11 +88,7 @@ impl Shown {
             (Theme::Light, 2.0),
         ] {
             self.harness.ctx.set_theme(theme);
-            let root = self
-                .harness
-                .input_mut()
-                .viewports
-                .entry(egui::ViewportId::ROOT);
+            let root = self.harness.input_mut().viewports.entry(egui::ViewportId::ROOT);
             root.or_default().native_pixels_per_point = Some(scale);
             // Popups fade in: what is half there is compared as well.
             self.harness.run_steps(3);
@@ -172,14 +163,8 @@ fn statistics_help_and_notices() {
     shown.state().panels.set(PanelId::HELP, true);
     shown.compare("help", "Next frame");
     shown.state().panels.set(PanelId::HELP, false);
-    shown
-        .state()
-        .notices
-        .error("frame_0007.ply: line 3".to_owned());
-    shown
-        .state()
-        .notices
-        .warn("Frame 1 has colours, frame 6 has none");
+    shown.state().notices.error("frame_0007.ply: line 3".to_owned());
+    shown.state().notices.warn("Frame 1 has colours, frame 6 has none");
     shown.compare("notices", "line 3");
 }
 
@@ -231,9 +216,7 @@ fn a_benchmark() {
         })
     });
     shown.state().start_benchmark_job("surfels", job);
-    until(&mut shown, |harness| {
-        harness.query_by_label("Suite surfels").is_some()
-    });
+    until(&mut shown, |harness| harness.query_by_label("Suite surfels").is_some());
     shown.compare("benchmark", "Suite surfels");
 }
 
@@ -271,9 +254,7 @@ fn values_of_a_point_and_a_tooltip() {
 
     let mut shown = window();
     shown.harness.run();
-    let label = shown
-        .harness
-        .get_by_role_and_label(Role::Label, "Splat scale");
+    let label = shown.harness.get_by_role_and_label(Role::Label, "Splat scale");
     let place = label.rect().center();
     shown.harness.hover_at(place);
     shown.harness.run_steps(60);
@@ -293,9 +274,7 @@ fn change_map() {
     let node = shown.harness.get_by_role_and_label(role, "Change map");
     node.click();
     shown.harness.run();
-    until(&mut shown, |harness| {
-        harness.query_by_label("Copy numbers").is_some()
-    });
+    until(&mut shown, |harness| harness.query_by_label("Copy numbers").is_some());
     shown.compare("change map", "Copy numbers");
 }
 

@@ -150,8 +150,7 @@ impl Both {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let target = self.texture(size_px, usage);
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let mut encoder =
-            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: None });
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: None });
         self.theirs
             .update_buffers(device, queue, &mut encoder, &primitives, &screen);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
@@ -167,8 +166,7 @@ impl Both {
             })],
             ..Default::default()
         });
-        self.theirs
-            .render(&mut pass.forget_lifetime(), &primitives, &screen);
+        self.theirs.render(&mut pass.forget_lifetime(), &primitives, &screen);
         let row_bytes = (4 * size_px[0]).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
@@ -199,8 +197,7 @@ impl Both {
 
     /// What changed since the last time, and the rest as it was.
     fn paint_ours(&mut self, ctx: &Context, output: &FullOutput, size_px: [u32; 2]) {
-        self.pixels
-            .resize((size_px[0] * size_px[1]) as usize, 0x00ff_00ff);
+        self.pixels.resize((size_px[0] * size_px[1]) as usize, 0x00ff_00ff);
         self.ours
             .show(ctx, output.shapes.clone(), output.pixels_per_point, size_px);
         let damage = self.ours.take_damage();

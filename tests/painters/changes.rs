@@ -3,8 +3,8 @@
 use super::{Random, opaque_picture};
 use egui::epaint::{ClippedShape, CubicBezierShape, ImageDelta, Mesh, RectShape, Vertex};
 use egui::{
-    Color32, ColorImage, Context, CornerRadius, FontId, Pos2, RawInput, Rect, Shape, Stroke,
-    StrokeKind, TextureFilter, TextureId, TextureOptions, TexturesDelta, Vec2, pos2, vec2,
+    Color32, ColorImage, Context, CornerRadius, FontId, Pos2, RawInput, Rect, Shape, Stroke, StrokeKind, TextureFilter,
+    TextureId, TextureOptions, TexturesDelta, Vec2, pos2, vec2,
 };
 use image::RgbaImage;
 use pointreel::app::paint::{PixelRect, SoftwarePainter};
@@ -39,9 +39,7 @@ impl Scene {
             things: Vec::new(),
             versions: [1; 2],
             filters: [TextureFilter::Nearest; 2],
-            pictures: PICTURES
-                .map(|id| (id, opaque_picture(70, 50, seed)))
-                .to_vec(),
+            pictures: PICTURES.map(|id| (id, opaque_picture(70, 50, seed))).to_vec(),
             textures: TexturesDelta::default(),
         };
         for id in TEXTURES {
@@ -78,10 +76,7 @@ impl Scene {
     }
 
     fn place(&mut self) -> Pos2 {
-        let place = pos2(
-            self.random.between(-20.0, 160.0),
-            self.random.between(-20.0, 120.0),
-        );
+        let place = pos2(self.random.between(-20.0, 160.0), self.random.between(-20.0, 120.0));
         match self.random.below(3) {
             0 => place,
             1 => place.round(),
@@ -90,10 +85,7 @@ impl Scene {
     }
 
     fn rect(&mut self) -> Rect {
-        let size = vec2(
-            self.random.between(0.0, 60.0),
-            self.random.between(0.0, 40.0),
-        );
+        let size = vec2(self.random.between(0.0, 60.0), self.random.between(0.0, 40.0));
         Rect::from_min_size(self.place(), size)
     }
 
@@ -128,12 +120,7 @@ impl Scene {
             3 => {
                 let points = [(); 4].map(|()| self.place());
                 let stroke = Stroke::new(2.0, color);
-                let curve = CubicBezierShape::from_points_stroke(
-                    points,
-                    false,
-                    Color32::TRANSPARENT,
-                    stroke,
-                );
+                let curve = CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke);
                 Shape::Vec(vec![Shape::Noop, curve.into(), Shape::Vec(Vec::new())])
             }
             4 => {
@@ -155,10 +142,7 @@ impl Scene {
                     let vertex = Vertex {
                         pos: self.place(),
                         uv: if id == TEXTURES[0] {
-                            pos2(
-                                self.random.between(-1.0, 2.0),
-                                self.random.between(-1.0, 2.0),
-                            )
+                            pos2(self.random.between(-1.0, 2.0), self.random.between(-1.0, 2.0))
                         } else {
                             Pos2::ZERO
                         },
@@ -242,10 +226,7 @@ impl Scene {
                 self.set_texture(id, corner);
             }
             12 if self.random.below(8) == 0 => {
-                self.size_px = [
-                    100 + self.random.below(80) as u32,
-                    80 + self.random.below(60) as u32,
-                ];
+                self.size_px = [100 + self.random.below(80) as u32, 80 + self.random.below(60) as u32];
             }
             13 if self.random.below(8) == 0 => {
                 self.scale = [1.0, 1.25, 2.0][self.random.below(3) as usize];
@@ -262,8 +243,7 @@ impl Scene {
                 What::Shape(shape) => shape.clone(),
                 What::Text(text, place, color) => {
                     let font = FontId::proportional(13.0);
-                    let galley =
-                        ctx.fonts_mut(|fonts| fonts.layout_no_wrap(text.clone(), font, *color));
+                    let galley = ctx.fonts_mut(|fonts| fonts.layout_no_wrap(text.clone(), font, *color));
                     Shape::galley(*place, galley, *color)
                 }
             };
@@ -363,11 +343,7 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
                 };
                 buffers = vec![new(0x0012_3456), new(0x0065_4321), new(7)];
             }
-            let pictures: Vec<_> = scene
-                .pictures
-                .iter()
-                .map(|(id, image)| (*id, image))
-                .collect();
+            let pictures: Vec<_> = scene.pictures.iter().map(|(id, image)| (*id, image)).collect();
             for buffer in &mut buffers {
                 buffer.pending.extend(&damage);
             }

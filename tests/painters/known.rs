@@ -3,8 +3,7 @@
 use super::{Window, opaque_picture};
 use egui::epaint::{Mesh, RectShape, Vertex};
 use egui::{
-    Color32, ColorImage, CornerRadius, Pos2, Rect, Shape, TextureFilter, TextureId, TextureOptions,
-    Vec2, pos2, vec2,
+    Color32, ColorImage, CornerRadius, Pos2, Rect, Shape, TextureFilter, TextureId, TextureOptions, Vec2, pos2, vec2,
 };
 use image::RgbaImage;
 use pointreel::app::paint::PixelRect;
@@ -69,9 +68,7 @@ fn a_pixel_belongs_to_the_rectangle_in_which_its_centre_is() {
         window.show(vec![Shape::mesh(mesh)]);
         for y in 0..6 {
             for x in 0..6 {
-                let is_inside = [x, y]
-                    .iter()
-                    .all(|at| (expected[0]..expected[1]).contains(at));
+                let is_inside = [x, y].iter().all(|at| (expected[0]..expected[1]).contains(at));
                 assert_eq!(window.pixels[6 * y + x] != 0, is_inside, "{at}: {x}, {y}");
             }
         }
@@ -118,11 +115,7 @@ fn the_two_halves_of_a_turned_square_share_no_pixel() {
         let points = [axis, axis.rot90(), -axis, -axis.rot90()].map(|at| pos2(20.0, 20.0) + at);
         let half = Color32::from_rgba_premultiplied(0, 0, 100, 128);
         let mut window = Window::new([40, 40]);
-        window.show(vec![Shape::mesh(triangles(
-            &points,
-            &[0, 1, 2, 0, 2, 3],
-            half,
-        ))]);
+        window.show(vec![Shape::mesh(triangles(&points, &[0, 1, 2, 0, 2, 3], half))]);
         let covered = count(&window.pixels, 100);
         assert_eq!(covered + count(&window.pixels, 0), 1600, "{turn}");
         assert!((430..=470).contains(&covered), "{turn}: {covered} of 450");
@@ -219,14 +212,8 @@ fn textures_are_wrapped_as_they_ask() {
     let texel = |blue: u8| Color32::from_rgb(0, 0, blue);
     let image = ColorImage::new([3, 1], vec![texel(10), texel(20), texel(30)]);
     for (options, expected) in [
-        (
-            TextureOptions::NEAREST,
-            [10, 10, 10, 10, 20, 30, 30, 30, 30],
-        ),
-        (
-            TextureOptions::NEAREST_REPEAT,
-            [10, 20, 30, 10, 20, 30, 10, 20, 30],
-        ),
+        (TextureOptions::NEAREST, [10, 10, 10, 10, 20, 30, 30, 30, 30]),
+        (TextureOptions::NEAREST_REPEAT, [10, 20, 30, 10, 20, 30, 10, 20, 30]),
         (
             TextureOptions::NEAREST_MIRRORED_REPEAT,
             [30, 20, 10, 10, 20, 30, 30, 20, 10],

@@ -31,10 +31,7 @@ fn start(harness: &mut Harness<'_, State>, job: BenchmarkJob) {
 fn finish(harness: &mut Harness<'_, State>) {
     let begin = Instant::now();
     while matches!(harness.state().benchmark, Benchmark::Running(_)) {
-        assert!(
-            begin.elapsed() < Duration::from_secs(20),
-            "the benchmark does not end"
-        );
+        assert!(begin.elapsed() < Duration::from_secs(20), "the benchmark does not end");
         harness.state_mut().update(Duration::ZERO);
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -59,14 +56,7 @@ fn a_benchmark_shows_progress_then_its_table() {
             suite: "surfels".to_owned(),
             adapter: "Test adapter".to_owned(),
             tables: vec![
-                table(
-                    "",
-                    [
-                        ["strategy", "median"],
-                        ["storage", "1.25"],
-                        ["texture", "2.50"],
-                    ],
-                ),
+                table("", [["strategy", "median"], ["storage", "1.25"], ["texture", "2.50"]]),
                 table("leaves", [["δ", "loss"], ["2 %", "1.75"], ["10 %", "8.25"]]),
             ],
             bars_title: "median ms".to_owned(),
@@ -110,11 +100,7 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
     click(&mut harness, "Cancel");
     finish(&mut harness);
     assert!(matches!(harness.state().benchmark, Benchmark::Cancelled));
-    assert!(
-        harness
-            .query_by_label("The benchmark was cancelled.")
-            .is_some()
-    );
+    assert!(harness.query_by_label("The benchmark was cancelled.").is_some());
 
     start(
         &mut harness,
@@ -214,11 +200,7 @@ fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
     go_on.send(()).unwrap();
     finish(&mut harness);
     assert!(harness.query_by_label("Export page…").is_some());
-    assert!(
-        harness
-            .query_by_label("30.00 ms, FLIP 0.0500: way of 30 ms")
-            .is_some()
-    );
+    assert!(harness.query_by_label("30.00 ms, FLIP 0.0500: way of 30 ms").is_some());
     assert!(
         harness.query_by_label_contains("way of 9 ms").is_none(),
         "voxels are faster and better"
@@ -232,11 +214,7 @@ fn a_slider_leads_from_fast_to_exact() {
     let points: Vec<LabPoint> = points().iter().map(|point| (**point).clone()).collect();
     harness.state_mut().quality.known = Quality::of(&points);
     harness.run();
-    assert!(
-        harness
-            .query_by_label("Drawn in a way of your own")
-            .is_some()
-    );
+    assert!(harness.query_by_label("Drawn in a way of your own").is_some());
     // The slider's arrow keys, as a person without a mouse has them.
     let slider = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "Fast to exact");
     slider.focus();
@@ -244,9 +222,5 @@ fn a_slider_leads_from_fast_to_exact() {
     harness.key_press(egui::Key::ArrowLeft);
     harness.run();
     assert_eq!(harness.state().settings.primitive, Primitive::Voxel);
-    assert!(
-        harness
-            .query_by_label_contains("8.0 ms, FLIP 0.200")
-            .is_some()
-    );
+    assert!(harness.query_by_label_contains("8.0 ms, FLIP 0.200").is_some());
 }

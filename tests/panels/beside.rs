@@ -37,8 +37,7 @@ fn cubes(
         if broken.contains(&source.number.unwrap_or(0)) {
             return Err(format!("{}: torn", source.name).into());
         }
-        let corner =
-            |index: u32| place + DVec3::from_array([0, 1, 2].map(|axis| half(index, axis)));
+        let corner = |index: u32| place + DVec3::from_array([0, 1, 2].map(|axis| half(index, axis)));
         let corners = (0..8).map(|index| corner(index).to_array()).collect();
         Ok(RawCloud::from_positions(Positions::F64(corners)))
     }))
@@ -50,18 +49,10 @@ fn half(corner: u32, axis: u32) -> f64 {
 
 /// A window on cubes with points of 9 pixels, paused, beside `b`; all frames loaded.
 fn beside(b: &Arc<Sequence>) -> Harness<'static, State> {
-    beside_with(
-        cubes("left", DVec3::ZERO, FRAMES, Some(40), &[]),
-        b,
-        options(),
-    )
+    beside_with(cubes("left", DVec3::ZERO, FRAMES, Some(40), &[]), b, options())
 }
 
-fn beside_with(
-    a: Arc<Sequence>,
-    b: &Arc<Sequence>,
-    options: StateOptions,
-) -> Harness<'static, State> {
+fn beside_with(a: Arc<Sequence>, b: &Arc<Sequence>, options: StateOptions) -> Harness<'static, State> {
     let mut harness = window_on(a, options);
     harness.state_mut().settings = Style {
         primitive: Primitive::Point,
@@ -109,10 +100,7 @@ fn go_to(harness: &mut Harness<'_, State>, frame: usize) {
 
 fn companion_frame(harness: &Harness<'_, State>) -> Option<usize> {
     let companion = &harness.state().beside.as_ref().unwrap().companion;
-    assert_eq!(
-        companion.shown().map(|frame| frame.index),
-        companion.frame()
-    );
+    assert_eq!(companion.shown().map(|frame| frame.index), companion.frame());
     companion.frame()
 }
 
@@ -139,9 +127,7 @@ fn a_second_sequence_is_found_shown_and_closed() {
     };
     let mut harness = window_on(a, with_budget);
     assert_eq!(budgets(&harness), [budget_bytes, 0]);
-    harness
-        .state_mut()
-        .compare_paths(vec![folder.path().to_owned()]);
+    harness.state_mut().compare_paths(vec![folder.path().to_owned()]);
     let begin = Instant::now();
     while harness.state().beside.is_none() {
         assert!(begin.elapsed() < Duration::from_secs(20), "no answer");
@@ -167,10 +153,7 @@ fn a_second_sequence_is_found_shown_and_closed() {
         (Role::Button, "Measure distances"),
         (Role::Slider, "Line between A and B"),
     ] {
-        assert!(
-            harness.query_by_role_and_label(role, label).is_some(),
-            "{label}"
-        );
+        assert!(harness.query_by_role_and_label(role, label).is_some(), "{label}");
     }
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
     // C is for two ways to draw, and does not throw the sequence away.
@@ -185,9 +168,7 @@ fn a_second_sequence_is_found_shown_and_closed() {
 #[test]
 fn what_cannot_be_compared_is_said() {
     let mut harness = window_on(cubes("left", DVec3::ZERO, FRAMES, None, &[]), options());
-    harness
-        .state_mut()
-        .compare_paths(vec!["/nowhere/at/all".into()]);
+    harness.state_mut().compare_paths(vec!["/nowhere/at/all".into()]);
     let begin = Instant::now();
     while harness.state().notices.list().is_empty() {
         assert!(begin.elapsed() < Duration::from_secs(20), "no answer");
@@ -222,10 +203,7 @@ fn menus_and_keys_lead_there() {
         assert!(harness.query_by_label_contains(text).is_some(), "{text}");
     }
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert_eq!(
-        harness.state().beside.as_ref().unwrap().layout,
-        Layout::SideBySide
-    );
+    assert_eq!(harness.state().beside.as_ref().unwrap().layout, Layout::SideBySide);
     for layout in [Layout::Wipe, Layout::SideBySide] {
         press(&mut harness, Modifiers::SHIFT, Key::C);
         assert_eq!(harness.state().beside.as_ref().unwrap().layout, layout);
@@ -242,10 +220,7 @@ fn both_are_seen_by_one_camera_in_halves_of_their_own_or_over_each_other() {
     let packets = |harness: &mut Harness<'_, State>| {
         harness.state_mut().forget_picture();
         let state = harness.state_mut();
-        [
-            state.next_packet().unwrap(),
-            state.next_other_packet().unwrap(),
-        ]
+        [state.next_packet().unwrap(), state.next_other_packet().unwrap()]
     };
     let drag = |harness: &mut Harness<'_, State>, from: Pos2, to: Pos2| {
         harness.drag_at(from);
@@ -256,11 +231,7 @@ fn both_are_seen_by_one_camera_in_halves_of_their_own_or_over_each_other() {
         harness.run();
     };
     let [a, b] = packets(&mut harness);
-    let whole = harness
-        .state()
-        .viewport
-        .rect
-        .union(harness.state().viewport.other_rect);
+    let whole = harness.state().viewport.rect.union(harness.state().viewport.other_rect);
     assert_eq!(a.viewport_px[0] + b.viewport_px[0], whole.width() as u32);
     assert!(a.viewport_px[0].abs_diff(b.viewport_px[0]) <= 1);
     // The line goes, and no view is squeezed: the same height of view in any width.
@@ -282,25 +253,15 @@ fn both_are_seen_by_one_camera_in_halves_of_their_own_or_over_each_other() {
         drag(&mut harness, place(share), place(share + 0.1));
         assert_ne!(harness.state().camera, before);
         let [a, b] = packets(&mut harness);
-        assert_eq!(
-            a.view.view_from_frame_rotation,
-            b.view.view_from_frame_rotation
-        );
+        assert_eq!(a.view.view_from_frame_rotation, b.view.view_from_frame_rotation);
     }
     drag(&mut harness, place(0.25), place(0.02));
-    assert_eq!(
-        harness.state().pictures().unwrap().split,
-        0.1,
-        "no half without width"
-    );
+    assert_eq!(harness.state().pictures().unwrap().split, 0.1, "no half without width");
     click(&mut harness, "Line");
     let [a, b] = packets(&mut harness);
     assert_eq!(a.view, b.view);
     assert_eq!(a.viewport_px[0], whole.width() as u32);
-    assert_eq!(
-        harness.state().viewport.rect,
-        harness.state().viewport.other_rect
-    );
+    assert_eq!(harness.state().viewport.rect, harness.state().viewport.other_rect);
 }
 
 #[test]
@@ -308,25 +269,13 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
     // Half the rate of A, and six of its frames long.
     let b = cubes("right", DVec3::ZERO, 3, Some(80), &[]);
     let mut harness = beside(&b);
-    let by = |harness: &Harness<'_, State>| {
-        harness
-            .state()
-            .beside
-            .as_ref()
-            .unwrap()
-            .companion
-            .paired_by()
-    };
+    let by = |harness: &Harness<'_, State>| harness.state().beside.as_ref().unwrap().companion.paired_by();
     assert_eq!(by(&harness), PairBy::Time);
     go_to(&mut harness, 4);
     assert_eq!(companion_frame(&harness), Some(2));
     go_to(&mut harness, 8);
     assert_eq!(companion_frame(&harness), None);
-    assert!(
-        harness
-            .query_by_label("B  right: no frame at this time")
-            .is_some()
-    );
+    assert!(harness.query_by_label("B  right: no frame at this time").is_some());
     assert!(harness.state_mut().next_other_packet().is_none());
     let offset = harness.get_by_role_and_label(Role::SpinButton, "Offset");
     offset.set_value_accesskit(-2.0);
@@ -353,16 +302,9 @@ fn a_broken_frame_of_b_is_told_and_named() {
     let b = cubes("right", DVec3::ZERO, FRAMES, None, &[1]);
     let mut harness = beside(&b);
     go_to(&mut harness, 1);
-    assert!(
-        harness
-            .query_by_label("B  right: frame 2 cannot be shown")
-            .is_some()
-    );
+    assert!(harness.query_by_label("B  right: frame 2 cannot be shown").is_some());
     let text = &harness.state().notices.list()[0].text;
-    assert!(
-        text.starts_with("Frame 2 of 24 of B (right) is left out."),
-        "{text}"
-    );
+    assert!(text.starts_with("Frame 2 of 24 of B (right) is left out."), "{text}");
     go_to(&mut harness, 2);
     assert!(harness.query_by_label("B  right_02.ply").is_some());
 }
@@ -433,11 +375,7 @@ fn clicks_tell_which_sequence_a_point_is_of() {
             let name = if side == Side::A { "A left" } else { "B right" };
             assert!(harness.query_by_label(name).is_some(), "{name}");
             // The other one has nothing there.
-            let nothing = place(
-                &harness,
-                side,
-                corner(if side == Side::A { Side::B } else { Side::A }),
-            );
+            let nothing = place(&harness, side, corner(if side == Side::A { Side::B } else { Side::A }));
             harness.state_mut().inspection.point = None;
             click_on(&mut harness, nothing, 1);
             assert!(harness.state().inspection.point.is_none());
@@ -534,12 +472,7 @@ fn a_drop_opens_and_with_shift_compares() {
     std::fs::write(&path, "0 0 0\n1 0 0\n0 1 0\n").unwrap();
     let mut harness = window_on(cubes("left", DVec3::ZERO, FRAMES, None, &[]), options());
     let drop_with = |harness: &mut Harness<'_, State>, modifiers: Modifiers| {
-        let name = |state: &State| {
-            [
-                state.sequence_name(),
-                state.beside.as_ref().map(|b| b.name.clone()),
-            ]
-        };
+        let name = |state: &State| [state.sequence_name(), state.beside.as_ref().map(|b| b.name.clone())];
         let before = name(harness.state());
         let input = harness.input_mut();
         let changed = egui::Event::ModifiersChanged;

@@ -19,10 +19,7 @@ fn the_projection_is_chosen_by_key_and_in_the_settings() {
     let seen_before = harness.state_mut().next_packet().unwrap().view;
     press(&mut harness, Modifiers::NONE, Key::O);
     assert_eq!(harness.state().camera.projection, Projection::Orthographic);
-    assert!(
-        harness.query_by_label("Field of view").is_none(),
-        "there is none"
-    );
+    assert!(harness.query_by_label("Field of view").is_none(), "there is none");
     let view = harness.state_mut().next_packet().unwrap().view;
     // The plane through the target keeps its size: farther away, by as much more of a telephoto lens.
     let target = harness.state().camera.target_in_world;
@@ -40,13 +37,9 @@ fn the_projection_is_chosen_by_key_and_in_the_settings() {
     let list = harness.get_by_role_and_label(Role::ComboBox, "Projection");
     list.scroll_to_me();
     harness.run();
-    harness
-        .get_by_role_and_label(Role::ComboBox, "Projection")
-        .click();
+    harness.get_by_role_and_label(Role::ComboBox, "Projection").click();
     harness.run();
-    harness
-        .get_by_role_and_label(Role::Button, "Perspective")
-        .click();
+    harness.get_by_role_and_label(Role::Button, "Perspective").click();
     harness.run();
     assert_eq!(harness.state().camera.projection, Projection::Perspective);
     assert!(harness.query_all_by_label("Field of view").next().is_some());
@@ -76,10 +69,7 @@ fn the_turntable_turns_until_the_picture_is_dragged() {
     assert_eq!(state.next_deadline(), Some(at(1000)));
     assert!(state.update(at(1100)).is_visible());
     let turned = state.camera.azimuth_deg - begin.azimuth_deg;
-    assert!(
-        (turned - 2.0).abs() < 1e-9,
-        "{turned} degrees at 20 a second"
-    );
+    assert!((turned - 2.0).abs() < 1e-9, "{turned} degrees at 20 a second");
     assert!(state.next_packet().is_some());
     harness
         .get_by_role_and_label(Role::Slider, "Pace")
@@ -135,10 +125,7 @@ fn a_view_is_copied_and_pasted_as_text() {
     assert_eq!(harness.state().camera, camera);
     // By the menu the window is asked for the clipboard.
     harness.state_mut().run(Command::PasteView);
-    assert_eq!(
-        harness.state_mut().take_requests(),
-        [WindowRequest::PasteView]
-    );
+    assert_eq!(harness.state_mut().take_requests(), [WindowRequest::PasteView]);
 }
 
 #[test]
@@ -153,10 +140,7 @@ fn damaged_text_is_told_and_moves_nothing() {
             "`x` in a view where `distance` was expected",
         ),
         ("word ".repeat(1 << 16), "this is no view"),
-        (
-            text.replace("perspective", &"p".repeat(1 << 16)),
-            "is no projection",
-        ),
+        (text.replace("perspective", &"p".repeat(1 << 16)), "is no projection"),
     ] {
         harness.event(Event::Paste(damaged));
         harness.run();

@@ -85,10 +85,7 @@ fn k_sets_keyframes_of_what_is_shown_and_the_time_moves_on() {
     assert_eq!(value(&harness, "Time"), 2.0);
     assert_eq!(frame(&harness), 5);
     assert!(
-        (harness.state().camera.azimuth_deg - {
-            harness.state().path.draft.keyframes()[1].camera.azimuth_deg
-        })
-        .abs()
+        (harness.state().camera.azimuth_deg - { harness.state().path.draft.keyframes()[1].camera.azimuth_deg }).abs()
             < 1e-9
     );
     press(&mut harness, NONE, Key::Home);
@@ -120,9 +117,7 @@ fn times_frames_and_paces_are_set_in_the_list() {
     assert_eq!(keys(&harness), [(0.0, 2.0), (2.5, 62.0), (4.5, 38.0)]);
     choose_after(&mut harness, 1, "Holds");
     assert_eq!(keys(&harness), [(0.0, 2.0), (2.5, 2.0), (4.5, 0.0)]);
-    harness
-        .get_by_role_and_label(Role::CheckBox, "Ease in and out")
-        .click();
+    harness.get_by_role_and_label(Role::CheckBox, "Ease in and out").click();
     harness.run();
     assert!(harness.state().path.draft.path().unwrap().eases());
 }
@@ -231,9 +226,7 @@ fn a_path_is_saved_as_the_command_line_reads_it_and_opened_again() {
     harness.state_mut().open_path(broken);
     until(&mut harness, |state| {
         let notices = state.notices.list().iter();
-        notices
-            .clone()
-            .any(|notice| notice.text.contains("broken.json"))
+        notices.clone().any(|notice| notice.text.contains("broken.json"))
     });
     assert_eq!(keys(&harness).len(), 3, "what was there stays");
 }
@@ -246,11 +239,7 @@ fn an_unsaved_path_is_not_lost_without_a_question() {
     click(&mut harness, "Back");
     harness.state_mut().run(Command::Quit);
     harness.run();
-    assert!(
-        harness
-            .query_by_label("The camera path is not saved.")
-            .is_some()
-    );
+    assert!(harness.query_by_label("The camera path is not saved.").is_some());
     assert_eq!(harness.state_mut().take_requests(), []);
     press(&mut harness, NONE, Key::Escape);
     assert!(harness.query_by_label("Quit anyway").is_none());

@@ -15,11 +15,7 @@ fn the_palette_finds_chooses_and_runs() {
     let (role, label) = field();
     harness.get_by_role_and_label(role, label).type_text("frm");
     harness.run();
-    assert!(
-        harness
-            .query_by_role_and_label(Role::Button, "Turntable")
-            .is_none()
-    );
+    assert!(harness.query_by_role_and_label(Role::Button, "Turntable").is_none());
     // Next, previous: the second of those found.
     press(&mut harness, Modifiers::NONE, Key::ArrowDown);
     press(&mut harness, Modifiers::NONE, Key::ArrowUp);

@@ -46,10 +46,7 @@ fn a_box_is_cut_to_and_comes_back_as_it_was() {
     choose(&mut harness, "Clipping", "To a box");
     assert_eq!(harness.state().settings.of_sequence.clip, Some(cut));
     tap(&mut harness, "Fit to frame");
-    assert_eq!(
-        harness.state().settings.of_sequence.clip.unwrap().shape,
-        whole.shape
-    );
+    assert_eq!(harness.state().settings.of_sequence.clip.unwrap().shape, whole.shape);
 }
 
 #[test]
@@ -64,8 +61,7 @@ fn a_plane_stands_across_an_axis() {
     });
     assert_eq!(harness.state().settings.of_sequence.clip, Some(plane));
     tap(&mut harness, "Fit to frame");
-    let ClipShape::Plane { offset, .. } = harness.state().settings.of_sequence.clip.unwrap().shape
-    else {
+    let ClipShape::Plane { offset, .. } = harness.state().settings.of_sequence.clip.unwrap().shape else {
         panic!("it is a plane");
     };
     assert_eq!(offset, 0.0);

@@ -17,16 +17,12 @@ use std::sync::Arc;
 fn window(is_bare: bool) -> Harness<'static, State> {
     let sources = (0..FRAMES).map(|frame| FrameEntry::file(format!("/scans/heat_{frame}.ply")));
     let sequence = Sequence::with_decoder(sources.collect(), move |_| {
-        let position =
-            |index: usize| [(index % 10) as f32, (index / 10) as f32, 0.1 * index as f32];
+        let position = |index: usize| [(index % 10) as f32, (index / 10) as f32, 0.1 * index as f32];
         let mut cloud = RawCloud::from_positions(Positions::F32((0..100).map(position).collect()));
         cloud.colors = (!is_bare).then(|| (0..100).map(|index| [index, 9, 9, 255]).collect());
         cloud.scalars = vec![
             ScalarField::new("scalar_Heat", (0..100).map(|index| index as f32).collect()),
-            ScalarField::new(
-                "classification",
-                (0..100).map(|index| [2.0, 6.0][index % 2]).collect(),
-            ),
+            ScalarField::new("classification", (0..100).map(|index| [2.0, 6.0][index % 2]).collect()),
         ];
         Ok(cloud)
     });
@@ -65,10 +61,7 @@ fn a_field_is_shown_through_a_map_over_a_range() {
     settle(&mut harness);
     assert_eq!(color_of(&harness, 1), ColorMap::Turbo.color(0.0));
     choose(&mut harness, "Colour range", "Fixed");
-    let fixed = ColorRange::Fixed {
-        low: 1.0,
-        high: 98.0,
-    };
+    let fixed = ColorRange::Fixed { low: 1.0, high: 98.0 };
     assert_eq!(harness.state().settings.colors.range, fixed, "as it was");
     let field = harness.get_by_role_and_label(Role::SpinButton, "Last colour");
     field.scroll_to_me();
@@ -105,33 +98,21 @@ fn classes_are_listed_in_a_legend_that_can_be_hidden() {
     assert_eq!(names, ["2  Ground", "6  Building"]);
     assert_eq!(color_of(&harness, 0), classes[0].0);
     assert!(harness.state().panels.has(PanelId::LEGEND));
-    harness
-        .get_by_role_and_label(Role::CheckBox, "Legend")
-        .scroll_to_me();
+    harness.get_by_role_and_label(Role::CheckBox, "Legend").scroll_to_me();
     harness.run();
-    harness
-        .get_by_role_and_label(Role::CheckBox, "Legend")
-        .click();
+    harness.get_by_role_and_label(Role::CheckBox, "Legend").click();
     harness.run();
     assert!(!harness.state().panels.has(PanelId::LEGEND));
     assert!(!harness.state().preferences().panels.legend, "kept");
-    assert!(
-        harness
-            .query_by_role_and_label(Role::ComboBox, "Colour map")
-            .is_none()
-    );
+    assert!(harness.query_by_role_and_label(Role::ComboBox, "Colour map").is_none());
 }
 
 #[test]
 fn the_list_has_what_the_file_has() {
     let mut harness = window(true);
-    harness
-        .get_by_role_and_label(Role::ComboBox, "Colours")
-        .scroll_to_me();
+    harness.get_by_role_and_label(Role::ComboBox, "Colours").scroll_to_me();
     harness.run();
-    harness
-        .get_by_role_and_label(Role::ComboBox, "Colours")
-        .click();
+    harness.get_by_role_and_label(Role::ComboBox, "Colours").click();
     harness.run();
     for (entry, is_there) in [
         ("Heat", true),
@@ -140,9 +121,7 @@ fn the_list_has_what_the_file_has() {
         ("Time", false),
         ("From the file", false),
     ] {
-        let found = harness
-            .query_by_role_and_label(Role::Button, entry)
-            .is_some();
+        let found = harness.query_by_role_and_label(Role::Button, entry).is_some();
         assert_eq!(found, is_there, "{entry}");
     }
 }

@@ -11,10 +11,7 @@ use std::time::{Duration, Instant};
 fn each_side_keeps_its_settings_and_draws_its_picture() {
     let mut harness = window();
     assert!(harness.state_mut().next_packet().is_some());
-    assert!(
-        harness.state_mut().next_other_packet().is_none(),
-        "one picture"
-    );
+    assert!(harness.state_mut().next_other_packet().is_none(), "one picture");
     harness.state_mut().run(Command::ToggleComparison);
     harness.run();
     // The right side is edited first; the left one stays as it was.
@@ -23,12 +20,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
     assert_eq!(other.settings.primitive, Primitive::Surfel);
     assert!(harness.state_mut().next_other_packet().is_none(), "once");
     assert_eq!(
-        harness
-            .state_mut()
-            .next_packet()
-            .unwrap()
-            .settings
-            .primitive,
+        harness.state_mut().next_packet().unwrap().settings.primitive,
         Primitive::Point
     );
     click(&mut harness, "A (left)");
@@ -39,13 +31,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
         (Side::A, Primitive::Point)
     );
     // What one side needs of the frame is there for it alone.
-    harness
-        .state_mut()
-        .comparison
-        .as_mut()
-        .unwrap()
-        .other
-        .primitive = Primitive::Voxel;
+    harness.state_mut().comparison.as_mut().unwrap().other.primitive = Primitive::Voxel;
     let packet = harness.state_mut().next_other_packet().unwrap();
     assert!(!packet.content.voxels().unwrap().records.is_empty());
     // Both are seen from one camera.
@@ -68,22 +54,14 @@ fn pictures_that_rest_are_compared() {
     harness.run();
     harness.state_mut().next_packet();
     harness.state_mut().next_other_packet();
-    assert!(
-        harness
-            .query_by_label("Compared when the pictures rest")
-            .is_some()
-    );
+    assert!(harness.query_by_label("Compared when the pictures rest").is_some());
     let at = |millis| Duration::from_millis(millis);
     harness.state_mut().update(at(100));
     assert_eq!(harness.state_mut().take_requests(), []);
     harness.state_mut().update(at(400));
-    assert_eq!(
-        harness.state_mut().take_requests(),
-        [WindowRequest::Compare]
-    );
+    assert_eq!(harness.state_mut().take_requests(), [WindowRequest::Compare]);
     // What the window does then.
-    let [edited, other] =
-        [40, 90].map(|level| RgbaImage::from_pixel(32, 24, Rgba([level, level, level, 255])));
+    let [edited, other] = [40, 90].map(|level| RgbaImage::from_pixel(32, 24, Rgba([level, level, level, 255])));
     harness.state_mut().compare_pictures(edited, other);
     let begin = Instant::now();
     while harness.state().pictures().unwrap().difference.is_none() {
@@ -103,11 +81,7 @@ fn pictures_that_rest_are_compared() {
     harness.state_mut().settings.surfels.splat_scale = 2.0;
     assert!(harness.state_mut().next_packet().is_some());
     harness.run();
-    assert!(
-        harness
-            .query_by_label("Compared when the pictures rest")
-            .is_some()
-    );
+    assert!(harness.query_by_label("Compared when the pictures rest").is_some());
 }
 
 #[test]

@@ -77,11 +77,7 @@ fn a_turntable_becomes_a_gif_while_the_window_lives() {
     let mut harness = exporting(folder.path());
     choose(&mut harness, "What", "Turntable");
     set(&mut harness, "Pictures", 6.0);
-    assert!(
-        harness
-            .query_by_label("6 pictures of 48 × 32, 0.2 s")
-            .is_some()
-    );
+    assert!(harness.query_by_label("6 pictures of 48 × 32, 0.2 s").is_some());
     click(&mut harness, "Export");
     assert!(!harness.state().panels.has(PanelId::EXPORT));
     // It draws what was chosen when it began.
@@ -114,9 +110,7 @@ fn the_sequence_becomes_png_files_from_in_to_out_point() {
     choose(&mut harness, "What", "Sequence");
     assert_eq!(harness.state().export.per_second, 24.0);
     choose(&mut harness, "Format", "PNG files");
-    harness
-        .get_by_role_and_label(Role::CheckBox, "Behind")
-        .click();
+    harness.get_by_role_and_label(Role::CheckBox, "Behind").click();
     harness.run();
     harness.state_mut().export.name = Some("walk".to_owned());
     harness.run();
@@ -140,11 +134,7 @@ fn the_camera_path_is_offered_once_it_has_keyframes() {
     let mut harness = exporting(folder.path());
     choose(&mut harness, "What", "Camera path");
     assert!(!is_offered(&harness, Role::Button, "Export"));
-    assert!(
-        harness
-            .query_by_label_contains("no keyframes yet")
-            .is_some()
-    );
+    assert!(harness.query_by_label_contains("no keyframes yet").is_some());
     for _ in 0..2 {
         harness.state_mut().run(Command::AddKeyframe);
         harness.state_mut().camera.orbit(30.0, 0.0);
@@ -160,9 +150,7 @@ fn what_a_format_has_not_is_not_offered() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
     choose(&mut harness, "What", "Turntable");
-    harness
-        .get_by_role_and_label(Role::ComboBox, "Format")
-        .click();
+    harness.get_by_role_and_label(Role::ComboBox, "Format").click();
     harness.run();
     assert!(!is_offered(&harness, Role::Button, "MP4"), "without ffmpeg");
     harness.state_mut().export.has_ffmpeg = true;
@@ -240,10 +228,7 @@ fn a_cancelled_export_leaves_nothing() {
         harness.query_by_label("pictures 3 of 24, …").is_some(),
         "nothing was seen done before: the pace is not known"
     );
-    assert!(
-        !harness.state_mut().may_close(),
-        "closing would lose the export"
-    );
+    assert!(!harness.state_mut().may_close(), "closing would lose the export");
     press(&mut harness, Modifiers::NONE, Key::Escape);
     click(&mut harness, "Cancel");
     assert!(harness.query_by_label("Stopping…").is_some());
@@ -283,9 +268,7 @@ fn frames_that_cannot_be_read_are_named() {
     let notices = harness.state().notices.list();
     let texts: Vec<&str> = notices.iter().map(|notice| notice.text.as_str()).collect();
     assert!(
-        texts
-            .iter()
-            .any(|text| text.starts_with("Frame 3 is not shown in it")),
+        texts.iter().any(|text| text.starts_with("Frame 3 is not shown in it")),
         "{texts:?}"
     );
 }
@@ -334,9 +317,6 @@ fn videos_show_the_ghosts_and_colours_that_the_picture_shows() {
     export(Subject::Sequence, "without", false);
     let open = |name: &str| image::open(folder.path().join(name)).unwrap().to_rgba8();
     let single = open("single.png");
-    assert!(
-        open("with-0002.png") == single,
-        "the picture of the same frame"
-    );
+    assert!(open("with-0002.png") == single, "the picture of the same frame");
     assert!(open("without-0002.png") != single);
 }

@@ -98,8 +98,7 @@ impl Driven {
 
 /// Frames of 20,000 points: about a megabyte each.
 fn sequence() -> Arc<Sequence> {
-    let sources =
-        (0..super::FRAMES).map(|n| FrameEntry::file(format!("/scans/walk/frame_{n:02}.ply")));
+    let sources = (0..super::FRAMES).map(|n| FrameEntry::file(format!("/scans/walk/frame_{n:02}.ply")));
     Arc::new(Sequence::with_decoder(sources.collect(), |_| {
         let place = |n: usize| [(n % 100) as f32, (n / 100) as f32, (n % 7) as f32];
         let places = (0..20_000).map(place).collect();

@@ -100,10 +100,7 @@ fn the_help_lists_every_key_and_escape_closes_it() {
         );
     }
     for (gesture, text) in GESTURES {
-        assert!(
-            harness.query_all_by_label(gesture).next().is_some(),
-            "{gesture}"
-        );
+        assert!(harness.query_all_by_label(gesture).next().is_some(), "{gesture}");
         assert!(harness.query_all_by_label(text).next().is_some(), "{text}");
     }
     press(&mut harness, Modifiers::NONE, Key::Escape);

@@ -12,13 +12,7 @@ use std::time::{Duration, Instant};
 fn menus_open_close_and_list_what_was_opened() {
     let mut recent = Recent::default();
     recent.add(&["/nowhere/at/all".into()]).unwrap();
-    let mut harness = window_on(
-        sequence(&[]),
-        StateOptions {
-            recent,
-            ..options()
-        },
-    );
+    let mut harness = window_on(sequence(&[]), StateOptions { recent, ..options() });
     click(&mut harness, "File");
     click(&mut harness, "Recent");
     click(&mut harness, "/nowhere/at/all");
@@ -31,11 +25,7 @@ fn menus_open_close_and_list_what_was_opened() {
         harness.state_mut().update(Duration::ZERO);
         std::thread::sleep(Duration::from_millis(5));
     }
-    assert!(
-        harness.state().notices.list()[0]
-            .text
-            .contains("/nowhere/at/all")
-    );
+    assert!(harness.state().notices.list()[0].text.contains("/nowhere/at/all"));
     assert_eq!(
         harness.state().player.as_ref().unwrap().sequence().len(),
         FRAMES,
@@ -73,9 +63,7 @@ fn the_theme_is_chosen_and_kept() {
     }
 
     // The next window begins as this one was left; that the system is light does not matter.
-    harness
-        .state_mut()
-        .run(Command::Theme(ThemePreference::Dark));
+    harness.state_mut().run(Command::Theme(ThemePreference::Dark));
     let preferences = harness.state().preferences();
     let mut next = window_on(
         sequence(&[]),
@@ -90,8 +78,7 @@ fn the_theme_is_chosen_and_kept() {
     };
     set_system(&mut next);
     assert!(is_dark(&next));
-    next.state_mut()
-        .run(Command::Theme(ThemePreference::System));
+    next.state_mut().run(Command::Theme(ThemePreference::System));
     set_system(&mut next);
     assert!(!is_dark(&next), "as the system is");
 }
@@ -100,17 +87,10 @@ fn the_theme_is_chosen_and_kept() {
 fn recording(path: &std::path::Path) {
     let mut file = std::fs::File::create(path).unwrap();
     let mut writer = mcap::Writer::new(&mut file).unwrap();
-    let schema = writer
-        .add_schema("sensor_msgs/PointCloud2", "ros1msg", b"")
-        .unwrap();
+    let schema = writer.add_schema("sensor_msgs/PointCloud2", "ros1msg", b"").unwrap();
     for (topic, cloud_count) in [("/front", 2), ("/rear", 1)] {
         let channel = writer
-            .add_channel(
-                schema,
-                topic,
-                "ros1",
-                &std::collections::BTreeMap::default(),
-            )
+            .add_channel(schema, topic, "ros1", &std::collections::BTreeMap::default())
             .unwrap();
         for second in 1..=cloud_count {
             let mut message = Vec::new();
@@ -148,8 +128,7 @@ fn another_topic_of_a_recording_is_chosen_in_the_menu() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.mcap");
     recording(&path);
-    let frame_count =
-        |harness: &Harness<'_, State>| harness.state().player.as_ref().unwrap().sequence().len();
+    let frame_count = |harness: &Harness<'_, State>| harness.state().player.as_ref().unwrap().sequence().len();
     let mut harness = window_on(sequence(&[]), options());
     click(&mut harness, "File");
     assert!(harness.query_by_label("Topic").is_none(), "files have none");

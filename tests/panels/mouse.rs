@@ -42,10 +42,7 @@ fn the_mouse_moves_the_camera_on_the_picture_only() {
         vec2(100.0, 0.0),
     );
     let orbited = harness.state().camera;
-    assert!(
-        orbited.azimuth_deg < before.azimuth_deg - 10.0,
-        "{orbited:?}"
-    );
+    assert!(orbited.azimuth_deg < before.azimuth_deg - 10.0, "{orbited:?}");
     assert_eq!(orbited.target_in_world, before.target_in_world);
 
     drag(
@@ -92,11 +89,7 @@ fn the_mouse_moves_the_camera_on_the_picture_only() {
 #[test]
 fn a_drag_between_two_passes_moves_the_camera_as_a_slow_one_does() {
     let by = vec2(100.0, 30.0);
-    for button in [
-        PointerButton::Primary,
-        PointerButton::Middle,
-        PointerButton::Secondary,
-    ] {
+    for button in [PointerButton::Primary, PointerButton::Middle, PointerButton::Secondary] {
         let (mut slow, mut fast) = (window(), window());
         let from = slow.state().viewport.rect.center();
         drag(&mut slow, button, Modifiers::NONE, from, by);
@@ -137,13 +130,7 @@ fn a_drag_on_a_window_above_the_picture_is_not_the_camera_s() {
         "the list of keys lies above the picture"
     );
     for button in [PointerButton::Primary, PointerButton::Secondary] {
-        drag(
-            &mut harness,
-            button,
-            Modifiers::NONE,
-            from,
-            vec2(-250.0, -40.0),
-        );
+        drag(&mut harness, button, Modifiers::NONE, from, vec2(-250.0, -40.0));
         assert_eq!(harness.state().camera, before);
     }
 }

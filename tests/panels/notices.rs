@@ -23,10 +23,7 @@ fn frames_that_have_less_are_told_of_once() {
     let mut harness = window_on(Arc::new(sequence), options());
     let told = |harness: &Harness<'_, State>| {
         let notices = harness.state().notices.list();
-        notices
-            .iter()
-            .map(|notice| notice.text.clone())
-            .collect::<Vec<_>>()
+        notices.iter().map(|notice| notice.text.clone()).collect::<Vec<_>>()
     };
     for frame in 0..5 {
         assert_eq!(told(&harness), Vec::<String>::new(), "{frame}");
@@ -49,17 +46,10 @@ fn a_broken_frame_is_marked_told_once_and_played_over() {
     let mut harness = window_on(sequence(&[5]), options());
     harness.run();
     let runs = harness.state().player.as_ref().unwrap().runs().to_vec();
-    let marks: Vec<_> = runs
-        .iter()
-        .map(|run| (run.start, run.end, run.mark))
-        .collect();
+    let marks: Vec<_> = runs.iter().map(|run| (run.start, run.end, run.mark)).collect();
     assert_eq!(
         marks,
-        [
-            (0, 5, Mark::Resident),
-            (5, 6, Mark::Failed),
-            (6, 24, Mark::Resident)
-        ]
+        [(0, 5, Mark::Resident), (5, 6, Mark::Failed), (6, 24, Mark::Resident)]
     );
     assert!(harness.state().notices.list().is_empty());
 
@@ -75,27 +65,14 @@ fn a_broken_frame_is_marked_told_once_and_played_over() {
     harness.run();
 
     for _ in 0..3 {
-        harness
-            .state_mut()
-            .player
-            .as_mut()
-            .unwrap()
-            .seek(5, Duration::ZERO);
+        harness.state_mut().player.as_mut().unwrap().seek(5, Duration::ZERO);
         harness.state_mut().update(Duration::ZERO);
-        harness
-            .state_mut()
-            .player
-            .as_mut()
-            .unwrap()
-            .seek(6, Duration::ZERO);
+        harness.state_mut().player.as_mut().unwrap().seek(6, Duration::ZERO);
         harness.state_mut().update(Duration::ZERO);
     }
     let notices = harness.state().notices.list();
     assert_eq!(notices.len(), 1);
-    assert_eq!(
-        (notices[0].severity, notices[0].count),
-        (Severity::Error, 1)
-    );
+    assert_eq!((notices[0].severity, notices[0].count), (Severity::Error, 1));
     assert!(
         notices[0].text.starts_with("Frame 6 of 24 is left out. "),
         "{}",

@@ -53,10 +53,7 @@ pub(super) fn click_on(harness: &mut Harness<'_, State>, place: Pos2, times: usi
     harness.hover_at(place);
     harness.run();
     for _ in 0..times {
-        harness
-            .input_mut()
-            .events
-            .extend([event(true), event(false)]);
+        harness.input_mut().events.extend([event(true), event(false)]);
     }
     harness.run();
 }
@@ -80,17 +77,10 @@ fn a_click_shows_the_values_of_a_point_and_escape_clears_them() {
     let mut harness = cube();
     let place = in_window(&harness, corner(7));
     click_on(&mut harness, place, 1);
-    assert!(
-        harness.state().inspection.point.is_none(),
-        "no tool is chosen"
-    );
+    assert!(harness.state().inspection.point.is_none(), "no tool is chosen");
 
     press(&mut harness, Modifiers::NONE, Key::I);
-    assert!(
-        harness
-            .query_by_label_contains("Click on a point")
-            .is_some()
-    );
+    assert!(harness.query_by_label_contains("Click on a point").is_some());
     // Some pixels beside the corner.
     click_on(&mut harness, place + egui::vec2(7.0, -3.0), 1);
     let values = harness.state().inspection.point.clone().unwrap().values;
@@ -99,10 +89,7 @@ fn a_click_shows_the_values_of_a_point_and_escape_clears_them() {
     for name in ["Index", "x", "y", "z", "Drawn as", "From the eye"] {
         assert!(harness.query_by_label(name).is_some(), "{name}");
     }
-    assert!(
-        harness.query_by_label("Colour").is_none(),
-        "the file has none"
-    );
+    assert!(harness.query_by_label("Colour").is_none(), "the file has none");
     assert_eq!(copied(&mut harness, "Copy Index"), "7");
     assert_eq!(copied(&mut harness, "Copy x"), "0.5");
     let all = copied(&mut harness, "Copy all");
@@ -112,20 +99,13 @@ fn a_click_shows_the_values_of_a_point_and_escape_clears_them() {
     // Beside the cube nothing is picked, and what is shown stays.
     let aside = harness.state().viewport.rect.left_bottom() + egui::vec2(30.0, -30.0);
     click_on(&mut harness, aside, 1);
-    assert_eq!(
-        harness.state().inspection.point.clone().unwrap().values,
-        values
-    );
+    assert_eq!(harness.state().inspection.point.clone().unwrap().values, values);
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(harness.state().inspection.point.is_none());
     assert_eq!(harness.state().inspection.tool, Tool::Point);
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert_eq!(harness.state().inspection.tool, Tool::Camera);
-    assert!(
-        harness
-            .query_by_label_contains("Click on a point")
-            .is_none()
-    );
+    assert!(harness.query_by_label_contains("Click on a point").is_none());
 }
 
 #[test]
@@ -148,11 +128,7 @@ fn a_point_is_followed_through_the_frames() {
 fn distances_angles_and_heights_are_measured() {
     let mut harness = cube();
     press(&mut harness, Modifiers::NONE, Key::M);
-    assert!(
-        harness
-            .query_by_label("Click on point 1 of 2. Esc ends.")
-            .is_some()
-    );
+    assert!(harness.query_by_label("Click on point 1 of 2. Esc ends.").is_some());
     let take = |harness: &mut Harness<'_, State>, indices: &[u32]| {
         for &index in indices {
             let place = in_window(harness, corner(index));
@@ -162,11 +138,7 @@ fn distances_angles_and_heights_are_measured() {
         }
     };
     take(&mut harness, &[7]);
-    assert!(
-        harness
-            .query_by_label("Click on point 2 of 2. Esc ends.")
-            .is_some()
-    );
+    assert!(harness.query_by_label("Click on point 2 of 2. Esc ends.").is_some());
     take(&mut harness, &[4]);
     assert!(harness.query_by_label("1.41421356").is_some());
     click(&mut harness, "Angle");

@@ -25,28 +25,24 @@ struct Gate {
 
 /// Files of which those in `slow` are decoded as a gate lets them.
 fn sequence(count: usize, slow: &'static [usize]) -> (Arc<Sequence>, Arc<Gate>) {
-    let sources =
-        (0..count).map(|number| FrameEntry::file(format!("/scans/walk/frame_{number}.ply")));
+    let sources = (0..count).map(|number| FrameEntry::file(format!("/scans/walk/frame_{number}.ply")));
     let gate = Arc::new(Gate::default());
     let held = Arc::clone(&gate);
-    let sequence = Sequence::of(FrameList::new(
-        sources.collect(),
-        move |source, progress| {
-            let is_slow = slow.iter().any(|n| source.name == format!("frame_{n}.ply"));
-            let mut done = if is_slow { 0 } else { 10 };
-            progress.set(done, 10);
-            while done < 10 && !progress.is_cancelled() {
-                if done < held.may_do.load(Ordering::Relaxed) {
-                    done += 1;
-                    progress.set(done, 10);
-                    held.has_done.store(done, Ordering::Relaxed);
-                }
-                thread::sleep(Duration::from_millis(1));
+    let sequence = Sequence::of(FrameList::new(sources.collect(), move |source, progress| {
+        let is_slow = slow.iter().any(|n| source.name == format!("frame_{n}.ply"));
+        let mut done = if is_slow { 0 } else { 10 };
+        progress.set(done, 10);
+        while done < 10 && !progress.is_cancelled() {
+            if done < held.may_do.load(Ordering::Relaxed) {
+                done += 1;
+                progress.set(done, 10);
+                held.has_done.store(done, Ordering::Relaxed);
             }
-            held.ended.fetch_add(1, Ordering::Relaxed);
-            Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 8])))
-        },
-    ));
+            thread::sleep(Duration::from_millis(1));
+        }
+        held.ended.fetch_add(1, Ordering::Relaxed);
+        Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 8])))
+    }));
     (Arc::new(sequence), gate)
 }
 

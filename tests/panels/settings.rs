@@ -9,8 +9,8 @@ use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::levels::Lod;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::scene::{
-    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, PointShape,
-    Primitive, RendererChoice, Splatting, Strategy, Style, UpAxis, VoxelLight,
+    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, PointShape, Primitive, RendererChoice,
+    Splatting, Strategy, Style, UpAxis, VoxelLight,
 };
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence};
 use std::sync::Arc;
@@ -18,9 +18,7 @@ use std::sync::Arc;
 /// Opens the list called `list` and chooses `entry`.
 pub(super) fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) {
     // The panel is longer than the window is high.
-    harness
-        .get_by_role_and_label(Role::ComboBox, list)
-        .scroll_to_me();
+    harness.get_by_role_and_label(Role::ComboBox, list).scroll_to_me();
     harness.run();
     harness.get_by_role_and_label(Role::ComboBox, list).click();
     harness.run();
@@ -30,9 +28,7 @@ pub(super) fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) 
 
 /// Clicks a button, wherever it is in the panel.
 pub(super) fn tap(harness: &mut Harness<'_, State>, label: &str) {
-    harness
-        .get_by_role_and_label(Role::Button, label)
-        .scroll_to_me();
+    harness.get_by_role_and_label(Role::Button, label).scroll_to_me();
     harness.run();
     click(harness, label);
 }
@@ -72,10 +68,7 @@ fn long_texts_do_not_widen_the_panel() {
 fn every_setting_can_be_changed_and_reset() {
     let mut harness = window();
     choose(&mut harness, "Splatting", "Visibility");
-    assert_eq!(
-        harness.state().settings.surfels.splatting,
-        Splatting::Visibility
-    );
+    assert_eq!(harness.state().settings.surfels.splatting, Splatting::Visibility);
     assert!(
         harness.query_by_label("Enlargement").is_none(),
         "this mode has no enlargement"
@@ -84,10 +77,7 @@ fn every_setting_can_be_changed_and_reset() {
     slide(&mut harness, "Enlargement", 3.0);
     assert_eq!(harness.state().settings.surfels.enlargement, 3.0);
     choose(&mut harness, "Renderer", "CPU");
-    assert_eq!(
-        harness.state().settings.drawing.renderer,
-        RendererChoice::Cpu
-    );
+    assert_eq!(harness.state().settings.drawing.renderer, RendererChoice::Cpu);
     choose(&mut harness, "Instancing", "Compute");
     assert_eq!(harness.state().settings.drawing.strategy, Strategy::Compute);
     slide(&mut harness, "Resolution", 0.5);
@@ -95,10 +85,7 @@ fn every_setting_can_be_changed_and_reset() {
     slide(&mut harness, "Splat scale", 2.5);
     assert_eq!(harness.state().settings.surfels.splat_scale, 2.5);
     choose(&mut harness, "Back faces", "Drawn");
-    assert_eq!(
-        harness.state().settings.surfels.back_faces,
-        BackFaces::Drawn
-    );
+    assert_eq!(harness.state().settings.surfels.back_faces, BackFaces::Drawn);
     choose(&mut harness, "Eye-dome light", "On");
     assert_eq!(harness.state().settings.light.eye_dome, EyeDome::On);
     slide(&mut harness, "Strength", 1.5);
@@ -124,22 +111,13 @@ fn every_setting_can_be_changed_and_reset() {
     choose(&mut harness, "Divide", "By loss");
     assert_eq!(harness.state().settings.levels.stop, StopCriterion::PAPER);
     slide(&mut harness, "Loss δ", 20.0);
-    assert_eq!(
-        harness.state().settings.levels.stop,
-        StopCriterion::Loss(0.2)
-    );
+    assert_eq!(harness.state().settings.levels.stop, StopCriterion::Loss(0.2));
     choose(&mut harness, "Divide", "To a level");
     slide(&mut harness, "Leaf level", 9.0);
-    assert_eq!(
-        harness.state().settings.levels.stop,
-        StopCriterion::Depth(9)
-    );
+    assert_eq!(harness.state().settings.levels.stop, StopCriterion::Depth(9));
     choose(&mut harness, "Divide", "By points");
     slide(&mut harness, "Points a leaf", 16.0);
-    assert_eq!(
-        harness.state().settings.levels.stop,
-        StopCriterion::PointsPerOctant(16)
-    );
+    assert_eq!(harness.state().settings.levels.stop, StopCriterion::PointsPerOctant(16));
     choose(&mut harness, "Divide", "By spacing");
     assert_eq!(harness.state().settings.levels.stop, StopCriterion::Spacing);
     slide(&mut harness, "Threshold τ", 8.0);
@@ -177,16 +155,10 @@ fn footprints_are_for_the_processor_and_for_modes_with_a_visibility_pass() {
     assert!(!is_offered(&harness), "the GPU draws exact disks");
     choose(&mut harness, "Renderer", "CPU");
     choose(&mut harness, "Splatting", "Regular");
-    assert!(
-        !is_offered(&harness),
-        "this mode lays splats over each other"
-    );
+    assert!(!is_offered(&harness), "this mode lays splats over each other");
     choose(&mut harness, "Splatting", "Two-pass");
     assert!(is_offered(&harness));
-    assert!(
-        harness.query_by_label("Offsets").is_none(),
-        "disks are exact"
-    );
+    assert!(harness.query_by_label("Offsets").is_none(), "disks are exact");
     choose(&mut harness, "Footprint", "Masks");
     choose(&mut harness, "Normals", "17 bits");
     choose(&mut harness, "Offsets", "None");

@@ -25,10 +25,7 @@ fn statistics_tell_points_octree_and_budget() {
         "Passes",
         "Draw calls",
     ] {
-        assert!(
-            harness.query_all_by_label(label).next().is_some(),
-            "{label}"
-        );
+        assert!(harness.query_all_by_label(label).next().is_some(), "{label}");
     }
     harness
         .get_by_role_and_label(Role::SpinButton, "Budget")

@@ -11,9 +11,7 @@ use std::time::{Duration, Instant};
 
 fn check(harness: &mut Harness<'_, State>, label: &str) {
     let find = |harness: &Harness<'_, State>| {
-        harness
-            .get_by_role_and_label(Role::CheckBox, label)
-            .scroll_to_me();
+        harness.get_by_role_and_label(Role::CheckBox, label).scroll_to_me();
     };
     find(harness);
     harness.run();
@@ -41,11 +39,7 @@ fn until_points(harness: &mut Harness<'_, State>, points: usize) -> Vec<[u8; 4]>
         if records.len() == points {
             return records.iter().map(|point| point.color).collect();
         }
-        assert!(
-            patience.elapsed() < Duration::from_mins(1),
-            "{}",
-            records.len()
-        );
+        assert!(patience.elapsed() < Duration::from_mins(1), "{}", records.len());
         std::thread::sleep(Duration::from_millis(5));
     }
 }
@@ -71,14 +65,7 @@ fn the_change_is_measured_shown_and_can_be_copied() {
     until_measured(&mut harness);
     // A cube of edge 1 grows by a hundredth a frame: every corner moves by half of that along three axes.
     let moved = |frames: f64| f64::from(3f32.sqrt()) * 0.005 * frames;
-    let pose = harness
-        .state()
-        .player
-        .as_ref()
-        .unwrap()
-        .shown()
-        .unwrap()
-        .clone();
+    let pose = harness.state().player.as_ref().unwrap().shown().unwrap().clone();
     let (mean, share) = {
         let (change, range) = harness.state().temporal.measured(&pose).unwrap();
         assert!((range - moved(1.0)).abs() < 1e-6);
@@ -96,11 +83,7 @@ fn the_change_is_measured_shown_and_can_be_copied() {
     let (change, _) = harness.state().temporal.measured(&pose).unwrap();
     assert!((change.mean - moved(4.0)).abs() < 1e-6);
     set(&mut harness, "Compared with", -1.0);
-    assert!(
-        harness
-            .query_by_label("The sequence has no such frame")
-            .is_some()
-    );
+    assert!(harness.query_by_label("The sequence has no such frame").is_some());
     set(&mut harness, "Compared with", 1.0);
     check(&mut harness, "Range");
     set(&mut harness, "Largest", 2.0);
@@ -139,10 +122,7 @@ fn ghosts_are_a_share_of_the_poses_around() {
         slide(&mut harness, label, value);
     }
     let onion = harness.state().temporal.onion;
-    assert_eq!(
-        (onion.before, onion.after, onion.step, onion.strength),
-        (3, 1, 2, 1.0)
-    );
+    assert_eq!((onion.before, onion.after, onion.step, onion.strength), (3, 1, 2, 1.0));
     // At the first frame there is nothing before.
     until_points(&mut harness, 8 + 8);
     harness.key_press(egui::Key::ArrowRight);
@@ -168,9 +148,5 @@ fn a_frame_that_cannot_be_read_is_no_change() {
     harness.run();
     let problem = harness.state().temporal.problem().unwrap().to_owned();
     assert!(problem.contains("expected an element"), "{problem}");
-    assert!(
-        harness
-            .query_by_label_contains("expected an element")
-            .is_some()
-    );
+    assert!(harness.query_by_label_contains("expected an element").is_some());
 }

@@ -29,10 +29,7 @@ fn until_made(harness: &mut Harness<'_, State>) -> usize {
         if made == all && all > 0 {
             return all;
         }
-        assert!(
-            patience.elapsed() < Duration::from_mins(1),
-            "{made} of {all}"
-        );
+        assert!(patience.elapsed() < Duration::from_mins(1), "{made} of {all}");
         std::thread::sleep(Duration::from_millis(2));
     }
 }
@@ -62,13 +59,8 @@ fn the_strip_shows_frames_where_they_are_and_a_click_goes_there() {
     assert!(harness.state().thumbnails.byte_size() <= 16 << 20);
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
 
-    let bar = harness
-        .get_by_role_and_label(Role::Slider, "Timeline")
-        .rect();
-    let last = harness
-        .get_all_by_label_contains("Thumbnail of frame")
-        .last()
-        .unwrap();
+    let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
+    let last = harness.get_all_by_label_contains("Thumbnail of frame").last().unwrap();
     assert!(last.rect().bottom() <= bar.top(), "over the bar");
     let name = last.accesskit_node().label().unwrap();
     let number: usize = name.rsplit(' ').next().unwrap().parse().unwrap();
@@ -83,9 +75,7 @@ fn the_strip_shows_frames_where_they_are_and_a_click_goes_there() {
 fn a_larger_picture_is_in_the_tooltip_of_the_bar() {
     let mut harness = window_on(sequence(&[]), with_thumbnails());
     until_made(&mut harness);
-    let bar = harness
-        .get_by_role_and_label(Role::Slider, "Timeline")
-        .rect();
+    let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
     let bytes = harness.state().thumbnails.byte_size();
     // Each frame in turn, those that are not on the strip too.
     for number in 0..super::FRAMES {
@@ -103,11 +93,7 @@ fn a_larger_picture_is_in_the_tooltip_of_the_bar() {
     for _ in 0..60 {
         harness.step();
     }
-    assert!(
-        harness
-            .query_by_label_contains("Frame 24 of 24, 0.96 s")
-            .is_some()
-    );
+    assert!(harness.query_by_label_contains("Frame 24 of 24, 0.96 s").is_some());
 }
 
 #[test]
@@ -128,10 +114,7 @@ fn pictures_come_one_by_one_and_then_nothing_is_drawn() {
     std::thread::sleep(Duration::from_millis(50));
     let state = harness.state_mut();
     let loader = state.player.as_ref().unwrap().loader().stats();
-    assert_eq!(
-        (loader.decoded, loader.cancelled),
-        (super::FRAMES as u64 + 4, 0)
-    );
+    assert_eq!((loader.decoded, loader.cancelled), (super::FRAMES as u64 + 4, 0));
     // The loader wakes for each frame. The first look decodes four more, and wakes once.
     let expected = (super::FRAMES + cells + 1) as u64;
     assert_eq!(wakes.load(Ordering::Relaxed), expected);
@@ -164,9 +147,7 @@ fn they_are_switched_off_in_the_settings_and_by_name_and_stay_off() {
         .get_by_role_and_label(Role::CheckBox, "Thumbnails")
         .scroll_to_me();
     harness.run();
-    harness
-        .get_by_role_and_label(Role::CheckBox, "Thumbnails")
-        .click();
+    harness.get_by_role_and_label(Role::CheckBox, "Thumbnails").click();
     harness.run();
     assert_eq!(pictures(&harness), 0);
     assert!(!harness.state().preferences().thumbnails);

@@ -15,33 +15,13 @@ fn the_play_button_plays_and_pauses() {
     click(&mut harness, "Play");
     assert!(is_playing(&harness));
     // 24 frames a second: the third frame is due after 2/24 s.
-    assert!(
-        harness
-            .state_mut()
-            .update(Duration::from_millis(85))
-            .is_visible()
-    );
+    assert!(harness.state_mut().update(Duration::from_millis(85)).is_visible());
     assert_eq!(frame(&harness), 2);
-    assert_eq!(
-        harness
-            .state()
-            .player
-            .as_ref()
-            .unwrap()
-            .shown()
-            .unwrap()
-            .index,
-        2
-    );
+    assert_eq!(harness.state().player.as_ref().unwrap().shown().unwrap().index, 2);
     harness.run();
     click(&mut harness, "Pause");
     assert!(!is_playing(&harness));
-    assert!(
-        !harness
-            .state_mut()
-            .update(Duration::from_secs(9))
-            .is_visible()
-    );
+    assert!(!harness.state_mut().update(Duration::from_secs(9)).is_visible());
     assert_eq!(frame(&harness), 2);
 }
 
@@ -65,15 +45,8 @@ fn buttons_step_and_jump() {
 fn the_timeline_scrubs_and_playing_goes_on_after() {
     let mut harness = window();
     click(&mut harness, "Play");
-    let bar = harness
-        .get_by_role_and_label(Role::Slider, "Timeline")
-        .rect();
-    let at = |frame: f32| {
-        pos2(
-            bar.left() + bar.width() * (frame + 0.5) / FRAMES as f32,
-            bar.center().y,
-        )
-    };
+    let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
+    let at = |frame: f32| pos2(bar.left() + bar.width() * (frame + 0.5) / FRAMES as f32, bar.center().y);
     harness.drag_at(at(2.0));
     harness.hover_at(at(6.0));
     harness.run();

@@ -62,10 +62,7 @@ fn the_button_shows_the_way_of_the_point_its_length_and_its_speed() {
         assert!((place - half * glam::Vec3::new(-1.0, 1.0, 1.0)).length() < 1e-6);
     }
     let player = harness.state().player.as_ref().unwrap();
-    let measure = harness
-        .state()
-        .trails
-        .measure(6, |frame| player.time_s(frame));
+    let measure = harness.state().trails.measure(6, |frame| player.time_s(frame));
     let measure = measure.unwrap();
     assert!((measure.length - 23.0 * step).abs() < 1e-6);
     assert!((measure.mean_speed - 24.0 * step).abs() < 1e-5);
@@ -146,9 +143,7 @@ fn where_indices_do_not_stay_with_the_points_the_panel_says_so() {
     let text = "Frame 7 has 10 points, frame 6 has 8: indices do not stay with the points";
     assert!(harness.query_by_label(text).is_some());
     let trails = harness.state().trails.found().unwrap();
-    let places: Vec<usize> = (0..FRAMES)
-        .filter(|&frame| trails.place(0, frame).is_none())
-        .collect();
+    let places: Vec<usize> = (0..FRAMES).filter(|&frame| trails.place(0, frame).is_none()).collect();
     assert_eq!(places, [6]);
 }
 
@@ -156,15 +151,11 @@ fn where_indices_do_not_stay_with_the_points_the_panel_says_so() {
 fn trails_of_a_field_are_chosen_in_the_settings_and_can_be_cancelled() {
     let mut harness = window_on(sequence(&[]), options());
     let find = |harness: &Harness<'_, State>| {
-        harness
-            .get_by_role_and_label(Role::CheckBox, "Trails")
-            .scroll_to_me();
+        harness.get_by_role_and_label(Role::CheckBox, "Trails").scroll_to_me();
     };
     find(&harness);
     harness.run();
-    harness
-        .get_by_role_and_label(Role::CheckBox, "Trails")
-        .click();
+    harness.get_by_role_and_label(Role::CheckBox, "Trails").click();
     harness.run();
     until_found(&mut harness);
     assert_eq!(harness.state().trails.found().unwrap().trail_count(), 8);

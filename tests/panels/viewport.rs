@@ -21,10 +21,7 @@ fn the_picture_follows_the_scale_factor() {
         // As many points of the window, more pixels.
         for (edge, before) in size_px.iter().zip([width, height]) {
             let expected = f64::from(before) * factor;
-            assert!(
-                (f64::from(*edge) - expected).abs() <= 2.0,
-                "{scale}: {size_px:?}"
-            );
+            assert!((f64::from(*edge) - expected).abs() <= 2.0, "{scale}: {size_px:?}");
         }
         let packet = harness.state_mut().next_packet();
         assert_eq!(packet.unwrap().viewport_px, size_px);
@@ -42,11 +39,7 @@ fn a_window_without_room_draws_nothing() {
         harness.set_size(size);
         harness.run_ok();
         let has_room = !harness.state().viewport.size_px.contains(&0);
-        assert_eq!(
-            harness.state_mut().next_packet().is_some(),
-            has_room,
-            "{size}"
-        );
+        assert_eq!(harness.state_mut().next_packet().is_some(), has_room, "{size}");
     }
     assert!(harness.state().counters.pictures <= pictures + 1);
     harness.set_size(vec2(1280.0, 800.0));
@@ -87,24 +80,14 @@ fn a_paused_untouched_window_does_nothing() {
 fn the_picture_stays_until_the_new_primitive_is_there() {
     let mut harness = window();
     assert_eq!(
-        harness
-            .state_mut()
-            .next_packet()
-            .unwrap()
-            .settings
-            .primitive,
+        harness.state_mut().next_packet().unwrap().settings.primitive,
         Primitive::Surfel
     );
     harness.state_mut().settings.primitive = Primitive::Voxel;
     harness.state_mut().settings.surfels.splat_scale = 2.0;
     // No update yet: the frame has no octree.
     assert_eq!(
-        harness
-            .state_mut()
-            .next_packet()
-            .unwrap()
-            .settings
-            .primitive,
+        harness.state_mut().next_packet().unwrap().settings.primitive,
         Primitive::Surfel
     );
     load_all(harness.state_mut());
@@ -123,10 +106,7 @@ fn the_picture_has_a_scale_bar_that_follows_the_camera() {
         format!("Scale bar: {}", bar.text())
     };
     let before = expected(&harness);
-    assert!(
-        before.ends_with("units") || before.ends_with("unit"),
-        "{before}"
-    );
+    assert!(before.ends_with("units") || before.ends_with("unit"), "{before}");
     harness.get_by_label(&before);
     harness.state_mut().camera.zoom(10.0);
     harness.run();

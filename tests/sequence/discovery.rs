@@ -15,11 +15,7 @@ fn folder(names: &[&str]) -> tempfile::TempDir {
 }
 
 fn names(sequence: &Sequence) -> Vec<String> {
-    sequence
-        .entries()
-        .iter()
-        .map(|source| source.name.clone())
-        .collect()
+    sequence.entries().iter().map(|source| source.name.clone()).collect()
 }
 
 fn found_in(files: &[&str]) -> Vec<String> {
@@ -93,24 +89,14 @@ fn a_list_as_a_shell_expands_it_is_put_in_order() {
 fn patterns_find_what_they_mean() {
     let folder = folder(&["a1.ply", "a10.ply", "a2.pcd", "a3.md", "b1.bin", ".a4.ply"]);
     let discover = |pattern: &str| {
-        Sequence::discover(&[folder.path().join(pattern)]).map(|sequence| {
-            names(&sequence)
-                .iter()
-                .map(ToString::to_string)
-                .collect::<Vec<_>>()
-        })
+        Sequence::discover(&[folder.path().join(pattern)])
+            .map(|sequence| names(&sequence).iter().map(ToString::to_string).collect::<Vec<_>>())
     };
     assert_eq!(discover("a*").unwrap(), ["a1.ply", "a2.pcd", "a10.ply"]);
     assert_eq!(discover("a?.p*").unwrap(), ["a1.ply", "a2.pcd"]);
     assert_eq!(discover("*.bin").unwrap(), ["b1.bin"]);
-    assert!(matches!(
-        discover("c*.ply"),
-        Err(SequenceError::NoMatch { .. })
-    ));
-    assert!(matches!(
-        discover("a[.ply"),
-        Err(SequenceError::BadPattern { .. })
-    ));
+    assert!(matches!(discover("c*.ply"), Err(SequenceError::NoMatch { .. })));
+    assert!(matches!(discover("a[.ply"), Err(SequenceError::BadPattern { .. })));
 }
 
 #[test]
@@ -123,13 +109,9 @@ fn a_file_whose_name_looks_like_a_pattern_is_a_file() {
 #[test]
 fn mixed_inputs_keep_their_order_and_no_file_comes_twice() {
     let folder = folder(&["one/f2.ply", "one/f1.ply", "two/g1.ply", "still.xyz"]);
-    let inputs =
-        ["two", "still.xyz", "one", "one/f1.ply", "two/*.ply"].map(|name| folder.path().join(name));
+    let inputs = ["two", "still.xyz", "one", "one/f1.ply", "two/*.ply"].map(|name| folder.path().join(name));
     let sequence = Sequence::discover(&inputs).unwrap();
-    assert_eq!(
-        names(&sequence),
-        ["g1.ply", "still.xyz", "f1.ply", "f2.ply"]
-    );
+    assert_eq!(names(&sequence), ["g1.ply", "still.xyz", "f1.ply", "f2.ply"]);
 }
 
 #[test]
@@ -145,14 +127,8 @@ fn what_is_wrong_is_said_in_one_sentence() {
     let parent = error(&folder.path().join("takes"));
     assert!(parent.contains("sub-folders (one, two)"), "{parent}");
     let empty = error(&folder.path().join("empty"));
-    assert!(
-        empty.contains("*.ply") && empty.contains("*.pcd"),
-        "{empty}"
-    );
-    assert!(matches!(
-        Sequence::discover(&[]),
-        Err(SequenceError::NoInput)
-    ));
+    assert!(empty.contains("*.ply") && empty.contains("*.pcd"), "{empty}");
+    assert!(matches!(Sequence::discover(&[]), Err(SequenceError::NoInput)));
     for message in [missing, parent, empty] {
         assert!(!message.contains('\n'));
     }
@@ -164,11 +140,7 @@ fn links_are_followed() {
     let folder = folder(&["real/f1.ply", "linked/f2.ply"]);
     let link = folder.path().join("linked/f3.ply");
     std::os::unix::fs::symlink(folder.path().join("real/f1.ply"), link).unwrap();
-    std::os::unix::fs::symlink(
-        folder.path().join("real"),
-        folder.path().join("linked/d.ply"),
-    )
-    .unwrap();
+    std::os::unix::fs::symlink(folder.path().join("real"), folder.path().join("linked/d.ply")).unwrap();
     let sequence = Sequence::discover(&[folder.path().join("linked")]).unwrap();
     assert_eq!(names(&sequence), ["f2.ply", "f3.ply"]);
 }
@@ -184,9 +156,7 @@ fn a_hundred_thousand_names_are_sorted_without_opening_them() {
     sorted.sort_by(|left, right| pointreel::sequence::natural_order(left, right));
     assert!(sorted.is_sorted_by_key(|path| {
         let name = path.to_string_lossy();
-        name["scan_".len()..name.len() - ".ply".len()]
-            .parse::<u64>()
-            .unwrap()
+        name["scan_".len()..name.len() - ".ply".len()].parse::<u64>().unwrap()
     }));
     // O(n²) comparisons would take minutes.
     assert!(start.elapsed() < PATIENCE);
@@ -228,11 +198,7 @@ fn times_in_names_say_how_long_frames_last() {
     };
     let stamped = open(None);
     assert!(!stamped.pace().is_even());
-    assert!(
-        (stamped.fps() - 1.0 / 0.263_712).abs() < 0.01,
-        "{}",
-        stamped.fps()
-    );
+    assert!((stamped.fps() - 1.0 / 0.263_712).abs() < 0.01, "{}", stamped.fps());
     let chosen = open(Some(10.0));
     assert!(chosen.pace().is_even());
     assert_eq!(chosen.fps(), 10.0);
@@ -252,10 +218,7 @@ fn kitti_lists_times_beside_its_scans() {
     let times = |input: &Path| -> Option<Vec<f64>> {
         let sequence = Sequence::discover(&[input.to_path_buf()]).unwrap();
         let sources = sequence.entries();
-        sources
-            .iter()
-            .map(|source| Some(source.time?.as_secs_f64()))
-            .collect()
+        sources.iter().map(|source| Some(source.time?.as_secs_f64())).collect()
     };
     let odometry = scans("00/velodyne", &["000000.bin", "000001.bin", "000002.bin"]);
     assert_eq!(times(&odometry), None, "no list");
@@ -270,10 +233,7 @@ fn kitti_lists_times_beside_its_scans() {
     assert_eq!(times(&odometry), None, "a line is no time");
 
     // The second scan is missing, as in some of the raw recordings.
-    let raw = scans(
-        "velodyne_points/data",
-        &["0000000000.bin", "0000000002.bin"],
-    );
+    let raw = scans("velodyne_points/data", &["0000000000.bin", "0000000002.bin"]);
     let list = folder.path().join("velodyne_points/timestamps.txt");
     let day = "2011-09-26 13:02:25";
     fs::write(&list, format!("{day}.25\n{day}.35\n{day}.45\n")).unwrap();
@@ -291,9 +251,7 @@ fn kitti_lists_times_beside_its_scans() {
 
 /// A PLY of two points whose properties are these.
 fn ply_of(properties: &[&str]) -> String {
-    let lines = properties
-        .iter()
-        .map(|name| format!("property float {name}\n"));
+    let lines = properties.iter().map(|name| format!("property float {name}\n"));
     let rows = [0, 1].map(|row| vec![row.to_string(); properties.len()].join(" "));
     format!(
         "ply\nformat ascii 1.0\nelement vertex 2\n{}end_header\n{}\n",
@@ -350,10 +308,7 @@ fn normals_that_come_later_are_waited_for_and_joined() {
     };
     let has_normals = |sequence: &Sequence| -> Vec<bool> {
         let sources = sequence.entries();
-        sources
-            .iter()
-            .map(|source| source.normals.is_some())
-            .collect()
+        sources.iter().map(|source| source.normals.is_some()).collect()
     };
     write("1.ply", &["x", "y", "z"]);
     let sequence = Sequence::discover(&[folder.path().to_path_buf()]).unwrap();

@@ -17,21 +17,11 @@ fn the_sequence_is_prepared_ahead_of_the_playhead() {
     let sequence = sheets(10, 8);
     let loader = loader(&sequence, 2, usize::MAX);
     loader.request(7, Direction::Forward, &SURFELS);
-    until("all frames", || {
-        (0..10).all(|index| ready(&loader, index, &SURFELS))
-    });
+    until("all frames", || (0..10).all(|index| ready(&loader, index, &SURFELS)));
     let stats = loader.stats();
-    assert_eq!(
-        (stats.decoded, stats.resident_frames, stats.evicted),
-        (10, 10, 0)
-    );
+    assert_eq!((stats.decoded, stats.resident_frames, stats.evicted), (10, 10, 0));
     assert_eq!(stats.resident_bytes, 10 * sheet_bytes(8));
-    assert!(
-        loader
-            .states()
-            .iter()
-            .all(|&state| state == FrameState::Ready)
-    );
+    assert!(loader.states().iter().all(|&state| state == FrameState::Ready));
 }
 
 #[test]
@@ -61,10 +51,7 @@ fn frames_come_in_the_order_of_play() {
         let expected: Vec<usize> = std::iter::once(0)
             .chain(expected.into_iter().filter(|&index| index != 0))
             .collect();
-        assert_eq!(
-            decoded, expected,
-            "{loop_mode:?} {direction:?} from {playhead}"
-        );
+        assert_eq!(decoded, expected, "{loop_mode:?} {direction:?} from {playhead}");
     }
 }
 
@@ -77,11 +64,7 @@ fn only_what_plays_is_prepared_and_the_rest_goes_first() {
     // The playhead stands elsewhere: its frame is made, and what playing would bring.
     loader.request(8, Direction::Forward, &SURFELS);
     until_idle(&loader);
-    let made = |loader: &Loader| -> Vec<usize> {
-        (0..10)
-            .filter(|&index| ready(loader, index, &SURFELS))
-            .collect()
-    };
+    let made = |loader: &Loader| -> Vec<usize> { (0..10).filter(|&index| ready(loader, index, &SURFELS)).collect() };
     assert_eq!(made(&loader), [2, 3, 4, 8]);
     // Without a range the others follow; with one again, they are what makes room.
     loader.set_range(PlayRange::default());
@@ -113,11 +96,7 @@ fn the_first_frame_decides_the_origin_and_is_decoded_once() {
     assert_eq!(decodes.load(Ordering::SeqCst), 2);
     let first = loader.wait(0, &Needs::default()).unwrap();
     assert!((first.frame.positions()[1].x - 1.001).abs() < 1e-6);
-    assert_eq!(
-        decodes.load(Ordering::SeqCst),
-        2,
-        "decoded for the origin already"
-    );
+    assert_eq!(decodes.load(Ordering::SeqCst), 2, "decoded for the origin already");
 }
 
 #[test]
@@ -125,13 +104,8 @@ fn a_broken_first_frame_leaves_the_origin_to_the_next() {
     let sequence = Sequence::with_decoder(fake_sources(4), |source| match index_of(source) {
         0 => Err("bad magic".into()),
         // Holes only.
-        1 => Ok(RawCloud::from_positions(Positions::F32(vec![
-            [f32::NAN; 3],
-        ]))),
-        _ => Ok(RawCloud::from_positions(Positions::F32(vec![
-            [4096.0; 3],
-            [4097.0; 3],
-        ]))),
+        1 => Ok(RawCloud::from_positions(Positions::F32(vec![[f32::NAN; 3]]))),
+        _ => Ok(RawCloud::from_positions(Positions::F32(vec![[4096.0; 3], [4097.0; 3]]))),
     });
     assert_eq!(sequence.origin(), DVec3::splat(4096.0));
     assert_eq!(sequence.decode_count(), 3);
@@ -149,9 +123,8 @@ fn a_sequence_of_broken_frames_has_an_origin_too() {
 
 #[test]
 fn broken_frames_are_said_and_played_over() {
-    let sequence = Arc::new(Sequence::with_decoder(
-        fake_sources(6),
-        |source| match index_of(source) {
+    let sequence = Arc::new(Sequence::with_decoder(fake_sources(6), |source| {
+        match index_of(source) {
             1 => Err("1.fake: byte 7: expected a number".into()),
             2 => panic!("index out of bounds"),
             3 => {
@@ -160,8 +133,8 @@ fn broken_frames_are_said_and_played_over() {
                 Ok(raw)
             }
             time => Ok(complete_sheet(4, time)),
-        },
-    ));
+        }
+    }));
     let loader = loader(&sequence, 2, usize::MAX);
     loader.request(0, Direction::Forward, &SURFELS);
     for index in [0, 4, 5] {
@@ -190,10 +163,7 @@ fn broken_frames_are_said_and_played_over() {
     assert!(error(3).to_string().contains("normal has 0 entries"));
     for index in 1..4 {
         assert_eq!(error(index).index(), index);
-        assert_eq!(
-            error(index).path().unwrap(),
-            Path::new(&format!("{index}.fake"))
-        );
+        assert_eq!(error(index).path().unwrap(), Path::new(&format!("{index}.fake")));
     }
     // Remembered: asking again does not read again.
     let decoded = loader.stats().decoded;
@@ -232,9 +202,7 @@ fn another_delta_decodes_and_estimates_nothing() {
     let needs = |delta| surfels_by_octree(delta);
     let all_ready = |needs: Needs| {
         loader.request(0, Direction::Forward, &needs);
-        until("all frames", || {
-            (0..4).all(|index| ready(&loader, index, &needs))
-        });
+        until("all frames", || (0..4).all(|index| ready(&loader, index, &needs)));
         until_idle(&loader);
         loader.stats()
     };
@@ -246,11 +214,7 @@ fn another_delta_decodes_and_estimates_nothing() {
     assert_eq!(first.records_written, 4 * 2 * 64);
     let second = all_ready(needs(0.5));
     assert_eq!(
-        (
-            second.decoded,
-            second.surfaces_estimated,
-            second.octrees_built
-        ),
+        (second.decoded, second.surfaces_estimated, second.octrees_built),
         (4, 4, 8)
     );
     assert_eq!(second.records_written, first.records_written);
@@ -342,12 +306,7 @@ fn the_playhead_comes_before_everything_planned() {
     gate.open();
     until_idle(&loader);
     let order = gate.arrivals();
-    let after: Vec<usize> = order
-        .iter()
-        .copied()
-        .skip_while(|&i| i != 1)
-        .skip(2)
-        .collect();
+    let after: Vec<usize> = order.iter().copied().skip_while(|&i| i != 1).skip(2).collect();
     assert_eq!(after[..3], [30, 31, 32], "{order:?}");
 }
 
@@ -383,15 +342,10 @@ fn the_budget_can_change_while_playing() {
     until("all frames", || loader.stats().resident_frames == 20);
     loader.set_budget_bytes(3 * bytes);
     let states = loader.states();
-    let resident: Vec<usize> = (0..20)
-        .filter(|&i| states[i] == FrameState::Ready)
-        .collect();
+    let resident: Vec<usize> = (0..20).filter(|&i| states[i] == FrameState::Ready).collect();
     assert_eq!(resident, [5, 6, 7], "what is needed first stays");
     loader.set_budget_bytes(0);
-    assert!(
-        ready(&loader, 5, &SURFELS),
-        "the playhead's own frame stays"
-    );
+    assert!(ready(&loader, 5, &SURFELS), "the playhead's own frame stays");
     assert_eq!(loader.stats().resident_frames, 1);
     loader.set_budget_bytes(5 * bytes);
     until("more frames", || loader.stats().resident_frames == 5);
@@ -403,9 +357,7 @@ fn a_frame_larger_than_the_budget_is_shown_alone() {
     let loader = loader(&sequence, 2, 1000);
     for playhead in [0, 1, 2, 0] {
         loader.request(playhead, Direction::Forward, &SURFELS);
-        until("the playhead's frame", || {
-            ready(&loader, playhead, &SURFELS)
-        });
+        until("the playhead's frame", || ready(&loader, playhead, &SURFELS));
         until_idle(&loader);
         assert_eq!(loader.stats().resident_frames, 1);
     }
@@ -415,13 +367,12 @@ fn a_frame_larger_than_the_budget_is_shown_alone() {
 fn the_window_is_woken_once_a_frame() {
     let woken = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&woken);
-    let sequence = Arc::new(Sequence::with_decoder(
-        fake_sources(5),
-        |source| match index_of(source) {
+    let sequence = Arc::new(Sequence::with_decoder(fake_sources(5), |source| {
+        match index_of(source) {
             3 => Err("torn".into()),
             time => Ok(complete_sheet(4, time)),
-        },
-    ));
+        }
+    }));
     let loader = Loader::new(
         Arc::clone(&sequence),
         LoaderOptions {
@@ -475,11 +426,7 @@ fn dropping_the_loader_ends_its_threads() {
     drop(loader);
     // One frame each, not the thousands that were planned.
     assert!(start.elapsed() < Duration::from_secs(2));
-    assert_eq!(
-        Arc::strong_count(&sequence),
-        1,
-        "no thread holds the sequence any more"
-    );
+    assert_eq!(Arc::strong_count(&sequence), 1, "no thread holds the sequence any more");
 }
 
 #[test]
@@ -495,26 +442,18 @@ fn a_request_costs_the_same_for_any_length() {
         assert!(!matches!(loader.get(playhead, &SURFELS), Slot::Failed(_)));
     }
     // Walking the sequence would take a thousand million steps.
-    assert!(
-        start.elapsed() < Duration::from_secs(5),
-        "{:?}",
-        start.elapsed()
-    );
+    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
 }
 
 #[test]
 fn frames_do_not_depend_on_workers_or_timing() {
-    let decode = |source: &FrameEntry| -> Result<RawCloud, DecodeFailure> {
-        Ok(sheet(12, index_of(source)))
-    };
+    let decode = |source: &FrameEntry| -> Result<RawCloud, DecodeFailure> { Ok(sheet(12, index_of(source))) };
     let needs = surfels_by_octree(0.05);
     let prepared = |workers: usize, playhead: usize| -> Vec<Arc<PreparedFrame>> {
         let sequence = Arc::new(Sequence::with_decoder(fake_sources(6), decode));
         let loader = loader(&sequence, workers, usize::MAX);
         loader.request(playhead, Direction::Backward, &needs);
-        (0..6)
-            .map(|index| loader.wait(index, &needs).unwrap())
-            .collect()
+        (0..6).map(|index| loader.wait(index, &needs).unwrap()).collect()
     };
     let reference = prepared(1, 0);
     for (workers, playhead) in [(2, 3), (4, 5)] {

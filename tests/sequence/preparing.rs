@@ -29,11 +29,7 @@ fn what_the_file_has_is_not_estimated() {
     assert_eq!(work(&counters), [0, 0, 0, 2 * N]);
     let shapes = prepared.shapes.unwrap();
     assert!(shapes.iter().all(|shape| shape.radius == 0.5));
-    assert!(
-        shapes
-            .iter()
-            .all(|shape| oct_decode(shape.normal) == Vec3::Y)
-    );
+    assert!(shapes.iter().all(|shape| oct_decode(shape.normal) == Vec3::Y));
     let positions = by_file(&frame, frame.positions());
     for (i, point) in by_file(&frame, &prepared.points).iter().enumerate() {
         assert_eq!(Vec3::from_array(point.position), positions[i]);
@@ -65,9 +61,7 @@ fn a_part_has_the_points_of_these_slots_and_radii_that_close_their_surface() {
         // The file says 0.5, which would leave gaps between the rows.
         assert!(shapes[slot].radius > 1.0, "{}", shapes[slot].radius);
     }
-    assert!(
-        prepare_part(&whole, &[], &SURFELS, &counters).is_ok_and(|part| part.points.is_empty())
-    );
+    assert!(prepare_part(&whole, &[], &SURFELS, &counters).is_ok_and(|part| part.points.is_empty()));
 }
 
 #[test]
@@ -79,25 +73,13 @@ fn only_what_is_missing_is_estimated() {
     assert_eq!(work(&counters)[1..3], [0, 1]);
     let prepared = prepare(0, frame_of(sheet(10, 0)), 0.0, &SURFELS, &counters);
     assert_eq!(work(&counters)[1..3], [1, 1]);
-    assert!(
-        prepared
-            .shapes
-            .unwrap()
-            .iter()
-            .all(|shape| shape.radius > 0.0)
-    );
+    assert!(prepared.shapes.unwrap().iter().all(|shape| shape.radius > 0.0));
 }
 
 #[test]
 fn points_alone_need_nothing_else() {
     let counters = PrepareCounters::default();
-    let prepared = prepare(
-        0,
-        frame_of(complete_sheet(10, 0)),
-        0.0,
-        &Needs::default(),
-        &counters,
-    );
+    let prepared = prepare(0, frame_of(complete_sheet(10, 0)), 0.0, &Needs::default(), &counters);
     assert_eq!(work(&counters), [0, 0, 0, N]);
     assert!(prepared.shapes.is_none() && prepared.levels.octree().is_none());
 }
@@ -121,26 +103,14 @@ fn zero_normals_and_radii_are_replaced_and_the_others_kept() {
 #[test]
 fn colors_come_from_the_best_there_is() {
     let auto = |raw: RawCloud| {
-        let prepared = prepare(
-            0,
-            frame_of(raw),
-            0.0,
-            &Needs::default(),
-            &PrepareCounters::default(),
-        );
+        let prepared = prepare(0, frame_of(raw), 0.0, &Needs::default(), &PrepareCounters::default());
         let points = by_file(&prepared.frame, &prepared.points);
         (prepared.colors(), points[0].color)
     };
-    assert_eq!(
-        auto(complete_sheet(10, 9)),
-        (ColorSource::File, [0, 9, 7, 255])
-    );
+    assert_eq!(auto(complete_sheet(10, 9)), (ColorSource::File, [0, 9, 7, 255]));
     let mut raw = complete_sheet(10, 0);
     raw.colors = None;
-    assert_eq!(
-        auto(raw.clone()),
-        (ColorSource::Normal, fake_color(Vec3::Y))
-    );
+    assert_eq!(auto(raw.clone()), (ColorSource::Normal, fake_color(Vec3::Y)));
     let values = (0..100).map(|i| i as f32).collect();
     raw.scalars = vec![ScalarField::new("intensity", values)];
     let (source, color) = auto(raw.clone());
@@ -153,44 +123,21 @@ fn colors_come_from_the_best_there_is() {
         colors: Coloring::of(ColorSource::Uniform),
         ..Needs::default()
     };
-    let prepared = prepare(
-        0,
-        frame_of(sheet(10, 0)),
-        0.0,
-        &uniform,
-        &PrepareCounters::default(),
-    );
-    assert!(
-        prepared
-            .points
-            .iter()
-            .all(|point| point.color == UNIFORM_COLOR)
-    );
+    let prepared = prepare(0, frame_of(sheet(10, 0)), 0.0, &uniform, &PrepareCounters::default());
+    assert!(prepared.points.iter().all(|point| point.color == UNIFORM_COLOR));
     // Asked for what the file has not: as if automatic.
     let file = Needs {
         colors: Coloring::of(ColorSource::File),
         ..Needs::default()
     };
-    let prepared = prepare(
-        0,
-        frame_of(sheet(10, 0)),
-        0.0,
-        &file,
-        &PrepareCounters::default(),
-    );
+    let prepared = prepare(0, frame_of(sheet(10, 0)), 0.0, &file, &PrepareCounters::default());
     assert_eq!(prepared.colors(), ColorSource::Normal);
 }
 
 #[test]
 fn another_delta_builds_an_octree_and_nothing_else() {
     let counters = PrepareCounters::default();
-    let first = prepare(
-        0,
-        frame_of(sheet(10, 0)),
-        0.0,
-        &surfels_by_octree(0.0),
-        &counters,
-    );
+    let first = prepare(0, frame_of(sheet(10, 0)), 0.0, &surfels_by_octree(0.0), &counters);
     assert_eq!(work(&counters), [1, 1, 0, 2 * N]);
     let second = complete(&first, &surfels_by_octree(0.6), &counters);
     assert_eq!(work(&counters), [2, 1, 0, 2 * N]);
@@ -201,9 +148,7 @@ fn another_delta_builds_an_octree_and_nothing_else() {
         first.shapes.as_ref().unwrap(),
         second.shapes.as_ref().unwrap()
     ));
-    assert!(
-        second.levels.octree().unwrap().leaf_count() < first.levels.octree().unwrap().leaf_count()
-    );
+    assert!(second.levels.octree().unwrap().leaf_count() < first.levels.octree().unwrap().leaf_count());
 }
 
 #[test]
@@ -246,8 +191,7 @@ fn other_colors_rewrite_points_and_the_octree_only_if_it_is_needed() {
         first.shapes.as_ref().unwrap(),
         second.shapes.as_ref().unwrap()
     ));
-    let root_color =
-        |prepared: &PreparedFrame| prepared.levels.octree().unwrap().level_voxels(0)[0].color;
+    let root_color = |prepared: &PreparedFrame| prepared.levels.octree().unwrap().level_voxels(0)[0].color;
     assert_eq!(root_color(&second), fake_color(Vec3::Y)[..3]);
     assert_ne!(root_color(&first), root_color(&second));
     let without_octree = Needs {
@@ -257,10 +201,7 @@ fn other_colors_rewrite_points_and_the_octree_only_if_it_is_needed() {
     };
     let third = complete(&second, &without_octree, &counters);
     assert_eq!(work(&counters), [2, 0, 0, 4 * N]);
-    assert!(
-        third.levels.octree().is_none(),
-        "an octree in colours of the past"
-    );
+    assert!(third.levels.octree().is_none(), "an octree in colours of the past");
 }
 
 #[test]
@@ -269,10 +210,7 @@ fn the_order_of_wishes_does_not_change_the_picture() {
         colors: Coloring::of(ColorSource::Normal),
         ..Needs::default()
     };
-    let both = Needs {
-        shapes: true,
-        ..fake
-    };
+    let both = Needs { shapes: true, ..fake };
     for raw in [sheet(10, 0), complete_sheet(10, 0)] {
         let counters = PrepareCounters::default();
         let at_once = prepare(0, frame_of(raw.clone()), 0.0, &both, &counters);
@@ -281,11 +219,7 @@ fn the_order_of_wishes_does_not_change_the_picture() {
             &both,
             &counters,
         );
-        let shapes_first = complete(
-            &prepare(0, frame_of(raw), 0.0, &SURFELS, &counters),
-            &both,
-            &counters,
-        );
+        let shapes_first = complete(&prepare(0, frame_of(raw), 0.0, &SURFELS, &counters), &both, &counters);
         for other in [&colors_first, &shapes_first] {
             assert_eq!(at_once.points, other.points);
             assert_eq!(at_once.shapes, other.shapes);
@@ -304,13 +238,7 @@ fn frames_without_points_and_with_one_are_prepared() {
                 colors: Coloring::of(source),
                 hints: ColorHints::NONE,
             };
-            let prepared = prepare(
-                0,
-                frame_of(raw.clone()),
-                0.0,
-                &needs,
-                &PrepareCounters::default(),
-            );
+            let prepared = prepare(0, frame_of(raw.clone()), 0.0, &needs, &PrepareCounters::default());
             assert_eq!(prepared.points.len(), count);
             assert_eq!(prepared.shapes.as_ref().unwrap().len(), count);
             assert_eq!(prepared.levels.codes().unwrap().level(0).len(), count);

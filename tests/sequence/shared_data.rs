@@ -17,8 +17,7 @@ fn the_demo_plays() {
         assert_eq!(frame.colors(), ColorSource::File);
         assert_eq!(sequence.entry(index).number, Some(index as u64));
         // Points correspond: between any two poses of a walk nothing of the body moves a metre.
-        let [now, then] =
-            [&frame, &first].map(|frame| by_file(&frame.frame, frame.frame.positions()));
+        let [now, then] = [&frame, &first].map(|frame| by_file(&frame.frame, frame.frame.positions()));
         let farthest = now
             .iter()
             .zip(then)

@@ -71,8 +71,8 @@ fn write_alone(
     write: BackEnd,
 ) -> Result<(), String> {
     let constants = PipelineConstants::default();
-    let (module, info) = process_overrides(whole, info, Some((stage, name)), &constants)
-        .map_err(|error| error.to_string())?;
+    let (module, info) =
+        process_overrides(whole, info, Some((stage, name)), &constants).map_err(|error| error.to_string())?;
     let fragment = FragmentEntryPoint::new(whole, "fragment");
     write(&EntryPoint {
         module: &module,

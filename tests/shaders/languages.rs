@@ -40,9 +40,7 @@ fn bindings(module: &Module) -> BTreeMap<ResourceBinding, Kind> {
     let with_kind = bound.map(|(binding, global)| {
         let kind = match (global.space, &module.types[global.ty].inner) {
             (AddressSpace::Uniform, _) => Kind::Uniform,
-            (AddressSpace::Storage { access }, _) if access.contains(StorageAccess::STORE) => {
-                Kind::Storage
-            }
+            (AddressSpace::Storage { access }, _) if access.contains(StorageAccess::STORE) => Kind::Storage,
             (AddressSpace::Storage { .. }, _) => Kind::ReadOnlyStorage,
             (AddressSpace::Handle, TypeInner::Image { .. }) => Kind::Texture,
             (space, ty) => panic!("{binding:?} is {ty:?} in {space:?}: say here how it is bound"),
@@ -149,8 +147,8 @@ pub(super) fn write_msl(entry: &EntryPoint<'_>, version: (u8, u8)) -> Result<(),
         entry_point: Some((entry.stage, entry.name.to_owned())),
         ..msl::PipelineOptions::default()
     };
-    let (text, info) = msl::write_string(entry.module, entry.info, &options, &pipeline)
-        .map_err(|error| error.to_string())?;
+    let (text, info) =
+        msl::write_string(entry.module, entry.info, &options, &pipeline).map_err(|error| error.to_string())?;
     has_entry_point(&text, &info.entry_point_names)
 }
 
@@ -165,11 +163,10 @@ pub(super) fn write_hlsl(entry: &EntryPoint<'_>, model: hlsl::ShaderModel) -> Re
         register: register.into(),
         ..hlsl::BindTarget::default()
     };
-    let (binding_map, [constant_buffers, ..]) =
-        numbered(entry.whole, set, |kind, number| hlsl::BindTarget {
-            restrict_indexing: kind == Kind::Uniform,
-            ..register(number)
-        });
+    let (binding_map, [constant_buffers, ..]) = numbered(entry.whole, set, |kind, number| hlsl::BindTarget {
+        restrict_indexing: kind == Kind::Uniform,
+        ..register(number)
+    });
     let options = hlsl::Options {
         shader_model: model,
         binding_map,

@@ -18,9 +18,7 @@ fn cell_of(cube: &Cube, position: Vec3, level: u32) -> [u32; 3] {
 }
 
 fn cells(cube: &Cube, positions: &[Vec3], level: u32) -> HashSet<[u32; 3]> {
-    let cells = positions
-        .iter()
-        .map(|&position| cell_of(cube, position, level));
+    let cells = positions.iter().map(|&position| cell_of(cube, position, level));
     cells.collect()
 }
 
@@ -52,12 +50,7 @@ pub(crate) fn check_octree(name: &str, tree: &Octree, positions: &[Vec3], delta:
     let rounding = 4.0 * f64::from(f32::EPSILON * reach);
     let middles: std::collections::HashMap<_, _> = drawn
         .iter()
-        .map(|voxel| {
-            (
-                level_and_cell(&cube, voxel).1,
-                Vec3::from_array(voxel.center),
-            )
-        })
+        .map(|voxel| (level_and_cell(&cube, voxel).1, Vec3::from_array(voxel.center)))
         .collect();
     for &position in positions {
         let middle = middles[&cell_of(&cube, position, depth)];
@@ -76,14 +69,8 @@ pub(crate) fn check_octree(name: &str, tree: &Octree, positions: &[Vec3], delta:
         let found = cells(&cube, positions, level).len();
         found as f64 >= (1.0 - f64::from(delta)) * count - 1e-9 || found == distinct
     };
-    assert!(
-        depth == morton::LEVELS || ends_at(depth),
-        "{name}: depth {depth}"
-    );
-    assert!(
-        !(0..depth).any(ends_at),
-        "{name}: depth {depth} is not the first"
-    );
+    assert!(depth == morton::LEVELS || ends_at(depth), "{name}: depth {depth}");
+    assert!(!(0..depth).any(ends_at), "{name}: depth {depth} is not the first");
 }
 
 /// A traversal emits exactly the cells that are reached when every cell of every level is tested.
@@ -128,10 +115,7 @@ pub(crate) fn visible_set(tree: &Octree, view: &SelectView) -> HashSet<(u32, [u3
     let mut voxels = Vec::new();
     let stats = tree.select(view, &mut voxels);
     let cube = tree.cube();
-    let found: HashSet<_> = voxels
-        .iter()
-        .map(|voxel| level_and_cell(&cube, voxel))
-        .collect();
+    let found: HashSet<_> = voxels.iter().map(|voxel| level_and_cell(&cube, voxel)).collect();
     assert_eq!((found.len(), stats.emitted), (voxels.len(), voxels.len()));
     found
 }

@@ -8,12 +8,9 @@ use pointreel::cloud::oct_decode;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::levels::{LevelsKey, LevelsKind, SelectView};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, PointStyle, Primitive, Scene, Style, SurfelStyle,
-    UpAxis,
+    BackFaces, Backdrop, Background, Camera, PointStyle, Primitive, Scene, Style, SurfelStyle, UpAxis,
 };
-use pointreel::sequence::{
-    ColorHints, Coloring, Loader, LoaderOptions, Needs, PreparedFrame, Sequence,
-};
+use pointreel::sequence::{ColorHints, Coloring, Loader, LoaderOptions, Needs, PreparedFrame, Sequence};
 use pointreel::timeline::Direction;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -117,10 +114,7 @@ impl Chain {
         self.check_positions(name, file);
         for (normal, radius) in self.surface().into_values() {
             assert!(normal.is_normalized(), "{name}: normal {normal}");
-            assert!(
-                radius > 0.0 && radius.is_finite(),
-                "{name}: radius {radius}"
-            );
+            assert!(radius > 0.0 && radius.is_finite(), "{name}: radius {radius}");
         }
         let tree = self.frame.levels.octree().unwrap();
         brute_force::check_octree(name, tree, self.positions(), delta);
@@ -152,9 +146,7 @@ impl Chain {
             positions.sort_by(|a, b| a.partial_cmp(b).unwrap());
             positions
         };
-        let expected = file
-            .iter()
-            .map(|&position| (position - self.origin).as_vec3());
+        let expected = file.iter().map(|&position| (position - self.origin).as_vec3());
         assert!(
             sorted(self.positions().to_vec()) == sorted(expected.collect()),
             "{name}: points are lost or moved"

@@ -145,20 +145,8 @@ pub const BINDINGS: &[Binding] = &[
         Command::Step(-10),
         &[Chord::shift(Key::ArrowLeft)],
     )),
-    binding(
-        PLAY,
-        "Home",
-        "First frame",
-        Command::First,
-        &[Chord::plain(Key::Home)],
-    ),
-    binding(
-        PLAY,
-        "End",
-        "Last frame",
-        Command::Last,
-        &[Chord::plain(Key::End)],
-    ),
+    binding(PLAY, "Home", "First frame", Command::First, &[Chord::plain(Key::Home)]),
+    binding(PLAY, "End", "Last frame", Command::Last, &[Chord::plain(Key::End)]),
     binding(
         PLAY,
         "Shift+End",
@@ -236,13 +224,7 @@ pub const BINDINGS: &[Binding] = &[
         Command::PreviousMarker,
         &[Chord::ctrl_shift(Key::M)],
     ),
-    binding(
-        VIEW,
-        "R",
-        "Reset the view",
-        Command::ResetView,
-        &[Chord::plain(Key::R)],
-    ),
+    binding(VIEW, "R", "Reset the view", Command::ResetView, &[Chord::plain(Key::R)]),
     binding(
         VIEW,
         "Shift+R",
@@ -425,13 +407,7 @@ pub const BINDINGS: &[Binding] = &[
         Command::ToggleTrails,
         &[Chord::shift(Key::T)],
     ),
-    binding(
-        FILE,
-        "Ctrl+O",
-        "Open files",
-        Command::OpenFiles,
-        &[Chord::ctrl(Key::O)],
-    ),
+    binding(FILE, "Ctrl+O", "Open files", Command::OpenFiles, &[Chord::ctrl(Key::O)]),
     binding(
         FILE,
         "Ctrl+Shift+O",
@@ -488,13 +464,7 @@ pub const BINDINGS: &[Binding] = &[
         Command::Escape,
         &[Chord::plain(Key::Escape)],
     ),
-    binding(
-        FILE,
-        "Ctrl+Q",
-        "Quit",
-        Command::Quit,
-        &[Chord::ctrl(Key::Q)],
-    ),
+    binding(FILE, "Ctrl+Q", "Quit", Command::Quit, &[Chord::ctrl(Key::Q)]),
 ];
 
 /// What the mouse and the fly keys do, for the help window.
@@ -503,10 +473,7 @@ pub const GESTURES: &[(&str, &str)] = &[
     ("Middle or right drag, Shift + left drag", "Pan"),
     ("Ctrl + left drag", "Look around"),
     ("Wheel, pinch", "Zoom"),
-    (
-        "Drop files or a folder",
-        "Open them; with Shift, compare with them",
-    ),
+    ("Drop files or a folder", "Open them; with Shift, compare with them"),
     ("Double click", "Focus on a point, or frame the cloud"),
     ("W A S D", "Fly forward, left, back, right"),
     ("E Q", "Fly up, down"),

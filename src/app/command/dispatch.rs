@@ -15,12 +15,9 @@ pub(in crate::app) fn keys_of(command: Command) -> &'static str {
 /// The binding of a key by its letter, else by its place.
 fn find(key: Key, physical_key: Option<Key>, modifiers: Modifiers) -> Option<&'static Binding> {
     let by_key = |key: Key| {
-        BINDINGS.iter().find(|binding| {
-            binding
-                .chords
-                .iter()
-                .any(|chord| chord.matches(key, modifiers))
-        })
+        BINDINGS
+            .iter()
+            .find(|binding| binding.chords.iter().any(|chord| chord.matches(key, modifiers)))
     };
     by_key(key).or_else(|| physical_key.and_then(by_key))
 }
@@ -113,12 +110,9 @@ mod tests {
                         command: chord.command,
                         ..Modifiers::NONE
                     };
-                    let found = BINDINGS.iter().position(|other| {
-                        other
-                            .chords
-                            .iter()
-                            .any(|chord2| chord2.matches(chord.key, modifiers))
-                    });
+                    let found = BINDINGS
+                        .iter()
+                        .position(|other| other.chords.iter().any(|chord2| chord2.matches(chord.key, modifiers)));
                     assert_eq!(found, Some(index), "{} with {modifiers:?}", binding.keys);
                 }
             }
@@ -128,21 +122,14 @@ mod tests {
     #[test]
     fn letters_go_before_places() {
         // On a German keyboard the key right of P is ü, which is bound by its place: the bracket of a US keyboard.
-        let found =
-            |key, place, modifiers| find(key, place, modifiers).map(|binding| binding.command);
+        let found = |key, place, modifiers| find(key, place, modifiers).map(|binding| binding.command);
         assert_eq!(
             found(Key::Backtick, Some(Key::OpenBracket), Modifiers::NONE),
             Some(Command::Slower)
         );
         // Dvorak's P is where R is: the letter decides.
-        assert_eq!(
-            found(Key::P, Some(Key::R), Modifiers::NONE),
-            Some(Command::Screenshot)
-        );
-        assert_eq!(
-            found(Key::O, Some(Key::O), Modifiers::CTRL),
-            Some(Command::OpenFiles)
-        );
+        assert_eq!(found(Key::P, Some(Key::R), Modifiers::NONE), Some(Command::Screenshot));
+        assert_eq!(found(Key::O, Some(Key::O), Modifiers::CTRL), Some(Command::OpenFiles));
         assert_eq!(found(Key::J, Some(Key::J), Modifiers::NONE), None);
         assert_eq!(found(Key::Space, None, Modifiers::ALT), None);
     }

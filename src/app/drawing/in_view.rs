@@ -73,8 +73,8 @@ impl SurfelsInView {
         viewport_px: [u32; 2],
         now: Duration,
     ) -> Option<Arc<PreparedFrame>> {
-        let are_missing = matches!(settings.primitive, Primitive::Auto | Primitive::Surfel)
-            && !can_draw(frame, settings.primitive);
+        let are_missing =
+            matches!(settings.primitive, Primitive::Auto | Primitive::Surfel) && !can_draw(frame, settings.primitive);
         if !are_missing || frame.is_sample() || frame.points.len() < self.fewest_points {
             self.wanted = None;
             self.made = None;
@@ -106,11 +106,7 @@ impl SurfelsInView {
     }
 
     /// Has what is wanted made, once the view rests.
-    pub(in crate::app) fn prepare<T: TaskOutcome + From<Arc<InView>>>(
-        &mut self,
-        tasks: &Tasks<T>,
-        now: Duration,
-    ) {
+    pub(in crate::app) fn prepare<T: TaskOutcome + From<Arc<InView>>>(&mut self, tasks: &Tasks<T>, now: Duration) {
         if self.next_deadline().is_none_or(|deadline| now < deadline) {
             return;
         }

@@ -86,9 +86,7 @@ impl Levels {
 
     /// When the camera will have rested and the whole picture is due.
     pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
-        self.moved_at
-            .filter(|_| self.are_drawn)
-            .map(|moved_at| moved_at + REST)
+        self.moved_at.filter(|_| self.are_drawn).map(|moved_at| moved_at + REST)
     }
 
     /// The frame and the settings to draw with from `camera` at `now`: those that are given, or coarser ones while it
@@ -100,11 +98,7 @@ impl Levels {
         settings: &Style,
         now: Duration,
     ) -> (Arc<PreparedFrame>, Style) {
-        if self
-            .camera
-            .replace(*camera)
-            .is_some_and(|before| before != *camera)
-        {
+        if self.camera.replace(*camera).is_some_and(|before| before != *camera) {
             self.moved_at = Some(now);
         }
         let is_moving = self
@@ -174,11 +168,7 @@ mod tests {
     /// The camera at step `step` of a motion.
     fn camera(step: u32) -> Camera {
         let edge = Vec3::splat(20.0 + step as f32);
-        Camera::framing(
-            &Aabb::from_points(&[Vec3::ZERO, edge]),
-            DVec3::ZERO,
-            UpAxis::Z,
-        )
+        Camera::framing(&Aabb::from_points(&[Vec3::ZERO, edge]), DVec3::ZERO, UpAxis::Z)
     }
 
     /// Starts the making of levels, if they are wanted, and takes them.

@@ -90,13 +90,8 @@ impl Drawing {
 
     /// Has made what the next pictures lack: levels of detail for a frame at rest that takes long to draw, so that the
     /// camera moves smoothly; surfels of what is in view at `now`, where those of the frame are not there.
-    pub(in crate::app) fn prepare<T>(
-        &mut self,
-        settings: &Style,
-        is_at_rest: bool,
-        tasks: &Tasks<T>,
-        now: Duration,
-    ) where
+    pub(in crate::app) fn prepare<T>(&mut self, settings: &Style, is_at_rest: bool, tasks: &Tasks<T>, now: Duration)
+    where
         T: TaskOutcome + From<FrameWithLevels> + From<Arc<InView>>,
     {
         if let Some(drawn) = self.frame.as_ref().filter(|_| is_at_rest) {
@@ -155,9 +150,7 @@ impl Drawing {
                 Primitive::Point
             };
         }
-        let packet = self
-            .scene
-            .packet(&frame, drawn.origin, camera, &settings, viewport_px);
+        let packet = self.scene.packet(&frame, drawn.origin, camera, &settings, viewport_px);
         if self.packet.as_ref() == Some(&packet) {
             return None;
         }
@@ -185,11 +178,7 @@ impl Drawing {
     }
 
     /// The point under `place` of the picture over `rect`, and the pose that it is of, as they were drawn last.
-    pub(in crate::app) fn point_at(
-        &self,
-        place: Pos2,
-        rect: Rect,
-    ) -> Option<(Pick, Arc<PreparedFrame>)> {
+    pub(in crate::app) fn point_at(&self, place: Pos2, rect: Rect) -> Option<(Pick, Arc<PreparedFrame>)> {
         let (packet, drawn) = self.packet.as_ref().zip(self.frame.as_ref())?;
         if !rect.contains(place) || rect.area() == 0.0 {
             return None;

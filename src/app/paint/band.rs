@@ -37,11 +37,7 @@ impl<'a> Layer<'a> {
         } else {
             mesh.hidden_by_fill
         };
-        Self {
-            mesh,
-            source,
-            hides,
-        }
+        Self { mesh, source, hides }
     }
 
     #[inline(always)]
@@ -98,13 +94,7 @@ pub(super) fn paint(layers: &[Layer<'_>], region: &[PixelRect], width_px: u32, t
 }
 
 /// Paints what of the rectangles is in some rows.
-fn paint_rows(
-    layers: &[Layer<'_>],
-    region: &[PixelRect],
-    width_px: u32,
-    first_row: u32,
-    pixels: &mut [u32],
-) {
+fn paint_rows(layers: &[Layer<'_>], region: &[PixelRect], width_px: u32, first_row: u32, pixels: &mut [u32]) {
     let rows = (pixels.len() / width_px as usize) as u32;
     let band = PixelRect {
         min: [0, first_row],

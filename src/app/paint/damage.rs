@@ -77,8 +77,7 @@ impl Damage {
     }
 
     fn join_cheapest(&mut self) {
-        let pairs =
-            (0..self.rects.len()).flat_map(|second| (0..second).map(move |first| (first, second)));
+        let pairs = (0..self.rects.len()).flat_map(|second| (0..second).map(move |first| (first, second)));
         let cheapest = pairs.min_by_key(|&(a, b)| cost(&self.rects[a], &self.rects[b]));
         let Some((first, second)) = cheapest else {
             return;

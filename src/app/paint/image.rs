@@ -49,16 +49,11 @@ impl Image<'_> {
         let (first, last) = (at(self.area.min[axis]), at(self.area.max[axis] - 1));
         let steps = (self.area.max[axis] - 1 - self.area.min[axis]) as f32;
         // The nearest texel stays the same as long as it is not about to be another.
-        let tolerance = if self.source.is_linear {
-            ON_PIXEL
-        } else {
-            0.25
-        };
+        let tolerance = if self.source.is_linear { ON_PIXEL } else { 0.25 };
         let is_on_texel = |at: f32| (at - at.floor() - 0.5).abs() <= tolerance;
         let is_unscaled = (last - first - steps).abs() <= tolerance;
         let is_inside = first >= 0.0 && last < edge as f32;
-        (is_unscaled && is_inside && is_on_texel(first) && is_on_texel(last))
-            .then_some(first as usize)
+        (is_unscaled && is_inside && is_on_texel(first) && is_on_texel(last)).then_some(first as usize)
     }
 
     #[inline(always)]

@@ -35,11 +35,7 @@ pub(super) struct Part {
 
 impl Entry {
     /// Calls `damage` with the bounds of meshes whose texture is another one by now.
-    pub(super) fn follow_textures(
-        &mut self,
-        textures: &Textures,
-        mut damage: impl FnMut(PixelRect),
-    ) {
+    pub(super) fn follow_textures(&mut self, textures: &Textures, mut damage: impl FnMut(PixelRect)) {
         for part in &mut self.parts {
             let version = textures.version(part.mesh.texture);
             if std::mem::replace(&mut part.texture_version, version) != version {
@@ -156,9 +152,7 @@ fn matches(old: &[Entry], new: &[ClippedShape]) -> Vec<Option<usize>> {
 
 /// Whether both are painted alike.
 fn are_same(a: &ClippedShape, b: &ClippedShape) -> bool {
-    if a.clip_rect != b.clip_rect
-        || a.transform_after_tessellation != b.transform_after_tessellation
-    {
+    if a.clip_rect != b.clip_rect || a.transform_after_tessellation != b.transform_after_tessellation {
         return false;
     }
     match (&a.shape, &b.shape) {
@@ -182,11 +176,7 @@ fn are_same_text(a: &TextShape, b: &TextShape) -> bool {
 ///
 /// egui puts neighbours into one mesh and does not tell which is whose. Callbacks are always by themselves, so one
 /// stands between any two shapes.
-fn tessellated(
-    shapes: Vec<ClippedShape>,
-    ctx: &Context,
-    screen: Screen,
-) -> impl Iterator<Item = Vec<PixelMesh>> {
+fn tessellated(shapes: Vec<ClippedShape>, ctx: &Context, screen: Screen) -> impl Iterator<Item = Vec<PixelMesh>> {
     let separator = ClippedShape {
         clip_rect: Rect::EVERYTHING,
         shape: Shape::Callback(PaintCallback {
@@ -208,10 +198,7 @@ fn tessellated(
     let mut primitives = primitives.into_iter();
     (0..count).map(move |_| {
         let of_shape = primitives.by_ref().map_while(|primitive| {
-            let ClippedPrimitive {
-                clip_rect,
-                primitive,
-            } = primitive;
+            let ClippedPrimitive { clip_rect, primitive } = primitive;
             match primitive {
                 Primitive::Mesh(mesh) => Some((clip_rect, mesh)),
                 Primitive::Callback(_) => None,

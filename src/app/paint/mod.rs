@@ -86,13 +86,7 @@ impl SoftwarePainter {
     /// # Panics
     ///
     /// If `ctx` has not been run yet: it has no fonts then.
-    pub fn show(
-        &mut self,
-        ctx: &Context,
-        shapes: Vec<ClippedShape>,
-        pixels_per_point: f32,
-        size_px: [u32; 2],
-    ) {
+    pub fn show(&mut self, ctx: &Context, shapes: Vec<ClippedShape>, pixels_per_point: f32, size_px: [u32; 2]) {
         let shown = Shown {
             screen: Screen {
                 size_px,
@@ -131,12 +125,7 @@ impl SoftwarePainter {
     ///
     /// `pictures` are those that [`Self::set_picture`] told of; they are taken to be opaque. What has no texture is
     /// left out, and where there is nothing the window is black. Rectangles of `region` may share pixels.
-    pub fn paint(
-        &self,
-        pictures: &[(TextureId, &RgbaImage)],
-        region: &[PixelRect],
-        target: &mut [u32],
-    ) {
+    pub fn paint(&self, pictures: &[(TextureId, &RgbaImage)], region: &[PixelRect], target: &mut [u32]) {
         let size_px = self.shown.screen.size_px;
         let window = PixelRect::of_size(size_px);
         let region: Vec<PixelRect> = region

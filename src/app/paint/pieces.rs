@@ -24,11 +24,7 @@ pub(super) enum Piece {
     /// Pixels of one colour.
     Fill { area: PixelRect, color: u32 },
     /// A part of the texture, its rows and columns those of the window.
-    Image {
-        area: PixelRect,
-        place: Place,
-        tint: u32,
-    },
+    Image { area: PixelRect, place: Place, tint: u32 },
     /// Anything else; corners are those of the mesh.
     Triangle {
         area: PixelRect,
@@ -85,10 +81,7 @@ impl PixelMesh {
     /// Cuts a mesh into pieces; triangles that cannot be drawn are left out.
     pub(super) fn new(mesh: &Mesh, clip: PixelRect, pixels_per_point: f32) -> Self {
         let to_pixels = |vertex: &Vertex| Vertex {
-            pos: Pos2::new(
-                vertex.pos.x * pixels_per_point,
-                vertex.pos.y * pixels_per_point,
-            ),
+            pos: Pos2::new(vertex.pos.x * pixels_per_point, vertex.pos.y * pixels_per_point),
             ..*vertex
         };
         let mut this = Self {
@@ -129,8 +122,7 @@ impl PixelMesh {
             *corner = *self.vertices.get(index as usize)?;
         }
         // What is no number makes none with anything.
-        let sum =
-            |Vertex { pos, uv, .. }: &Vertex| pos.x * 0.0 + pos.y * 0.0 + uv.x * 0.0 + uv.y * 0.0;
+        let sum = |Vertex { pos, uv, .. }: &Vertex| pos.x * 0.0 + pos.y * 0.0 + uv.x * 0.0 + uv.y * 0.0;
         let are_numbers = corners.iter().map(sum).sum::<f32>() == 0.0;
         are_numbers.then_some(corners)
     }
@@ -168,8 +160,7 @@ impl PixelMesh {
                 *missing -= number.min(*missing);
                 seen |= 1 << number;
                 let sides = [usize::from(is_right), usize::from(is_below)];
-                for ((uv, side), value) in uv.iter_mut().zip(sides).zip([corner.uv.x, corner.uv.y])
-                {
+                for ((uv, side), value) in uv.iter_mut().zip(sides).zip([corner.uv.x, corner.uv.y]) {
                     if *uv[side].get_or_insert(value) != value {
                         return None;
                     }
@@ -199,18 +190,13 @@ impl PixelMesh {
     }
 
     fn push_triangle(&mut self, indices: [u32; 3], corners: &[Vertex; 3]) {
-        let is_near = |corner: &Vertex| {
-            corner.pos.x.abs() <= FARTHEST_PX && corner.pos.y.abs() <= FARTHEST_PX
-        };
+        let is_near = |corner: &Vertex| corner.pos.x.abs() <= FARTHEST_PX && corner.pos.y.abs() <= FARTHEST_PX;
         if !corners.iter().all(is_near) {
             return;
         }
         let xs = corners.map(|corner| corner.pos.x);
         let ys = corners.map(|corner| corner.pos.y);
-        let area = self.area(
-            Pos2::new(least(xs), least(ys)),
-            Pos2::new(most(xs), most(ys)),
-        );
+        let area = self.area(Pos2::new(least(xs), least(ys)), Pos2::new(most(xs), most(ys)));
         let colors = corners.map(|corner| corner.color);
         let is_plain = self.is_plain(corners);
         if is_plain && colors == [Color32::TRANSPARENT; 3] {
@@ -224,11 +210,7 @@ impl PixelMesh {
             Kind::Shaded
         };
         let corners = indices;
-        self.push(Piece::Triangle {
-            area,
-            corners,
-            kind,
-        });
+        self.push(Piece::Triangle { area, corners, kind });
     }
 
     fn push(&mut self, piece: Piece) {
@@ -268,9 +250,7 @@ impl Piece {
     /// Pixels that it may change.
     pub(super) fn area(&self) -> &PixelRect {
         match self {
-            Self::Fill { area, .. } | Self::Image { area, .. } | Self::Triangle { area, .. } => {
-                area
-            }
+            Self::Fill { area, .. } | Self::Image { area, .. } | Self::Triangle { area, .. } => area,
         }
     }
 

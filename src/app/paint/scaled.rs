@@ -43,13 +43,7 @@ struct Row {
 
 /// Paints `area` with the source at `place`.
 #[inline(always)]
-pub(super) fn paint(
-    source: &Source<'_>,
-    place: &Place,
-    tint: u32,
-    area: &PixelRect,
-    canvas: &mut Canvas<'_>,
-) {
+pub(super) fn paint(source: &Source<'_>, place: &Place, tint: u32, area: &PixelRect, canvas: &mut Canvas<'_>) {
     let mut columns = Columns::new(source, place, area);
     let count = columns.between.len();
     let row = || Row {

@@ -133,11 +133,7 @@ impl Textures {
     }
 
     /// What to paint with.
-    pub(super) fn source<'a>(
-        &'a self,
-        id: TextureId,
-        pictures: &[(TextureId, &'a RgbaImage)],
-    ) -> Option<Source<'a>> {
+    pub(super) fn source<'a>(&'a self, id: TextureId, pictures: &[(TextureId, &'a RgbaImage)]) -> Option<Source<'a>> {
         if let Some(picture) = self.pictures.get(&id) {
             let (_, image) = pictures.iter().find(|(picture, _)| *picture == id)?;
             let (pixels, _) = image.as_raw().as_chunks::<4>();
@@ -183,12 +179,7 @@ pub(super) fn swizzled(pixel: [u8; 4]) -> u32 {
 }
 
 impl<'a> Source<'a> {
-    fn new(
-        size: [usize; 2],
-        texels: Texels<'a>,
-        is_linear: bool,
-        wrap: TextureWrapMode,
-    ) -> Option<Self> {
+    fn new(size: [usize; 2], texels: Texels<'a>, is_linear: bool, wrap: TextureWrapMode) -> Option<Self> {
         let count = match texels {
             Texels::Words(words) => words.len(),
             Texels::Picture(pixels) => pixels.len(),
@@ -271,13 +262,7 @@ impl<'a> Source<'a> {
         (left, right, share_x): (usize, usize, f32),
         (top, bottom, share_y): (usize, usize, f32),
     ) -> [f32; 4] {
-        let row = |y: usize| {
-            mix(
-                channels(self.texel(left, y)),
-                channels(self.texel(right, y)),
-                share_x,
-            )
-        };
+        let row = |y: usize| mix(channels(self.texel(left, y)), channels(self.texel(right, y)), share_x);
         mix(row(top), row(bottom), share_y)
     }
 }

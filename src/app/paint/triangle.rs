@@ -18,13 +18,7 @@ use egui::epaint::Vertex;
 
 /// Paints what of a triangle is in `area`, which is on the canvas.
 #[inline(always)]
-pub(super) fn paint(
-    corners: &[Vertex; 3],
-    kind: Kind,
-    source: &Source<'_>,
-    area: &PixelRect,
-    canvas: &mut Canvas<'_>,
-) {
+pub(super) fn paint(corners: &[Vertex; 3], kind: Kind, source: &Source<'_>, area: &PixelRect, canvas: &mut Canvas<'_>) {
     let Some(edges) = edges(corners, area.min) else {
         return;
     };

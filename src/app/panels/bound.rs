@@ -94,11 +94,7 @@ pub(super) fn export(ui: &mut Ui, state: &mut State) {
 }
 
 pub(super) fn point(ui: &mut Ui, state: &mut State) {
-    let index_in_file = state
-        .inspection
-        .point
-        .as_ref()
-        .map(|point| point.values.index_in_file);
+    let index_in_file = state.inspection.point.as_ref().map(|point| point.values.index_in_file);
     let trail = state.player.as_ref().and_then(|player| {
         let time_s = |frame| player.time_s(frame);
         state.trails.measure(index_in_file?, time_s)

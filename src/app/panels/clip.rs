@@ -52,16 +52,13 @@ impl Shown {
 
     /// Scene units a point of the screen.
     fn drag_speed(&self) -> f64 {
-        f64::from(self.bounds.extent().max_element()).max(f64::from(f32::MIN_POSITIVE))
-            / DRAG_POINTS
+        f64::from(self.bounds.extent().max_element()).max(f64::from(f32::MIN_POSITIVE)) / DRAG_POINTS
     }
 }
 
 fn kind_of(clip: Option<Clip>) -> Kind {
     match clip {
-        Some(Clip {
-            is_on: true, shape, ..
-        }) => match shape {
+        Some(Clip { is_on: true, shape, .. }) => match shape {
             ClipShape::Box { .. } => Kind::Box,
             ClipShape::Plane { .. } => Kind::Plane,
         },
@@ -93,8 +90,7 @@ pub(super) fn clip_ui(ui: &mut Ui, state: &mut State) {
     };
     ui.horizontal(|ui| {
         let fit = ui.button("Fit to frame");
-        let tooltip =
-            "The box around the frame that is shown; of a plane, the one through its middle";
+        let tooltip = "The box around the frame that is shown; of a plane, the one through its middle";
         if fit.on_hover_text(tooltip).clicked() {
             clip.shape = match clip.shape {
                 ClipShape::Box { .. } => shown.shape(Kind::Box),
@@ -104,8 +100,7 @@ pub(super) fn clip_ui(ui: &mut Ui, state: &mut State) {
         if matches!(clip.shape, ClipShape::Plane { .. }) {
             let through = angle.and_then(ClipShape::through);
             let button = egui::Button::new("Through three points");
-            let tooltip =
-                "The plane through the three points of the last angle that was measured (M, Angle)";
+            let tooltip = "The plane through the three points of the last angle that was measured (M, Angle)";
             let button = ui
                 .add_enabled(through.is_some(), button)
                 .on_hover_text(tooltip)
@@ -145,24 +140,13 @@ fn kind(ui: &mut Ui, clip: &mut Option<Clip>, shown: &Shown) {
     if chosen == before {
         return;
     }
-    let known = clip.filter(|clip| {
-        kind_of(Some(Clip {
-            is_on: true,
-            ..*clip
-        })) == chosen
-    });
+    let known = clip.filter(|clip| kind_of(Some(Clip { is_on: true, ..*clip })) == chosen);
     *clip = match (chosen, *clip) {
-        (Kind::Off, Some(clip)) => Some(Clip {
-            is_on: false,
-            ..clip
-        }),
+        (Kind::Off, Some(clip)) => Some(Clip { is_on: false, ..clip }),
         (Kind::Off, None) => None,
         (kind, _) => {
             let clip = known.unwrap_or_else(|| Clip::to(shown.shape(kind)));
-            Some(Clip {
-                is_on: true,
-                ..clip
-            })
+            Some(Clip { is_on: true, ..clip })
         }
     };
 }
@@ -208,8 +192,7 @@ fn plane(ui: &mut Ui, shape: &mut ClipShape, shown: &Shown) {
         return;
     };
     let before = *normal;
-    let axes =
-        AXES.map(|(name, axis)| (name, axis, "The plane stands across this axis of the file"));
+    let axes = AXES.map(|(name, axis)| (name, axis, "The plane stands across this axis of the file"));
     choice(
         ui,
         "Plane across",
@@ -218,9 +201,7 @@ fn plane(ui: &mut Ui, shape: &mut ClipShape, shown: &Shown) {
         &axes,
     );
     let tooltip = "Where the plane is along the axis (or its normal) in the coordinates of the file, scene units";
-    let place = DragValue::new(offset)
-        .speed(shown.drag_speed())
-        .max_decimals(6);
+    let place = DragValue::new(offset).speed(shown.drag_speed()).max_decimals(6);
     row(ui, "Plane at", tooltip, place);
     if *normal != before {
         *shape = shown.plane(*normal);

@@ -9,8 +9,8 @@ use crate::cloud::Frame;
 use crate::scene::describe::{Described, Word};
 use crate::scene::{Legend, coloring, field_title};
 use crate::sequence::{
-    ColorRange, ColorSource, Coloring, FieldName, HeightAxis, Paint, PaintValues, PreparedFrame,
-    plain_field_name, value_kind,
+    ColorRange, ColorSource, Coloring, FieldName, HeightAxis, Paint, PaintValues, PreparedFrame, plain_field_name,
+    value_kind,
 };
 use egui::{Checkbox, DragValue, Ui};
 use std::sync::Arc;
@@ -20,10 +20,7 @@ const MAX_FIELDS: usize = 64;
 
 /// The section of the settings.
 pub(super) fn colors_ui(ui: &mut Ui, state: &mut State) {
-    let shown = state
-        .player
-        .as_ref()
-        .and_then(|player| player.shown().cloned());
+    let shown = state.player.as_ref().and_then(|player| player.shown().cloned());
     let shown = shown.as_ref();
     heading(ui, "Colours");
     let before = state.settings.colors;
@@ -197,11 +194,7 @@ enum RangeKind {
     Fixed,
 }
 
-fn range(
-    ui: &mut Ui,
-    coloring: &mut Coloring,
-    (frame, values, scale): (&Frame, &PaintValues, &ColorScale),
-) {
+fn range(ui: &mut Ui, coloring: &mut Coloring, (frame, values, scale): (&Frame, &PaintValues, &ColorScale)) {
     let sample = frame.value_sample();
     let sorted = value_kind(values, sample).map(|(kind, offset)| (sample.sorted(kind), offset));
     if let Some((sorted, offset)) = &sorted

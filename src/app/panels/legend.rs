@@ -19,19 +19,12 @@ pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
     let Some(legend) = state.drawn_frame().and_then(|frame| Legend::of(frame)) else {
         return;
     };
-    let text = |text: &str, size: f32| {
-        painter.layout_no_wrap(text.to_owned(), FontId::proportional(size), Color32::WHITE)
-    };
+    let text =
+        |text: &str, size: f32| painter.layout_no_wrap(text.to_owned(), FontId::proportional(size), Color32::WHITE);
     let title = text(&legend.title, TEXT_SIZE + 1.0);
     let rows: Vec<_> = match &legend.body {
-        LegendBody::Ramp { ticks, .. } => ticks
-            .iter()
-            .map(|(_, tick)| text(tick, TEXT_SIZE))
-            .collect(),
-        LegendBody::Classes(classes) => classes
-            .iter()
-            .map(|(_, name)| text(name, TEXT_SIZE))
-            .collect(),
+        LegendBody::Ramp { ticks, .. } => ticks.iter().map(|(_, tick)| text(tick, TEXT_SIZE)).collect(),
+        LegendBody::Classes(classes) => classes.iter().map(|(_, name)| text(name, TEXT_SIZE)).collect(),
     };
     let room = (rect.height() - 60.0).max(40.0);
     let (height, step) = match &legend.body {
@@ -66,10 +59,7 @@ pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
             for (number, ((color, _), row)) in classes.iter().zip(rows).enumerate() {
                 let middle = bar.top() + step * (number as f32 + 0.5);
                 let [red, green, blue, alpha] = *color;
-                let patch = Rect::from_center_size(
-                    pos2(bar.center().x, middle),
-                    Vec2::splat((step - 4.0).min(RAMP.x)),
-                );
+                let patch = Rect::from_center_size(pos2(bar.center().x, middle), Vec2::splat((step - 4.0).min(RAMP.x)));
                 let color = Color32::from_rgba_unmultiplied(red, green, blue, alpha);
                 painter.rect_filled(patch, 2.0, color);
                 let half = 0.5 * row.size().y;

@@ -21,12 +21,7 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
         ui.menu_button("Tools", |ui| tools_menu(ui, state));
         ui.menu_button("Benchmark", |ui| benchmark_menu(ui, state));
         ui.menu_button("Help", |ui| {
-            item(
-                ui,
-                state,
-                "Keys and mouse",
-                Command::TogglePanel(PanelId::HELP),
-            );
+            item(ui, state, "Keys and mouse", Command::TogglePanel(PanelId::HELP));
             item(ui, state, "Find a command…", Command::TogglePalette);
         });
         if let Some(name) = state.sequence_name() {
@@ -38,10 +33,7 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
 }
 
 fn item(ui: &mut Ui, state: &mut State, text: &str, command: Command) {
-    if ui
-        .add(Button::new(text).shortcut_text(keys_of(command)))
-        .clicked()
-    {
+    if ui.add(Button::new(text).shortcut_text(keys_of(command))).clicked() {
         state.run(command);
         ui.close();
     }
@@ -94,10 +86,7 @@ fn topic_menu(ui: &mut Ui, state: &mut State, side: Side) {
     let beside = state.beside.as_ref();
     let (name, sequence) = match side {
         Side::A => ("Topic", player.map(Player::sequence)),
-        Side::B => (
-            "Topic of B",
-            beside.map(|beside| beside.companion.sequence()),
-        ),
+        Side::B => ("Topic of B", beside.map(|beside| beside.companion.sequence())),
     };
     let topics = sequence.map_or_else(Vec::new, |sequence| sequence.source().topics());
     if topics.len() < 2 {
@@ -187,22 +176,10 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     let legend = Command::TogglePanel(PanelId::LEGEND);
     for (text, is_on, command) in [
         ("Orthographic", is_orthographic, Command::ToggleOrthographic),
-        (
-            "Turntable",
-            state.motion.turntable.is_on,
-            Command::ToggleTurntable,
-        ),
+        ("Turntable", state.motion.turntable.is_on, Command::ToggleTurntable),
         ("Grid", state.settings.backdrop.grid, Command::ToggleGrid),
-        (
-            "Scale bar",
-            state.appearance.shows_scale_bar,
-            Command::ToggleScaleBar,
-        ),
-        (
-            "Thumbnails",
-            state.thumbnails.is_on,
-            Command::ToggleThumbnails,
-        ),
+        ("Scale bar", state.appearance.shows_scale_bar, Command::ToggleScaleBar),
+        ("Thumbnails", state.thumbnails.is_on, Command::ToggleThumbnails),
         ("Legend", has_legend, legend),
     ] {
         choice(ui, state, (text, is_on), command);
@@ -235,16 +212,8 @@ fn theme_menu(ui: &mut Ui, state: &mut State) {
             ThemePreference::System,
             "Light or dark as the system is; dark where it does not say",
         ),
-        (
-            "Light",
-            ThemePreference::Light,
-            "Light, whatever the system is",
-        ),
-        (
-            "Dark",
-            ThemePreference::Dark,
-            "Dark, whatever the system is",
-        ),
+        ("Light", ThemePreference::Light, "Light, whatever the system is"),
+        ("Dark", ThemePreference::Dark, "Dark, whatever the system is"),
     ] {
         let button = Button::selectable(state.appearance.theme == theme, text);
         if ui.add(button).on_hover_text(tooltip).clicked() {
@@ -269,8 +238,7 @@ fn tools_menu(ui: &mut Ui, state: &mut State) {
         ),
     ] {
         let command = Command::ToggleTool(tool);
-        let button =
-            Button::selectable(state.inspection.tool == tool, text).shortcut_text(keys_of(command));
+        let button = Button::selectable(state.inspection.tool == tool, text).shortcut_text(keys_of(command));
         if ui.add(button).on_hover_text(tooltip).clicked() {
             state.run(command);
             ui.close();

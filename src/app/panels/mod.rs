@@ -31,9 +31,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     state.counters.ui_passes += 1;
     state.handle_keys(ui.ctx());
     let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
-    Panel::top("menu")
-        .frame(bar)
-        .show(ui, |ui| menu_ui(ui, state));
+    Panel::top("menu").frame(bar).show(ui, |ui| menu_ui(ui, state));
     if state.pictures().is_some() {
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
         Panel::top("comparison").frame(bar).show(ui, |ui| {

@@ -76,11 +76,7 @@ fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
                     }
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                         let dismissed = ui.small_button("Dismiss").clicked();
-                        if ui
-                            .small_button("Copy")
-                            .on_hover_text("Copy the full text")
-                            .clicked()
-                        {
+                        if ui.small_button("Copy").on_hover_text("Copy the full text").clicked() {
                             let others = notice.others.iter().map(String::as_str);
                             let all = std::iter::once(notice.text.as_str()).chain(others);
                             let all: Vec<&str> = all.collect();
@@ -102,11 +98,7 @@ fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
 
 /// The first of them, a line each.
 fn listed(others: &[String]) -> String {
-    let mut lines: Vec<&str> = others
-        .iter()
-        .take(LISTED_OTHERS)
-        .map(String::as_str)
-        .collect();
+    let mut lines: Vec<&str> = others.iter().take(LISTED_OTHERS).map(String::as_str).collect();
     if others.len() > LISTED_OTHERS {
         lines.push("… (Copy copies all)");
     }

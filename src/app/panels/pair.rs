@@ -3,9 +3,8 @@
 use crate::app::widgets::picture::picture;
 use crate::app::{Beside, Layout, Side, State};
 use egui::{
-    Align2, Color32, ColorImage, CursorIcon, FontId, Frame, Id, Label, Margin, Pos2, Rect,
-    RichText, Role, Sense, Stroke, TextWrapMode, TextureHandle, TextureId, TextureOptions, Ui,
-    UiBuilder, WidgetInfo, pos2,
+    Align2, Color32, ColorImage, CursorIcon, FontId, Frame, Id, Label, Margin, Pos2, Rect, RichText, Role, Sense,
+    Stroke, TextWrapMode, TextureHandle, TextureId, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2,
 };
 use image::RgbaImage;
 use std::sync::Arc;
@@ -27,8 +26,7 @@ pub(super) fn lay_out(state: &mut State, rect: Rect, scale: f32) {
     };
     let max_edge_px = state.viewport.max_edge_px.unwrap_or(u32::MAX);
     let size_px = |place: Rect| {
-        [place.width(), place.height()]
-            .map(|edge| ((edge * scale).round().max(0.0) as u32).min(max_edge_px))
+        [place.width(), place.height()].map(|edge| ((edge * scale).round().max(0.0) as u32).min(max_edge_px))
     };
     let viewport = &mut state.viewport;
     [viewport.rect, viewport.other_rect] = places;
@@ -64,11 +62,7 @@ pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     let Some(pictures) = state.pictures_mut() else {
         return;
     };
-    if let (true, false, Some(difference)) = (
-        pictures.shows_difference,
-        is_side_by_side,
-        &pictures.difference,
-    ) {
+    if let (true, false, Some(difference)) = (pictures.shows_difference, is_side_by_side, &pictures.difference) {
         picture(ui, rect, Some(error_map(ui, &difference.map)), rect);
         return;
     }
@@ -133,8 +127,7 @@ fn letters(ui: &Ui, rect: Rect, x: f32) {
         ("B", pos2(x + 8.0, rect.top() + 8.0), Align2::LEFT_TOP),
     ] {
         let font = FontId::proportional(18.0);
-        ui.painter_at(rect)
-            .text(place, align, text, font, Color32::WHITE);
+        ui.painter_at(rect).text(place, align, text, font, Color32::WHITE);
     }
 }
 
@@ -156,11 +149,7 @@ fn names(state: &State) -> Option<[String; 2]> {
     );
     let a = named("A", &state.sequence_name().unwrap_or_default(), frame);
     let companion = &beside.companion;
-    let frame = match (
-        companion.frame(),
-        companion.waiting_for(),
-        companion.failure(),
-    ) {
+    let frame = match (companion.frame(), companion.waiting_for(), companion.failure()) {
         (None, ..) => "no frame at this time".to_owned(),
         (_, _, Some(failure)) => format!("frame {} cannot be shown", failure.index() + 1),
         (_, Some(frame), _) => format!("loading frame {}", frame + 1),
@@ -203,9 +192,7 @@ fn error_map(ui: &Ui, map: &Arc<RgbaImage>) -> TextureId {
     }
     let size = [map.width() as usize, map.height() as usize];
     let pixels = ColorImage::from_rgba_unmultiplied(size, map);
-    let texture = ui
-        .ctx()
-        .load_texture("error map", pixels, TextureOptions::NEAREST);
+    let texture = ui.ctx().load_texture("error map", pixels, TextureOptions::NEAREST);
     let shown = texture.id();
     ui.data_mut(|data| data.insert_temp(id, (Arc::clone(map), texture)));
     shown

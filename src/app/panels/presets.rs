@@ -61,13 +61,10 @@ pub(super) fn preset_name_ui(ui: &mut Ui, state: &mut State) {
         .pivot(Align2::CENTER_CENTER)
         .default_pos(ui.ctx().content_rect().center())
         .show(ui.ctx(), |ui| {
-            let edit = TextEdit::singleline(name)
-                .hint_text("Name")
-                .desired_width(240.0);
+            let edit = TextEdit::singleline(name).hint_text("Name").desired_width(240.0);
             let edit = ui.add(edit);
             let label = "Name of the preset";
-            ui.ctx()
-                .accesskit_node_builder(edit.id, |node| node.set_label(label));
+            ui.ctx().accesskit_node_builder(edit.id, |node| node.set_label(label));
             has_lost_focus = edit.lost_focus();
             if !has_lost_focus && !edit.has_focus() {
                 edit.request_focus();

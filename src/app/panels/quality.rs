@@ -64,8 +64,7 @@ fn choose(ui: &mut Ui, state: &mut State, quality: &Quality) {
             time,
         );
     });
-    let place_of =
-        |chosen: &crate::bench::QualityChoice| choices.iter().position(|choice| choice == chosen);
+    let place_of = |chosen: &crate::bench::QualityChoice| choices.iter().position(|choice| choice == chosen);
     if limits.flip != state.quality.limits.flip {
         wanted = place_of(quality.fastest_below(limits.flip));
     } else if limits.draw_ms != state.quality.limits.draw_ms {

@@ -26,21 +26,14 @@ pub(super) fn question_ui(ui: &mut Ui, state: &mut State) {
             }
             ui.horizontal(|ui| {
                 let save = ui.add_enabled(can_save, Button::new("Save it…"));
-                if save
-                    .on_hover_text("Saves the path; nothing else is done")
-                    .clicked()
-                {
+                if save.on_hover_text("Saves the path; nothing else is done").clicked() {
                     state.path.question = None;
                     state.run(Command::SavePath);
                 }
                 if ui.button(go_on).on_hover_text("It is lost").clicked() {
                     state.go_on_with(question);
                 }
-                if ui
-                    .button("Back")
-                    .on_hover_text("Nothing is done (Esc)")
-                    .clicked()
-                {
+                if ui.button("Back").on_hover_text("Nothing is done (Esc)").clicked() {
                     state.path.question = None;
                 }
             });

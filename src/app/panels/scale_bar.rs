@@ -2,9 +2,7 @@
 
 use crate::app::State;
 use crate::scene::ScaleBar;
-use egui::{
-    Align2, Color32, FontId, Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
-};
+use egui::{Align2, Color32, FontId, Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// From the lower left corner of the picture, points.
 const MARGIN: f32 = 16.0;
@@ -32,10 +30,7 @@ pub(super) fn scale_bar_ui(ui: &mut Ui, rect: Rect, state: &State) {
     }
     let painter = ui.painter_at(rect);
     for (stroke, shift) in [
-        (
-            Stroke::new(1.5, Color32::from_black_alpha(190)),
-            vec2(1.0, 1.0),
-        ),
+        (Stroke::new(1.5, Color32::from_black_alpha(190)), vec2(1.0, 1.0)),
         (Stroke::new(1.5, Color32::from_gray(240)), vec2(0.0, 0.0)),
     ] {
         let at = |x: f32, y: f32| pos2(x, y) + shift;
@@ -46,12 +41,7 @@ pub(super) fn scale_bar_ui(ui: &mut Ui, rect: Rect, state: &State) {
         ] {
             painter.line_segment(ends, stroke);
         }
-        write(
-            &painter,
-            at(left + 0.5 * length, line - 5.0),
-            &text,
-            stroke.color,
-        );
+        write(&painter, at(left + 0.5 * length, line - 5.0), &text, stroke.color);
     }
     let area = Rect::from_min_max(pos2(left, line - 22.0), pos2(left + length, line + END));
     let response = ui.interact(area, ui.scope_id().with("scale bar"), Sense::hover());
@@ -63,11 +53,5 @@ pub(super) fn scale_bar_ui(ui: &mut Ui, rect: Rect, state: &State) {
 }
 
 fn write(painter: &Painter, place: egui::Pos2, text: &str, color: Color32) {
-    painter.text(
-        place,
-        Align2::CENTER_BOTTOM,
-        text,
-        FontId::proportional(13.0),
-        color,
-    );
+    painter.text(place, Align2::CENTER_BOTTOM, text, FontId::proportional(13.0), color);
 }

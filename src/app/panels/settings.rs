@@ -20,10 +20,7 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
         clip_ui(ui, state);
         time_ui(ui, state);
         let drawn = state.drawn_settings();
-        for section in [
-            ("Shading", Section::Shading),
-            ("Background", Section::Background),
-        ] {
+        for section in [("Shading", Section::Shading), ("Background", Section::Background)] {
             section_ui(ui, &mut state.settings, &drawn, section);
         }
         heading(ui, "Camera");
@@ -78,8 +75,8 @@ fn picture(ui: &mut Ui, state: &mut State) {
 fn primitive(ui: &mut Ui, state: &mut State) {
     ui.horizontal(|ui| {
         for (&primitive, word) in Primitive::ALL.iter().zip(Primitive::WORDS.list) {
-            let button = Button::selectable(state.settings.primitive == primitive, word.title)
-                .min_size(egui::vec2(62.0, 26.0));
+            let button =
+                Button::selectable(state.settings.primitive == primitive, word.title).min_size(egui::vec2(62.0, 26.0));
             if ui.add(button).on_hover_text(word.hint).clicked() {
                 state.settings.primitive = primitive;
             }
@@ -102,11 +99,7 @@ fn camera(ui: &mut Ui, state: &mut State) {
             "-z" => "-Z",
             _ => "-X",
         };
-        (
-            text,
-            axis,
-            "The axis of the file that points up in the picture",
-        )
+        (text, axis, "The axis of the file that points up in the picture")
     });
     let axes: Vec<_> = axes.collect();
     let mut up = state.camera.up;
@@ -130,9 +123,7 @@ fn camera(ui: &mut Ui, state: &mut State) {
         // The slider rounds what it shows: what comes from a path or a text is not its to change.
         let before = state.camera.fov_deg.round().clamp(5.0, 120.0);
         let mut shown = before;
-        let fov = Slider::new(&mut shown, 5.0..=120.0)
-            .max_decimals(0)
-            .suffix(" °");
+        let fov = Slider::new(&mut shown, 5.0..=120.0).max_decimals(0).suffix(" °");
         row(
             ui,
             "Field of view",

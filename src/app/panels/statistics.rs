@@ -18,11 +18,7 @@ pub(super) fn statistics_ui(ui: &mut Ui, state: &mut State) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         frame_times(ui, state);
         picture(ui, state);
-        if let Some(frame) = state
-            .player
-            .as_ref()
-            .and_then(|player| player.shown().cloned())
-        {
+        if let Some(frame) = state.player.as_ref().and_then(|player| player.shown().cloned()) {
             shown_frame(ui, state, &frame);
         }
         memory(ui, state);
@@ -50,8 +46,7 @@ fn section(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
 
 fn row(ui: &mut Ui, name: &str, value: impl Into<String>, tooltip: &str) {
     ui.label(name).on_hover_text(tooltip);
-    ui.label(RichText::new(value).monospace())
-        .on_hover_text(tooltip);
+    ui.label(RichText::new(value).monospace()).on_hover_text(tooltip);
     ui.end_row();
 }
 
@@ -62,11 +57,7 @@ fn milliseconds(value: f64) -> String {
 /// The parts of a redraw, with what each is.
 fn parts(redraw: &Redraw) -> [(&'static str, Duration, &'static str); 5] {
     [
-        (
-            "  panels",
-            redraw.panels,
-            "Moving on, and running the panels",
-        ),
+        ("  panels", redraw.panels, "Moving on, and running the panels"),
         ("  picture", redraw.drawing, "Drawing the 3-D picture"),
         ("  painting", redraw.painting, "Painting what has changed"),
         (
@@ -119,16 +110,8 @@ fn frame_times(ui: &mut Ui, state: &State) {
         );
         let held = state.player.as_ref().and_then(Player::fps_held);
         let held = held.map_or_else(|| "paused".to_owned(), |fps| format!("{fps:.1} fps"));
-        row(
-            ui,
-            "Rate held",
-            held,
-            "Frames a second shown in the last second",
-        );
-        let skipped = state
-            .player
-            .as_ref()
-            .map_or(0, |player| player.clock().skipped());
+        row(ui, "Rate held", held, "Frames a second shown in the last second");
+        let skipped = state.player.as_ref().map_or(0, |player| player.clock().skipped());
         row(
             ui,
             "Skipped",
@@ -166,24 +149,14 @@ fn picture(ui: &mut Ui, state: &mut State) {
             grouped(render.frames),
             "Pictures drawn so far; none while nothing changes",
         );
-        row(
-            ui,
-            "Passes",
-            grouped(render.passes),
-            "Render and compute passes so far",
-        );
+        row(ui, "Passes", grouped(render.passes), "Render and compute passes so far");
         row(
             ui,
             "Uploads",
             grouped(render.uploads),
             "Uploads of points or voxels so far",
         );
-        row(
-            ui,
-            "Uploaded",
-            bytes(render.uploaded_bytes),
-            "Bytes of these uploads",
-        );
+        row(ui, "Uploaded", bytes(render.uploaded_bytes), "Bytes of these uploads");
         row(
             ui,
             "On the GPU",
@@ -274,12 +247,7 @@ fn octree_ui(ui: &mut Ui, octree: &Octree, build_ms: f32, scene: &SceneStats) {
             format!("{:.2} %", octree.loss() * 100.0),
             "Share of points that share a leaf with another",
         );
-        row(
-            ui,
-            "Build",
-            milliseconds(build_ms.into()),
-            "Building it, on a worker",
-        );
+        row(ui, "Build", milliseconds(build_ms.into()), "Building it, on a worker");
         row(
             ui,
             "Traverse",
@@ -298,10 +266,9 @@ fn octree_ui(ui: &mut Ui, octree: &Octree, build_ms: f32, scene: &SceneStats) {
             grouped(scene.emitted_voxels as u64),
             "Voxels found by the last traversal",
         );
-        let threshold = scene.lod_px.map_or_else(
-            || "a fixed level".to_owned(),
-            |lod_px| format!("{lod_px:.2} px"),
-        );
+        let threshold = scene
+            .lod_px
+            .map_or_else(|| "a fixed level".to_owned(), |lod_px| format!("{lod_px:.2} px"));
         row(
             ui,
             "Threshold τ",
@@ -351,24 +318,14 @@ fn memory(ui: &mut Ui, state: &mut State) {
             grouped(stats.resident_frames as u64),
             "Frames in main memory",
         );
-        row(
-            ui,
-            "Decoded",
-            grouped(stats.decoded),
-            "Files decoded so far",
-        );
+        row(ui, "Decoded", grouped(stats.decoded), "Files decoded so far");
         row(
             ui,
             "Normals",
             grouped(stats.surfaces_estimated),
             "Frames whose normals were estimated",
         );
-        row(
-            ui,
-            "Octrees",
-            grouped(stats.octrees_built),
-            "Octrees built so far",
-        );
+        row(ui, "Octrees", grouped(stats.octrees_built), "Octrees built so far");
         row(
             ui,
             "Evicted",
@@ -395,11 +352,7 @@ fn budget_row(ui: &mut Ui, name: &str, budget_mib: &mut f64, tooltip: &str) -> b
         .speed(8.0)
         .max_decimals(0)
         .suffix(" MiB");
-    let changed = ui
-        .add(drag)
-        .labelled_by(label.id)
-        .on_hover_text(tooltip)
-        .changed();
+    let changed = ui.add(drag).labelled_by(label.id).on_hover_text(tooltip).changed();
     ui.end_row();
     changed
 }

@@ -7,12 +7,7 @@ use egui::{Checkbox, Slider, Ui};
 
 /// A section of the panel with its heading, if one of its settings has an effect on what is `drawn`: the style without
 /// what is left open.
-pub(super) fn section_ui(
-    ui: &mut Ui,
-    style: &mut Style,
-    drawn: &Style,
-    (title, section): (&str, Section),
-) {
+pub(super) fn section_ui(ui: &mut Ui, style: &mut Style, drawn: &Style, (title, section): (&str, Section)) {
     let is_in_it = |described: &Described| described.section == section && drawn.is(described.when);
     if (style.settings().iter()).any(|(described, _)| is_in_it(described)) {
         heading(ui, title);
@@ -65,9 +60,7 @@ fn setting(ui: &mut Ui, described: &Described, value: Value) -> Value {
             row(ui, described.title, described.hint, control);
             Value::Switch(is_on)
         }
-        (Values::Kinds(kinds), Value::Kind(place, number)) => {
-            kind_rows(ui, described, kinds, (place, number))
-        }
+        (Values::Kinds(kinds), Value::Kind(place, number)) => kind_rows(ui, described, kinds, (place, number)),
         (Values::Background, Value::Background(mut background)) => {
             background_rows(ui, described, &mut background);
             Value::Background(background)
@@ -112,12 +105,7 @@ fn slider<'a>(numbers: &Numbers, shown: &'a mut f64) -> Slider<'a> {
 }
 
 /// The list of kinds, and below it the number of the one that is chosen. That of a kind chosen anew is the usual one.
-fn kind_rows(
-    ui: &mut Ui,
-    described: &Described,
-    kinds: &[Kind],
-    (before, number): (usize, f64),
-) -> Value {
+fn kind_rows(ui: &mut Ui, described: &Described, kinds: &[Kind], (before, number): (usize, f64)) -> Value {
     let choices: Vec<_> = kinds
         .iter()
         .enumerate()

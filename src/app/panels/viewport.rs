@@ -10,8 +10,8 @@ use crate::app::theme::{ACCENT, ODD};
 use crate::app::widgets::picture::picture;
 use crate::app::{State, Tool};
 use egui::{
-    Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke,
-    Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo,
+    pos2, vec2,
 };
 use glam::Vec3;
 
@@ -62,14 +62,8 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
     for pull in &pulls {
         let (dx, dy) = (f64::from(pull.by.x), f64::from(pull.by.y));
         match drag_of(pull) {
-            Drag::Orbit => camera.orbit(
-                -dx / height * ORBIT_DEG_PER_HEIGHT,
-                dy / height * ORBIT_DEG_PER_HEIGHT,
-            ),
-            Drag::Look => camera.look_around(
-                -dx / height * LOOK_DEG_PER_HEIGHT,
-                dy / height * LOOK_DEG_PER_HEIGHT,
-            ),
+            Drag::Orbit => camera.orbit(-dx / height * ORBIT_DEG_PER_HEIGHT, dy / height * ORBIT_DEG_PER_HEIGHT),
+            Drag::Look => camera.look_around(-dx / height * LOOK_DEG_PER_HEIGHT, dy / height * LOOK_DEG_PER_HEIGHT),
             Drag::Pan => camera.pan_px(dx, dy, height),
         }
     }
@@ -193,8 +187,7 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
 
 fn nothing_open(ui: &mut Ui, rect: Rect, state: &mut State) {
     // Text of a light theme is dark.
-    ui.painter_at(rect)
-        .rect_filled(rect, 0.0, ui.visuals().panel_fill);
+    ui.painter_at(rect).rect_filled(rect, 0.0, ui.visuals().panel_fill);
     let middle = Rect::from_center_size(rect.center(), vec2(320.0, 120.0));
     ui.scope_builder(egui::UiBuilder::new().max_rect(middle), |ui| {
         ui.vertical_centered(|ui| {

@@ -5,9 +5,9 @@ use crate::analysis::ColorMap;
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,
-    LevelStyle, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle,
-    Primitive, RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive, RendererChoice,
+    Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -142,20 +142,13 @@ fn write(file: &Path, first: Preferences, then: Preferences) {
 
 #[test]
 fn all_choices_survive() {
-    assert_eq!(
-        unusual().offered(),
-        unusual(),
-        "what the window offers is left alone"
-    );
+    assert_eq!(unusual().offered(), unusual(), "what the window offers is left alone");
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("not yet/settings.json");
     assert_eq!(PreferencesFile::load_from(&file).1, Preferences::default());
     write(&file, Preferences::default(), unusual());
     assert_eq!(PreferencesFile::load_from(&file).1, unusual());
-    for (colors, loop_mode) in ColorSource::ALL
-        .into_iter()
-        .zip(LoopMode::ALL.into_iter().cycle())
-    {
+    for (colors, loop_mode) in ColorSource::ALL.into_iter().zip(LoopMode::ALL.into_iter().cycle()) {
         let mut preferences = unusual();
         preferences.settings.colors = Coloring::of(colors);
         preferences.loop_mode = loop_mode;
@@ -176,10 +169,7 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
             colors: Coloring {
                 source: ColorSource::Scalar(Some(FieldName::new("intensity"))),
                 map: ColorMap::Turbo,
-                range: ColorRange::Fixed {
-                    low: 3.0,
-                    high: 7.0,
-                },
+                range: ColorRange::Fixed { low: 3.0, high: 7.0 },
                 is_logarithmic: true,
                 one_color: [9, 8, 7],
             },
@@ -272,64 +262,31 @@ fn each_value_is_read_by_itself() {
     let speed = MIN_SPEED;
     let cases = [
         // Not there, or of a later program.
-        (
-            "\"theme\": \"light\",",
-            "",
-            Preferences { theme, ..whole },
-            true,
-        ),
+        ("\"theme\": \"light\",", "", Preferences { theme, ..whole }, true),
         ("\"version\": 6", "\"version\": 5", whole, true),
         ("\"version\": 6,", "", whole, true),
         ("\"version\": 6,", "\"of later\": 6,", whole, true),
         ("\"version\": 6", "\"version\": 7", whole, false),
         // Not offered: the nearest.
-        (
-            "0.31",
-            "0.61",
-            with(|s| s.levels.stop = StopCriterion::Loss(0.6)),
-            true,
-        ),
+        ("0.31", "0.61", with(|s| s.levels.stop = StopCriterion::Loss(0.6)), true),
         (
             "0.31",
             "-1e39",
             with(|s| s.levels.stop = StopCriterion::Loss(0.0)),
             true,
         ),
-        (
-            "2.5",
-            "-2.5",
-            with(|s| s.levels.lod = Lod::ThresholdPx(0.0)),
-            true,
-        ),
+        ("2.5", "-2.5", with(|s| s.levels.lod = Lod::ThresholdPx(0.0)), true),
         ("0.25", "0.0", Preferences { speed, ..whole }, true),
-        (
-            "900.0",
-            "1e9",
-            Preferences {
-                window_size,
-                ..whole
-            },
-            true,
-        ),
+        ("900.0", "1e9", Preferences { window_size, ..whole }, true),
         // Not known.
-        (
-            "\"voxel\"",
-            "\"cone\"",
-            with(|s| s.primitive = Primitive::Auto),
-            false,
-        ),
+        ("\"voxel\"", "\"cone\"", with(|s| s.primitive = Primitive::Auto), false),
         (
             "\"scalar\"",
             "\"sound\"",
             with(|s| s.colors = Coloring::default()),
             false,
         ),
-        (
-            "\"light\"",
-            "\"bright\"",
-            Preferences { theme, ..whole },
-            false,
-        ),
+        ("\"light\"", "\"bright\"", Preferences { theme, ..whole }, false),
         (
             "\"loss\"",
             "\"gain\"",
@@ -342,15 +299,7 @@ fn each_value_is_read_by_itself() {
             with(|s| s.backdrop.background = Background::default()),
             false,
         ),
-        (
-            "900.0",
-            "\"wide\"",
-            Preferences {
-                window_size,
-                ..whole
-            },
-            false,
-        ),
+        ("900.0", "\"wide\"", Preferences { window_size, ..whole }, false),
     ];
     for (from, to, expected, is_whole) in cases {
         let changed = OF_VERSION_6.replacen(from, to, 1);
@@ -372,10 +321,7 @@ fn what_cannot_be_read_is_copied_before_it_is_written_over() {
         assert!(kept.problem().unwrap().contains(copy));
         write(&file, preferences, unusual());
         assert_eq!(PreferencesFile::load_from(&file).1, unusual());
-        assert_eq!(
-            fs::read_to_string(folder.path().join(copy)).unwrap(),
-            damaged
-        );
+        assert_eq!(fs::read_to_string(folder.path().join(copy)).unwrap(), damaged);
     }
 }
 
@@ -410,11 +356,7 @@ fn a_change_is_written_once_it_has_settled() {
         assert_eq!(kept.next_deadline(), Some(at(seconds) + WRITE_DELAY));
     }
     kept.note(dragged, at(13));
-    assert_eq!(
-        kept.next_deadline(),
-        Some(at(12) + WRITE_DELAY),
-        "unchanged since"
-    );
+    assert_eq!(kept.next_deadline(), Some(at(12) + WRITE_DELAY), "unchanged since");
     kept.write_if_due(at(12));
     assert!(!file.exists(), "too early");
     kept.write_if_due(at(13));

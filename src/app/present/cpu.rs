@@ -189,9 +189,7 @@ impl Presenter for CpuPresenter {
     fn draw(&mut self, side: Side, packet: &ScenePacket) -> Result<(), RenderError> {
         let picture = match side {
             Side::A => &mut self.picture,
-            Side::B => self
-                .other_picture
-                .get_or_insert_with(|| CpuPicture::new(Side::B)),
+            Side::B => self.other_picture.get_or_insert_with(|| CpuPicture::new(Side::B)),
         };
         let known = &mut self.context;
         picture.draw(packet, || {
@@ -207,8 +205,7 @@ impl Presenter for CpuPresenter {
         } else {
             TextureFilter::Nearest
         };
-        self.painter
-            .set_picture(picture.texture, picture.version, filter);
+        self.painter.set_picture(picture.texture, picture.version, filter);
         Ok(())
     }
 
@@ -242,11 +239,7 @@ impl Presenter for CpuPresenter {
     /// The surface is resized when it is painted next.
     fn resize(&mut self) {}
 
-    fn paint(
-        &mut self,
-        panels: Option<Panels<'_>>,
-        is_exposed: bool,
-    ) -> Result<Painted, RenderError> {
+    fn paint(&mut self, panels: Option<Panels<'_>>, is_exposed: bool) -> Result<Painted, RenderError> {
         let begin = Instant::now();
         if let Some(Panels {
             egui,
@@ -293,10 +286,7 @@ fn rect(rect: &PixelRect) -> Option<Rect> {
     })
 }
 
-#[expect(
-    clippy::needless_pass_by_value,
-    reason = "it is what `map_err` hands over"
-)]
+#[expect(clippy::needless_pass_by_value, reason = "it is what `map_err` hands over")]
 fn no_surface(error: SoftBufferError) -> RenderError {
     RenderError::Window {
         reason: error.to_string(),

@@ -90,9 +90,7 @@ impl GpuPresenter {
             size_in_pixels: self.surface.size_px(),
             pixels_per_point: self.pixels_per_point,
         };
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-            label: Some("window"),
-        });
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("window") });
         let primitives = &self.primitives;
         let pictures = [Some(&mut self.picture), self.other_picture.as_mut()];
         let mut commands: Vec<_> = pictures
@@ -101,15 +99,13 @@ impl GpuPresenter {
             .filter_map(|picture| picture.commands.take())
             .collect();
         if self.uploaded_for_px.replace(screen.size_in_pixels) != Some(screen.size_in_pixels) {
-            let others =
-                self.painter
-                    .update_buffers(device, queue, &mut encoder, primitives, &screen);
+            let others = self
+                .painter
+                .update_buffers(device, queue, &mut encoder, primitives, &screen);
             commands.extend(others);
             self.work.uploaded_bytes += bytes_of(primitives);
         }
-        let view = frame
-            .texture
-            .create_view(&wgpu::TextureViewDescriptor::default());
+        let view = frame.texture.create_view(&wgpu::TextureViewDescriptor::default());
         let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("window"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -123,8 +119,7 @@ impl GpuPresenter {
             })],
             ..Default::default()
         });
-        self.painter
-            .render(&mut pass.forget_lifetime(), primitives, &screen);
+        self.painter.render(&mut pass.forget_lifetime(), primitives, &screen);
         commands.push(encoder.finish());
         queue.submit(commands);
         self.work.submissions += 1;
@@ -195,9 +190,7 @@ impl Presenter for GpuPresenter {
         // The budget is that of both sides of a comparison.
         let count = 1 + others.len() as u64;
         for picture in others.chain([&mut self.picture]) {
-            picture
-                .renderer
-                .set_resident_budget_bytes(budget_bytes / count);
+            picture.renderer.set_resident_budget_bytes(budget_bytes / count);
         }
     }
 
@@ -205,11 +198,7 @@ impl Presenter for GpuPresenter {
         self.surface.resize();
     }
 
-    fn paint(
-        &mut self,
-        panels: Option<Panels<'_>>,
-        _is_exposed: bool,
-    ) -> Result<Painted, RenderError> {
+    fn paint(&mut self, panels: Option<Panels<'_>>, _is_exposed: bool) -> Result<Painted, RenderError> {
         let begin = Instant::now();
         let mut unused = Vec::new();
         if let Some(Panels {
@@ -251,12 +240,10 @@ impl Presenter for GpuPresenter {
 
 /// What `primitives` take on the card.
 fn bytes_of(primitives: &[ClippedPrimitive]) -> u64 {
-    let meshes = primitives
-        .iter()
-        .filter_map(|clipped| match &clipped.primitive {
-            Primitive::Mesh(mesh) => Some(mesh),
-            Primitive::Callback(_) => None,
-        });
+    let meshes = primitives.iter().filter_map(|clipped| match &clipped.primitive {
+        Primitive::Mesh(mesh) => Some(mesh),
+        Primitive::Callback(_) => None,
+    });
     let bytes = meshes.map(|mesh| size_of_val(&mesh.vertices[..]) + size_of_val(&mesh.indices[..]));
     bytes.sum::<usize>() as u64
 }

@@ -28,10 +28,7 @@ pub(super) enum DrawnBy {
 }
 
 impl GpuPicture {
-    pub(super) fn new(
-        context: &Arc<Context>,
-        painter: &mut egui_wgpu::Renderer,
-    ) -> Result<Self, RenderError> {
+    pub(super) fn new(context: &Arc<Context>, painter: &mut egui_wgpu::Renderer) -> Result<Self, RenderError> {
         let texture = painter.register_native_texture(
             &context.device,
             &empty_picture(&context.device),
@@ -95,12 +92,7 @@ impl GpuPicture {
         if self.shown != shown
             && let Some(view) = view
         {
-            painter.update_egui_texture_from_wgpu_texture(
-                &context.device,
-                &view,
-                filter,
-                self.texture,
-            );
+            painter.update_egui_texture_from_wgpu_texture(&context.device, &view, filter, self.texture);
             self.shown = shown;
         }
         Ok(())
@@ -131,6 +123,5 @@ impl GpuPicture {
 
 /// Shown until there is a picture.
 fn empty_picture(device: &wgpu::Device) -> wgpu::TextureView {
-    picture_texture(device, wgpu::Extent3d::default())
-        .create_view(&wgpu::TextureViewDescriptor::default())
+    picture_texture(device, wgpu::Extent3d::default()).create_view(&wgpu::TextureViewDescriptor::default())
 }

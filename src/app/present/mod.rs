@@ -27,10 +27,7 @@ use std::sync::Arc;
 use winit::window::Window;
 
 /// Opens what was chosen. Where it may choose, it takes a real graphics card, and else needs no driver at all.
-pub(super) fn open(
-    choice: PresentChoice,
-    window: &Arc<Window>,
-) -> Result<Box<dyn Presenter>, RenderError> {
+pub(super) fn open(choice: PresentChoice, window: &Arc<Window>) -> Result<Box<dyn Presenter>, RenderError> {
     match choice {
         PresentChoice::Gpu => open_gpu(window),
         PresentChoice::Cpu => open_cpu(window),

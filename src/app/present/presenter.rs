@@ -81,11 +81,7 @@ pub(in crate::app) trait Presenter {
 
     /// Paints what has changed and shows it: the pictures, and the panels if there are new ones. All of the window is
     /// shown anew if the window system has lost it.
-    fn paint(
-        &mut self,
-        panels: Option<Panels<'_>>,
-        is_exposed: bool,
-    ) -> Result<Painted, RenderError>;
+    fn paint(&mut self, panels: Option<Panels<'_>>, is_exposed: bool) -> Result<Painted, RenderError>;
 
     /// Ends the device as a crashed driver would, where there is one.
     fn simulate_loss(&self);

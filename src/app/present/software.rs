@@ -18,11 +18,7 @@ pub(super) struct SoftwarePicture {
 
 impl SoftwarePicture {
     /// Draws a packet; returns how many bytes were uploaded for it.
-    pub(super) fn draw(
-        &mut self,
-        context: &Context,
-        packet: &ScenePacket,
-    ) -> Result<u64, RenderError> {
+    pub(super) fn draw(&mut self, context: &Context, packet: &ScenePacket) -> Result<u64, RenderError> {
         self.renderer.prepare(packet)?;
         self.renderer.render()?;
         let frames = self.renderer.stats().frames;
@@ -32,10 +28,7 @@ impl SoftwarePicture {
             height,
             depth_or_array_layers: 1,
         };
-        let fits = self
-            .texture
-            .as_ref()
-            .is_some_and(|texture| texture.size() == size);
+        let fits = self.texture.as_ref().is_some_and(|texture| texture.size() == size);
         if !fits {
             self.texture = Some(picture_texture(&context.device, size));
             self.generation += 1;

@@ -80,10 +80,7 @@ impl WindowSurface {
     /// Opens the adapter that shows on `window`, and its surface.
     pub(super) fn open(
         window: Arc<Window>,
-        open_context: impl FnOnce(
-            wgpu::Instance,
-            &wgpu::Surface<'static>,
-        ) -> Result<Arc<Context>, RenderError>,
+        open_context: impl FnOnce(wgpu::Instance, &wgpu::Surface<'static>) -> Result<Arc<Context>, RenderError>,
     ) -> Result<Self, RenderError> {
         let instance = Context::instance();
         let surface = create_surface(&instance, &window)?;
@@ -165,10 +162,7 @@ fn within(size_px: [u32; 2], max_edge_px: u32) -> [u32; 2] {
     size_px.map(|edge| edge.min(max_edge_px))
 }
 
-fn create_surface(
-    instance: &wgpu::Instance,
-    window: &Arc<Window>,
-) -> Result<wgpu::Surface<'static>, RenderError> {
+fn create_surface(instance: &wgpu::Instance, window: &Arc<Window>) -> Result<wgpu::Surface<'static>, RenderError> {
     instance
         .create_surface(Arc::clone(window))
         .map_err(|error| RenderError::NoAdapter {
@@ -187,10 +181,7 @@ fn surface_config(
         .ok_or_else(|| RenderError::NoAdapter {
             reason: format!("{} cannot show on this window", context.adapter_summary()),
         })?;
-    let preferred = [
-        wgpu::TextureFormat::Bgra8Unorm,
-        wgpu::TextureFormat::Rgba8Unorm,
-    ];
+    let preferred = [wgpu::TextureFormat::Bgra8Unorm, wgpu::TextureFormat::Rgba8Unorm];
     if let Some(format) = preferred
         .into_iter()
         .find(|format| capabilities.formats.contains(format))
@@ -200,10 +191,7 @@ fn surface_config(
     // Fifo is the one mode that every adapter has.
     config.present_mode = wgpu::PresentMode::Fifo;
     config.desired_maximum_frame_latency = FRAMES_IN_FLIGHT;
-    config.alpha_mode = if capabilities
-        .alpha_modes
-        .contains(&wgpu::CompositeAlphaMode::Opaque)
-    {
+    config.alpha_mode = if capabilities.alpha_modes.contains(&wgpu::CompositeAlphaMode::Opaque) {
         wgpu::CompositeAlphaMode::Opaque
     } else {
         wgpu::CompositeAlphaMode::Auto
@@ -268,25 +256,13 @@ mod tests {
         let cases = [
             (vec![Image("a")], Some("a"), vec!["next"]),
             (vec![NotNow], None, vec!["next"]),
-            (
-                vec![Outdated, Image("a")],
-                Some("a"),
-                vec!["next", fit, "next"],
-            ),
-            (
-                vec![Lost, Image("a")],
-                Some("a"),
-                vec!["next", anew, "next"],
-            ),
+            (vec![Outdated, Image("a")], Some("a"), vec!["next", fit, "next"]),
+            (vec![Lost, Image("a")], Some("a"), vec!["next", anew, "next"]),
             (vec![Outdated, NotNow], None, vec!["next", fit, "next"]),
             // Made anew while the window changes its size.
             (vec![Lost, Outdated], None, vec!["next", anew, "next", fit]),
             // Repairs that do not help come to an end.
-            (
-                vec![Outdated, Outdated],
-                None,
-                vec!["next", fit, "next", fit],
-            ),
+            (vec![Outdated, Outdated], None, vec!["next", fit, "next", fit]),
             (vec![Lost, Lost], None, vec!["next", anew, "next", anew]),
         ];
         for (answers, image, done) in cases {
@@ -315,10 +291,7 @@ mod tests {
             is_device_lost: true,
             ..Scripted::new(&[Answer::Lost])
         };
-        assert!(matches!(
-            acquire(&mut target),
-            Err(RenderError::DeviceLost { .. })
-        ));
+        assert!(matches!(acquire(&mut target), Err(RenderError::DeviceLost { .. })));
     }
 
     #[test]

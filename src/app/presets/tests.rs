@@ -3,9 +3,9 @@
 use super::*;
 use crate::levels::Lod;
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,
-    LevelStyle, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointStyle,
-    RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, RendererChoice, Splatting, Strategy,
+    SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorSource, Coloring};
 
@@ -202,21 +202,11 @@ fn what_cannot_be_read_is_copied_before_it_is_written_over() {
     ] {
         let (folder, mut presets) = read_of(&damaged);
         assert!(presets.list().is_empty(), "{damaged}");
-        assert!(
-            presets
-                .problem()
-                .unwrap()
-                .contains("presets.json.unreadable")
-        );
+        assert!(presets.problem().unwrap().contains("presets.json.unreadable"));
         presets.save("new", Style::default()).unwrap();
         let copy = std::fs::read_to_string(folder.path().join("presets.json.unreadable"));
         assert_eq!(copy.unwrap(), damaged);
-        assert_eq!(
-            Presets::load_from(&folder.path().join("presets.json"))
-                .list()
-                .len(),
-            1
-        );
+        assert_eq!(Presets::load_from(&folder.path().join("presets.json")).list().len(), 1);
     }
 }
 

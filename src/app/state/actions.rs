@@ -115,8 +115,7 @@ impl State {
     fn toggle_trails(&mut self) {
         self.trails.is_on ^= true;
         if self.trails.is_on && self.inspection.picked().next().is_none() {
-            self.notices
-                .info("Pick a point (I and a click): its trail is shown");
+            self.notices.info("Pick a point (I and a click): its trail is shown");
         }
     }
 
@@ -215,8 +214,7 @@ impl State {
     /// Takes the keys out of egui's input and does what they ask for. Call before the panels.
     pub fn handle_keys(&mut self, ctx: &egui::Context) {
         let typing = ctx.text_edit_focused();
-        let (events, modifiers, now_secs) =
-            ctx.input(|input| (input.raw.events.clone(), input.modifiers, input.time));
+        let (events, modifiers, now_secs) = ctx.input(|input| (input.raw.events.clone(), input.modifiers, input.time));
         self.motion.fly.note(&events, typing);
         self.handle_clipboard(ctx);
         for command in command::dispatch(ctx) {
@@ -248,8 +246,7 @@ impl State {
     /// What is open, for names of files: without extension.
     pub(in crate::app) fn sequence_stem(&self) -> String {
         let name = self.sequence_name().unwrap_or_else(|| "empty".to_owned());
-        name.rsplit_once('.')
-            .map_or(name.clone(), |(stem, _)| stem.to_owned())
+        name.rsplit_once('.').map_or(name.clone(), |(stem, _)| stem.to_owned())
     }
 
     /// Compares the picture of the window's settings, or of the open sequence, with the other one.

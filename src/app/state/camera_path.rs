@@ -25,8 +25,7 @@ impl State {
     pub(in crate::app) fn replace_keyframe(&mut self, index: usize) {
         let frame = self.frame_for_path();
         if let Err(reason) = self.path.replace_keyframe(index, self.camera, frame) {
-            self.notices
-                .error(format!("The keyframe stays as it was: {reason}"));
+            self.notices.error(format!("The keyframe stays as it was: {reason}"));
         }
     }
 
@@ -79,10 +78,7 @@ impl State {
         let Some(resumes) = self.path.stop() else {
             return false;
         };
-        let is_paused = self
-            .player
-            .as_ref()
-            .is_some_and(|player| !player.is_playing());
+        let is_paused = self.player.as_ref().is_some_and(|player| !player.is_playing());
         if resumes && is_paused {
             self.play_with(Player::toggle);
         }
@@ -150,8 +146,7 @@ impl State {
 
     /// Reads a path from a file on a thread.
     pub fn open_path(&mut self, file: PathBuf) {
-        self.tasks
-            .try_start("read camera path", move || read_path(file));
+        self.tasks.try_start("read camera path", move || read_path(file));
     }
 
     /// Saves the path to its file, or asks for one.
@@ -166,8 +161,7 @@ impl State {
     /// Writes the path to a file on a thread.
     pub fn save_path_to(&self, file: PathBuf) {
         let draft = Arc::clone(&self.path.draft);
-        self.tasks
-            .try_start("save camera path", move || save_path(file, draft));
+        self.tasks.try_start("save camera path", move || save_path(file, draft));
     }
 
     /// Takes what became of a file.

@@ -164,9 +164,8 @@ impl State {
         if let Some(failure) = change.new_failure {
             let place = failure.index() + 1;
             let (count, name) = (sequence.len(), &beside.name);
-            self.notices.error(format!(
-                "Frame {place} of {count} of B ({name}) is left out. {failure}"
-            ));
+            self.notices
+                .error(format!("Frame {place} of {count} of B ({name}) is left out. {failure}"));
         }
         for warning in change.new_warnings {
             self.notices.warn(format!("B: {warning}"));
@@ -219,10 +218,9 @@ impl State {
             origin: beside.companion.sequence().origin(),
         };
         let size_px = self.viewport.other_size_px;
-        let packet =
-            beside
-                .drawing
-                .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
+        let packet = beside
+            .drawing
+            .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
         beside.note_change(self.now);
         Some(packet)
     }

@@ -104,23 +104,14 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
     dialog = dialog.set_title(title);
     match kind {
         DialogKind::OpenFiles | DialogKind::CompareFiles => dialog
-            .add_filter(
-                "Point clouds",
-                &io::supported_extensions().collect::<Vec<_>>(),
-            )
+            .add_filter("Point clouds", &io::supported_extensions().collect::<Vec<_>>())
             .add_filter("All files", &["*"])
             .pick_files(),
-        DialogKind::OpenFolder | DialogKind::CompareFolder | DialogKind::ExportFolder => {
-            one(dialog.pick_folder())
-        }
+        DialogKind::OpenFolder | DialogKind::CompareFolder | DialogKind::ExportFolder => one(dialog.pick_folder()),
         DialogKind::SavePicture => one(dialog.add_filter("PNG image", &["png"]).save_file()),
         DialogKind::OpenPath => one(dialog.add_filter("Camera path", &["json"]).pick_file()),
         DialogKind::SavePath => one(dialog.add_filter("Camera path", &["json"]).save_file()),
-        DialogKind::ExportTo(extension) => one(dialog
-            .add_filter(extension.to_uppercase(), &[extension])
-            .save_file()),
-        DialogKind::SaveReport(format) => one(dialog
-            .add_filter(format.name(), &[format.extension()])
-            .save_file()),
+        DialogKind::ExportTo(extension) => one(dialog.add_filter(extension.to_uppercase(), &[extension]).save_file()),
+        DialogKind::SaveReport(format) => one(dialog.add_filter(format.name(), &[format.extension()]).save_file()),
     }
 }

@@ -85,8 +85,7 @@ impl State {
         let name = format!("Exporting {}", name.to_string_lossy());
         let progress = self.works.begin(WorkKind::Export, name, self.now);
         self.panels.set(PanelId::EXPORT, false);
-        self.tasks
-            .start("export", move || ExportEnded(run(job, &progress)));
+        self.tasks.start("export", move || ExportEnded(run(job, &progress)));
     }
 
     fn export_job(&self) -> Option<ExportJob> {
@@ -141,10 +140,7 @@ impl State {
                 range: change.range,
             }),
             onion: Some(self.temporal.onion).filter(|onion| onion.is_on),
-            trails: self
-                .trails
-                .found()
-                .map(|trails| (trails.clone(), self.trails.looks())),
+            trails: self.trails.found().map(|trails| (trails.clone(), self.trails.looks())),
         }
     }
 
@@ -172,9 +168,7 @@ impl State {
                     self.notices.warn(failure);
                 }
             }
-            Err(ExportError::Cancelled) => self
-                .notices
-                .info("The export was cancelled, nothing was written"),
+            Err(ExportError::Cancelled) => self.notices.info("The export was cancelled, nothing was written"),
             Err(error) => self.notices.error(format!("Nothing was exported: {error}")),
         }
     }

@@ -3,9 +3,7 @@
 use super::dialogs::{DialogAnswer, DialogKind};
 use super::{State, WindowRequest};
 use crate::app::features::benchmark::{Benchmark, ReportFormat};
-use crate::app::work::files::{
-    PicturePlace, picture_folder, save_bytes, save_picture, with_extension,
-};
+use crate::app::work::files::{PicturePlace, picture_folder, save_bytes, save_picture, with_extension};
 use std::path::PathBuf;
 
 impl State {
@@ -36,9 +34,7 @@ impl State {
             DialogKind::CompareFiles | DialogKind::CompareFolder => self.compare_paths(paths),
             DialogKind::SavePicture => {
                 self.requests
-                    .push(WindowRequest::Screenshot(Some(with_extension(
-                        first, "png",
-                    ))));
+                    .push(WindowRequest::Screenshot(Some(with_extension(first, "png"))));
             }
             DialogKind::OpenPath => self.open_path(first),
             DialogKind::SavePath => self.save_path_to(with_extension(first, "json")),

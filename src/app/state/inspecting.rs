@@ -109,9 +109,7 @@ impl State {
                     self.options.view = Some(camera);
                 }
             }
-            Err(error) => self
-                .notices
-                .error(format!("The view was not pasted: {error}")),
+            Err(error) => self.notices.error(format!("The view was not pasted: {error}")),
         }
     }
 

@@ -199,9 +199,7 @@ impl State {
             present: self.appearance.present,
             loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
-            speed: clock
-                .map_or(self.options.preferences.speed, Clock::speed)
-                .abs(),
+            speed: clock.map_or(self.options.preferences.speed, Clock::speed).abs(),
             panels: self.panels.remembered(),
             thumbnails: self.thumbnails.is_on,
             scale_bar: self.appearance.shows_scale_bar,
@@ -278,12 +276,9 @@ impl State {
         let Some(player) = &self.player else {
             return false;
         };
-        let mut visible = self
-            .temporal
-            .follow(player, settings, &self.tasks, self.now);
+        let mut visible = self.temporal.follow(player, settings, &self.tasks, self.now);
         if let Some(frame) = player.shown() {
-            self.inspection
-                .follow(Side::A, frame, player.sequence().origin());
+            self.inspection.follow(Side::A, frame, player.sequence().origin());
             visible |= self.trails.follow(player, &self.inspection, &self.tasks);
             if self.looked.is_empty() {
                 let frame = Arc::clone(frame);
@@ -326,8 +321,7 @@ impl State {
     pub(in crate::app) fn follow_poses(&mut self) {
         let settings = self.drawn_settings();
         if let Some(player) = &self.player {
-            self.temporal
-                .follow(player, &settings, &self.tasks, self.now);
+            self.temporal.follow(player, &settings, &self.tasks, self.now);
             self.trails.follow(player, &self.inspection, &self.tasks);
         }
     }
@@ -360,9 +354,7 @@ impl State {
             camera,
             held,
             self.main.drawing.next_deadline(),
-            self.beside
-                .as_ref()
-                .and_then(|beside| beside.drawing.next_deadline()),
+            self.beside.as_ref().and_then(|beside| beside.drawing.next_deadline()),
         ]
         .into_iter()
         .flatten()

@@ -30,10 +30,7 @@ impl State {
         }
         let (loop_mode, speed) = match &self.player {
             Some(before) => (before.clock().loop_mode(), before.clock().speed()),
-            None => (
-                self.options.preferences.loop_mode,
-                self.options.preferences.speed,
-            ),
+            None => (self.options.preferences.loop_mode, self.options.preferences.speed),
         };
         player.set_loop_mode(loop_mode, self.now);
         player.set_speed(speed, self.now);
@@ -87,11 +84,7 @@ impl State {
                 Ok(_) if progress.is_cancelled() => Err(SequenceError::Cancelled),
                 found => found.map(Arc::new),
             };
-            Found {
-                inputs,
-                sequence,
-                side,
-            }
+            Found { inputs, sequence, side }
         });
     }
 

@@ -22,11 +22,7 @@ pub enum Change {
 impl Change {
     /// All, or nothing.
     pub(super) fn of_panels(is_changed: bool) -> Self {
-        if is_changed {
-            Self::Panels
-        } else {
-            Self::Nothing
-        }
+        if is_changed { Self::Panels } else { Self::Nothing }
     }
 
     /// Whether there is anything to draw.

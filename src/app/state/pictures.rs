@@ -21,10 +21,7 @@ impl State {
     pub(super) fn is_picture_due(&self) -> bool {
         let of_b = self.beside.as_ref().map(|beside| &beside.drawing);
         let drawings = [Some(&self.main.drawing), of_b];
-        let mut deadlines = drawings
-            .into_iter()
-            .flatten()
-            .filter_map(Drawing::next_deadline);
+        let mut deadlines = drawings.into_iter().flatten().filter_map(Drawing::next_deadline);
         deadlines.any(|deadline| deadline <= self.now)
     }
 
@@ -51,10 +48,10 @@ impl State {
         self.main.note_choice(self.settings.drawing.renderer);
         let settings = self.drawn_settings();
         let size_px = self.viewport.size_px;
-        let packet =
-            self.main
-                .drawing
-                .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
+        let packet = self
+            .main
+            .drawing
+            .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
         self.counters.pictures += 1;
         self.note_picture();
         Some(packet)

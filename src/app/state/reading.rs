@@ -115,8 +115,7 @@ impl State {
     pub(super) fn next_look_at_readings(&self) -> Option<Duration> {
         let waits = self.player.as_ref().is_some_and(|player| {
             let companion = self.beside.as_ref().map(|beside| &beside.companion);
-            expected(player).is_some()
-                || companion.is_some_and(|companion| companion.waiting_for().is_some())
+            expected(player).is_some() || companion.is_some_and(|companion| companion.waiting_for().is_some())
         });
         let is_read = || self.works.has(WorkKind::Read);
         (waits || is_read()).then(|| self.now + LOOK_INTERVAL)

@@ -23,9 +23,7 @@ pub(super) fn steer(player: &mut Player, command: Command, now: Duration) {
         Command::Slower => change_speed(player, now, |speed| {
             SPEEDS.iter().rev().copied().find(|&s| s < speed - 1e-9)
         }),
-        Command::Faster => change_speed(player, now, |speed| {
-            SPEEDS.iter().copied().find(|&s| s > speed + 1e-9)
-        }),
+        Command::Faster => change_speed(player, now, |speed| SPEEDS.iter().copied().find(|&s| s > speed + 1e-9)),
         Command::Reverse => player.set_speed(-player.clock().speed(), now),
         _ => {}
     }
@@ -40,9 +38,6 @@ fn change_speed(player: &mut Player, now: Duration, next: impl Fn(f64) -> Option
 
 /// Off, loop, ping-pong, off …
 fn next_loop_mode(mode: LoopMode) -> LoopMode {
-    let index = LoopMode::ALL
-        .iter()
-        .position(|&other| other == mode)
-        .unwrap_or(0);
+    let index = LoopMode::ALL.iter().position(|&other| other == mode).unwrap_or(0);
     LoopMode::ALL[(index + 1) % LoopMode::ALL.len()]
 }

@@ -57,11 +57,7 @@ impl Gesture {
     }
 
     /// What the hand has done until `now`, and whether it has let go. The moments of moves are appended to `moments`.
-    pub(super) fn advance(
-        &mut self,
-        now: Duration,
-        moments: &mut Vec<Duration>,
-    ) -> (Vec<Event>, bool) {
+    pub(super) fn advance(&mut self, now: Duration, moments: &mut Vec<Duration>) -> (Vec<Event>, bool) {
         let mut events = Vec::new();
         while self.next_deadline() <= now {
             let due = self.next_deadline();
@@ -90,10 +86,7 @@ impl Gesture {
             }
             Way::Along(rect) => {
                 let share = 1.0 - (2.0 * rounds.fract() - 1.0).abs();
-                pos2(
-                    rect.left() + 2.0 + share * (rect.width() - 4.0),
-                    rect.center().y,
-                )
+                pos2(rect.left() + 2.0 + share * (rect.width() - 4.0), rect.center().y)
             }
         }
     }

@@ -151,8 +151,7 @@ impl Trial {
         Some(match &watched.phase {
             Phase::Settling { still_since } => end.min(*still_since + REST),
             Phase::Running {
-                gesture: Some(gesture),
-                ..
+                gesture: Some(gesture), ..
             } => end.min(gesture.next_deadline()),
             Phase::Running { gesture: None, .. } | Phase::Resting { .. } => end,
         })
@@ -182,16 +181,13 @@ impl Trial {
                 let length = GESTURE_TIME_PER_FRAME.mul_f64(self.frames as f64);
                 let gesture = match watched.step.action {
                     Action::Scrub => Gesture::along(state.timeline.bar_rect, now, length),
-                    Action::Open | Action::Play | Action::Turn => {
-                        Gesture::around(state.viewport.rect, now, length)
-                    }
+                    Action::Open | Action::Play | Action::Turn => Gesture::around(state.viewport.rect, now, length),
                 };
                 watched.start(now, state, Some(gesture));
                 Vec::new()
             }
             Phase::Running {
-                gesture: Some(gesture),
-                ..
+                gesture: Some(gesture), ..
             } => {
                 let (events, is_over) = gesture.advance(now, &mut watched.pending);
                 if is_over {
@@ -260,13 +256,7 @@ impl Trial {
     }
 
     /// Takes notice of a redraw that ended at `now`. True if the trial has something to do.
-    pub(super) fn note(
-        &mut self,
-        redraw: &Redraw,
-        is_presented: bool,
-        now: Duration,
-        state: &State,
-    ) -> bool {
+    pub(super) fn note(&mut self, redraw: &Redraw, is_presented: bool, now: Duration, state: &State) -> bool {
         let Some(watched) = &mut self.watched else {
             return false;
         };
@@ -310,10 +300,7 @@ impl Watched {
 
     /// From now on everything counts.
     fn start(&mut self, now: Duration, state: &State, gesture: Option<Gesture>) {
-        self.phase = Phase::Running {
-            gesture,
-            begin: now,
-        };
+        self.phase = Phase::Running { gesture, begin: now };
         self.processor = Processor::now();
         self.gpu = GpuWork::default();
         self.pictures_before = state.counters.pictures;
@@ -324,14 +311,7 @@ impl Watched {
     }
 
     /// True once the step is over.
-    fn note(
-        &mut self,
-        redraw: &Redraw,
-        is_presented: bool,
-        most_frames: u64,
-        now: Duration,
-        state: &State,
-    ) -> bool {
+    fn note(&mut self, redraw: &Redraw, is_presented: bool, most_frames: u64, now: Duration, state: &State) -> bool {
         let pictures = state.counters.pictures - self.pictures_before;
         let is_picture = is_presented && pictures > self.found.pictures;
         if self.step.action == Action::Open {
@@ -387,8 +367,7 @@ impl Watched {
                 if let Some(frame) = player.and_then(|player| player.shown()) {
                     let frame = &frame.frame;
                     self.found.points[0] += frame.len() as u64;
-                    self.found.points[1] +=
-                        (frame.points_in_file() - frame.dropped_points()) as u64;
+                    self.found.points[1] += (frame.points_in_file() - frame.dropped_points()) as u64;
                 }
                 return self.step.action == Action::Play && frames >= most_frames;
             }
@@ -419,10 +398,7 @@ impl Watched {
 
     fn finish(mut self, now: Duration, state: &State) -> WindowAction {
         if self.step.action == Action::Open {
-            let entry = state
-                .player
-                .as_ref()
-                .map(|player| player.sequence().entry(0));
+            let entry = state.player.as_ref().map(|player| player.sequence().entry(0));
             self.found.read_ms = entry.and_then(|entry| plain_read_ms(&entry.path));
         }
         if let Phase::Running { begin, .. } = self.phase {

@@ -23,8 +23,7 @@ enum Kind {
 
 impl Kind {
     fn of(name: &str) -> Self {
-        let begins_with =
-            |prefixes: &[&str]| prefixes.iter().any(|prefix| name.starts_with(prefix));
+        let begins_with = |prefixes: &[&str]| prefixes.iter().any(|prefix| name.starts_with(prefix));
         if begins_with(&PREPARE) {
             Self::Prepare
         } else if begins_with(&DRIVER) {
@@ -130,9 +129,7 @@ impl Processor {
     /// The most memory of the program that was in the machine's at once; `None` where the system does not tell.
     pub(super) fn peak_resident_bytes() -> Option<u64> {
         let status = std::fs::read_to_string("/proc/self/status").ok()?;
-        let line = status
-            .lines()
-            .find_map(|line| line.strip_prefix("VmHWM:"))?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
         let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
         Some(kibibytes << 10)
     }
@@ -220,10 +217,7 @@ mod tests {
         });
         let seen = seen.unwrap().join().unwrap();
         let is_loader = |(kind, ms): &&(Kind, f64)| *kind == Kind::Prepare && *ms >= 50.0;
-        assert!(
-            seen.threads.values().any(|thread| is_loader(&thread)),
-            "{seen:?}"
-        );
+        assert!(seen.threads.values().any(|thread| is_loader(&thread)), "{seen:?}");
         assert!(seen.all_ms >= 50.0);
     }
 }

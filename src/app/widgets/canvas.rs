@@ -17,12 +17,7 @@ pub(in crate::app) struct Canvas<'a> {
 
 impl<'a> Canvas<'a> {
     /// A picture of so many pixels over `rect`, as `camera` sees it.
-    pub(in crate::app) fn new(
-        painter: &'a Painter,
-        rect: Rect,
-        size_px: [u32; 2],
-        camera: &'a Camera,
-    ) -> Self {
+    pub(in crate::app) fn new(painter: &'a Painter, rect: Rect, size_px: [u32; 2], camera: &'a Camera) -> Self {
         Self {
             painter,
             rect,
@@ -56,11 +51,7 @@ impl<'a> Canvas<'a> {
     pub(in crate::app) fn ring(&self, place: DVec3, color: Color32) {
         if let Some(center) = self.place(place) {
             let painter = self.painter;
-            painter.circle_stroke(
-                center,
-                RING,
-                Stroke::new(3.5, Color32::from_black_alpha(160)),
-            );
+            painter.circle_stroke(center, RING, Stroke::new(3.5, Color32::from_black_alpha(160)));
             painter.circle_stroke(center, RING, Stroke::new(1.5, color));
             painter.circle_filled(center, 1.5, color);
         }
@@ -103,15 +94,10 @@ impl<'a> Canvas<'a> {
     /// A text on a dark ground.
     pub(in crate::app) fn label(&self, middle: Pos2, text: &str) {
         let font = FontId::proportional(14.0);
-        let galley = self
-            .painter
-            .layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+        let galley = self.painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
         let place = Align2::CENTER_CENTER.anchor_size(middle, galley.size());
-        self.painter.rect_filled(
-            place.expand2(vec2(5.0, 2.0)),
-            4.0,
-            Color32::from_black_alpha(190),
-        );
+        self.painter
+            .rect_filled(place.expand2(vec2(5.0, 2.0)), 4.0, Color32::from_black_alpha(190));
         self.painter
             .galley(pos2(place.min.x, place.min.y), galley, Color32::WHITE);
     }

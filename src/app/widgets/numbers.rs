@@ -82,11 +82,7 @@ mod tests {
         ] {
             assert_eq!(significant(value), text);
         }
-        for (value, text) in [
-            (2.0 / 3.0, "0.6667"),
-            (12_345.6, "12346"),
-            (1.5e-9, "1.500e-9"),
-        ] {
+        for (value, text) in [(2.0 / 3.0, "0.6667"), (12_345.6, "12346"), (1.5e-9, "1.500e-9")] {
             assert_eq!(rounded_to(value, 4), text);
         }
     }

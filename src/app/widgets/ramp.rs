@@ -1,10 +1,7 @@
 //! A colour map as a bar, and two handles over a histogram of the values.
 
 use crate::analysis::{ColorMap, ColorScale, histogram, quantile_range};
-use egui::{
-    Color32, CursorIcon, Id, Mesh, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo,
-    pos2, vec2,
-};
+use egui::{Color32, CursorIcon, Id, Mesh, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 
 /// Strips that a ramp is painted in.
 const STRIPS: u16 = 64;
@@ -60,9 +57,8 @@ pub(in crate::app) fn handles_ui(
     let axis = axis_of(sorted, offset, scale)?;
     let size = bar_size(ui, HISTOGRAM_HEIGHT);
     let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-    let response = response.on_hover_text(
-        "How many values there are (logarithm of the number); the ends of the colours can be dragged",
-    );
+    let response = response
+        .on_hover_text("How many values there are (logarithm of the number); the ends of the colours can be dragged");
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Range of colours"));
     paint_histogram(ui.painter(), area, (sorted, offset), &axis, (scale, map));
     let x_of = |value: f64| area.left() + area.width() * axis.share(value);
@@ -73,8 +69,7 @@ pub(in crate::app) fn handles_ui(
         ui.painter()
             .line_segment([pos2(x, area.top()), pos2(x, area.bottom())], stroke);
         let knob = Rect::from_center_size(pos2(x, area.bottom()), vec2(7.0, 7.0));
-        ui.painter()
-            .rect_filled(knob, 2.0, ui.visuals().strong_text_color());
+        ui.painter().rect_filled(knob, 2.0, ui.visuals().strong_text_color());
     }
     dragged(ui, &response, places).map(|(handle, place)| {
         let share = f64::from((place.x - area.left()) / area.width()).clamp(0.0, 1.0);

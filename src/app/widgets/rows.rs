@@ -40,8 +40,7 @@ pub(in crate::app) fn choice<T: Copy + PartialEq>(
         .selected_text(selected)
         .show_ui(ui, |ui| {
             for (text, choice, hint) in choices {
-                ui.selectable_value(value, *choice, *text)
-                    .on_hover_text(*hint);
+                ui.selectable_value(value, *choice, *text).on_hover_text(*hint);
             }
         })
         .response

@@ -24,8 +24,7 @@ impl App {
         error: RenderError,
     ) -> Option<Screen> {
         let now = self.now();
-        self.rebuilt_at
-            .retain(|&at| now.saturating_sub(at) < RELOSS_WINDOW);
+        self.rebuilt_at.retain(|&at| now.saturating_sub(at) < RELOSS_WINDOW);
         let is_given_up = self.rebuilt_at.len() >= MAX_REBUILDS;
         if is_given_up && self.state.appearance.present == PresentChoice::Cpu {
             self.fail(event_loop, error.into());
@@ -41,19 +40,14 @@ impl App {
         } else {
             "It was opened again"
         };
-        self.state.notices.post(
-            Severity::Warning,
-            format!("{error}. {what_now}; nothing is lost."),
-        );
+        self.state
+            .notices
+            .post(Severity::Warning, format!("{error}. {what_now}; nothing is lost."));
         self.open_anew(event_loop, screen)
     }
 
     /// The same window with another presenter.
-    pub(super) fn open_anew(
-        &mut self,
-        event_loop: &ActiveEventLoop,
-        screen: Screen,
-    ) -> Option<Screen> {
+    pub(super) fn open_anew(&mut self, event_loop: &ActiveEventLoop, screen: Screen) -> Option<Screen> {
         let Screen {
             window,
             presenter,
@@ -91,9 +85,7 @@ impl App {
         self.state.draw_without_gpu();
         self.state.notices.post(
             Severity::Warning,
-            format!(
-                "{error}. The processor draws now; choose a renderer in the settings to try again."
-            ),
+            format!("{error}. The processor draws now; choose a renderer in the settings to try again."),
         );
     }
 }

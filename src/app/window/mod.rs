@@ -77,9 +77,7 @@ pub struct Options {
 #[non_exhaustive]
 pub enum AppError {
     /// There is no display, or it refuses.
-    #[error(
-        "no window can be opened ({reason}); without a display use `pointreel render INPUT -o picture.png`"
-    )]
+    #[error("no window can be opened ({reason}); without a display use `pointreel render INPUT -o picture.png`")]
     NoWindow {
         /// What the window system said.
         reason: String,
@@ -133,9 +131,7 @@ fn run_with(options: Options, trial: Option<Trial>) -> Result<Vec<WindowAction>,
         .map_err(|error| no_window(&error))?;
     let mut app = App::new(options, &event_loop);
     app.trial = trial;
-    event_loop
-        .run_app(&mut app)
-        .map_err(|error| no_window(&error))?;
+    event_loop.run_app(&mut app).map_err(|error| no_window(&error))?;
     app.end?;
     match app.trial {
         Some(mut trial) => trial.result().ok_or(AppError::Closed),
@@ -214,9 +210,7 @@ impl App {
         if let Some(sequence) = options.compare.take() {
             state.compare_with(sequence);
         }
-        options
-            .warnings
-            .extend(state.recent.add(&options.inputs).err());
+        options.warnings.extend(state.recent.add(&options.inputs).err());
         for warning in options.warnings.drain(..) {
             state.notices.warn(warning);
         }
@@ -265,12 +259,7 @@ impl App {
             // By this desktops find its icon and keep its windows together, under X11 too.
             attributes.with_name("pointreel", "pointreel")
         };
-        let left = self
-            .options
-            .state
-            .preferences
-            .window_size
-            .map(LogicalSize::<f64>::from);
+        let left = self.options.state.preferences.window_size.map(LogicalSize::<f64>::from);
         let attributes = match self.options.size_px {
             Some([width, height]) => attributes.with_inner_size(PhysicalSize::new(width, height)),
             None => attributes.with_inner_size(left.unwrap_or(DEFAULT_SIZE)),
@@ -427,12 +416,7 @@ impl ApplicationHandler<Message> for App {
         }
     }
 
-    fn window_event(
-        &mut self,
-        event_loop: &ActiveEventLoop,
-        _window: WindowId,
-        event: WindowEvent,
-    ) {
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
         if matches!(event, WindowEvent::RedrawRequested) {
             // One that nobody here has asked for is of the window system, which has lost what was shown.
             self.is_exposed |= !std::mem::take(&mut self.is_redraw_queued);
@@ -504,9 +488,10 @@ impl ApplicationHandler<Message> for App {
             is_hidden: self.sight.is_hidden(),
         };
         let pace = agenda.pace(now);
-        event_loop.set_control_flow(pace.wake_at.map_or(ControlFlow::Wait, |due| {
-            ControlFlow::WaitUntil(self.begin + due)
-        }));
+        event_loop.set_control_flow(
+            pace.wake_at
+                .map_or(ControlFlow::Wait, |due| ControlFlow::WaitUntil(self.begin + due)),
+        );
         if let Some(screen) = self.screen.as_ref().filter(|_| pace.redraw) {
             self.is_redraw_queued = true;
             screen.window.request_redraw();

@@ -48,9 +48,8 @@ impl App {
             Ok(()) => Some(screen),
             Err(error @ RenderError::DeviceLost { .. }) => self.rebuild(event_loop, screen, error),
             Err(
-                error @ (RenderError::OutOfMemory { .. }
-                | RenderError::NoAdapter { .. }
-                | RenderError::NoDevice { .. }),
+                error
+                @ (RenderError::OutOfMemory { .. } | RenderError::NoAdapter { .. } | RenderError::NoDevice { .. }),
             ) if screen.presenter.was_drawn_by_gpu() => {
                 self.go_on_without_gpu(&error);
                 Some(screen)
@@ -62,11 +61,7 @@ impl App {
         };
     }
 
-    fn redraw_on(
-        &mut self,
-        event_loop: &ActiveEventLoop,
-        screen: &mut Screen,
-    ) -> Result<(), RenderError> {
+    fn redraw_on(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Result<(), RenderError> {
         let size = screen.window.inner_size();
         if size.width == 0 || size.height == 0 {
             return Ok(());
@@ -123,12 +118,8 @@ impl App {
     /// Reads pictures back and hands them to whom they are for.
     fn read_back(&mut self, screen: &mut Screen, wanted: ReadBack) -> Result<(), RenderError> {
         if wanted.comparison
-            && let Some(other) = screen
-                .presenter
-                .read(Side::B, self.state.viewport.other_size_px)?
-            && let Some(edited) = screen
-                .presenter
-                .read(Side::A, self.state.viewport.size_px)?
+            && let Some(other) = screen.presenter.read(Side::B, self.state.viewport.other_size_px)?
+            && let Some(edited) = screen.presenter.read(Side::A, self.state.viewport.size_px)?
         {
             self.state.compare_pictures(edited, other);
         }
@@ -146,8 +137,7 @@ impl App {
         // that is behind.
         let idle = redraw.waiting.min(self.refresh_interval);
         let frame_ms = redraw.whole.saturating_sub(idle).as_secs_f64() * 1e3;
-        self.state
-            .note_redraw(redraw, frame_ms, screen.presenter.stats());
+        self.state.note_redraw(redraw, frame_ms, screen.presenter.stats());
         if let Some(trial) = &mut self.trial {
             let is_presented = is_shown && redraw.painted_px > 0;
             let is_due = trial.note(&redraw, is_presented, self.begin.elapsed(), &self.state);
@@ -185,24 +175,15 @@ impl App {
         match change {
             Change::Panels => true,
             Change::Frame if now.saturating_sub(self.last_panels) >= PANELS_INTERVAL => true,
-            Change::Frame | Change::Picture | Change::Nothing => {
-                is_due(self.repaint_at) || is_due(self.news_at)
-            }
+            Change::Frame | Change::Picture | Change::Nothing => is_due(self.repaint_at) || is_due(self.news_at),
         }
     }
 
-    fn run_panels(
-        &mut self,
-        event_loop: &ActiveEventLoop,
-        screen: &mut Screen,
-        now: Duration,
-    ) -> FullOutput {
+    fn run_panels(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen, now: Duration) -> FullOutput {
         self.last_panels = now;
         self.news_at = None;
         let raw_input = screen.input.take_egui_input(&screen.window);
-        let mut output = screen
-            .egui
-            .run_ui(raw_input, |ui| window_ui(ui, &mut self.state));
+        let mut output = screen.egui.run_ui(raw_input, |ui| window_ui(ui, &mut self.state));
         screen.input.handle_platform_output_with_event_loop(
             &screen.window,
             event_loop,
@@ -275,11 +256,7 @@ impl App {
     }
 
     /// `--screenshot`: writes the picture after enough frames and ends.
-    fn take_screenshot_if_due(
-        &mut self,
-        event_loop: &ActiveEventLoop,
-        screen: &mut Screen,
-    ) -> Result<(), RenderError> {
+    fn take_screenshot_if_due(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Result<(), RenderError> {
         let (Some(path), Some(player)) = (&self.options.screenshot, &self.state.player) else {
             return Ok(());
         };
@@ -297,8 +274,7 @@ impl App {
             self.end = save_png(&image, path).map_err(AppError::Screenshot);
             event_loop.exit();
         } else if let Some(failure) = player.failure()
-            && (!player.is_playing()
-                || player.loader().stats().failed_frames == player.sequence().len())
+            && (!player.is_playing() || player.loader().stats().failed_frames == player.sequence().len())
         {
             let why = failure.to_string();
             self.fail(event_loop, AppError::Screenshot(why));

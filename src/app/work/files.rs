@@ -32,10 +32,7 @@ pub(in crate::app) fn save_bytes(path: PathBuf, bytes: &[u8]) -> Result<SavedFil
 }
 
 /// Writes `image` to its place, or under a name made from the stem that no file has yet.
-pub(in crate::app) fn save_picture(
-    image: &image::RgbaImage,
-    place: PicturePlace,
-) -> Result<SavedFile, TaskFailed> {
+pub(in crate::app) fn save_picture(image: &image::RgbaImage, place: PicturePlace) -> Result<SavedFile, TaskFailed> {
     let saved = match place {
         PicturePlace::File(path) => save_png(image, &path).map(|()| path),
         PicturePlace::New { folder, stem } => save_new_png(image, &folder, &stem),

@@ -40,11 +40,7 @@ impl<T: TaskOutcome> Tasks<T> {
     /// No tasks yet; `wake` is called after each one.
     pub fn new(wake: Wake) -> Self {
         let (sender, receiver) = sync_channel(CHANNEL_LENGTH);
-        Self {
-            sender,
-            receiver,
-            wake,
-        }
+        Self { sender, receiver, wake }
     }
 
     /// What wakes the window, for a task that has news before it ends.
@@ -76,11 +72,8 @@ impl<T: TaskOutcome> Tasks<T> {
     }
 
     /// Runs `task`, which may fail, on a thread called `name`.
-    pub(in crate::app) fn try_start<O>(
-        &self,
-        name: &str,
-        task: impl FnOnce() -> Result<O, TaskFailed> + Send + 'static,
-    ) where
+    pub(in crate::app) fn try_start<O>(&self, name: &str, task: impl FnOnce() -> Result<O, TaskFailed> + Send + 'static)
+    where
         T: From<O>,
     {
         self.start(name, move || match task() {
@@ -90,11 +83,8 @@ impl<T: TaskOutcome> Tasks<T> {
     }
 
     /// Runs `task` on a thread of `pool`, where what it shares out stays.
-    pub(in crate::app) fn start_in<O>(
-        &self,
-        pool: &rayon::ThreadPool,
-        task: impl FnOnce() -> O + Send + 'static,
-    ) where
+    pub(in crate::app) fn start_in<O>(&self, pool: &rayon::ThreadPool, task: impl FnOnce() -> O + Send + 'static)
+    where
         T: From<O>,
     {
         let sender = self.sender.clone();

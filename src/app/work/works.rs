@@ -253,10 +253,7 @@ mod tests {
         assert_eq!(work(10, &stages).time_left(at(3.0)), None);
         let stages = [(1.0, 1), (2.0, 9), (3.0, 1), (6.0, 2)];
         assert_eq!(work(10, &stages).time_left(at(6.0)), Some(at(24.0)));
-        assert_eq!(
-            work(3, &[(1.0, 1), (2.0, 3)]).time_left(at(2.0)),
-            Some(at(0.0))
-        );
+        assert_eq!(work(3, &[(1.0, 1), (2.0, 3)]).time_left(at(2.0)), Some(at(0.0)));
         assert_eq!(work(3, &[(1.0, 5)]).share(), Some(1.0));
     }
 

@@ -35,11 +35,7 @@ impl Column {
         }
     }
 
-    pub(in crate::bench) const fn number(
-        key: &'static str,
-        title: &'static str,
-        decimals: usize,
-    ) -> Self {
+    pub(in crate::bench) const fn number(key: &'static str, title: &'static str, decimals: usize) -> Self {
         Self {
             key,
             title,
@@ -49,11 +45,7 @@ impl Column {
     }
 
     /// A share of 1 that people see in percent.
-    pub(in crate::bench) const fn percent(
-        key: &'static str,
-        title: &'static str,
-        decimals: usize,
-    ) -> Self {
+    pub(in crate::bench) const fn percent(key: &'static str, title: &'static str, decimals: usize) -> Self {
         Self {
             key,
             title,

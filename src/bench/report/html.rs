@@ -40,8 +40,7 @@ impl Report {
         let title = format!("pointreel {}: time and error", self.environment.version);
         // Within a script element only its end tag means anything.
         let data = data.to_string().replace("</", "<\\/");
-        PAGE.replace("TITLE", &escaped(&title))
-            .replace("DATA", &data)
+        PAGE.replace("TITLE", &escaped(&title)).replace("DATA", &data)
     }
 }
 

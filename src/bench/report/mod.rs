@@ -85,10 +85,7 @@ impl Report {
             let place = place.unwrap_or_else(|| {
                 tables.push(Table {
                     name: name.to_owned(),
-                    columns: self
-                        .shown(name)
-                        .map(|(_, column)| column.title.to_owned())
-                        .collect(),
+                    columns: self.shown(name).map(|(_, column)| column.title.to_owned()).collect(),
                     rows: Vec::new(),
                 });
                 tables.len() - 1
@@ -115,10 +112,7 @@ impl Report {
 
     /// The value of `row` in the column with this key.
     pub fn value<'a>(&self, row: &'a Row, key: &str) -> Option<&'a Cell> {
-        let index = self
-            .all_columns()
-            .iter()
-            .position(|column| column.key == key)?;
+        let index = self.all_columns().iter().position(|column| column.key == key)?;
         row.cells.get(index)
     }
 
@@ -131,9 +125,7 @@ impl Report {
     /// [`Report::bars_title`].
     pub fn bars(&self) -> Vec<(String, f64)> {
         let Suite {
-            headline,
-            bar_labels,
-            ..
+            headline, bar_labels, ..
         } = self.suite();
         self.rows
             .iter()
@@ -179,19 +171,12 @@ impl Report {
 
     /// Columns of a table for people, with their place in a row: those that some row of it fills.
     fn shown(&self, table: &str) -> impl Iterator<Item = (usize, &'static Column)> {
-        self.all_columns()
-            .iter()
-            .enumerate()
-            .filter(move |&(index, column)| {
-                let is_filled = |row: &Row| {
-                    row.cells
-                        .get(index)
-                        .is_some_and(|cell| *cell != Cell::Missing)
-                };
-                let in_table = |row: &&Row| self.table_name(row) == table;
-                let mut rows = self.rows.iter().filter(in_table);
-                column.is_shown && column.key != Column::TABLE && rows.any(is_filled)
-            })
+        self.all_columns().iter().enumerate().filter(move |&(index, column)| {
+            let is_filled = |row: &Row| row.cells.get(index).is_some_and(|cell| *cell != Cell::Missing);
+            let in_table = |row: &&Row| self.table_name(row) == table;
+            let mut rows = self.rows.iter().filter(in_table);
+            column.is_shown && column.key != Column::TABLE && rows.any(is_filled)
+        })
     }
 }
 
@@ -207,11 +192,7 @@ impl Serialize for Report {
                 map.end()
             }
         }
-        let rows: Vec<RowObject<'_>> = self
-            .rows
-            .iter()
-            .map(|row| RowObject(self.all_columns(), row))
-            .collect();
+        let rows: Vec<RowObject<'_>> = self.rows.iter().map(|row| RowObject(self.all_columns(), row)).collect();
         let mut report = serializer.serialize_struct("Report", 6)?;
         report.serialize_field("suite", &self.suite())?;
         report.serialize_field("environment", &self.environment)?;

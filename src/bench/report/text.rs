@@ -45,10 +45,7 @@ impl Report {
         } = self.options;
         let environment = &self.environment;
         vec![
-            format!(
-                "pointreel {} bench {suite}: {}",
-                environment.version, suite.description
-            ),
+            format!("pointreel {} bench {suite}: {}", environment.version, suite.description),
             format!("adapter   {}", environment.adapter),
             format!(
                 "machine   {}, {} threads, {}",
@@ -100,9 +97,7 @@ impl Report {
             let [sequence, strategy, ..] = cells.as_slice() else {
                 continue;
             };
-            let median = self
-                .value(row, self.suite().headline)
-                .and_then(super::Cell::number);
+            let median = self.value(row, self.suite().headline).and_then(super::Cell::number);
             let median = median.map_or_else(|| "–".to_owned(), |median| format!("{median:.3}"));
             if !head.contains(strategy) {
                 head.push(strategy.clone());
@@ -168,10 +163,7 @@ mod tests {
     fn columns_stand_under_each_other() {
         let rows = [["sequence", "δ"], ["a", "2 %"], ["long name", "10 %"]];
         let rows = rows.map(|row| row.map(str::to_owned).to_vec());
-        assert_eq!(
-            align(&rows),
-            "sequence      δ\na           2 %\nlong name  10 %\n"
-        );
+        assert_eq!(align(&rows), "sequence      δ\na           2 %\nlong name  10 %\n");
         assert_eq!(align(&[]), "");
     }
 }

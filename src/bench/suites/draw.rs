@@ -136,16 +136,8 @@ fn measure_sequence(
             }
         };
         point_counts.push(frame.points.len() as f64);
-        depths.extend(
-            frame
-                .levels
-                .octree()
-                .map(|octree| f64::from(octree.depth())),
-        );
-        run.begin_step(format!(
-            "{} frame {index}: placing viewpoints",
-            subject.name
-        ))?;
+        depths.extend(frame.levels.octree().map(|octree| f64::from(octree.depth())));
+        run.begin_step(format!("{} frame {index}: placing viewpoints", subject.name))?;
         let viewpoints = run.viewpoints(subject, &frame, settings)?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         // The pictures whose coverage was counted left the streams on the adapter; a renderer takes a copy for another

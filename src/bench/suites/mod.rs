@@ -87,10 +87,7 @@ mod tests {
     fn headlines_are_columns() {
         for suite in all() {
             let mut columns = suite.columns.iter();
-            assert!(
-                columns.any(|column| column.key == suite.headline),
-                "{suite}"
-            );
+            assert!(columns.any(|column| column.key == suite.headline), "{suite}");
         }
     }
 }

@@ -169,16 +169,10 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 
 fn one_thread() -> Result<ThreadPool, BenchError> {
     let pool = ThreadPoolBuilder::new().num_threads(1);
-    Ok(pool
-        .thread_name(|_| "bench one thread".to_owned())
-        .build()?)
+    Ok(pool.thread_name(|_| "bench one thread".to_owned()).build()?)
 }
 
-fn measure_sequence(
-    run: &mut Run<'_>,
-    subject: &Subject<'_>,
-    one_thread: &ThreadPool,
-) -> Result<(), BenchError> {
+fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>, one_thread: &ThreadPool) -> Result<(), BenchError> {
     // What placing viewpoints needs; octrees are built by the clock.
     let needs = Scene::needs(&surfel_settings());
     let mut samples: Vec<Samples> = DELTAS.iter().map(|_| Samples::default()).collect();
@@ -194,23 +188,13 @@ fn measure_sequence(
             }
         };
         point_counts.push(frame.points.len() as f64);
-        run.begin_step(format!(
-            "{} frame {index}: placing viewpoints",
-            subject.name
-        ))?;
+        run.begin_step(format!("{} frame {index}: placing viewpoints", subject.name))?;
         let viewpoints = run.viewpoints(subject, &frame, &surfel_settings())?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
-        let cameras: Vec<Camera> = viewpoints
-            .iter()
-            .map(|viewpoint| viewpoint.camera)
-            .collect();
+        let cameras: Vec<Camera> = viewpoints.iter().map(|viewpoint| viewpoint.camera).collect();
         let beginnings = Beginnings::of(&frame, one_thread);
         for (delta, samples) in DELTAS.into_iter().zip(&mut samples) {
-            run.begin_step(format!(
-                "{} frame {index}: δ {} %",
-                subject.name,
-                percent(delta)
-            ))?;
+            run.begin_step(format!("{} frame {index}: δ {} %", subject.name, percent(delta)))?;
             let octree = measure_builds(run, &beginnings, delta, samples)?;
             let traversals = &mut samples.traversals;
             traversals.measure(run, subject, &octree, &cameras, LOD_PX)?;
@@ -260,13 +244,7 @@ impl Way {
         } else {
             &beginnings.morton_order
         };
-        let build = || {
-            Octree::build(
-                black_box(positions),
-                black_box(colors),
-                StopCriterion::Loss(delta),
-            )
-        };
+        let build = || Octree::build(black_box(positions), black_box(colors), StopCriterion::Loss(delta));
         if self.is_on_one_thread {
             beginnings.one_thread.install(build)
         } else {
@@ -362,13 +340,7 @@ mod tests {
 
     fn prepared() -> PreparedFrame {
         let frame = Arc::new(Frame::from_raw(of_file(), DVec3::ZERO).unwrap());
-        prepare(
-            0,
-            frame,
-            0.0,
-            &Needs::default(),
-            &PrepareCounters::default(),
-        )
+        prepare(0, frame, 0.0, &Needs::default(), &PrepareCounters::default())
     }
 
     #[test]
@@ -398,9 +370,6 @@ mod tests {
         let built = WAYS.map(|way| way.build(&beginnings, 0.1).masks());
         assert!(built.iter().all(|masks| *masks == built[0]));
         let kinds = WAYS.map(|way| [way.is_of_file_order, way.is_on_one_thread]);
-        assert_eq!(
-            kinds,
-            [[true, true], [true, false], [false, true], [false, false]]
-        );
+        assert_eq!(kinds, [[true, true], [true, false], [false, true], [false, false]]);
     }
 }

@@ -195,9 +195,7 @@ fn play_by_the_clock(
         }
     }
     memory.look();
-    let played = begin
-        .elapsed()
-        .saturating_sub(first_shown.unwrap_or_default());
+    let played = begin.elapsed().saturating_sub(first_shown.unwrap_or_default());
     Ok(played.as_secs_f64())
 }
 
@@ -237,11 +235,7 @@ struct Screen<'a> {
 }
 
 impl<'a> Screen<'a> {
-    fn new(
-        run: &Run<'_>,
-        subject: &'a Subject<'a>,
-        settings: &'a Style,
-    ) -> Result<Self, BenchError> {
+    fn new(run: &Run<'_>, subject: &'a Subject<'a>, settings: &'a Style) -> Result<Self, BenchError> {
         Ok(Self {
             renderer: AnyRenderer::open(settings.drawing.renderer)?,
             scene: Scene::that_remembers(),
@@ -270,8 +264,7 @@ impl<'a> Screen<'a> {
         let picture_ms = start.elapsed().as_secs_f64() * 1e3;
         self.pictures_ms.push(picture_ms);
         self.points += frame.frame.len() as u64;
-        self.points_in_files +=
-            (frame.frame.points_in_file() - frame.frame.dropped_points()) as u64;
+        self.points_in_files += (frame.frame.points_in_file() - frame.frame.dropped_points()) as u64;
         Ok(picture_ms)
     }
 }
@@ -298,15 +291,9 @@ impl Memory {
     fn look(&mut self) {
         let Some(process) = self.process else { return };
         let only_memory = ProcessRefreshKind::nothing().with_memory();
-        self.system.refresh_processes_specifics(
-            ProcessesToUpdate::Some(&[process]),
-            false,
-            only_memory,
-        );
-        let bytes = self
-            .system
-            .process(process)
-            .map_or(0, sysinfo::Process::memory);
+        self.system
+            .refresh_processes_specifics(ProcessesToUpdate::Some(&[process]), false, only_memory);
+        let bytes = self.system.process(process).map_or(0, sysinfo::Process::memory);
         let [_, peak, end] = &mut self.begin_peak_end;
         *peak = bytes.max(*peak);
         *end = bytes;

@@ -83,11 +83,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     Ok(())
 }
 
-fn measure_sequence(
-    run: &mut Run<'_>,
-    processor: &mut Runner,
-    subject: &Subject<'_>,
-) -> Result<(), BenchError> {
+fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject<'_>) -> Result<(), BenchError> {
     let mut needs = Scene::needs(&settings(Primitive::Voxel));
     needs.shapes = true;
     let mut samples: [[Samples; VIEWS.len()]; PRIMITIVES.len()] = Default::default();
@@ -111,13 +107,10 @@ fn measure_sequence(
         }
     }
     Run::check_measured(subject, &point_counts, first_failure)?;
-    let rows = PRIMITIVES
-        .into_iter()
-        .zip(&samples)
-        .flat_map(|(primitive, samples)| {
-            let views = VIEWS.into_iter().zip(samples);
-            views.map(move |((view, _), samples)| samples.row(subject.name, primitive, view))
-        });
+    let rows = PRIMITIVES.into_iter().zip(&samples).flat_map(|(primitive, samples)| {
+        let views = VIEWS.into_iter().zip(samples);
+        views.map(move |((view, _), samples)| samples.row(subject.name, primitive, view))
+    });
     run.finish(subject, &point_counts, &[], rows);
     Ok(())
 }

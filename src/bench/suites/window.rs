@@ -8,9 +8,7 @@ use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
 use crate::bench::statistics::mean;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
-use crate::bench::{
-    BenchError, BenchOptions, Environment, Input, Quantiles, Report, SequenceSummary,
-};
+use crate::bench::{BenchError, BenchOptions, Environment, Input, Quantiles, Report, SequenceSummary};
 
 /// Columns, in the order in which [`WindowAction::row`] fills them.
 const COLUMNS: &[Column] = &[
@@ -242,9 +240,7 @@ pub fn window_report(inputs: &[Input], options: BenchOptions, actions: &[WindowA
 pub fn window_report_of_json(json: &str) -> Result<Report, String> {
     let no_report = |reason: &dyn std::fmt::Display| format!("the report cannot be read: {reason}");
     let read: serde_json::Value = serde_json::from_str(json).map_err(|error| no_report(&error))?;
-    let rows = read["rows"]
-        .as_array()
-        .ok_or_else(|| no_report(&"it has no rows"))?;
+    let rows = read["rows"].as_array().ok_or_else(|| no_report(&"it has no rows"))?;
     let mut report = Report::new(BenchOptions::new(WINDOW), Environment::detect(None));
     if let Some(adapter) = read["environment"]["adapter"].as_str() {
         adapter.clone_into(&mut report.environment.adapter);
@@ -260,9 +256,7 @@ pub fn window_report_of_json(json: &str) -> Result<Report, String> {
         })
         .collect();
     let notes = read["notes"].as_array().into_iter().flatten();
-    report.notes = notes
-        .filter_map(|note| note.as_str().map(str::to_owned))
-        .collect();
+    report.notes = notes.filter_map(|note| note.as_str().map(str::to_owned)).collect();
     Ok(report)
 }
 

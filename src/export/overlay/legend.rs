@@ -62,17 +62,8 @@ pub(in crate::export) fn draw_legend(canvas: &mut Canvas<'_>, legend: &Legend) {
             for ((share, _), row) in ticks.iter().zip(&rows) {
                 let y = bar[3] - body * share;
                 let half = 0.5 * unit;
-                canvas.fill(
-                    [bar[2], y - half],
-                    [bar[2] + 4.0 * unit, y + half],
-                    WHITE,
-                    1.0,
-                );
-                row.draw(
-                    canvas,
-                    [bar[2] + GAP * unit, y - 0.5 * row.height_px],
-                    WHITE,
-                );
+                canvas.fill([bar[2], y - half], [bar[2] + 4.0 * unit, y + half], WHITE, 1.0);
+                row.draw(canvas, [bar[2] + GAP * unit, y - 0.5 * row.height_px], WHITE);
             }
         }
         LegendBody::Classes(classes) => {
@@ -88,11 +79,7 @@ pub(in crate::export) fn draw_legend(canvas: &mut Canvas<'_>, legend: &Legend) {
                     [red, green, blue],
                     f32::from(alpha) / 255.0,
                 );
-                row.draw(
-                    canvas,
-                    [bar[2] + GAP * unit, middle - 0.5 * row.height_px],
-                    WHITE,
-                );
+                row.draw(canvas, [bar[2] + GAP * unit, middle - 0.5 * row.height_px], WHITE);
             }
         }
     }
@@ -159,12 +146,7 @@ mod tests {
         // Letters are thin: their pixels are covered in part.
         let is_bright = |pixel: &Rgba<u8>| pixel.0[..3].iter().all(|&channel| channel > 180);
         let right_of_bar = picture.enumerate_pixels().filter(|(x, ..)| *x > 1240);
-        assert!(
-            right_of_bar
-                .filter(|(_, _, pixel)| is_bright(pixel))
-                .count()
-                > 20
-        );
+        assert!(right_of_bar.filter(|(_, _, pixel)| is_bright(pixel)).count() > 20);
     }
 
     #[test]

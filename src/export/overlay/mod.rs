@@ -62,12 +62,7 @@ fn over(below: [u8; 4], color: [u8; 3], alpha: f32) -> [u8; 4] {
         let mixed = f32::from(color[channel]) * alpha + f32::from(below[channel]) * alpha_below;
         (mixed / sum).round() as u8
     };
-    [
-        channel(0),
-        channel(1),
-        channel(2),
-        (sum * 255.0).round() as u8,
-    ]
+    [channel(0), channel(1), channel(2), (sum * 255.0).round() as u8]
 }
 
 #[cfg(test)]
@@ -76,18 +71,9 @@ mod tests {
 
     #[test]
     fn colors_lie_over_what_is_below() {
-        assert_eq!(
-            over([10, 20, 30, 255], [90, 100, 110], 1.0),
-            [90, 100, 110, 255]
-        );
-        assert_eq!(
-            over([10, 20, 30, 255], [90, 100, 110], 0.0),
-            [10, 20, 30, 255]
-        );
-        assert_eq!(
-            over([10, 20, 30, 255], [90, 100, 110], 0.5),
-            [50, 60, 70, 255]
-        );
+        assert_eq!(over([10, 20, 30, 255], [90, 100, 110], 1.0), [90, 100, 110, 255]);
+        assert_eq!(over([10, 20, 30, 255], [90, 100, 110], 0.0), [10, 20, 30, 255]);
+        assert_eq!(over([10, 20, 30, 255], [90, 100, 110], 0.5), [50, 60, 70, 255]);
         assert_eq!(over([0; 4], [90, 100, 110], 0.5), [90, 100, 110, 128]);
         assert_eq!(over([7; 4], [90, 100, 110], 0.0)[3], 7);
     }
@@ -102,10 +88,7 @@ mod tests {
         };
         canvas.fill([1.0, 0.0], [2.5, 11.25], [200; 3], 1.0);
         let red = |x, y| image.get_pixel(x, y).0[0];
-        assert_eq!(
-            [red(0, 0), red(1, 0), red(2, 0), red(3, 0)],
-            [0, 200, 100, 0]
-        );
+        assert_eq!([red(0, 0), red(1, 0), red(2, 0), red(3, 0)], [0, 200, 100, 0]);
         assert_eq!([red(1, 1), red(2, 1), red(1, 2)], [50, 25, 0]);
     }
 }

@@ -7,8 +7,7 @@ use std::sync::OnceLock;
 
 fn font() -> Option<&'static FontRef<'static>> {
     static FONT: OnceLock<Option<FontRef<'static>>> = OnceLock::new();
-    FONT.get_or_init(|| FontRef::try_from_slice(UBUNTU_LIGHT).ok())
-        .as_ref()
+    FONT.get_or_init(|| FontRef::try_from_slice(UBUNTU_LIGHT).ok()).as_ref()
 }
 
 /// A line of text, laid out.

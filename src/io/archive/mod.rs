@@ -27,11 +27,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The frames in the archive at `path`, in natural order of their names.
-pub(super) fn list(
-    path: &Path,
-    format: Format,
-    options: &ReadOptions,
-) -> Result<Vec<Entry>, IoError> {
+pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     let failed = io_error(path);
     let mut file = File::open(path).map_err(failed)?;
     let invalid = |fault: Fault| fault.of(path, format);
@@ -69,8 +65,7 @@ pub(super) fn list(
         tar::members_of_file(file).map_err(invalid)?
     };
     members.retain(|member| is_frame(path, member));
-    let is_text =
-        |member: &Member| Format::of_extension(Path::new(&member.name)) == Some(xyz::FORMAT);
+    let is_text = |member: &Member| Format::of_extension(Path::new(&member.name)) == Some(xyz::FORMAT);
     // Text beside clouds of other formats is about them: README.txt, poses.txt.
     if !members.iter().all(is_text) {
         members.retain(|member| !is_text(member));
@@ -102,9 +97,7 @@ pub(super) fn read(
         MemberPlace::Packed { crc: Some(_), .. } => containers::ZIP,
         _ => containers::TAR,
     };
-    let invalid = |offset: u64, problem: String| {
-        Fault::new(Place::Byte(offset as usize), problem).of(&name, format)
-    };
+    let invalid = |offset: u64, problem: String| Fault::new(Place::Byte(offset as usize), problem).of(&name, format);
     let bytes = match &member.place {
         &MemberPlace::Packed {
             offset,
@@ -120,8 +113,7 @@ pub(super) fn read(
                 reader: file.take(packed_bytes),
                 progress,
             };
-            let bytes = unpack(packing, packed, unpacked_bytes, options)
-                .map_err(|problem| invalid(offset, problem))?;
+            let bytes = unpack(packing, packed, unpacked_bytes, options).map_err(|problem| invalid(offset, problem))?;
             if crc.is_some_and(|crc| crc32fast::hash(&bytes) != crc) {
                 return Err(invalid(
                     offset,
@@ -146,10 +138,7 @@ pub(super) fn read(
         MemberPlace::Gzip => {
             let file = File::open(path).map_err(failed)?;
             progress.set(0, file.metadata().map_err(failed)?.len() as usize);
-            let packed = Watched {
-                reader: file,
-                progress,
-            };
+            let packed = Watched { reader: file, progress };
             unpack_unknown(Packing::Gzip, packed, options).map_err(|problem| invalid(0, problem))?
         }
         MemberPlace::Unreadable(problem) => return Err(invalid(0, problem.clone())),
@@ -173,8 +162,8 @@ fn is_frame(path: &Path, member: &Member) -> bool {
         return false;
     }
     let name = Path::new(&member.name);
-    let format = Format::of_extension(name)
-        .or_else(|| Format::detect(name, &first_bytes(path, member).unwrap_or_default()));
+    let format =
+        Format::of_extension(name).or_else(|| Format::detect(name, &first_bytes(path, member).unwrap_or_default()));
     format.is_some_and(|format| !format.is_container())
 }
 
@@ -183,9 +172,7 @@ fn first_bytes(path: &Path, member: &Member) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     match &member.place {
         MemberPlace::Memory(unpacked, range) => {
-            let end = range
-                .end
-                .min(range.start.saturating_add(Format::MAGIC_BYTES));
+            let end = range.end.min(range.start.saturating_add(Format::MAGIC_BYTES));
             bytes.extend(unpacked.0.get(range.start..end).unwrap_or_default());
         }
         &MemberPlace::Packed {

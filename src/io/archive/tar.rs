@@ -28,13 +28,9 @@ pub(super) fn members_of_memory(unpacked: &Unpacked) -> Result<Vec<Member>, Faul
     })
 }
 
-fn members(
-    reader: impl Read + Seek,
-    place: impl Fn(u64, u64) -> MemberPlace,
-) -> Result<Vec<Member>, Fault> {
-    let broken = |error: &std::io::Error| {
-        format!("the archive is not understood ({error}): it is truncated or damaged")
-    };
+fn members(reader: impl Read + Seek, place: impl Fn(u64, u64) -> MemberPlace) -> Result<Vec<Member>, Fault> {
+    let broken =
+        |error: &std::io::Error| format!("the archive is not understood ({error}): it is truncated or damaged");
     let mut archive = tar::Archive::new(reader);
     let mut members = Vec::new();
     let entries = archive
@@ -54,9 +50,7 @@ fn members(
         let place = if kind.is_file() || kind.is_contiguous() {
             place(entry.raw_file_position(), entry.size())
         } else if kind.is_gnu_sparse() {
-            MemberPlace::Unreadable(
-                "it is a sparse file, which is not read: unpack the archive".to_owned(),
-            )
+            MemberPlace::Unreadable("it is a sparse file, which is not read: unpack the archive".to_owned())
         } else {
             continue;
         };

@@ -24,9 +24,7 @@ pub(super) fn members(file: File) -> Result<Vec<Member>, Fault> {
         }
         let place = match archive.by_index_raw(index) {
             Ok(found) => place(&found),
-            Err(error) => MemberPlace::Unreadable(format!(
-                "its header is not understood ({error}): it is damaged"
-            )),
+            Err(error) => MemberPlace::Unreadable(format!("its header is not understood ({error}): it is damaged")),
         };
         members.push(Member {
             name: clean(&raw_name),

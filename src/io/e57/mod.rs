@@ -36,12 +36,7 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
 });
 
 /// All scans, or the one that `part` names.
-pub(super) fn decode(
-    bytes: &[u8],
-    part: &Part,
-    options: &ReadOptions,
-    progress: &Progress,
-) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
     let mut scans = open(Cursor::new(bytes), bytes.len() as u64)?.pointclouds();
     progress.set(0, bytes.len());
     let checked = Watched {
@@ -99,13 +94,8 @@ pub(super) fn list(path: &Path, _options: &ReadOptions) -> Result<Vec<Entry>, Io
     let scans = open(BufReader::new(file), length)
         .map_err(|fault| fault.of(path, FORMAT))?
         .pointclouds();
-    let with_points = scans
-        .iter()
-        .enumerate()
-        .filter(|(_, scan)| scan.records > 0);
-    let mut entries: Vec<Entry> = with_points
-        .map(|(index, scan)| entry(index, scan))
-        .collect();
+    let with_points = scans.iter().enumerate().filter(|(_, scan)| scan.records > 0);
+    let mut entries: Vec<Entry> = with_points.map(|(index, scan)| entry(index, scan)).collect();
     if entries.len() <= 1 {
         return Ok(vec![Entry::whole()]);
     }

@@ -30,11 +30,7 @@ pub(super) struct Scan {
 }
 
 /// Fails where `scans` have more points than fit into `file_bytes`, or more than `options` allow.
-pub(super) fn check_claims(
-    scans: &[PointCloud],
-    file_bytes: usize,
-    options: &ReadOptions,
-) -> Result<(), Fault> {
+pub(super) fn check_claims(scans: &[PointCloud], file_bytes: usize, options: &ReadOptions) -> Result<(), Fault> {
     /// What a point takes while it is read, beside its fields as the file has them.
     const POINT_BYTES: u128 = 96;
     let (mut claimed_bits, mut memory_bytes) = (0u128, 0u128);
@@ -46,9 +42,7 @@ pub(super) fn check_claims(
             .sum();
         claimed_bits += u128::from(scan.records) * point_bits;
         memory_bytes += u128::from(scan.records) * (POINT_BYTES + point_bits / 8);
-        if claimed_bits > file_bytes as u128 * 8
-            || point_bits == 0 && scan.records > MAX_CONSTANT_POINTS
-        {
+        if claimed_bits > file_bytes as u128 * 8 || point_bits == 0 && scan.records > MAX_CONSTANT_POINTS {
             return Err(Fault::entry(
                 "scan",
                 index,
@@ -69,23 +63,14 @@ pub(super) fn check_claims(
 
 impl Scan {
     /// Scan `index` of the file. Precondition: [`check_claims`].
-    pub(super) fn read(
-        index: usize,
-        scan: &PointCloud,
-        pages: &Pages,
-        progress: &Progress,
-    ) -> Result<Self, Fault> {
+    pub(super) fn read(index: usize, scan: &PointCloud, pages: &Pages, progress: &Progress) -> Result<Self, Fault> {
         let count = scan.records as usize;
         let streams = if count == 0 {
             Vec::new()
         } else {
             streams::read(index, scan, pages, progress)?
         };
-        let fields = Fields {
-            scan,
-            streams,
-            count,
-        };
+        let fields = Fields { scan, streams, count };
         let rotation = rotation(scan);
         Ok(Self {
             positions: fields.positions(index, rotation)?,
@@ -119,16 +104,11 @@ struct Fields<'a> {
 impl Fields<'_> {
     /// Whether the scan has such a field, be it without a point.
     fn has(&self, name: &RecordName) -> bool {
-        self.scan
-            .prototype
-            .iter()
-            .any(|record| record.name == *name)
+        self.scan.prototype.iter().any(|record| record.name == *name)
     }
 
     fn stream(&self, name: &RecordName) -> Option<&Stream<'_>> {
-        self.streams
-            .iter()
-            .find(|stream| stream.record.name == *name)
+        self.streams.iter().find(|stream| stream.record.name == *name)
     }
 
     fn column(&self, name: &RecordName) -> Option<Vec<f64>> {
@@ -158,11 +138,7 @@ impl Fields<'_> {
 
     /// Coordinates in metres, not a number where there are only directions or nothing at all.
     fn positions(&self, scan: usize, rotation: DQuat) -> Result<Vec<[f64; 3]>, Fault> {
-        const CARTESIAN: [RecordName; 3] = [
-            RecordName::CartesianX,
-            RecordName::CartesianY,
-            RecordName::CartesianZ,
-        ];
+        const CARTESIAN: [RecordName; 3] = [RecordName::CartesianX, RecordName::CartesianY, RecordName::CartesianZ];
         const SPHERICAL: [RecordName; 3] = [
             RecordName::SphericalRange,
             RecordName::SphericalAzimuth,
@@ -174,11 +150,7 @@ impl Fields<'_> {
             for vector in &mut vectors {
                 let [range, azimuth, elevation] = *vector;
                 let across = range * elevation.cos();
-                *vector = [
-                    across * azimuth.cos(),
-                    across * azimuth.sin(),
-                    range * elevation.sin(),
-                ];
+                *vector = [across * azimuth.cos(), across * azimuth.sin(), range * elevation.sin()];
             }
             vectors
         });
@@ -224,13 +196,10 @@ impl Fields<'_> {
     fn normals(&self, rotation: DQuat) -> Option<Vec<[f32; 3]>> {
         // By the extension for surface normals, under whatever prefix a file gives it.
         let axis = |axis: &str| {
-            self.scan
-                .prototype
-                .iter()
-                .find_map(|record| match &record.name {
-                    RecordName::Unknown { name, .. } if name == axis => Some(record.name.clone()),
-                    _ => None,
-                })
+            self.scan.prototype.iter().find_map(|record| match &record.name {
+                RecordName::Unknown { name, .. } if name == axis => Some(record.name.clone()),
+                _ => None,
+            })
         };
         let normals = self.vectors(&[axis("normalX")?, axis("normalY")?, axis("normalZ")?])?;
         let turned = |normal: [f64; 3]| (rotation * DVec3::from_array(normal)).as_vec3().to_array();
@@ -238,11 +207,7 @@ impl Fields<'_> {
     }
 
     fn colors(&self) -> Option<Vec<[u8; 4]>> {
-        const CHANNELS: [RecordName; 3] = [
-            RecordName::ColorRed,
-            RecordName::ColorGreen,
-            RecordName::ColorBlue,
-        ];
+        const CHANNELS: [RecordName; 3] = [RecordName::ColorRed, RecordName::ColorGreen, RecordName::ColorBlue];
         let channels = self.vectors(&CHANNELS)?;
         let largest = channels.iter().flatten().copied().fold(0.0, f64::max);
         let ranges = [0, 1, 2].map(|channel| self.range(channel, &CHANNELS[channel], largest));

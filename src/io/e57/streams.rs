@@ -75,9 +75,7 @@ impl Stream<'_> {
             RecordDataType::Integer { min, .. } => {
                 self.for_each_integer(count, min, each);
             }
-            RecordDataType::ScaledInteger {
-                min, scale, offset, ..
-            } => {
+            RecordDataType::ScaledInteger { min, scale, offset, .. } => {
                 self.for_each_integer(count, min, |index, value| {
                     each(index, value * scale + offset);
                 });
@@ -111,16 +109,10 @@ pub(super) fn read<'a>(
     const DATA_PACKET: u8 = 1;
     const DATA_HEADER_BYTES: usize = 6;
     let fault = |problem: &str| Fault::entry("scan", index, problem);
-    let cut = || {
-        fault(
-            "its points end before the last one: the file is truncated, or its description is wrong",
-        )
-    };
+    let cut = || fault("its points end before the last one: the file is truncated, or its description is wrong");
 
     let section = pages.from(scan.file_offset);
-    let section = section
-        .and_then(|rest| rest.get(..SECTION_BYTES))
-        .ok_or_else(cut)?;
+    let section = section.and_then(|rest| rest.get(..SECTION_BYTES)).ok_or_else(cut)?;
     if section[0] != 1 {
         return Err(fault("its points are not where its description says"));
     }
@@ -152,9 +144,7 @@ pub(super) fn read<'a>(
         // Packets of an index, or without meaning, are passed over.
         if header[0] != DATA_PACKET {
             if header[0] > 2 {
-                return Err(fault(
-                    "there is a packet of an unknown kind among its points",
-                ));
+                return Err(fault("there is a packet of an unknown kind among its points"));
             }
             continue;
         }

@@ -27,11 +27,7 @@ struct Entries<'a> {
 
 impl<'a> Source<'a> {
     /// Nothing is read yet.
-    pub(super) fn new(
-        document: &'a Document,
-        buffers: &'a Buffers<'a>,
-        options: &'a ReadOptions,
-    ) -> Self {
+    pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, options: &'a ReadOptions) -> Self {
         Self {
             document,
             buffers,
@@ -100,10 +96,7 @@ impl Source<'_> {
             return Err(Fault::entry(
                 "accessor",
                 index,
-                format!(
-                    "its entries are {}, expected single numbers",
-                    accessor.r#type
-                ),
+                format!("its entries are {}, expected single numbers", accessor.r#type),
             ));
         }
         self.read_as(index, |entries, entry| entries.number(entry, 0) as u32, 0)
@@ -130,9 +123,7 @@ impl Source<'_> {
                     accessor.count,
                     index,
                 )?;
-                (0..accessor.count)
-                    .map(|entry| read(&entries, entry))
-                    .collect()
+                (0..accessor.count).map(|entry| read(&entries, entry)).collect()
             }
             // Zeros, which the entries below may differ from.
             None => vec![zero; accessor.count],
@@ -171,10 +162,7 @@ impl Source<'_> {
         Ok(values)
     }
 
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "what an accessor says about its entries"
-    )]
+    #[expect(clippy::too_many_arguments, reason = "what an accessor says about its entries")]
     fn entries(
         &self,
         view: usize,

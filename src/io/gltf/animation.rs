@@ -30,11 +30,7 @@ pub(super) fn played(source: &Source<'_>) -> Result<(Vec<usize>, f64), Fault> {
     let mut timed = Vec::new();
     for (index, animation) in source.document.animations.iter().enumerate() {
         let mut end = 0.0f64;
-        let inputs: HashSet<usize> = animation
-            .samplers
-            .iter()
-            .map(|sampler| sampler.input)
-            .collect();
+        let inputs: HashSet<usize> = animation.samplers.iter().map(|sampler| sampler.input).collect();
         for input in inputs {
             let times: Vec<[f32; 1]> = source.read(input)?;
             end = times
@@ -65,11 +61,7 @@ pub(super) fn played(source: &Source<'_>) -> Result<(Vec<usize>, f64), Fault> {
 }
 
 /// What the animations of these indices change of each node at `time` in seconds.
-pub(super) fn changes(
-    source: &Source<'_>,
-    animations: &[usize],
-    time: f64,
-) -> Result<Vec<Change>, Fault> {
+pub(super) fn changes(source: &Source<'_>, animations: &[usize], time: f64) -> Result<Vec<Change>, Fault> {
     let mut changes = vec![Change::default(); source.document.nodes.len()];
     for &animation in animations {
         let animation = at(&source.document.animations, animation, "animation")?;
@@ -87,9 +79,7 @@ pub(super) fn changes(
                     let keys: Vec<[f32; 4]> = source.read(sampler.output)?;
                     change.rotation = sample(source, sampler, time, &keys, |a, b, fraction| {
                         let [a, b] = [a, b].map(|key| DQuat::from_array(key.map(f64::from)));
-                        a.slerp(b, f64::from(fraction))
-                            .to_array()
-                            .map(|part| part as f32)
+                        a.slerp(b, f64::from(fraction)).to_array().map(|part| part as f32)
                     })?
                     .map(|key| unit(DQuat::from_array(key.map(f64::from))));
                 }
@@ -129,12 +119,7 @@ fn weights(source: &Source<'_>, sampler: &Sampler, time: f64) -> Result<Option<V
     let per_key = numbers.len().checked_div(key_count).unwrap_or(0);
     let mut weights = Vec::with_capacity(per_key);
     for target in 0..per_key {
-        let keys: Vec<[f32; 1]> = numbers
-            .iter()
-            .skip(target)
-            .step_by(per_key)
-            .copied()
-            .collect();
+        let keys: Vec<[f32; 1]> = numbers.iter().skip(target).step_by(per_key).copied().collect();
         weights.extend(sample(source, sampler, time, &keys, lerp)?.map(|[weight]| weight));
     }
     Ok((!weights.is_empty()).then_some(weights))
@@ -195,11 +180,7 @@ fn sample<const N: usize>(
         Interpolation::Step => value(before),
         Interpolation::Linear => linear(value(before), value(after), fraction),
         Interpolation::Cubic => {
-            let (t, t2, t3) = (
-                fraction,
-                fraction * fraction,
-                fraction * fraction * fraction,
-            );
+            let (t, t2, t3) = (fraction, fraction * fraction, fraction * fraction * fraction);
             let [a, leave, reach, b] = [value(before), key(before, 2), key(after, 0), value(after)];
             std::array::from_fn(|index| {
                 (2.0 * t3 - 3.0 * t2 + 1.0) * a[index]

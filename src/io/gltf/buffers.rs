@@ -41,11 +41,7 @@ impl<'a> Buffers<'a> {
     pub(super) fn into_owned(self) -> Buffers<'static> {
         let owned = |bytes: Cow<'a, [u8]>| Cow::Owned(bytes.into_owned());
         Buffers {
-            loaded: self
-                .loaded
-                .into_iter()
-                .map(|bytes| bytes.map(owned))
-                .collect(),
+            loaded: self.loaded.into_iter().map(|bytes| bytes.map(owned)).collect(),
         }
     }
 
@@ -59,8 +55,7 @@ impl<'a> Buffers<'a> {
     ) -> Result<Option<Cow<'a, [u8]>>, Fault> {
         let bytes = match &buffer.uri {
             Some(uri) => Cow::Owned(
-                resource(uri, path, left, options)
-                    .map_err(|problem| Fault::entry("buffer", index, problem))?,
+                resource(uri, path, left, options).map_err(|problem| Fault::entry("buffer", index, problem))?,
             ),
             None if index == 0 => match binary {
                 Some(bytes) => Cow::Borrowed(bytes),
@@ -93,9 +88,7 @@ impl<'a> Buffers<'a> {
         {
             return Err(super::document::packed(name));
         }
-        let buffer = at(&self.loaded, view.buffer, "buffer")?
-            .as_deref()
-            .unwrap_or_default();
+        let buffer = at(&self.loaded, view.buffer, "buffer")?.as_deref().unwrap_or_default();
         let end = view.byte_offset.checked_add(view.byte_length);
         end.and_then(|end| buffer.get(view.byte_offset..end)).ok_or_else(|| {
             Fault::entry(
@@ -113,15 +106,9 @@ impl<'a> Buffers<'a> {
 }
 
 /// The bytes that `uri` in the file `path` stands for, not more than `most_bytes`.
-pub(super) fn resource(
-    uri: &str,
-    path: &Path,
-    most_bytes: u64,
-    options: &ReadOptions,
-) -> Result<Vec<u8>, String> {
+pub(super) fn resource(uri: &str, path: &Path, most_bytes: u64, options: &ReadOptions) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
-        let lenient =
-            GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
+        let lenient = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
         let engine = GeneralPurpose::new(&STANDARD, lenient);
         let (kind, text) = data.split_once(',').ok_or("its data: URI has no comma")?;
         if !kind.ends_with(";base64") {
@@ -137,8 +124,7 @@ pub(super) fn resource(
             .decode(text)
             .map_err(|error| format!("its data: URI is damaged ({error})"));
     }
-    let name = percent_decoded(uri)
-        .ok_or_else(|| format!("`{}` is no URI of a file", uri.escape_default()))?;
+    let name = percent_decoded(uri).ok_or_else(|| format!("`{}` is no URI of a file", uri.escape_default()))?;
     let outside = || {
         format!(
             "it lies in `{}`: only files in the folder of the glTF file are read",

@@ -13,10 +13,7 @@ pub(super) fn at<'a, T>(list: &'a [T], index: usize, what: &str) -> Result<&'a T
         Fault::entry(
             what,
             index,
-            format!(
-                "the file refers to it, but there are {}: it is damaged",
-                list.len()
-            ),
+            format!("the file refers to it, but there are {}: it is damaged", list.len()),
         )
     })
 }
@@ -133,10 +130,7 @@ const HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
 
 /// The document, and the bytes of a GLB file that its first buffer has.
-pub(super) fn parse<'a>(
-    bytes: &'a [u8],
-    options: &ReadOptions,
-) -> Result<(Document, Option<&'a [u8]>), Fault> {
+pub(super) fn parse<'a>(bytes: &'a [u8], options: &ReadOptions) -> Result<(Document, Option<&'a [u8]>), Fault> {
     /// At most so much memory is taken by an object, which may be two letters in the file, and by an entry of a list.
     const OBJECT_BYTES: u64 = 1024;
     const ENTRY_BYTES: u64 = 64;
@@ -157,11 +151,7 @@ pub(super) fn parse<'a>(
     };
     let needed = json.iter().fold(json.len() as u64, sum);
     if needed > options.max_memory_bytes {
-        return Err(Fault::too_large(
-            "the description of the scene",
-            needed,
-            options,
-        ));
+        return Err(Fault::too_large("the description of the scene", needed, options));
     }
     let document: Document = serde_json::from_slice(json).map_err(|error| {
         Fault::new(
@@ -203,15 +193,11 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
         && let Some(length) = word(at)
     {
         let start = at + CHUNK_HEADER_BYTES;
-        let chunk = start
-            .checked_add(length)
-            .and_then(|end| bytes.get(start..end));
+        let chunk = start.checked_add(length).and_then(|end| bytes.get(start..end));
         let chunk = chunk.ok_or_else(|| {
             Fault::new(
                 Place::Byte(at),
-                format!(
-                    "a chunk of {length} bytes goes beyond the end of the file: it is truncated"
-                ),
+                format!("a chunk of {length} bytes goes beyond the end of the file: it is truncated"),
             )
         })?;
         found.push(chunk);
@@ -220,8 +206,6 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     match found[..] {
         [json] => Ok((json, None)),
         [json, binary, ..] => Ok((json, Some(binary))),
-        [] => Err(Fault::header(
-            "the file ends before its first chunk: it is truncated",
-        )),
+        [] => Err(Fault::header("the file ends before its first chunk: it is truncated")),
     }
 }

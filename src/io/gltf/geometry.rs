@@ -30,11 +30,7 @@ pub(super) struct Geometry {
 }
 
 /// Everything that the scene shows.
-pub(super) fn gather(
-    source: &Source<'_>,
-    placed: &Placed,
-    changes: &[Change],
-) -> Result<Geometry, Fault> {
+pub(super) fn gather(source: &Source<'_>, placed: &Placed, changes: &[Change]) -> Result<Geometry, Fault> {
     let mut geometry = Geometry::default();
     for &index in &placed.shown {
         let node = &source.document.nodes[index];
@@ -46,13 +42,7 @@ pub(super) fn gather(
         };
         let weights = weights(node, mesh, &changes[index]);
         for primitive in &mesh.primitives {
-            geometry.add(
-                source,
-                primitive,
-                weights,
-                &placed.transforms[index],
-                bones.as_deref(),
-            )?;
+            geometry.add(source, primitive, weights, &placed.transforms[index], bones.as_deref())?;
         }
     }
     Ok(geometry)
@@ -76,10 +66,7 @@ fn bones(source: &Source<'_>, placed: &Placed, skin: usize) -> Result<Vec<DAffin
     let bone = |(index, &joint): (usize, &usize)| {
         let to_scene = at(&placed.transforms, joint, "node")?;
         Ok(match bound.get(index) {
-            Some(matrix) => {
-                *to_scene
-                    * DAffine3::from_mat4(glam::DMat4::from_cols_array(&matrix.map(f64::from)))
-            }
+            Some(matrix) => *to_scene * DAffine3::from_mat4(glam::DMat4::from_cols_array(&matrix.map(f64::from))),
             None => *to_scene,
         })
     };
@@ -122,9 +109,7 @@ impl Geometry {
             .map(|accessor| source.read_indices(accessor))
             .transpose()?;
         // Shapes may share one list of vertices, of which each has its part.
-        let mut used: Vec<u32> = indices
-            .clone()
-            .unwrap_or_else(|| (0..count as u32).collect());
+        let mut used: Vec<u32> = indices.clone().unwrap_or_else(|| (0..count as u32).collect());
         if indices.is_some() {
             used.sort_unstable();
             used.dedup();
@@ -137,24 +122,18 @@ impl Geometry {
         source.spend(used.len() as u64 * VERTEX_BYTES)?;
         let first = self.positions.len();
         if first + used.len() > u32::MAX as usize {
-            return Err(Fault::header(
-                "there are more than four thousand million vertices",
-            ));
+            return Err(Fault::header("there are more than four thousand million vertices"));
         }
         for &vertex in &used {
             self.vertex(&shape, vertex as usize, transform, bones)?;
         }
         self.has_normals |= shape.normals.is_some();
         self.has_colors |= shape.colors.is_some();
-        self.materials
-            .resize(self.positions.len(), primitive.material);
+        self.materials.resize(self.positions.len(), primitive.material);
         let corners: Vec<u32> = match indices {
             Some(indices) => {
                 let place = |vertex: &u32| used.partition_point(|other| other < vertex);
-                indices
-                    .iter()
-                    .map(|vertex| (first + place(vertex)) as u32)
-                    .collect()
+                indices.iter().map(|vertex| (first + place(vertex)) as u32).collect()
             }
             None => (first as u32..(first + count) as u32).collect(),
         };
@@ -190,33 +169,22 @@ impl Geometry {
         let transform = skinned.as_ref().unwrap_or(transform);
         let position = DVec3::from_array(shape.positions[index].map(f64::from));
         self.positions.push(transform.transform_point3(position));
-        self.normals
-            .push(shape.normals.as_ref().map_or([0.0; 3], |normals| {
-                turned(transform.matrix3, normals[index])
-            }));
-        self.colors.push(
+        self.normals.push(
             shape
-                .colors
+                .normals
                 .as_ref()
-                .map_or([1.0; 4], |colors| colors[index]),
+                .map_or([0.0; 3], |normals| turned(transform.matrix3, normals[index])),
         );
-        self.texture_places.push(
-            shape
-                .texture_places
-                .as_ref()
-                .map_or([0.0; 2], |places| places[index]),
-        );
+        self.colors
+            .push(shape.colors.as_ref().map_or([1.0; 4], |colors| colors[index]));
+        self.texture_places
+            .push(shape.texture_places.as_ref().map_or([0.0; 2], |places| places[index]));
         Ok(())
     }
 }
 
 impl Shape {
-    fn read(
-        source: &Source<'_>,
-        primitive: &Primitive,
-        position: usize,
-        weights: &[f32],
-    ) -> Result<Self, Fault> {
+    fn read(source: &Source<'_>, primitive: &Primitive, position: usize, weights: &[f32]) -> Result<Self, Fault> {
         let mut positions: Vec<[f32; 3]> = source.read(position)?;
         let count = positions.len();
         let attribute = |name: &str| primitive.attributes.get(name).copied();
@@ -253,9 +221,7 @@ impl Shape {
             colors.as_ref().map(Vec::len),
             texture_places.as_ref().map(Vec::len),
         ];
-        let joint_lengths = joints
-            .iter()
-            .flat_map(|(bones, weights)| [bones.len(), weights.len()]);
+        let joint_lengths = joints.iter().flat_map(|(bones, weights)| [bones.len(), weights.len()]);
         if let Some(other) = lengths
             .into_iter()
             .flatten()
@@ -303,11 +269,8 @@ impl Shape {
 
 /// The set of texture coordinates that the material of a shape uses.
 fn texture_set(document: &Document, primitive: &Primitive) -> usize {
-    let material = primitive
-        .material
-        .and_then(|material| document.materials.get(material));
-    let texture =
-        material.and_then(|material| material.pbr_metallic_roughness.base_color_texture.as_ref());
+    let material = primitive.material.and_then(|material| document.materials.get(material));
+    let texture = material.and_then(|material| material.pbr_metallic_roughness.base_color_texture.as_ref());
     texture.map_or(0, |texture| {
         let transform = texture.extensions.transform.as_ref();
         transform
@@ -329,11 +292,7 @@ fn add(values: &mut [[f32; 3]], deltas: &[[f32; 3]], weight: f32) {
 fn turned(matrix: DMat3, normal: [f32; 3]) -> [f32; 3] {
     let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-    let sign = if matrix.determinant() < 0.0 {
-        -1.0
-    } else {
-        1.0
-    };
+    let sign = if matrix.determinant() < 0.0 { -1.0 } else { 1.0 };
     let turned = cofactors * DVec3::from_array(normal.map(f64::from)) * sign;
     turned.normalize_or_zero().as_vec3().to_array()
 }

@@ -24,11 +24,7 @@ pub(super) struct Textures(Vec<Option<RgbaImage>>);
 
 impl Textures {
     /// Those of the file `path` that `geometry` needs.
-    pub(super) fn load(
-        source: &Source<'_>,
-        geometry: &Geometry,
-        path: &Path,
-    ) -> Result<Self, Fault> {
+    pub(super) fn load(source: &Source<'_>, geometry: &Geometry, path: &Path) -> Result<Self, Fault> {
         let materials = &source.document.materials;
         let mut is_used = vec![false; materials.len()];
         for material in geometry.materials.iter().flatten() {
@@ -52,21 +48,13 @@ impl Surfaces<'_> {
     pub(super) fn has_colors(&self, geometry: &Geometry) -> bool {
         let is_colored = |material: &Material| {
             let pbr = &material.pbr_metallic_roughness;
-            pbr.base_color_factor
-                .is_some_and(|factor| factor != [1.0; 4])
+            pbr.base_color_factor.is_some_and(|factor| factor != [1.0; 4])
         };
-        geometry.has_colors
-            || self.materials.iter().any(is_colored)
-            || self.textures.0.iter().any(Option::is_some)
+        geometry.has_colors || self.materials.iter().any(is_colored) || self.textures.0.iter().any(Option::is_some)
     }
 
     /// The colour of a place.
-    pub(super) fn color(
-        &self,
-        material: Option<usize>,
-        light: [f32; 4],
-        texture_place: [f32; 2],
-    ) -> [u8; 4] {
+    pub(super) fn color(&self, material: Option<usize>, light: [f32; 4], texture_place: [f32; 2]) -> [u8; 4] {
         let Some(index) = material else {
             return encoded(light);
         };
@@ -111,10 +99,7 @@ fn picture(source: &Source<'_>, texture: usize, path: &Path) -> Result<Option<Rg
         return Ok(None);
     };
     let image = at(&source.document.images, image, "image")?;
-    let most_bytes = source
-        .options
-        .max_memory_bytes
-        .saturating_sub(source.spent_bytes.get());
+    let most_bytes = source.options.max_memory_bytes.saturating_sub(source.spent_bytes.get());
     let owned;
     let bytes = match (&image.uri, image.buffer_view) {
         (Some(uri), _) => match resource(uri, path, most_bytes, source.options) {
@@ -151,10 +136,7 @@ fn texel(picture: &RgbaImage, place: [f32; 2]) -> [u8; 4] {
         ((fraction * size as f32) as u32).min(size - 1)
     };
     picture
-        .get_pixel(
-            index(place[0], picture.width()),
-            index(place[1], picture.height()),
-        )
+        .get_pixel(index(place[0], picture.width()), index(place[1], picture.height()))
         .0
 }
 
@@ -176,11 +158,5 @@ fn encoded([red, green, blue, alpha]: [f32; 4]) -> [u8; 4] {
             1.055 * light.powf(1.0 / 2.4) - 0.055
         }
     };
-    [
-        channel(red),
-        channel(green),
-        channel(blue),
-        alpha.clamp(0.0, 1.0),
-    ]
-    .map(|value| (value * 255.0).round() as u8)
+    [channel(red), channel(green), channel(blue), alpha.clamp(0.0, 1.0)].map(|value| (value * 255.0).round() as u8)
 }

@@ -84,12 +84,7 @@ fn list_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<En
 }
 
 /// The scene at the moment that `part` says, by default the first; sampled already where `options` ask for it.
-pub(super) fn decode(
-    path: &Path,
-    bytes: &[u8],
-    part: &Part,
-    options: &ReadOptions,
-) -> Result<RawCloud, Fault> {
+pub(super) fn decode(path: &Path, bytes: &[u8], part: &Part, options: &ReadOptions) -> Result<RawCloud, Fault> {
     let time_s = match part {
         Part::Moment(time) => time.as_secs_f64(),
         _ => 0.0,

@@ -46,9 +46,7 @@ pub(super) fn place(document: &Document, changes: &[Change]) -> Result<Placed, F
 }
 
 fn scene_roots(document: &Document) -> Result<Vec<usize>, Fault> {
-    let scene = document
-        .scene
-        .or((!document.scenes.is_empty()).then_some(0));
+    let scene = document.scene.or((!document.scenes.is_empty()).then_some(0));
     match scene {
         Some(index) => {
             let mut roots = at(&document.scenes, index, "scene")?.nodes.clone();
@@ -81,9 +79,7 @@ fn local(node: &Node, change: &Change) -> DAffine3 {
         }
         None => (
             DVec3::from_array(node.scale.unwrap_or([1.0; 3])),
-            unit(DQuat::from_array(
-                node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
-            )),
+            unit(DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]))),
             DVec3::from_array(node.translation.unwrap_or_default()),
         ),
     };

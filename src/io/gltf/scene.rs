@@ -36,11 +36,7 @@ pub(in crate::io) struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     /// The file `path`, which holds `bytes`.
-    pub(in crate::io) fn open(
-        path: &Path,
-        bytes: &'a [u8],
-        options: &ReadOptions,
-    ) -> Result<Self, Fault> {
+    pub(in crate::io) fn open(path: &Path, bytes: &'a [u8], options: &ReadOptions) -> Result<Self, Fault> {
         let (document, binary) = document::parse(bytes, options)?;
         let buffers = Buffers::load(&document, binary, path, options)?;
         let source = Source::new(&document, &buffers, options);
@@ -117,18 +113,12 @@ impl<'a> Scene<'a> {
 
 fn check_shown(geometry: &Geometry) -> Result<(), Fault> {
     if geometry.positions.is_empty() {
-        return Err(Fault::header(
-            "the scene shows no mesh: a point cloud needs vertices",
-        ));
+        return Err(Fault::header("the scene shows no mesh: a point cloud needs vertices"));
     }
     Ok(())
 }
 
-fn spread(
-    geometry: &Geometry,
-    count: NonZeroUsize,
-    options: &ReadOptions,
-) -> Result<Option<Places>, Fault> {
+fn spread(geometry: &Geometry, count: NonZeroUsize, options: &ReadOptions) -> Result<Option<Places>, Fault> {
     let positions = geometry.positions.iter().map(glam::DVec3::to_array);
     let positions = Positions::F64(positions.collect());
     Places::spread(&positions, &geometry.faces, count, options)
@@ -162,12 +152,9 @@ fn sampled(
                     .map(|(value, weight)| value * weight)
                     .sum::<f32>()
             };
-            let light = std::array::from_fn(|channel| {
-                blend(corners.map(|corner| geometry.colors[corner][channel]))
-            });
-            let texture = std::array::from_fn(|axis| {
-                blend(corners.map(|corner| geometry.texture_places[corner][axis]))
-            });
+            let light = std::array::from_fn(|channel| blend(corners.map(|corner| geometry.colors[corner][channel])));
+            let texture =
+                std::array::from_fn(|axis| blend(corners.map(|corner| geometry.texture_places[corner][axis])));
             surfaces.color(geometry.materials[corners[0]], light, texture)
         };
         places.0.iter().map(color).collect()
@@ -203,12 +190,7 @@ fn bare(geometry: Geometry) -> RawCloud {
         .any(|position| position.abs().max_element() > FAR);
     let positions = geometry.positions;
     let mut cloud = RawCloud::from_positions(if is_far {
-        Positions::F64(
-            positions
-                .into_iter()
-                .map(|position| position.to_array())
-                .collect(),
-        )
+        Positions::F64(positions.into_iter().map(|position| position.to_array()).collect())
     } else {
         Positions::F32(
             positions

@@ -27,11 +27,7 @@ pub(super) fn levels<'a>(
         usize::try_from(u64::from_le_bytes(take(raw, 0))).ok()
     };
     let levels = walk((number(40)?, number(48)?), bytes)?;
-    let points: u64 = levels
-        .iter()
-        .flatten()
-        .map(|chunk| chunk.points as u64)
-        .sum();
+    let points: u64 = levels.iter().flatten().map(|chunk| chunk.points as u64).sum();
     (points == header.count).then_some(levels)
 }
 
@@ -68,9 +64,7 @@ fn walk(root: (usize, usize), bytes: &[u8]) -> Option<Vec<Vec<Chunk>>> {
             if points == 0 {
                 continue;
             }
-            let end = start
-                .checked_add(length)
-                .filter(|&end| end <= bytes.len())?;
+            let end = start.checked_add(length).filter(|&end| end <= bytes.len())?;
             if !(0..=MAX_LEVEL).contains(&level) || !seen.insert(start) {
                 return None;
             }

@@ -36,10 +36,7 @@ impl ExtraField {
 }
 
 /// The fields that `records` describe, as far as they lie within a point.
-pub(super) fn fields<'a>(
-    header: &Header,
-    records: impl Iterator<Item = Record<'a>>,
-) -> Vec<ExtraField> {
+pub(super) fn fields<'a>(header: &Header, records: impl Iterator<Item = Record<'a>>) -> Vec<ExtraField> {
     /// Names that other fields of the cloud have.
     const TAKEN: [&str; 6] = [
         "intensity",
@@ -65,10 +62,7 @@ pub(super) fn fields<'a>(
         }
         if let Some(scalar) = scalar(kind) {
             let name = &description[4..36];
-            let length = name
-                .iter()
-                .position(|&byte| byte == 0)
-                .unwrap_or(name.len());
+            let length = name.iter().position(|&byte| byte == 0).unwrap_or(name.len());
             let mut name = String::from_utf8_lossy(&name[..length]).trim().to_owned();
             let is_taken = |name: &str| {
                 TAKEN.iter().any(|taken| taken.eq_ignore_ascii_case(name))
@@ -81,8 +75,7 @@ pub(super) fn fields<'a>(
                 name,
                 scalar,
                 start,
-                no_data: (options & 1 != 0)
-                    .then(|| widest(scalar).read(&description[40..48], false)),
+                no_data: (options & 1 != 0).then(|| widest(scalar).read(&description[40..48], false)),
                 scale: factor(description, 8, 112, 1.0),
                 offset: factor(description, 16, 136, 0.0),
             });

@@ -3,9 +3,7 @@
 
 use super::gps_times::GpsTimes;
 use super::layered_point::LayeredPoint;
-use laz::record::{
-    LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor,
-};
+use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 use laz::{DecompressionSelection, LazItem, LazItemType};
 use std::io::Cursor;
 
@@ -14,11 +12,7 @@ pub(super) const LAYERED_VERSION: u16 = 3;
 
 /// Unpacks a chunk of points with the fields `items`, from the place of `packed` on, into `rows`. The sizes of its
 /// layers have been checked.
-pub(super) fn unpack(
-    items: &[LazItem],
-    packed: &mut Cursor<&[u8]>,
-    rows: &mut [u8],
-) -> laz::Result<()> {
+pub(super) fn unpack(items: &[LazItem], packed: &mut Cursor<&[u8]>, rows: &mut [u8]) -> laz::Result<()> {
     if items[0].version() >= LAYERED_VERSION {
         let mut chunk = LayeredPointRecordDecompressor::new(packed);
         for item in items {

@@ -82,8 +82,7 @@ impl GpsTimes {
             newest: 0,
             missing,
             symbols: ArithmeticModelBuilder::new(SYMBOLS - missing).build(),
-            symbols_without_step: ArithmeticModelBuilder::new(SYMBOLS_WITHOUT_STEP - missing)
-                .build(),
+            symbols_without_step: ArithmeticModelBuilder::new(SYMBOLS_WITHOUT_STEP - missing).build(),
             differences: IntegerDecompressorBuilder::new()
                 .bits(32)
                 .contexts(CONTEXTS)

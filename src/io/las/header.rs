@@ -88,18 +88,13 @@ impl Header {
             )));
         }
         let (scale, offset) = ([131, 139, 147].map(float), [155, 163, 171].map(float));
-        if scale
-            .iter()
-            .chain(&offset)
-            .any(|number| !number.is_finite())
-        {
+        if scale.iter().chain(&offset).any(|number| !number.is_finite()) {
             return Err(Fault::header(format!(
                 "scale {scale:?} and offset {offset:?} must be finite numbers"
             )));
         }
         let header_bytes = word(94);
-        let is_1_4 =
-            minor >= 4 && header_bytes >= HEADER_1_4_BYTES && bytes.len() >= HEADER_1_4_BYTES;
+        let is_1_4 = minor >= 4 && header_bytes >= HEADER_1_4_BYTES && bytes.len() >= HEADER_1_4_BYTES;
         let legacy_count = u64::from(long(107));
         let count = if is_1_4 {
             u64::from_le_bytes(take(bytes, 247))
@@ -174,8 +169,7 @@ impl<'a> Iterator for Records<'a> {
         let data_start = self.at.checked_add(header_bytes)?;
         let header = self.bytes.get(self.at..data_start)?;
         let mut length = [0; 8];
-        length[..self.length_bytes]
-            .copy_from_slice(&header[LENGTH_START..LENGTH_START + self.length_bytes]);
+        length[..self.length_bytes].copy_from_slice(&header[LENGTH_START..LENGTH_START + self.length_bytes]);
         let length = usize::try_from(u64::from_le_bytes(length)).ok()?;
         let end = data_start.checked_add(length)?;
         let data = self.bytes.get(data_start..end)?;

@@ -57,12 +57,7 @@ impl<R: Read + Seek> LayeredFieldDecompressor<R> for LayeredPoint {
 
     fn set_selection(&mut self, _: DecompressionSelection) {}
 
-    fn init_first_point(
-        &mut self,
-        bytes: &mut R,
-        first: &mut [u8],
-        context: &mut usize,
-    ) -> Result<()> {
+    fn init_first_point(&mut self, bytes: &mut R, first: &mut [u8], context: &mut usize) -> Result<()> {
         bytes.read_exact(first)?;
         let channel = Channel::new(take(first, 0));
         self.current = channel.number();
@@ -109,8 +104,7 @@ impl<R: Read + Seek> LayeredFieldDecompressor<R> for LayeredPoint {
             let further = channel.next_other_channel(xy)?;
             let last = *channel.last_point();
             self.current = (self.current + further) % CHANNELS;
-            channel = self.channels[self.current]
-                .get_or_insert_with(|| Box::new(Channel::behind(last, self.current)));
+            channel = self.channels[self.current].get_or_insert_with(|| Box::new(Channel::behind(last, self.current)));
             *context = self.current;
         }
         if self.tells_every_channel {

@@ -53,9 +53,7 @@ impl Compression {
         let items = record.items();
         let bytes: usize = items.iter().copied().map(fields::bytes).sum();
         let first = items.first().map(laz::LazItem::item_type);
-        if !matches!(first, Some(LazItemType::Point10 | LazItemType::Point14))
-            || bytes != header.point_bytes
-        {
+        if !matches!(first, Some(LazItemType::Point10 | LazItemType::Point14)) || bytes != header.point_bytes {
             return Err(unknown(format!(
                 "its fields take {bytes} bytes, points {}",
                 header.point_bytes
@@ -71,12 +69,7 @@ impl Compression {
     }
 
     /// All points of the file, in its order.
-    pub(super) fn unpack_all(
-        &self,
-        header: &Header,
-        bytes: &[u8],
-        progress: &Progress,
-    ) -> Result<Vec<u8>, Fault> {
+    pub(super) fn unpack_all(&self, header: &Header, bytes: &[u8], progress: &Progress) -> Result<Vec<u8>, Fault> {
         let count = header.count as usize;
         if count == 0 {
             return Ok(Vec::new());
@@ -125,8 +118,8 @@ impl Compression {
             (offset >= header.points_start + TABLE_OFFSET_BYTES).then_some(offset)
         };
         // Writers that cannot go back put it at the end.
-        let table_start = offset_at(header.points_start)
-            .or_else(|| offset_at(bytes.len().checked_sub(TABLE_OFFSET_BYTES)?))?;
+        let table_start =
+            offset_at(header.points_start).or_else(|| offset_at(bytes.len().checked_sub(TABLE_OFFSET_BYTES)?))?;
         let table = bytes.get(table_start..)?;
         let entries = u32::from_le_bytes(take(table.get(..8)?, 4)) as usize;
         // The crate allocates what the table claims. Even an entry that compresses well has its chunk.
@@ -194,31 +187,18 @@ impl Compression {
     fn layered_bytes(&self, bytes: &[u8]) -> Option<usize> {
         /// How many points there are, behind the first of them.
         const COUNT_BYTES: usize = 4;
-        let sizes: usize = self
-            .record
-            .items()
-            .iter()
-            .copied()
-            .map(fields::layers)
-            .sum();
+        let sizes: usize = self.record.items().iter().copied().map(fields::layers).sum();
         let sizes_start = self.point_bytes + COUNT_BYTES;
         let sizes = bytes.get(sizes_start..sizes_start + 4 * sizes)?;
         let layers = sizes.as_chunks::<4>().0;
-        layers
-            .iter()
-            .try_fold(sizes_start + sizes.len(), |sum, &size| {
-                sum.checked_add(u32::from_le_bytes(size) as usize)
-            })
+        layers.iter().try_fold(sizes_start + sizes.len(), |sum, &size| {
+            sum.checked_add(u32::from_le_bytes(size) as usize)
+        })
     }
 
     /// The points of `chunks`, in their order; they are the steps that `progress` is told of. The caller has checked
     /// that there is memory for them.
-    pub(super) fn unpack(
-        &self,
-        bytes: &[u8],
-        chunks: &[Chunk],
-        progress: &Progress,
-    ) -> Result<Vec<u8>, Fault> {
+    pub(super) fn unpack(&self, bytes: &[u8], chunks: &[Chunk], progress: &Progress) -> Result<Vec<u8>, Fault> {
         let points: usize = chunks.iter().map(|chunk| chunk.points).sum();
         progress.set(0, points);
         let mut rows = vec![0; points * self.point_bytes];
@@ -241,11 +221,7 @@ impl Compression {
                 return Err(damaged());
             }
             // Layers are allocated before they are read.
-            if self.is_layered
-                && self
-                    .layered_bytes(packed)
-                    .is_none_or(|layers| layers > packed.len())
-            {
+            if self.is_layered && self.layered_bytes(packed).is_none_or(|layers| layers > packed.len()) {
                 return Err(damaged());
             }
             let unpack = || fields::unpack(self.record.items(), &mut Cursor::new(packed), rows);
@@ -294,9 +270,7 @@ impl Compression {
 fn damaged(chunk: usize, start: usize) -> Fault {
     Fault::new(
         Place::Byte(start),
-        format!(
-            "the compressed points of chunk {chunk} are damaged: the file was changed or cut after it was written"
-        ),
+        format!("the compressed points of chunk {chunk} are damaged: the file was changed or cut after it was written"),
     )
 }
 

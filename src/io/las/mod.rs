@@ -46,11 +46,7 @@ const COMPRESSION_ID: u16 = 22204;
 /// symbols in layers, one in the older stream.
 const EXTRA_MODEL_BYTES: u64 = 4 * 2400;
 
-pub(super) fn decode(
-    bytes: &[u8],
-    options: &ReadOptions,
-    progress: &Progress,
-) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
     let header = Header::read(bytes)?;
     let extra = extra::fields(&header, header.records(bytes));
     let cloud_bytes = points::Layout::of(header.format).cloud_bytes(&extra) as u64;
@@ -80,9 +76,7 @@ pub(super) fn decode(
     let record = header
         .records(bytes)
         .find(|record| record.is(COMPRESSION_USER, COMPRESSION_ID))
-        .ok_or_else(|| {
-            Fault::header("the points are compressed, but no record says how: the file is damaged")
-        })?;
+        .ok_or_else(|| Fault::header("the points are compressed, but no record says how: the file is damaged"))?;
     let compression = Compression::new(&header, record.data)?;
     let extra_bytes = header.point_bytes - header.extra_start();
     let model_bytes = EXTRA_MODEL_BYTES * extra_bytes as u64 * rayon::current_num_threads() as u64;

@@ -39,10 +39,8 @@ impl Layout {
     /// Bytes that a point takes in the cloud, and beside it while it is read.
     pub(super) fn cloud_bytes(self, extra: &[ExtraField]) -> usize {
         const SCALARS: usize = 4;
-        let scalars = SCALARS
-            + usize::from(self.gps_time.is_some())
-            + usize::from(self.near_infrared.is_some())
-            + extra.len();
+        let scalars =
+            SCALARS + usize::from(self.gps_time.is_some()) + usize::from(self.near_infrared.is_some()) + extra.len();
         // One column at a time is also there with all its digits.
         size_of::<[f64; 3]>() + size_of::<[u8; 4]>() + scalars * size_of::<f32>() + size_of::<f64>()
     }
@@ -62,9 +60,8 @@ pub(super) fn cloud(header: &Header, extra: &[ExtraField], rows: &[u8]) -> RawCl
             big_endian: false,
         },
     };
-    let plain = |name: &str, scalar: Scalar, start: usize| {
-        ScalarField::new(name, column(name, scalar, start).to_f32(count))
-    };
+    let plain =
+        |name: &str, scalar: Scalar, start: usize| ScalarField::new(name, column(name, scalar, start).to_f32(count));
     let bits = |name: &str, start: usize, shift: u8, mask: u8| {
         let values = rows
             .par_chunks_exact(step)
@@ -74,9 +71,7 @@ pub(super) fn cloud(header: &Header, extra: &[ExtraField], rows: &[u8]) -> RawCl
 
     let (scale, offset) = (header.scale, header.offset);
     let positions = rows.par_chunks_exact(step).map(|row| {
-        std::array::from_fn(|axis| {
-            f64::from(i32::from_le_bytes(take(row, 4 * axis))) * scale[axis] + offset[axis]
-        })
+        std::array::from_fn(|axis| f64::from(i32::from_le_bytes(take(row, 4 * axis))) * scale[axis] + offset[axis])
     });
     let mut cloud = RawCloud::from_positions(Positions::F64(positions.collect()));
     if let Some(start) = layout.colors {
@@ -97,17 +92,11 @@ pub(super) fn cloud(header: &Header, extra: &[ExtraField], rows: &[u8]) -> RawCl
     let (width, mask) = if layout.is_wide { (4, 0xf) } else { (3, 0x7) };
     scalars.push(bits("return_number", 14, 0, mask));
     scalars.push(bits("number_of_returns", 14, width, mask));
-    scalars.extend(
-        layout
-            .near_infrared
-            .map(|start| plain("near_ir", Scalar::U16, start)),
-    );
+    scalars.extend(layout.near_infrared.map(|start| plain("near_ir", Scalar::U16, start)));
     // Points have a place for these whether anybody filled it or not. Intensity stays: other readers give it in any
     // case.
     scalars.retain(|field| {
-        field.name == "intensity"
-            || field.offset != 0.0
-            || field.values.iter().any(|&value| value != 0.0)
+        field.name == "intensity" || field.offset != 0.0 || field.values.iter().any(|&value| value != 0.0)
     });
     for field in extra {
         let mut values = column(&field.name, field.scalar, field.start).to_f64(count);

@@ -141,9 +141,7 @@ impl Channel {
     /// Whether the last return was the first of its pulse, the last, and had a new time.
     fn last_kind(&self) -> usize {
         let (count, number) = self.pulse();
-        usize::from(number == 1)
-            | usize::from(number >= count) << 1
-            | usize::from(self.has_new_time) << 2
+        usize::from(number == 1) | usize::from(number >= count) << 1 | usize::from(self.has_new_time) << 2
     }
 
     /// Whether this return is the last of its pulse, and the first.
@@ -173,20 +171,14 @@ impl Channel {
             0 => last,
             1 => last + 1,
             2 => last + 15,
-            _ if self.has_new_time => {
-                layer.decode_symbol(adaptive(&mut self.returns[last], 16))? as usize
-            }
+            _ if self.has_new_time => layer.decode_symbol(adaptive(&mut self.returns[last], 16))? as usize,
             _ => last + 2 + layer.decode_symbol(&mut self.returns_of_pulse)? as usize,
         };
         self.point[RETURNS] = ((count << 4) | (number % 16)) as u8;
         Ok(())
     }
 
-    pub(super) fn next_position(
-        &mut self,
-        layer: &mut Layer,
-        heights: Option<&mut Layer>,
-    ) -> Result<()> {
+    pub(super) fn next_position(&mut self, layer: &mut Layer, heights: Option<&mut Layer>) -> Result<()> {
         let (count, number) = self.pulse();
         let single = u32::from(count == 1);
         let pulse = usize::from(PULSES[count][number] - b'0');
@@ -199,8 +191,7 @@ impl Channel {
         for (axis, step) in [x_step, y_step].into_iter().enumerate() {
             medians[axis].add(step);
             let last = i32::from_le_bytes(take(&self.point, 4 * axis));
-            self.point[4 * axis..4 * axis + 4]
-                .copy_from_slice(&last.wrapping_add(step).to_le_bytes());
+            self.point[4 * axis..4 * axis + 4].copy_from_slice(&last.wrapping_add(step).to_le_bytes());
         }
         if let Some(layer) = heights {
             let context = single + even(self.x.k().midpoint(self.y.k()), Z_BITS);

@@ -87,10 +87,7 @@ mod tests {
     fn keys_and_text_say_units() {
         let keys = |unit: u16| -> Vec<u8> {
             let numbers = [1, 1, 0, 2, 1024, 0, 1, 1, 3076, 0, 1, unit];
-            numbers
-                .iter()
-                .flat_map(|number| number.to_le_bytes())
-                .collect()
+            numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
         };
         for (code, expected) in [
             (9001, Some(LengthUnit::Metre)),
@@ -125,10 +122,7 @@ mod tests {
                 ),
                 Some(LengthUnit::Foot),
             ),
-            (
-                r#"GEOGCS["WGS 84",UNIT["degree",0.0174532925199433]]"#,
-                None,
-            ),
+            (r#"GEOGCS["WGS 84",UNIT["degree",0.0174532925199433]]"#, None),
             (r#"PROJCS["cut",UNIT["metre""#, None),
             ("", None),
         ];

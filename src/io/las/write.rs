@@ -31,11 +31,7 @@ impl Axis {
     const MOST_DIGITS: i32 = 15;
 
     /// The scale for `coordinates` from `min` to `max`, each of which is known to `precision` times itself.
-    fn new(
-        (min, max): (f64, f64),
-        precision: f64,
-        coordinates: &(impl Iterator<Item = f64> + Clone),
-    ) -> Self {
+    fn new((min, max): (f64, f64), precision: f64, coordinates: &(impl Iterator<Item = f64> + Clone)) -> Self {
         let mut digits = Self::LEAST_DIGITS;
         while Self::fitting(digits, min, max).is_none() && digits > -300 {
             digits -= 1;
@@ -65,9 +61,9 @@ impl Axis {
             .map(|offset| Self { digits, offset })
             .into_iter()
             .find(|axis| {
-                [min, max].iter().all(|&value| {
-                    ((value - axis.offset) / axis.scale()).abs() < f64::from(i32::MAX) - 1.0
-                })
+                [min, max]
+                    .iter()
+                    .all(|&value| ((value - axis.offset) / axis.scale()).abs() < f64::from(i32::MAX) - 1.0)
             })
     }
 
@@ -168,9 +164,7 @@ impl<'a> Points<'a> {
         };
         Self {
             cloud,
-            bounds: std::array::from_fn(|axis: usize| {
-                [min, max].map(|corner| Axis::raw(axes[axis], corner[axis]))
-            }),
+            bounds: std::array::from_fn(|axis: usize| [min, max].map(|corner| Axis::raw(axes[axis], corner[axis]))),
             axes,
             count: count as u64,
             intensity: field("intensity").map(|field| (field, intensity_scale(field))),
@@ -199,8 +193,7 @@ impl<'a> Points<'a> {
         let has_record = !record.is_empty();
         let mut header = vec![0; HEADER_BYTES];
         let mut put = |at: usize, bytes: &[u8]| header[at..at + bytes.len()].copy_from_slice(bytes);
-        let points_start =
-            HEADER_BYTES + usize::from(has_record) * (RECORD_HEADER_BYTES + record.len());
+        let points_start = HEADER_BYTES + usize::from(has_record) * (RECORD_HEADER_BYTES + record.len());
         put(0, b"LASF");
         put(6, &WELL_KNOWN_TEXT.to_le_bytes());
         put(24, &[1, 4]);
@@ -209,10 +202,7 @@ impl<'a> Points<'a> {
         put(94, &(HEADER_BYTES as u16).to_le_bytes());
         put(96, &(points_start as u32).to_le_bytes());
         put(100, &u32::from(has_record).to_le_bytes());
-        put(
-            104,
-            &[self.format() | if has_record { COMPRESSED } else { 0 }],
-        );
+        put(104, &[self.format() | if has_record { COMPRESSED } else { 0 }]);
         put(105, &self.point_bytes().to_le_bytes());
         for (axis, (scaled, [min, max])) in self.axes.iter().zip(self.bounds).enumerate() {
             put(131 + 8 * axis, &scaled.scale().to_le_bytes());
@@ -249,9 +239,7 @@ impl<'a> Points<'a> {
                 rows.extend(scaled.raw(position[axis]).to_le_bytes());
             }
             let number = |field: &ScalarField| f64::from(field.values[index]) + field.offset;
-            let intensity = self
-                .intensity
-                .map_or(0.0, |(field, scale)| number(field) * scale);
+            let intensity = self.intensity.map_or(0.0, |(field, scale)| number(field) * scale);
             // A cast of what is no number or out of range gives the nearest one that is.
             rows.extend((intensity.round() as u16).to_le_bytes());
             let class = self.classification.map_or(0.0, number).round() as u8;
@@ -271,17 +259,10 @@ impl<'a> Points<'a> {
 
 /// What makes 16 bits of an intensity: other programs have it from 0 to 1.
 fn intensity_scale(field: &ScalarField) -> f64 {
-    let numbers = field
-        .values
-        .iter()
-        .map(|&value| f64::from(value) + field.offset);
+    let numbers = field.values.iter().map(|&value| f64::from(value) + field.offset);
     let is_fraction = numbers.clone().any(|value| value.fract() != 0.0)
         && !numbers
             .clone()
             .any(|value| !(0.0..=1.0).contains(&value) && value.is_finite());
-    if is_fraction {
-        f64::from(u16::MAX)
-    } else {
-        1.0
-    }
+    if is_fraction { f64::from(u16::MAX) } else { 1.0 }
 }

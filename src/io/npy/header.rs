@@ -18,10 +18,7 @@ pub(super) enum Kind {
     /// Numbers.
     Table(Number),
     /// Named numbers.
-    Records {
-        fields: Vec<Field>,
-        row_bytes: usize,
-    },
+    Records { fields: Vec<Field>, row_bytes: usize },
 }
 
 /// A field of a record.
@@ -49,14 +46,7 @@ impl Number {
     }
 
     /// The `count` numbers from `start` on, `step` bytes apart. Precondition: `bytes` has them.
-    pub(super) fn column(
-        self,
-        name: String,
-        bytes: &[u8],
-        start: usize,
-        step: usize,
-        count: usize,
-    ) -> Column<'_> {
+    pub(super) fn column(self, name: String, bytes: &[u8], start: usize, step: usize, count: usize) -> Column<'_> {
         let Some(scalar) = self.scalar else {
             let half = |index: usize| {
                 let at = start + index * step;
@@ -90,22 +80,15 @@ impl<'a> Array<'a> {
     pub(super) fn parse(bytes: &'a [u8]) -> Result<Self, Fault> {
         const MAGIC: &[u8] = b"\x93NUMPY";
         let fault = |problem: &str| Fault::header(problem.to_owned());
-        let Some([major, _]) = bytes
-            .strip_prefix(MAGIC)
-            .and_then(|rest| rest.first_chunk())
-        else {
-            return Err(fault(
-                "it does not begin with `\\x93NUMPY`: this is no NPY file",
-            ));
+        let Some([major, _]) = bytes.strip_prefix(MAGIC).and_then(|rest| rest.first_chunk()) else {
+            return Err(fault("it does not begin with `\\x93NUMPY`: this is no NPY file"));
         };
         let (start, length) = match (major, &bytes[MAGIC.len() + 2..]) {
             (1, [low, high, ..]) => (10, usize::from(u16::from_le_bytes([*low, *high]))),
             (2 | 3, [a, b, c, d, ..]) => (12, u32::from_le_bytes([*a, *b, *c, *d]) as usize),
             (1..=3, _) => return Err(fault("the file ends within its header: it is truncated")),
             _ => {
-                return Err(Fault::header(format!(
-                    "version {major} is not known, expected 1 to 3"
-                )));
+                return Err(Fault::header(format!("version {major} is not known, expected 1 to 3")));
             }
         };
         let Some((header, payload)) = bytes[start..].split_at_checked(length) else {
@@ -113,8 +96,10 @@ impl<'a> Array<'a> {
         };
         let text = String::from_utf8_lossy(header);
         let mut array = Dictionary::parse(&text).ok_or_else(|| {
-            fault("the header is not understood: expected a dictionary of `descr`, `fortran_order` and `shape`, and \
-                types that are numbers")
+            fault(
+                "the header is not understood: expected a dictionary of `descr`, `fortran_order` and `shape`, and \
+                types that are numbers",
+            )
         })?;
         array.payload = payload;
         array.check_claim(start + length)?;
@@ -150,13 +135,7 @@ impl<'a> Array<'a> {
     }
 
     /// Column `index` of `width` in a table with `count` rows.
-    pub(super) fn column(
-        &self,
-        name: String,
-        index: usize,
-        width: usize,
-        count: usize,
-    ) -> Column<'a> {
+    pub(super) fn column(&self, name: String, index: usize, width: usize, count: usize) -> Column<'a> {
         let Kind::Table(number) = self.kind else {
             return Column {
                 name,
@@ -213,11 +192,7 @@ impl Dictionary<'_> {
 
     fn string(&mut self) -> Option<String> {
         self.rest = self.rest.trim_start();
-        let quote = self
-            .rest
-            .chars()
-            .next()
-            .filter(|sign| ['\'', '"'].contains(sign))?;
+        let quote = self.rest.chars().next().filter(|sign| ['\'', '"'].contains(sign))?;
         let (text, rest) = self.rest[1..].split_once(quote)?;
         self.rest = rest;
         Some(text.to_owned())

@@ -30,8 +30,8 @@ pub(super) fn read(
             }
             continue;
         }
-        let read = check_ascii_claim(element, payload)
-            .and_then(|()| others(&mut tokens, element, &mut faces, progress));
+        let read =
+            check_ascii_claim(element, payload).and_then(|()| others(&mut tokens, element, &mut faces, progress));
         match read {
             Ok(()) => {}
             Err(fault) if columns.is_some() && !progress.is_cancelled() => {
@@ -45,12 +45,7 @@ pub(super) fn read(
 }
 
 /// Steps over the rows of an element that is not the points, and makes triangles of its faces if there are any.
-fn others(
-    tokens: &mut Tokens<'_>,
-    element: &Element,
-    faces: &mut Faces,
-    progress: &Progress,
-) -> Result<(), Fault> {
+fn others(tokens: &mut Tokens<'_>, element: &Element, faces: &mut Faces, progress: &Progress) -> Result<(), Fault> {
     // Rows of nothing take no time, however many are claimed.
     let rows = if element.properties.is_empty() {
         0
@@ -77,11 +72,7 @@ fn others(
     Ok(())
 }
 
-fn vertices(
-    tokens: &mut Tokens<'_>,
-    vertex: &Element,
-    progress: &Progress,
-) -> Result<Vec<Column<'static>>, Fault> {
+fn vertices(tokens: &mut Tokens<'_>, vertex: &Element, progress: &Progress) -> Result<Vec<Column<'static>>, Fault> {
     let mut kept = KeptColumns::new(vertex);
     if kept.columns.is_empty() {
         return Ok(kept.columns);
@@ -102,10 +93,7 @@ fn vertices(
 fn check_ascii_claim(element: &Element, payload: &[u8]) -> Result<(), Fault> {
     const LEAST_NUMBER_BYTES: usize = 2;
     // The last number need not be followed by anything.
-    element.check_claim(
-        element.properties.len() * LEAST_NUMBER_BYTES,
-        payload.len() + 1,
-    )
+    element.check_claim(element.properties.len() * LEAST_NUMBER_BYTES, payload.len() + 1)
 }
 
 /// Steps over a property of a row, of which each item is handed over if it is a list; the value, if it is none.
@@ -136,12 +124,7 @@ fn ascii_step(
     }
 }
 
-fn ascii_number(
-    tokens: &mut Tokens<'_>,
-    property: &Property,
-    list: &str,
-    row: usize,
-) -> Result<f64, Fault> {
+fn ascii_number(tokens: &mut Tokens<'_>, property: &Property, list: &str, row: usize) -> Result<f64, Fault> {
     let Some(number) = tokens.next_number() else {
         return Err(Fault::entry(
             list,

@@ -141,12 +141,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Steps over all rows of an element with faces, and makes triangles of them.
-    fn read_faces(
-        &mut self,
-        element: &Element,
-        list: FaceList,
-        faces: &mut Faces,
-    ) -> Result<(), Fault> {
+    fn read_faces(&mut self, element: &Element, list: FaceList, faces: &mut Faces) -> Result<(), Fault> {
         element.check_claim(element.least_row_bytes(), self.rest().len())?;
         for row in 0..element.count {
             for (index, property) in element.properties.iter().enumerate() {
@@ -177,20 +172,10 @@ impl<'a> Cursor<'a> {
     }
 
     /// Steps over a list; the bytes of its items.
-    fn list(
-        &mut self,
-        length: Scalar,
-        item: Scalar,
-        list: &str,
-        row: usize,
-    ) -> Result<&'a [u8], Fault> {
+    fn list(&mut self, length: Scalar, item: Scalar, list: &str, row: usize) -> Result<&'a [u8], Fault> {
         let length = self.number(length, list, row)?;
         if length < 0.0 || length.fract() != 0.0 {
-            return Err(Fault::entry(
-                list,
-                row,
-                format!("a list cannot have {length} items"),
-            ));
+            return Err(Fault::entry(list, row, format!("a list cannot have {length} items")));
         }
         let items = (length as usize)
             .checked_mul(item.byte_size())

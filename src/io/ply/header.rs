@@ -58,23 +58,13 @@ impl Header {
                 let found = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
                 Fault::new(
                     Place::Line(line),
-                    format!(
-                        "the header is not understood: found {}",
-                        quoted(found.as_bytes())
-                    ),
+                    format!("the header is not understood: found {}", quoted(found.as_bytes())),
                 )
             })?;
-        let elements: Vec<Element> = header
-            .elements
-            .into_iter()
-            .map(|(_, element)| element.into())
-            .collect();
+        let elements: Vec<Element> = header.elements.into_iter().map(|(_, element)| element.into()).collect();
         // The parser keeps elements and properties by name, so one of two with the same name would be lost and every
         // row read at a wrong stride.
-        let properties: usize = elements
-            .iter()
-            .map(|element| element.properties.len())
-            .sum();
+        let properties: usize = elements.iter().map(|element| element.properties.len()).sum();
         let lines_of = |keyword: &str| {
             text.lines()
                 .filter(|line| line.split_whitespace().next() == Some(keyword))
@@ -105,8 +95,8 @@ fn first_line(bytes: &[u8]) -> &[u8] {
 fn header_text(bytes: &[u8]) -> Result<(String, usize), Fault> {
     const LAST_LINE: &str = "end_header";
     // Where lines end in `\r` alone, a `\n` behind the last one is the first byte of the payload.
-    let is_old_mac = bytes.get(first_line(bytes).len()) == Some(&b'\r')
-        && bytes.get(first_line(bytes).len() + 1) != Some(&b'\n');
+    let is_old_mac =
+        bytes.get(first_line(bytes).len()) == Some(&b'\r') && bytes.get(first_line(bytes).len() + 1) != Some(&b'\n');
     let mut text = String::new();
     let mut at = 0;
     let mut number = 1;
@@ -135,13 +125,10 @@ fn header_text(bytes: &[u8]) -> Result<(String, usize), Fault> {
 /// A line without what the grammar does not know but writers write: space around it, empty lines, comments in any
 /// encoding, and names with signs (`scalar_C2C_distances_(mm)`), which cannot mean anything to us.
 fn lenient_line(line: &[u8], number: usize) -> String {
-    let ascii = line.trim_ascii().iter().map(|&byte| {
-        if byte.is_ascii() {
-            char::from(byte)
-        } else {
-            '?'
-        }
-    });
+    let ascii = line
+        .trim_ascii()
+        .iter()
+        .map(|&byte| if byte.is_ascii() { char::from(byte) } else { '?' });
     let line: String = ascii.collect();
     let mut words: Vec<&str> = line.split_ascii_whitespace().collect();
     let name_index = match words.as_slice() {
@@ -301,10 +288,6 @@ mod tests {
         file.resize(file.len() + 2 * MAX_HEADER_BYTES, b'\n');
         file.extend(b"end_header\n");
         let fault = Header::parse(&file).unwrap_err();
-        assert!(
-            fault.problem.contains("no line `end_header`"),
-            "{}",
-            fault.problem
-        );
+        assert!(fault.problem.contains("no line `end_header`"), "{}", fault.problem);
     }
 }

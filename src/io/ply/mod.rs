@@ -29,20 +29,12 @@ use ply_rs_bw::ply::Encoding;
 pub(super) const FORMAT: Format = Format::new(&Traits {
     name: "PLY",
     extensions: &["ply"],
-    magic: &[
-        Magic::start(b"ply\n"),
-        Magic::start(b"ply\r"),
-        Magic::start(b"ply "),
-    ],
+    magic: &[Magic::start(b"ply\n"), Magic::start(b"ply\r"), Magic::start(b"ply ")],
     ..Traits::PLAIN
 });
 
 pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
-    let Rows {
-        columns,
-        count,
-        faces,
-    } = read_rows(bytes, progress)?;
+    let Rows { columns, count, faces } = read_rows(bytes, progress)?;
     let mut cloud = growing::cloud(&columns, count)?;
     splats::apply(&columns, &mut cloud);
     faces.put_into(&mut cloud);
@@ -74,11 +66,7 @@ struct Rows<'a> {
 
 fn read_rows<'a>(bytes: &'a [u8], progress: &Progress) -> Result<Rows<'a>, Fault> {
     let header = Header::parse(bytes)?;
-    let Some(vertex) = header
-        .elements
-        .iter()
-        .find(|element| element.name == POINTS)
-    else {
+    let Some(vertex) = header.elements.iter().find(|element| element.name == POINTS) else {
         return Err(Fault::header(
             "there is no element `vertex`: a point cloud keeps its points there",
         ));
@@ -112,8 +100,5 @@ pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     };
     // The last line of a header that is as long as `head` may be cut off in its ending. Splats are made of all their
     // columns.
-    rows.filter(|rows| {
-        header.byte_size < head.len()
-            && !rows.fields.iter().any(|field| splats::is_used(&field.name))
-    })
+    rows.filter(|rows| header.byte_size < head.len() && !rows.fields.iter().any(|field| splats::is_used(&field.name)))
 }

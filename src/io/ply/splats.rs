@@ -45,9 +45,7 @@ pub(super) fn apply(columns: &[Column<'_>], cloud: &mut RawCloud) {
     let [Some(real), Some(i), Some(j), Some(k)] = ROTATION.map(find) else {
         return;
     };
-    let (Some(scale_x), Some(scale_y), Some(opacity)) =
-        (find(SCALES[0]), find(SCALES[1]), find(OPACITY))
-    else {
+    let (Some(scale_x), Some(scale_y), Some(opacity)) = (find(SCALES[0]), find(SCALES[1]), find(OPACITY)) else {
         return;
     };
     let scale_z = find(SCALES[2]);
@@ -55,12 +53,7 @@ pub(super) fn apply(columns: &[Column<'_>], cloud: &mut RawCloud) {
     let channel = |harmonic: f32| byte(0.5 + HARMONIC * harmonic);
     let color = |index: usize| {
         let alpha = byte(1.0 / (1.0 + (-opacity[index]).exp()));
-        [
-            channel(red[index]),
-            channel(green[index]),
-            channel(blue[index]),
-            alpha,
-        ]
+        [channel(red[index]), channel(green[index]), channel(blue[index]), alpha]
     };
     let log_scales = |index: usize| {
         let z = scale_z.as_ref().map_or(f32::NEG_INFINITY, |z| z[index]);
@@ -92,11 +85,7 @@ fn byte(fraction: f32) -> u8 {
 /// Index of the smallest axis.
 fn smallest(log_scales: [f32; 3]) -> usize {
     let [x, y, z] = log_scales;
-    if z <= x && z <= y {
-        2
-    } else {
-        usize::from(y <= x)
-    }
+    if z <= x && z <= y { 2 } else { usize::from(y <= x) }
 }
 
 /// Geometric mean of the two larger sizes, of which the file has the logarithms.

@@ -87,9 +87,7 @@ pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Faul
     while walk.left() > 0 {
         let start = walk.position();
         if record(walk, &mut found, &mut chunks).is_none() {
-            log::warn!(
-                "the bag breaks off in the record at byte {start}: what lies before is read"
-            );
+            log::warn!("the bag breaks off in the record at byte {start}: what lies before is read");
             break;
         }
     }
@@ -160,9 +158,7 @@ fn record(walk: &mut Walk, found: &mut Found, chunks: &mut Vec<(Chunk, Vec<u32>)
             }
         }
         INDEX => {
-            if let (Some((_, connections)), Some(connection)) =
-                (chunks.last_mut(), header.connection)
-            {
+            if let (Some((_, connections)), Some(connection)) = (chunks.last_mut(), header.connection) {
                 connections.push(connection);
             }
         }
@@ -204,9 +200,7 @@ fn connection(header: &Header, data: &[u8], found: &mut Found) {
     if let (Some(id), Some(kind)) = (header.connection, kind) {
         let topic = header.topic.clone().unwrap_or_default();
         let encoding = encoding_of(&kind, "ros1");
-        found
-            .topics
-            .insert(id, encoding.map(|encoding| (topic, encoding)));
+        found.topics.insert(id, encoding.map(|encoding| (topic, encoding)));
     }
 }
 

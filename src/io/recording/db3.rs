@@ -54,8 +54,7 @@ fn open(path: &Path) -> Result<Connection, Failure> {
             |row| row.get(0),
         )?;
         let mut words = sql.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
-        let computes =
-            |word: &str| word.eq_ignore_ascii_case("virtual") || word.eq_ignore_ascii_case("as");
+        let computes = |word: &str| word.eq_ignore_ascii_case("virtual") || word.eq_ignore_ascii_case("as");
         if words.any(computes) {
             return Err(Failure::Said(format!(
                 "`{table}` is computed, expected a plain table: this is no ROS 2 bag"
@@ -69,21 +68,19 @@ fn find_rows(path: &Path) -> Result<Found, Failure> {
     let file_bytes = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     let mut rows_left = file_bytes / LEAST_ROW_BYTES;
     let mut count = || {
-        rows_left = rows_left.checked_sub(1).ok_or_else(|| {
-            Failure::Said("the tables lead in circles: the file is damaged".to_owned())
-        })?;
+        rows_left = rows_left
+            .checked_sub(1)
+            .ok_or_else(|| Failure::Said("the tables lead in circles: the file is damaged".to_owned()))?;
         Ok::<(), Failure>(())
     };
     let database = open(path)?;
     let mut found = Found::default();
-    let mut statement =
-        database.prepare("SELECT id, name, type, serialization_format FROM topics")?;
+    let mut statement = database.prepare("SELECT id, name, type, serialization_format FROM topics")?;
     let mut rows = statement.query([])?;
     while let Some(row) = rows.next()? {
         count()?;
         let id: i64 = row.get(0)?;
-        let (topic, kind, encoding): (String, String, String) =
-            (row.get(1)?, row.get(2)?, row.get(3)?);
+        let (topic, kind, encoding): (String, String, String) = (row.get(1)?, row.get(2)?, row.get(3)?);
         let topic = encoding_of(&kind, &encoding).map(|encoding| (topic, encoding));
         if let Ok(id) = u32::try_from(id) {
             found.topics.insert(id, topic);
@@ -131,11 +128,9 @@ pub(super) fn read(path: &Path, row: i64, options: &ReadOptions) -> Result<Vec<u
             ));
         }
         let mut bytes = Vec::new();
-        message.read_to_end(&mut bytes).map_err(|error| {
-            Failure::Said(format!(
-                "the message is not readable ({error}): the file is damaged"
-            ))
-        })?;
+        message
+            .read_to_end(&mut bytes)
+            .map_err(|error| Failure::Said(format!("the message is not readable ({error}): the file is damaged")))?;
         Ok(bytes)
     };
     read().map_err(|failure| match failure {

@@ -16,18 +16,11 @@ pub(super) struct Found {
 
 impl Found {
     /// Notes a message of a topic with point clouds; `start` is what it begins with.
-    pub(super) fn add(
-        &mut self,
-        topic: u32,
-        log_time: Duration,
-        start: &[u8],
-        place: MessagePlace,
-    ) {
+    pub(super) fn add(&mut self, topic: u32, log_time: Duration, start: &[u8], place: MessagePlace) {
         if let Some(Some((_, encoding))) = self.topics.get(&topic) {
             let encoding = *encoding;
             let time = encoding.stamp(start).unwrap_or(log_time);
-            self.messages
-                .push((topic, time, Message { place, encoding }));
+            self.messages.push((topic, time, Message { place, encoding }));
         }
     }
 
@@ -66,9 +59,7 @@ impl Found {
             is_read: Some(name) == read,
         });
         let topics = topics.collect();
-        let mut messages = read
-            .and_then(|name| by_name.remove(name))
-            .unwrap_or_default();
+        let mut messages = read.and_then(|name| by_name.remove(name)).unwrap_or_default();
         messages.sort_by_key(|(time, _)| *time);
         let entries = messages.into_iter().enumerate();
         let entries = entries.map(|(index, (time, message))| Entry {

@@ -89,9 +89,7 @@ pub(super) fn protobuf_stamp(start: &[u8]) -> Option<Duration> {
 pub(super) fn json_stamp(start: &[u8]) -> Option<Duration> {
     let mut rest = start;
     loop {
-        let at = rest
-            .windows(TIMESTAMP.len())
-            .position(|key| key == TIMESTAMP)?;
+        let at = rest.windows(TIMESTAMP.len()).position(|key| key == TIMESTAMP)?;
         rest = &rest[at + TIMESTAMP.len()..];
         // A field of the points may have that name, too; a value follows the key alone.
         if let Some(value) = rest.trim_ascii_start().strip_prefix(b":") {
@@ -104,24 +102,21 @@ pub(super) fn json_stamp(start: &[u8]) -> Option<Duration> {
 
 /// Zero is no time; before 1970, a number with a sign, is none either.
 fn time_of(seconds: u64, nanos: u64) -> Option<Duration> {
-    let is_time =
-        i64::try_from(seconds).is_ok() && nanos < NANOS_PER_SECOND && (seconds, nanos) != (0, 0);
+    let is_time = i64::try_from(seconds).is_ok() && nanos < NANOS_PER_SECOND && (seconds, nanos) != (0, 0);
     is_time.then(|| Duration::new(seconds, nanos as u32))
 }
 
 /// The cloud of a message of Protocol Buffers.
 pub(super) fn decode_protobuf(message: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
-    let cloud = parse(message).ok_or_else(|| {
-        Fault::header("the message ends within a field: it is truncated or damaged")
-    })?;
+    let cloud =
+        parse(message).ok_or_else(|| Fault::header("the message ends within a field: it is truncated or damaged"))?;
     cloud.decode(options)
 }
 
 /// The cloud of a message in JSON.
 pub(super) fn decode_json(message: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
-    let cloud: JsonCloud = serde_json::from_slice(message).map_err(|error| {
-        Fault::header(format!("the message is no foxglove.PointCloud: {error}"))
-    })?;
+    let cloud: JsonCloud = serde_json::from_slice(message)
+        .map_err(|error| Fault::header(format!("the message is no foxglove.PointCloud: {error}")))?;
     let data = STANDARD
         .decode(&cloud.data)
         .map_err(|error| Fault::header(format!("`data` is not in base 64: {error}")))?;
@@ -191,9 +186,7 @@ impl Cloud<'_> {
     fn decode(&self, options: &ReadOptions) -> Result<RawCloud, Fault> {
         let (bytes, stride) = (self.data.len() as u64, self.point_stride);
         let Some(count) = bytes.checked_div(stride).or((bytes == 0).then_some(0)) else {
-            return Err(Fault::header(
-                "points of 0 bytes, expected a `point_stride` above 0",
-            ));
+            return Err(Fault::header("points of 0 bytes, expected a `point_stride` above 0"));
         };
         if count * stride != bytes {
             return Err(Fault::header(format!(
@@ -205,8 +198,7 @@ impl Cloud<'_> {
         if needed > options.max_memory_bytes {
             return Err(Fault::too_large("the cloud", needed, options));
         }
-        let columns: Result<Vec<_>, _> =
-            self.fields.iter().map(|field| self.column(field)).collect();
+        let columns: Result<Vec<_>, _> = self.fields.iter().map(|field| self.column(field)).collect();
         let mut cloud = growing::cloud(&columns?, count as usize)?;
         self.pose.apply(&mut cloud)?;
         Ok(cloud)
@@ -257,8 +249,8 @@ impl Pose {
         if (position, rotation) == (DVec3::ZERO, DQuat::IDENTITY) {
             return Ok(());
         }
-        let points = (0..cloud.positions.len())
-            .map(|index| (rotation * cloud.positions.get(index) + position).to_array());
+        let points =
+            (0..cloud.positions.len()).map(|index| (rotation * cloud.positions.get(index) + position).to_array());
         cloud.positions = Positions::F64(points.collect());
         let rotation = rotation.as_quat();
         for normal in cloud.normals.iter_mut().flatten() {

@@ -58,9 +58,7 @@ pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Faul
             Some(FOOTER) => break,
             Some(_) => {}
             None => {
-                log::warn!(
-                    "the MCAP file breaks off in the record at byte {start}: what lies before is read"
-                );
+                log::warn!("the MCAP file breaks off in the record at byte {start}: what lies before is read");
                 break;
             }
         }
@@ -161,10 +159,7 @@ impl Finder {
         }
         let schema = body.u16()?;
         let (topic, encoding) = (body.text()?, body.text()?);
-        let encoding: Option<Encoding> = self
-            .schemas
-            .get(&schema)
-            .and_then(|kind| encoding_of(kind, &encoding));
+        let encoding: Option<Encoding> = self.schemas.get(&schema).and_then(|kind| encoding_of(kind, &encoding));
         self.found
             .topics
             .insert(u32::from(id), encoding.map(|encoding| (topic, encoding)));
@@ -200,9 +195,7 @@ fn chunk(start: &[u8], body: u64, length: u64) -> Option<Chunk> {
         "lz4" => Packing::Lz4,
         "zstd" => Packing::Zstd,
         other => {
-            log::warn!(
-                "a chunk at byte {body} is packed by {other}, expected lz4, zstd or none: it is left out"
-            );
+            log::warn!("a chunk at byte {body} is packed by {other}, expected lz4, zstd or none: it is left out");
             return None;
         }
     };

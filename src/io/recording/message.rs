@@ -15,11 +15,7 @@ pub(super) enum MessagePlace {
     /// So many bytes from there on in the file.
     File { offset: u64, byte_count: u64 },
     /// The same within an unpacked chunk.
-    Chunk {
-        chunk: Chunk,
-        offset: u64,
-        byte_count: u64,
-    },
+    Chunk { chunk: Chunk, offset: u64, byte_count: u64 },
     /// The row with this id in the table of messages.
     Row(i64),
 }

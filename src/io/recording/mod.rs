@@ -63,11 +63,7 @@ pub(super) fn list(
 }
 
 /// The point cloud of a message.
-pub(super) fn read(
-    path: &Path,
-    message: &Message,
-    options: &ReadOptions,
-) -> Result<RawCloud, IoError> {
+pub(super) fn read(path: &Path, message: &Message, options: &ReadOptions) -> Result<RawCloud, IoError> {
     let (format, place) = match (&message.place, message.encoding) {
         (&MessagePlace::Row(row), _) => (
             containers::DB3,
@@ -79,9 +75,7 @@ pub(super) fn read(
         (&MessagePlace::File { offset, .. } | &MessagePlace::Chunk { offset, .. }, encoding) => (
             // A ROS 1 message may be in an MCAP file, too; the file's name says which.
             match encoding {
-                Encoding::Ros(Serialisation::Ros1) if containers::BAG.has_extension_of(path) => {
-                    containers::BAG
-                }
+                Encoding::Ros(Serialisation::Ros1) if containers::BAG.has_extension_of(path) => containers::BAG,
                 _ => containers::MCAP,
             },
             Place::Byte(offset as usize),

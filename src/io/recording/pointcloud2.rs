@@ -107,14 +107,9 @@ fn parse(message: &[u8], serialisation: Serialisation) -> Option<Cloud<'_>> {
 }
 
 /// The cloud of a message.
-pub(super) fn decode(
-    message: &[u8],
-    serialisation: Serialisation,
-    options: &ReadOptions,
-) -> Result<RawCloud, Fault> {
-    let cloud = parse(message, serialisation).ok_or_else(|| {
-        Fault::header("the message ends before its last field: it is truncated or damaged")
-    })?;
+pub(super) fn decode(message: &[u8], serialisation: Serialisation, options: &ReadOptions) -> Result<RawCloud, Fault> {
+    let cloud = parse(message, serialisation)
+        .ok_or_else(|| Fault::header("the message ends before its last field: it is truncated or damaged"))?;
     let grid = Grid::of(&cloud)?;
     let needed = grid.count().saturating_mul(size_of::<[f64; 3]>() as u64);
     if needed > options.max_memory_bytes {
@@ -174,21 +169,14 @@ impl Grid {
         if self.count() == 0 || self.row_step == row_bytes {
             return Cow::Borrowed(data);
         }
-        let rows = data
-            .chunks(self.row_step as usize)
-            .take(self.height as usize);
+        let rows = data.chunks(self.row_step as usize).take(self.height as usize);
         let points = rows.flat_map(|row| &row[..row_bytes as usize]);
         Cow::Owned(points.copied().collect())
     }
 }
 
 /// The numbers of a field. Some drivers count a lone number as none; of several the first is read.
-fn column<'a>(
-    field: &Field,
-    cloud: &Cloud<'_>,
-    grid: &Grid,
-    bytes: &'a [u8],
-) -> Result<Column<'a>, Fault> {
+fn column<'a>(field: &Field, cloud: &Cloud<'_>, grid: &Grid, bytes: &'a [u8]) -> Result<Column<'a>, Fault> {
     let Some(scalar) = scalar(field.datatype) else {
         return Err(Fault::header(format!(
             "field `{}` is of type {}, expected 1 to 8",

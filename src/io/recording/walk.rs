@@ -54,11 +54,7 @@ impl Walk {
     }
 
     /// The bytes of a chunk; the place stays.
-    pub(super) fn unpack(
-        &mut self,
-        chunk: &Chunk,
-        options: &ReadOptions,
-    ) -> Result<Vec<u8>, String> {
+    pub(super) fn unpack(&mut self, chunk: &Chunk, options: &ReadOptions) -> Result<Vec<u8>, String> {
         let unpacked = chunk.unpack(&mut self.file, options);
         self.file
             .seek(SeekFrom::Start(self.at))

@@ -74,11 +74,7 @@ pub(super) fn columns<'a>(
             .enumerate()
             .take(if has_alpha { 4 } else { 3 })
         {
-            let is_scaled = if channel < 3 {
-                color_scaled
-            } else {
-                alpha_scaled
-            };
+            let is_scaled = if channel < 3 { color_scaled } else { alpha_scaled };
             let data = if is_scaled {
                 Data::Fraction(values, channel)
             } else {
@@ -118,11 +114,7 @@ pub(super) fn columns<'a>(
 
 /// `name`, or `scalar_` before it, or with a number behind, until no column has it.
 fn unique(name: String, columns: &[Column<'_>]) -> String {
-    let is_free = |name: &str| {
-        !columns
-            .iter()
-            .any(|column| column.name.eq_ignore_ascii_case(name))
-    };
+    let is_free = |name: &str| !columns.iter().any(|column| column.name.eq_ignore_ascii_case(name));
     if is_free(&name) && !super::super::attributes::is_reserved(&name) {
         return name;
     }
@@ -194,11 +186,7 @@ pub(super) fn plain_name(name: &str, is_allowed: impl Fn(char) -> bool) -> Strin
         .chars()
         .map(|sign| if is_allowed(sign) { sign } else { '_' })
         .collect();
-    if plain.is_empty() {
-        "scalar".to_owned()
-    } else {
-        plain
-    }
+    if plain.is_empty() { "scalar".to_owned() } else { plain }
 }
 
 /// Bytes that are collected before they are handed on.

@@ -75,11 +75,7 @@ impl FromStr for WriteFormat {
 const BUFFER_BYTES: usize = 1 << 20;
 
 /// Writes `cloud` to `out`, as much of it as the format holds.
-pub fn write(
-    out: impl Write + Seek + Send + Sync,
-    format: WriteFormat,
-    cloud: &RawCloud,
-) -> std::io::Result<()> {
+pub fn write(out: impl Write + Seek + Send + Sync, format: WriteFormat, cloud: &RawCloud) -> std::io::Result<()> {
     let mut out = BufWriter::with_capacity(BUFFER_BYTES, out);
     (format.0.write)(&mut out, cloud)?;
     out.flush()

@@ -88,9 +88,10 @@ fn are_told(columns: &[Column<'_>], rows: usize) -> bool {
     });
     let guessed = xyz::guessed_names(&values.collect::<Vec<Vec<f64>>>());
     let is_vector = |name: &str| VECTORS.contains(&name);
-    columns.iter().zip(&guessed).all(|(column, guessed)| {
-        column.name == *guessed || !is_vector(&column.name) && !is_vector(guessed)
-    })
+    columns
+        .iter()
+        .zip(&guessed)
+        .all(|(column, guessed)| column.name == *guessed || !is_vector(&column.name) && !is_vector(guessed))
 }
 
 /// Columns that are components of something.

@@ -17,24 +17,14 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
         plain if plain == "_" => "scalar__".to_owned(),
         plain => plain,
     };
-    let columns = columns(
-        cloud,
-        Colors::None,
-        ["normal_x", "normal_y", "normal_z"],
-        name,
-    );
+    let columns = columns(cloud, Colors::None, ["normal_x", "normal_y", "normal_z"], name);
     let count = cloud.positions.len();
-    let has_alpha = cloud
-        .colors
-        .iter()
-        .flatten()
-        .any(|color| color[3] != u8::MAX);
+    let has_alpha = cloud.colors.iter().flatten().any(|color| color[3] != u8::MAX);
     // PCL keeps colours in the bits of a float, those with alpha in an unsigned integer.
-    let color = cloud.colors.is_some().then_some(if has_alpha {
-        ("rgba", "U")
-    } else {
-        ("rgb", "F")
-    });
+    let color = cloud
+        .colors
+        .is_some()
+        .then_some(if has_alpha { ("rgba", "U") } else { ("rgb", "F") });
 
     let mut lines = ["FIELDS", "SIZE", "TYPE", "COUNT"].map(str::to_owned);
     let columns_then_color = columns

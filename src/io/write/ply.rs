@@ -30,9 +30,7 @@ fn write(out: &mut dyn Output, cloud: &RawCloud, is_text: bool) -> std::io::Resu
 
 /// Names of properties are letters, digits and underscores, a letter first.
 fn name(name: &str) -> String {
-    let plain = plain_name(name, |sign| {
-        sign.is_ascii_alphanumeric() || sign == '_' || sign == '-'
-    });
+    let plain = plain_name(name, |sign| sign.is_ascii_alphanumeric() || sign == '_' || sign == '-');
     if plain.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_') {
         plain
     } else {
@@ -40,21 +38,9 @@ fn name(name: &str) -> String {
     }
 }
 
-fn header(
-    out: &mut dyn Output,
-    cloud: &RawCloud,
-    columns: &[Column<'_>],
-    is_text: bool,
-) -> std::io::Result<()> {
-    let encoding = if is_text {
-        "ascii"
-    } else {
-        "binary_little_endian"
-    };
-    writeln!(
-        out,
-        "ply\nformat {encoding} 1.0\ncomment written by pointreel"
-    )?;
+fn header(out: &mut dyn Output, cloud: &RawCloud, columns: &[Column<'_>], is_text: bool) -> std::io::Result<()> {
+    let encoding = if is_text { "ascii" } else { "binary_little_endian" };
+    writeln!(out, "ply\nformat {encoding} 1.0\ncomment written by pointreel")?;
     writeln!(out, "element vertex {}", cloud.positions.len())?;
     for column in columns {
         let kind = match column.kind() {
@@ -66,11 +52,7 @@ fn header(
     }
     if !cloud.faces.is_empty() {
         writeln!(out, "element face {}", cloud.faces.len())?;
-        writeln!(
-            out,
-            "property list uchar {} vertex_indices",
-            index_type(cloud)
-        )?;
+        writeln!(out, "property list uchar {} vertex_indices", index_type(cloud))?;
     }
     writeln!(out, "end_header")
 }

@@ -27,11 +27,7 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
 }
 
 /// A line for each of the `count` rows.
-pub(super) fn rows(
-    out: &mut dyn Output,
-    count: usize,
-    columns: &[Column<'_>],
-) -> std::io::Result<()> {
+pub(super) fn rows(out: &mut dyn Output, count: usize, columns: &[Column<'_>]) -> std::io::Result<()> {
     let mut text = String::new();
     for row in 0..count {
         for (index, column) in columns.iter().enumerate() {

@@ -63,9 +63,7 @@ impl Octree {
                     leaf_count: found.leaf_count,
                 };
             }
-            StopCriterion::Loss(delta) => {
-                Leaves::OnLevel(level_of_loss(delta, &points.occupied, point_count))
-            }
+            StopCriterion::Loss(delta) => Leaves::OnLevel(level_of_loss(delta, &points.occupied, point_count)),
             StopCriterion::Depth(depth) => Leaves::OnLevel(depth.min(LEVELS)),
             StopCriterion::PointsPerOctant(most) => Leaves::OfPoints(most as usize),
         };

@@ -21,9 +21,7 @@ pub enum OctreeError {
         depth: u32,
     },
     /// The bytes end within a level.
-    #[error(
-        "octree byte code: level {level} has {expected} nodes, but the bytes end after {found} of them"
-    )]
+    #[error("octree byte code: level {level} has {expected} nodes, but the bytes end after {found} of them")]
     Truncated {
         /// Level whose bytes are missing.
         level: u32,
@@ -156,10 +154,7 @@ pub(super) fn leaves_of_masks(
             found_leaves.extend(both.filter(|(_, mask)| **mask == 0).map(|(cell, _)| *cell));
         }
         let level = level + 1;
-        let below: usize = level_masks
-            .iter()
-            .map(|mask| mask.count_ones() as usize)
-            .sum();
+        let below: usize = level_masks.iter().map(|mask| mask.count_ones() as usize).sum();
         if below == 0 {
             return Err(OctreeError::EmptyLevel { level });
         }
@@ -246,11 +241,7 @@ mod tests {
                     found: 0,
                 },
             ),
-            (
-                &[CODE[0], 0, 1],
-                2,
-                OctreeError::EmptyNode { index: 1, level: 1 },
-            ),
+            (&[CODE[0], 0, 1], 2, OctreeError::EmptyNode { index: 1, level: 1 }),
             (&[0], 1, OctreeError::EmptyNode { index: 0, level: 0 }),
             (&CODE, 22, OctreeError::TooDeep { depth: 22 }),
         ];
@@ -262,8 +253,7 @@ mod tests {
     /// Octants 0 and 7 of the root are leaves and divided into octants 1 and 2; the code of the root is one.
     #[test]
     fn leaves_on_several_levels_by_hand() {
-        let any =
-            |masks: &[u8], depth, most| leaves_of_masks(masks, depth, LeafLevels::OnAnyLevel, most);
+        let any = |masks: &[u8], depth, most| leaves_of_masks(masks, depth, LeafLevels::OnAnyLevel, most);
         let masks = [0b1000_0001, 0, 0b0000_0110];
         assert_eq!(any(&masks, 2, 3), Ok(vec![0o10, 0o171, 0o172]));
         assert_eq!(

@@ -33,10 +33,7 @@ impl SortedPoints {
         let mut next = first;
         // In most places nothing begins, which one look at a row tells.
         let rows = self.partings[first..end].as_chunks::<ROW>().0;
-        let least = |row: &[u8; ROW]| {
-            row.iter()
-                .fold(u8::MAX, |least, &parting| least.min(parting))
-        };
+        let least = |row: &[u8; ROW]| row.iter().fold(u8::MAX, |least, &parting| least.min(parting));
         next += ROW * rows.iter().take_while(|row| least(row) > byte).count();
         let (words, rest) = self.partings[next..end].as_chunks::<WORD>();
         for &partings in words {
@@ -97,8 +94,7 @@ impl SortedPoints {
             Leaves::OnLevel(_) | Leaves::InRuns(_) => leaves.only_level(points) == Some(level),
             // What one finest cell holds cannot be parted.
             Leaves::OfPoints(most) => {
-                points.len() <= *most.max(&1)
-                    || self.cells[points.start] == self.cells[points.end - 1]
+                points.len() <= *most.max(&1) || self.cells[points.start] == self.cells[points.end - 1]
             }
         }
     }

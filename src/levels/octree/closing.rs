@@ -136,14 +136,13 @@ impl Cells {
                 closed[number as usize] = cells;
             }
         }
-        let found =
-            sites
-                .par_iter()
-                .with_min_len(BLOCKS_PER_TASK)
-                .fold(Vec::new, |mut gaps, site| {
-                    self.add_gaps(site, closed[site.around[MIDDLE] as usize], &mut gaps);
-                    gaps
-                });
+        let found = sites
+            .par_iter()
+            .with_min_len(BLOCKS_PER_TASK)
+            .fold(Vec::new, |mut gaps, site| {
+                self.add_gaps(site, closed[site.around[MIDDLE] as usize], &mut gaps);
+                gaps
+            });
         found.flatten().collect()
     }
 
@@ -172,9 +171,7 @@ impl Cells {
         let mut places: Vec<[u32; 3]> = blocks.flat_map_iter(beside).collect();
         places.par_sort_unstable();
         places.dedup();
-        let with_leaves = (0..)
-            .zip(&self.blocks)
-            .filter(|(_, block)| block.leaves != 0);
+        let with_leaves = (0..).zip(&self.blocks).filter(|(_, block)| block.leaves != 0);
         let mut numbers: Vec<u32> = with_leaves.map(|(number, _)| number).collect();
         for place in places {
             let mut number = self.number_at(place);
@@ -193,12 +190,9 @@ impl Cells {
 
     fn site(&self, number: u32) -> Site {
         let block = &self.blocks[number as usize];
-        let at =
-            |direction| neighbour(block.place, direction).map_or(0, |place| self.number_at(place));
+        let at = |direction| neighbour(block.place, direction).map_or(0, |place| self.number_at(place));
         let around = std::array::from_fn(at);
-        let touch_leaf = beside(self.leaves(&around))
-            .iter()
-            .fold(0, |cells, word| cells | word);
+        let touch_leaf = beside(self.leaves(&around)).iter().fold(0, |cells, word| cells | word);
         Site {
             around,
             candidates: touch_leaf & !block.occupied,
@@ -216,8 +210,7 @@ impl Cells {
         }
         let filled = |number: u32| self.blocks[number as usize].occupied | closed[number as usize];
         let beside = beside(site.around.map(filled));
-        let opposite =
-            (0..MIDDLE).map(|direction| beside[direction] & beside[2 * MIDDLE - direction]);
+        let opposite = (0..MIDDLE).map(|direction| beside[direction] & beside[2 * MIDDLE - direction]);
         site.candidates & opposite.fold(0, |cells, word| cells | word)
     }
 

@@ -17,9 +17,7 @@ impl<'a> CutByPoints<'a> {
 
     /// The nodes among which is the one that has a point.
     pub(super) fn at(&self, point: usize) -> Option<&'a NodeRange> {
-        let after = self
-            .ranges
-            .partition_point(|range| range.points.start <= point);
+        let after = self.ranges.partition_point(|range| range.points.start <= point);
         let range = self.ranges[after.checked_sub(1)?];
         (point < range.points.end).then_some(range)
     }

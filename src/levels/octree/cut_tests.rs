@@ -13,11 +13,7 @@ use std::sync::Arc;
 
 fn torus_tree(count: usize) -> Octree {
     let torus = test_shapes::torus(count, 0.4, &mut Random(31));
-    Octree::build(
-        &torus.positions,
-        &vec![[0; 4]; count],
-        StopCriterion::Loss(0.02),
-    )
+    Octree::build(&torus.positions, &vec![[0; 4]; count], StopCriterion::Loss(0.02))
 }
 
 type Cell = (u32, [u32; 3]);
@@ -123,11 +119,7 @@ fn cuts_are_those_of_one_cell_after_the_other() {
             let cells = cells(tree, &cut);
             let visited_nodes = cut.stats().visited_nodes;
             assert!((cells.len()..=tree.node_count()).contains(&visited_nodes));
-            assert_eq!(
-                cells,
-                cells_one_by_one(tree, &view, before, back_faces),
-                "{round}"
-            );
+            assert_eq!(cells, cells_one_by_one(tree, &view, before, back_faces), "{round}");
             found.push(cells);
         }
         kept += usize::from(found[1] != found[0]);
@@ -197,16 +189,13 @@ fn cells_one_by_one(
             let edge = cube.cell_edge(node.level);
             let center = cube.cell_center(node.level, cell);
             let radius = 0.5 * 3f32.sqrt() * edge;
-            let hides =
-                |surfels: &LodSurfels| surfels.all_face_away(node, view.eye, center, radius);
+            let hides = |surfels: &LodSurfels| surfels.all_face_away(node, view.eye, center, radius);
             if view.frustum.sphere(center, radius) == crate::math::Containment::Outside
                 || self.back_faces.is_some_and(hides)
             {
                 return;
             }
-            let nearest = ((center - view.eye).abs() - 0.5 * edge)
-                .max(Vec3::ZERO)
-                .length();
+            let nearest = ((center - view.eye).abs() - 0.5 * edge).max(Vec3::ZERO).length();
             let edge_px = f64::from(edge * view.pixels_per_unit_at_1 / nearest);
             let lod_px = f64::from(view.lod_px);
             let level_before = self.levels_before.get(&node.points.start);

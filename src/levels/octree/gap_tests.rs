@@ -30,12 +30,7 @@ fn by_definition(tree: &Octree, level: u32) -> HashSet<[i32; 3]> {
         .level_voxels(tree.depth())
         .iter()
         .filter(|voxel| u32::from(voxel.level) == level)
-        .map(|voxel| {
-            cell_of(tree, voxel)
-                .1
-                .map(|coordinate| coordinate as i32)
-                .into()
-        })
+        .map(|voxel| cell_of(tree, voxel).1.map(|coordinate| coordinate as i32).into())
         .collect();
     let directions = (0..27).map(|at| IVec3::new(at % 3 - 1, at / 3 % 3 - 1, at / 9 - 1));
     let directions: Vec<IVec3> = directions.filter(|&at| at != IVec3::ZERO).collect();
@@ -49,9 +44,8 @@ fn by_definition(tree: &Octree, level: u32) -> HashSet<[i32; 3]> {
     let mut filled = occupied.clone();
     for _ in 0..3 {
         let is_between = |cell: &&IVec3| {
-            let opposite = |&direction: &IVec3| {
-                filled.contains(&(**cell + direction)) && filled.contains(&(**cell - direction))
-            };
+            let opposite =
+                |&direction: &IVec3| filled.contains(&(**cell + direction)) && filled.contains(&(**cell - direction));
             directions.iter().any(opposite)
         };
         let closed: HashSet<IVec3> = candidates.iter().filter(is_between).copied().collect();
@@ -70,11 +64,7 @@ fn check(tree: &Octree) {
         // It is drawn as a whole leaf of its level that touches it.
         let [first, end] = gap.leaf.map(|point| point as usize);
         assert!(tree.is_leaf(level, &(first..end)));
-        assert_eq!(
-            tree.points
-                .next_beginning(level, first + 1, tree.point_count()),
-            end
-        );
+        assert_eq!(tree.points.next_beginning(level, first + 1, tree.point_count()), end);
         assert!(u32::from(tree.points.partings[first]) <= level);
         for (axis, cell) in cell.into_iter().enumerate() {
             let beside = tree.points.cells[first].coordinate(axis, level);
@@ -119,11 +109,7 @@ fn a_missing_cell_of_a_plane_is_closed_and_nothing_beyond_its_edge() {
         for y in 0..16 {
             if !holes.contains(&[x, y]) {
                 let at = |part: usize| [0.25, 0.75].map(|offset| offset + [x, y][part] as f32);
-                positions.extend(
-                    at(0)
-                        .iter()
-                        .flat_map(|&x| at(1).map(|y| Vec3::new(x, y, 0.5))),
-                );
+                positions.extend(at(0).iter().flat_map(|&x| at(1).map(|y| Vec3::new(x, y, 0.5))));
             }
         }
     }
@@ -152,10 +138,7 @@ fn gaps_have_the_colours_of_leaves_and_places_of_their_own() {
     let (mut leaves, mut voxels) = (Vec::new(), Vec::new());
     tree.write_voxels(&cut, &mut leaves);
     tree.add_gap_voxels(&gaps, &mut voxels);
-    let by_cell: HashMap<_, _> = leaves
-        .iter()
-        .map(|leaf| (cell_of(&tree, leaf), leaf))
-        .collect();
+    let by_cell: HashMap<_, _> = leaves.iter().map(|leaf| (cell_of(&tree, leaf), leaf)).collect();
     for (gap, voxel) in gaps.iter().zip(&voxels) {
         let (level, cell) = (u32::from(gap.level), tree.cell_of_gap(gap));
         assert_eq!(cell_of(&tree, voxel), (level, cell));

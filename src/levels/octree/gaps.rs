@@ -62,15 +62,9 @@ impl Octree {
     pub fn gaps_of(&self, cut: &Cut) -> Vec<Gap> {
         let mut found = Vec::new();
         for range in &cut.ranges {
-            let from = |point: usize| {
-                self.gaps
-                    .partition_point(|gap| (gap.leaf[0] as usize) < point)
-            };
+            let from = |point: usize| self.gaps.partition_point(|gap| (gap.leaf[0] as usize) < point);
             let gaps = &self.gaps[from(range.points.start)..from(range.points.end)];
-            found.extend(
-                gaps.iter()
-                    .filter(|gap| u32::from(gap.level) == range.level),
-            );
+            found.extend(gaps.iter().filter(|gap| u32::from(gap.level) == range.level));
         }
         found
     }
@@ -80,25 +74,17 @@ impl Octree {
 pub(super) fn add_gaps<W: NodeWriter>(gaps: &[Gap], writer: &W, out: &mut Vec<W::Record>) {
     let before = out.len();
     out.resize(before + gaps.len(), W::Record::zeroed());
-    let batches = out[before..]
-        .par_chunks_mut(BATCH)
-        .zip(gaps.par_chunks(BATCH));
-    batches
-        .with_min_len(BATCHES_PER_TASK)
-        .for_each(|(out, gaps)| {
-            let mut values = [[0; BATCH]; 3];
-            for (index, gap) in gaps.iter().enumerate() {
-                let [first, end] = gap.leaf;
-                for (values, value) in values.iter_mut().zip([first, end, gap.level.into()]) {
-                    values[index] = value;
-                }
+    let batches = out[before..].par_chunks_mut(BATCH).zip(gaps.par_chunks(BATCH));
+    batches.with_min_len(BATCHES_PER_TASK).for_each(|(out, gaps)| {
+        let mut values = [[0; BATCH]; 3];
+        for (index, gap) in gaps.iter().enumerate() {
+            let [first, end] = gap.leaf;
+            for (values, value) in values.iter_mut().zip([first, end, gap.level.into()]) {
+                values[index] = value;
             }
-            let [firsts, ends, levels] = &values;
-            let nodes = Nodes {
-                firsts,
-                ends,
-                levels,
-            };
-            dispatch!(Level::new(), _simd => writer.write(&nodes, out));
-        });
+        }
+        let [firsts, ends, levels] = &values;
+        let nodes = Nodes { firsts, ends, levels };
+        dispatch!(Level::new(), _simd => writer.write(&nodes, out));
+    });
 }

@@ -80,9 +80,7 @@ impl<R> KeptLevels<R> {
             if to_be_read[level] == 0 || kept.records.get().is_some() {
                 return kept.records.get();
             }
-            let read = kept
-                .points_read
-                .fetch_add(to_be_read[level], Ordering::Relaxed);
+            let read = kept.points_read.fetch_add(to_be_read[level], Ordering::Relaxed);
             (read >= points.len()).then(|| self.level(level as u32, points, writer))
         })
     }
@@ -176,9 +174,7 @@ mod tests {
             let kept = levels.filter(|(level, _)| level.records.get().is_some());
             kept.map(|(_, number)| number).collect()
         };
-        let at = |distance: f32, lod_px| {
-            view_from(Vec3::new(0.3, 0.5, 0.81) * distance, Vec3::ZERO, lod_px)
-        };
+        let at = |distance: f32, lod_px| view_from(Vec3::new(0.3, 0.5, 0.81) * distance, Vec3::ZERO, lod_px);
         // All that is in view once reads each point once.
         drawn(&tree, &positions, &colors, &at(4.0, 6.0));
         assert_eq!(kept(&tree), [0; 0]);
@@ -198,19 +194,13 @@ mod tests {
         );
         // Trees of the same points share them.
         let divided = tree.with_stop(StopCriterion::Loss(0.5));
-        assert!(
-            divided.points.voxels.levels[kept[0] as usize]
-                .records
-                .get()
-                .is_some()
-        );
+        assert!(divided.points.voxels.levels[kept[0] as usize].records.get().is_some());
         let held: usize = kept
             .iter()
             .filter_map(|&level| tree.points.voxels.levels[level as usize].records.get())
             .map(|level| size_of_val(&level.records[..]) + size_of_val(&level.nodes_before[..]))
             .sum();
-        let most =
-            KeptLevels::<VoxelRecord>::most_bytes(tree.points.coarse_levels(), positions.len());
+        let most = KeptLevels::<VoxelRecord>::most_bytes(tree.points.coarse_levels(), positions.len());
         assert!(
             held > 0 && held <= most && most < 8 * positions.len(),
             "{held} of {most} bytes"

@@ -53,9 +53,7 @@ impl Levels for LodSurfels {
 
     fn write(&self, cut: &Cut, _most_records: usize, buffers: RecordBuffers) -> Records {
         let RecordBuffers {
-            mut points,
-            mut shapes,
-            ..
+            mut points, mut shapes, ..
         } = buffers;
         self.write_surfels(cut, &mut points, &mut shapes);
         Records::Surfels { points, shapes }
@@ -70,9 +68,7 @@ fn write_cubes(
     buffers: RecordBuffers,
 ) -> Records {
     let RecordBuffers {
-        mut voxels,
-        mut shapes,
-        ..
+        mut voxels, mut shapes, ..
     } = buffers;
     octree.write_voxels(cut, &mut voxels);
     let mut gaps = octree.gaps_of(cut);

@@ -48,11 +48,8 @@ fn what_may_hide_something_comes_before_it() {
             let eye = random.cube() * 3.0;
             let view = view_from(eye, random.cube() * 0.5, 0.0);
             let cells = cells_in_order(&tree, &view);
-            let place_of: HashMap<[u32; 3], usize> = cells
-                .iter()
-                .enumerate()
-                .map(|(place, &cell)| (cell, place))
-                .collect();
+            let place_of: HashMap<[u32; 3], usize> =
+                cells.iter().enumerate().map(|(place, &cell)| (cell, place)).collect();
             for _ in 0..200 {
                 let way = random.cube().as_dvec3() - eye.as_dvec3();
                 let mut last = None;
@@ -80,16 +77,11 @@ fn what_may_hide_something_comes_before_it() {
             let all: std::collections::HashSet<_> = octants.iter().collect();
             if all.len() == 8 {
                 whole += 1;
-                let distances = octants
-                    .iter()
-                    .map(|&octant| distance(&tree, eye, 1, octant));
+                let distances = octants.iter().map(|&octant| distance(&tree, eye, 1, octant));
                 let least = distances.fold(f64::INFINITY, f64::min);
                 assert!(distance(&tree, eye, 1, octants[0]) <= least + 1e-6);
             }
         }
-        assert!(
-            met > 10_000 && whole > 5,
-            "something was compared: {met} {whole}"
-        );
+        assert!(met > 10_000 && whole > 5, "something was compared: {met} {whole}");
     }
 }

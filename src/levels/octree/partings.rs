@@ -27,8 +27,7 @@ pub(super) fn count_at_most(partings: &[u8], level: u32) -> usize {
 pub(super) fn count_in_lanes(partings: &[u8], level: u8) -> usize {
     // As many as a byte can count.
     let (rows, rest) = partings.as_chunks::<128>();
-    let count_in_row =
-        |row: &[u8]| -> u8 { row.iter().map(|&parting| u8::from(parting <= level)).sum() };
+    let count_in_row = |row: &[u8]| -> u8 { row.iter().map(|&parting| u8::from(parting <= level)).sum() };
     let in_rows: usize = rows.iter().map(|row| usize::from(count_in_row(row))).sum();
     in_rows + usize::from(count_in_row(rest))
 }

@@ -71,9 +71,7 @@ mod tests {
             let squared = |point: &Vec3| {
                 let are_few = |level: &u32| {
                     let here = cell(*level, *point);
-                    let others = positions
-                        .iter()
-                        .filter(|other| cell(*level, **other) == here);
+                    let others = positions.iter().filter(|other| cell(*level, **other) == here);
                     most.is_none_or(|most| others.count() <= most)
                 };
                 let level = most.map_or(tree.depth(), |_| (0..=LEVELS).find(are_few).unwrap());
@@ -84,15 +82,9 @@ mod tests {
             let expected = positions.iter().map(squared).sum::<f64>() / positions.len() as f64;
             let expected = expected.sqrt() as f32;
             let found = tree.position_error(&positions, usize::MAX).unwrap();
-            assert!(
-                (found - expected).abs() < 1e-4 * expected,
-                "{found}, {expected}"
-            );
+            assert!((found - expected).abs() < 1e-4 * expected, "{found}, {expected}");
             let by_some = tree.position_error(&positions, 500).unwrap();
-            assert!(
-                (by_some - expected).abs() < 0.1 * expected,
-                "{by_some}, {expected}"
-            );
+            assert!((by_some - expected).abs() < 0.1 * expected, "{by_some}, {expected}");
         }
         let shuffled = Octree::build(&torus, &colors, StopCriterion::Loss(0.3));
         assert_eq!(shuffled.position_error(&torus, 500), None);

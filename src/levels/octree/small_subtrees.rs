@@ -152,13 +152,7 @@ impl Traversal<'_> {
 
     /// Fills a block with the cells of its level that begin among some points, at most [`BLOCK`]; how many they are.
     #[inline(always)]
-    fn test_block<S: Simd>(
-        &self,
-        simd: S,
-        points: Range<usize>,
-        planes: PlaneMask,
-        block: &mut Block,
-    ) -> usize {
+    fn test_block<S: Simd>(&self, simd: S, points: Range<usize>, planes: PlaneMask, block: &mut Block) -> usize {
         let level = block.level;
         let first = points.start as u32;
         let partings = &self.tree.points.partings[points];
@@ -215,13 +209,7 @@ impl Traversal<'_> {
 
     /// Which of eight spheres are not outside of any of the planes.
     #[inline(always)]
-    fn in_view<S: Simd>(
-        &self,
-        simd: S,
-        [x, y, z]: [f32x8<S>; 3],
-        radius: f32,
-        planes: PlaneMask,
-    ) -> mask32x8<S> {
+    fn in_view<S: Simd>(&self, simd: S, [x, y, z]: [f32x8<S>; 3], radius: f32, planes: PlaneMask) -> mask32x8<S> {
         let mut outside = mask32x8::splat(simd, 0);
         let mut untested = planes;
         while untested != 0 {
@@ -235,12 +223,7 @@ impl Traversal<'_> {
 
     /// Squares of the distances from the eye to the nearest points of eight cells.
     #[inline(always)]
-    fn nearest_squared<S: Simd>(
-        &self,
-        simd: S,
-        [x, y, z]: [f32x8<S>; 3],
-        half_edge: f32,
-    ) -> f32x8<S> {
+    fn nearest_squared<S: Simd>(&self, simd: S, [x, y, z]: [f32x8<S>; 3], half_edge: f32) -> f32x8<S> {
         let zero = f32x8::splat(simd, 0.0);
         let eye = self.view.eye;
         let x = ((x - eye.x).abs() - half_edge).max(zero);

@@ -68,10 +68,7 @@ impl SortedPoints {
     pub(super) fn from_codes(codes: &[u64], colors: &[[u8; 3]]) -> Option<Self> {
         let cells: Vec<PackedCell> = codes.iter().copied().map(PackedCell::from_code).collect();
         let partings = partings_in_order(&cells)?;
-        let colors: Vec<[u8; 4]> = colors
-            .iter()
-            .map(|&[red, green, blue]| [red, green, blue, 0])
-            .collect();
+        let colors: Vec<[u8; 4]> = colors.iter().map(|&[red, green, blue]| [red, green, blue, 0]).collect();
         Some(Self::in_order(cells, partings, &colors))
     }
 
@@ -104,11 +101,7 @@ impl SortedPoints {
 }
 
 /// The cells of at most [`few_codes::MOST`] points in the order of their codes, and colours with them.
-fn sorted_few(
-    cube: &Cube,
-    positions: &[Vec3],
-    colors: &[[u8; 4]],
-) -> (Vec<PackedCell>, Vec<[u8; 4]>) {
+fn sorted_few(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> (Vec<PackedCell>, Vec<[u8; 4]>) {
     let (cells, mut items) = cube.cells_and_codes(positions);
     few_codes::make_items(&mut items);
     let mut scratch = vec![0; items.len()];

@@ -145,8 +145,7 @@ fn are_closed(cells: &OccupiedCells, level: usize, share: f64) -> bool {
     let points = distinct_points(cells) as f64;
     let (here, above) = (cells[level] as f64, cells[level.saturating_sub(1)] as f64);
     let points_a_cell = points / here;
-    points_a_cell >= share * MANY_POINTS
-        || (points_a_cell >= FEW_POINTS && here >= share * GROWTH * above)
+    points_a_cell >= share * MANY_POINTS || (points_a_cell >= FEW_POINTS && here >= share * GROWTH * above)
 }
 
 /// The deepest level that is closed.
@@ -158,8 +157,7 @@ fn level_of_spacing(cells: &OccupiedCells) -> u32 {
 /// Whether leaves may be on `level` where they would be if this was all of the cloud.
 fn is_kept(level: u32, cells: &OccupiedCells) -> bool {
     let level = level as usize;
-    are_closed(cells, level, SPARSE)
-        && (level + 1 == LEVEL_COUNT || !are_closed(cells, level + 1, DENSE))
+    are_closed(cells, level, SPARSE) && (level + 1 == LEVEL_COUNT || !are_closed(cells, level + 1, DENSE))
 }
 
 impl SortedPoints {

@@ -53,9 +53,7 @@ fn leaves_of_a_lattice_are_a_few_spacings_long_whatever_its_scale() {
 
 #[test]
 fn points_in_a_row_are_a_row_of_voxels() {
-    let row: Vec<Vec3> = (0..2_000)
-        .map(|i| Vec3::new(0.8, 0.0, 0.6) * i as f32)
-        .collect();
+    let row: Vec<Vec3> = (0..2_000).map(|i| Vec3::new(0.8, 0.0, 0.6) * i as f32).collect();
     let tree = tree_of(&row);
     let edge = only_leaf_edge(&tree);
     assert!((2.0..6.0).contains(&edge), "{edge}");
@@ -118,22 +116,14 @@ fn few_points_far_away_are_no_large_cubes() {
         let edge = tree.cube().cell_edge(u32::from(voxel.level));
         // The cubes around both clouds differ, so that their cells do by up to a factor of two.
         let ratio = edge / expected;
-        assert!(
-            (0.5..=2.0).contains(&ratio),
-            "{ratio} at {:?}",
-            voxel.center
-        );
+        assert!((0.5..=2.0).contains(&ratio), "{ratio} at {:?}", voxel.center);
     }
 }
 
 #[test]
 fn few_or_no_points_and_one_place_are_defined() {
     assert_eq!(tree_of(&[]).node_count(), 0);
-    for positions in [
-        vec![Vec3::ONE],
-        vec![Vec3::ONE; 500],
-        vec![Vec3::ZERO, Vec3::ONE],
-    ] {
+    for positions in [vec![Vec3::ONE], vec![Vec3::ONE; 500], vec![Vec3::ZERO, Vec3::ONE]] {
         let tree = tree_of(&positions);
         assert!(tree.leaf_count() >= 1);
         assert_eq!(tree.level_voxels(tree.depth()).len(), tree.leaf_count());
@@ -154,9 +144,7 @@ fn nodes_are_counted_where_leaves_are_on_several_levels() {
     let nodes: HashSet<(u32, [u32; 3])> = leaves
         .iter()
         .map(|voxel| cell_of(&tree, voxel))
-        .flat_map(|(level, cell)| {
-            (0..=level).map(move |up| (level - up, cell.map(|index| index >> up)))
-        })
+        .flat_map(|(level, cell)| (0..=level).map(move |up| (level - up, cell.map(|index| index >> up))))
         .collect();
     let expected: Vec<usize> = (0..=tree.depth())
         .map(|level| nodes.iter().filter(|node| node.0 == level).count())

@@ -17,9 +17,7 @@ fn torus_surfels(count: usize, stop: StopCriterion) -> LodSurfels {
     let torus = test_shapes::torus(count, 0.4, &mut random);
     let cube = Cube::around(&torus.positions).unwrap();
     let order = crate::math::order_of_codes(&cube.codes(&torus.positions));
-    let in_order = |values: &[Vec3]| -> Vec<Vec3> {
-        order.iter().map(|&index| values[index as usize]).collect()
-    };
+    let in_order = |values: &[Vec3]| -> Vec<Vec3> { order.iter().map(|&index| values[index as usize]).collect() };
     let positions = in_order(&torus.positions);
     let colors = random_colors(count, &mut random);
     let points: Vec<PointRecord> = positions
@@ -64,24 +62,13 @@ fn the_surfel_of_a_node_is_the_mean_of_its_points_and_covers_them() {
             assert_eq!(surfel.point_count as usize, points.len());
             let count = points.len() as f64;
             let position = |point: &PointRecord| Vec3::from_array(point.position);
-            let mean: DVec3 = points
-                .iter()
-                .map(|point| position(point).as_dvec3())
-                .sum::<DVec3>()
-                / count;
+            let mean: DVec3 = points.iter().map(|point| position(point).as_dvec3()).sum::<DVec3>() / count;
             assert!((mean - position(&surfel.point).as_dvec3()).length() < 1e-6);
             for channel in 0..4 {
-                let sum: f64 = points
-                    .iter()
-                    .map(|point| f64::from(point.color[channel]))
-                    .sum();
+                let sum: f64 = points.iter().map(|point| f64::from(point.color[channel])).sum();
                 assert!((f64::from(surfel.point.color[channel]) - sum / count).abs() <= 0.501);
             }
-            let scalar: f64 = shapes
-                .iter()
-                .map(|shape| f64::from(shape.scalar))
-                .sum::<f64>()
-                / count;
+            let scalar: f64 = shapes.iter().map(|shape| f64::from(shape.scalar)).sum::<f64>() / count;
             assert!((f64::from(surfel.shape.scalar) - scalar).abs() <= 1e-6 * scalar.max(1.0));
             let sum: Vec3 = shapes.iter().map(|shape| oct_decode(shape.normal)).sum();
             let normal = oct_decode(surfel.shape.normal);
@@ -115,11 +102,7 @@ fn normals_that_cancel_out_have_no_cone() {
         scalar: 0.0,
     });
     let octree = Octree::build(&positions, &[[9; 4]; 3], StopCriterion::Loss(0.0));
-    let surfels = LodSurfels::new(
-        Arc::new(octree),
-        Arc::new(points.to_vec()),
-        Arc::new(shapes.to_vec()),
-    );
+    let surfels = LodSurfels::new(Arc::new(octree), Arc::new(points.to_vec()), Arc::new(shapes.to_vec()));
     let level = surfels.level(1);
     assert_eq!(level.len(), 2);
     assert_eq!(level[0].cone_cosine, -1.0);
@@ -158,10 +141,7 @@ fn only_what_faces_away_is_left_out() {
         drawn += found.len();
     }
     let left_out = 12 * all_points.len() - drawn;
-    assert!(
-        left_out * 10 > facing_away * 6,
-        "{left_out} of {facing_away}"
-    );
+    assert!(left_out * 10 > facing_away * 6, "{left_out} of {facing_away}");
 }
 
 #[test]
@@ -178,12 +158,7 @@ fn a_coarse_cut_is_drawn_as_surfels_of_its_levels() {
         for range in &cut.ranges {
             if stop == StopCriterion::Loss(0.02) && range.level == tree.depth() {
                 let (all_points, all_shapes) = surfels.records();
-                expected.extend(
-                    range
-                        .points
-                        .clone()
-                        .map(|point| (all_points[point], all_shapes[point])),
-                );
+                expected.extend(range.points.clone().map(|point| (all_points[point], all_shapes[point])));
                 continue;
             }
             let first = (0..range.points.start)

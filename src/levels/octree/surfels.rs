@@ -48,11 +48,7 @@ impl LodSurfels {
     /// # Panics
     /// Preconditions: a record of each kind for each point, in the order of the points the tree was built from, which
     /// was Morton order.
-    pub fn new(
-        octree: Arc<Octree>,
-        points: Arc<Vec<PointRecord>>,
-        shapes: Arc<Vec<ShapeRecord>>,
-    ) -> Self {
+    pub fn new(octree: Arc<Octree>, points: Arc<Vec<PointRecord>>, shapes: Arc<Vec<ShapeRecord>>) -> Self {
         assert_eq!(octree.point_count(), points.len(), "one record a point");
         assert_eq!(points.len(), shapes.len(), "one shape a point");
         assert!(
@@ -82,15 +78,8 @@ impl LodSurfels {
     }
 
     /// Whether these are the surfels of these records.
-    pub fn is_of(
-        &self,
-        octree: &Arc<Octree>,
-        points: &Arc<Vec<PointRecord>>,
-        shapes: &Arc<Vec<ShapeRecord>>,
-    ) -> bool {
-        Arc::ptr_eq(&self.octree, octree)
-            && Arc::ptr_eq(&self.points, points)
-            && Arc::ptr_eq(&self.shapes, shapes)
+    pub fn is_of(&self, octree: &Arc<Octree>, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> bool {
+        Arc::ptr_eq(&self.octree, octree) && Arc::ptr_eq(&self.points, points) && Arc::ptr_eq(&self.shapes, shapes)
     }
 
     /// The records of all points.
@@ -111,18 +100,12 @@ impl LodSurfels {
         let above_leaves = &sorted.occupied[..self.octree.depth() as usize];
         let count = self.points.len();
         let (surfels, normals) = (above_leaves, sorted.coarse_levels());
-        KeptLevels::<NodeSurfel>::most_bytes(surfels, count)
-            + KeptLevels::<ShapeRecord>::most_bytes(normals, count)
+        KeptLevels::<NodeSurfel>::most_bytes(surfels, count) + KeptLevels::<ShapeRecord>::most_bytes(normals, count)
     }
 
     /// Replaces the contents of `points` and `shapes` by the surfels of a cut of the octree; those of leaves are the
     /// points themselves.
-    pub fn write_surfels(
-        &self,
-        cut: &Cut,
-        points: &mut Vec<PointRecord>,
-        shapes: &mut Vec<ShapeRecord>,
-    ) {
+    pub fn write_surfels(&self, cut: &Cut, points: &mut Vec<PointRecord>, shapes: &mut Vec<ShapeRecord>) {
         points.clear();
         shapes.clear();
         let sorted = &self.octree.points;
@@ -130,10 +113,7 @@ impl LodSurfels {
         let above_leaves = cut.ranges.iter().filter(|range| !is_leaf(range));
         let kept = self.levels.kept(above_leaves.clone(), sorted, self);
         let is_passing = |range: &NodeRange| kept[range.level as usize].is_none();
-        let passing: Vec<NodeRange> = above_leaves
-            .filter(|range| is_passing(range))
-            .cloned()
-            .collect();
+        let passing: Vec<NodeRange> = above_leaves.filter(|range| is_passing(range)).cloned().collect();
         let mut worked_out = Vec::new();
         sorted.write_nodes(&passing, self, &Kept::default(), &mut worked_out);
         let mut worked_out = worked_out.as_slice();
@@ -154,13 +134,7 @@ impl LodSurfels {
     }
 
     /// Whether the points of a node all face away from `eye`. They are in a sphere; `false` where that is not known.
-    pub(super) fn all_face_away(
-        &self,
-        node: &NodeRange,
-        eye: Vec3,
-        center: Vec3,
-        sphere_radius: f32,
-    ) -> bool {
+    pub(super) fn all_face_away(&self, node: &NodeRange, eye: Vec3, center: Vec3, sphere_radius: f32) -> bool {
         self.cones(node.level, node.points.start)
             .is_some_and(|surfels| surfels[0].faces_away(center - eye, sphere_radius))
     }

@@ -13,11 +13,7 @@ use std::sync::Arc;
 
 /// Cells of a level by their integer coordinates, each with the summed colour and number of its points. By division in
 /// f64, with none of the code under test but the cube.
-fn cells_by_brute_force(
-    positions: &[Vec3],
-    colors: &[[u8; 4]],
-    level: u32,
-) -> BTreeMap<[u32; 3], ([f64; 3], f64)> {
+fn cells_by_brute_force(positions: &[Vec3], colors: &[[u8; 4]], level: u32) -> BTreeMap<[u32; 3], ([f64; 3], f64)> {
     let cube = Cube::around(positions).unwrap();
     let cells_along = f64::from(1u32 << level);
     let mut cells = BTreeMap::new();
@@ -42,9 +38,7 @@ fn in_morton_order(cells: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
 }
 
 pub(super) fn random_colors(count: usize, random: &mut Random) -> Vec<[u8; 4]> {
-    (0..count)
-        .map(|_| (random.next_bits() as u32).to_le_bytes())
-        .collect()
+    (0..count).map(|_| (random.next_bits() as u32).to_le_bytes()).collect()
 }
 
 /// Everything a tree says, against brute force.
@@ -61,10 +55,7 @@ fn check_tree(positions: &[Vec3], delta: f32) {
         let order = in_morton_order(expected.keys().copied());
         for (voxel, cell) in voxels.iter().zip(order) {
             assert_eq!(u32::from(voxel.level), level);
-            assert_eq!(
-                Vec3::from_array(voxel.center),
-                tree.cube().cell_center(level, cell)
-            );
+            assert_eq!(Vec3::from_array(voxel.center), tree.cube().cell_center(level, cell));
             let (sum, count) = expected[&cell];
             for (found, sum) in voxel.color.into_iter().zip(sum) {
                 assert!(
@@ -77,10 +68,7 @@ fn check_tree(positions: &[Vec3], delta: f32) {
     }
     assert_eq!(tree.level_counts(), oct);
     assert_eq!(tree.leaf_count(), oct[depth as usize]);
-    assert_eq!(
-        tree.internal_count(),
-        oct[..depth as usize].iter().sum::<usize>()
-    );
+    assert_eq!(tree.internal_count(), oct[..depth as usize].iter().sum::<usize>());
     assert_eq!(tree.node_count(), tree.internal_count() + tree.leaf_count());
     assert_eq!(tree.masks().len(), tree.internal_count());
 
@@ -89,9 +77,7 @@ fn check_tree(positions: &[Vec3], delta: f32) {
     let distinct = cells_by_brute_force(positions, &colors, morton::LEVELS).len();
     let ends_at = |level: u32| {
         let cells = oct[level as usize];
-        level == morton::LEVELS
-            || cells as f64 / point_count >= 1.0 - f64::from(delta) - 1e-12
-            || cells == distinct
+        level == morton::LEVELS || cells as f64 / point_count >= 1.0 - f64::from(delta) - 1e-12 || cells == distinct
     };
     assert!(ends_at(depth));
     assert!((0..depth).all(|level| !ends_at(level)));
@@ -200,10 +186,7 @@ proptest! {
 
 /// The leaves where cells are divided while they hold more than `most_points` points that differ, by recursion over
 /// lists.
-fn leaves_by_brute_force(
-    positions: &[Vec3],
-    most_points: usize,
-) -> BTreeMap<(u32, [u32; 3]), usize> {
+fn leaves_by_brute_force(positions: &[Vec3], most_points: usize) -> BTreeMap<(u32, [u32; 3]), usize> {
     fn divide(
         level: u32,
         cell: [u32; 3],
@@ -247,9 +230,7 @@ fn check_uneven_tree(positions: &[Vec3], most_points: u32) {
     assert_eq!(Some(tree.depth()), deepest);
     let nodes: HashSet<_> = expected
         .keys()
-        .flat_map(|&(level, cell)| {
-            (0..=level).map(move |up| (level - up, cell.map(|index| index >> up)))
-        })
+        .flat_map(|&(level, cell)| (0..=level).map(move |up| (level - up, cell.map(|index| index >> up))))
         .collect();
     assert_eq!(tree.node_count(), nodes.len());
     // The mean colour of every leaf is that of its own points, whoever stands beside them in the order.
@@ -355,9 +336,7 @@ fn visible_by_brute_force(
         let edge = cube.cell_edge(level);
         let distance = (cube.cell_center(level, cell) - view.eye).abs() - 0.5 * edge;
         let nearest = distance.max(Vec3::ZERO).length_squared();
-        is_leaf(level, cell)
-            || view.lod_px > 0.0
-                && nearest > (edge * view.pixels_per_unit_at_1 / view.lod_px).powi(2)
+        is_leaf(level, cell) || view.lod_px > 0.0 && nearest > (edge * view.pixels_per_unit_at_1 / view.lod_px).powi(2)
     };
     let colors = vec![[0; 4]; positions.len()];
     let mut emitted = HashSet::new();
@@ -430,22 +409,14 @@ fn the_visible_set_is_that_of_brute_force() {
 fn no_point_in_view_is_lost() {
     let mut random = Random(5);
     let sphere = test_shapes::sphere(5_000, &mut random);
-    let tree = Octree::build(
-        &sphere.positions,
-        &vec![[0; 4]; 5_000],
-        StopCriterion::Loss(0.05),
-    );
+    let tree = Octree::build(&sphere.positions, &vec![[0; 4]; 5_000], StopCriterion::Loss(0.05));
     let mut out = Vec::new();
     for lod_px in [0.0, 2.0, 50.0] {
         let view = view_from(Vec3::new(1.4, 0.3, 0.2), Vec3::new(0.0, 0.4, 0.0), lod_px);
         tree.select(&view, &mut out);
         let cells: HashSet<_> = out.iter().map(|voxel| cell_of(&tree, voxel)).collect();
         let mut in_view = 0;
-        for (&point, code) in sphere
-            .positions
-            .iter()
-            .zip(tree.cube().codes(&sphere.positions))
-        {
+        for (&point, code) in sphere.positions.iter().zip(tree.cube().codes(&sphere.positions)) {
             if view.frustum.sphere(point, 0.0) == Containment::Outside {
                 continue;
             }
@@ -464,11 +435,7 @@ fn no_point_in_view_is_lost() {
 fn a_higher_threshold_never_draws_more() {
     let mut random = Random(6);
     let torus = test_shapes::torus(20_000, 0.4, &mut random);
-    let tree = Octree::build(
-        &torus.positions,
-        &vec![[0; 4]; 20_000],
-        StopCriterion::Loss(0.02),
-    );
+    let tree = Octree::build(&torus.positions, &vec![[0; 4]; 20_000], StopCriterion::Loss(0.02));
     let mut out = Vec::new();
     let emitted: Vec<usize> = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 1e9]
         .into_iter()
@@ -478,10 +445,7 @@ fn a_higher_threshold_never_draws_more() {
         })
         .collect();
     assert_eq!(emitted[0], tree.leaf_count(), "all of it is in view");
-    assert!(
-        emitted.windows(2).all(|pair| pair[0] >= pair[1]),
-        "{emitted:?}"
-    );
+    assert!(emitted.windows(2).all(|pair| pair[0] >= pair[1]), "{emitted:?}");
     assert!(emitted[5] < emitted[0] / 2, "{emitted:?}");
     assert_eq!(emitted[6], 1);
 }
@@ -503,9 +467,8 @@ fn a_level_is_drawn_whole() {
                 ..view_from(Vec3::new(0.0, 3.0, 5.0), Vec3::ZERO, 0.0)
             };
             tree.select(&view, &mut out);
-            let cells = |voxels: &[VoxelRecord]| -> HashSet<_> {
-                voxels.iter().map(|voxel| cell_of(&tree, voxel)).collect()
-            };
+            let cells =
+                |voxels: &[VoxelRecord]| -> HashSet<_> { voxels.iter().map(|voxel| cell_of(&tree, voxel)).collect() };
             let expected = tree.level_voxels(deepest_level.min(tree.depth()));
             assert_eq!(cells(&out), cells(&expected), "level {deepest_level}");
         }
@@ -515,11 +478,7 @@ fn a_level_is_drawn_whole() {
 #[test]
 fn an_eye_inside_descends_around_itself() {
     let torus = test_shapes::torus(5_000, 0.4, &mut Random(7));
-    let tree = Octree::build(
-        &torus.positions,
-        &vec![[0; 4]; 5_000],
-        StopCriterion::Loss(0.02),
-    );
+    let tree = Octree::build(&torus.positions, &vec![[0; 4]; 5_000], StopCriterion::Loss(0.02));
     let eye = torus.positions[0];
     // Seen whole, so that the frustum hides nothing; distances are from the eye.
     let view = SelectView {
@@ -530,8 +489,7 @@ fn an_eye_inside_descends_around_itself() {
     tree.select(&view, &mut out);
     let reached = |voxel: &VoxelRecord| {
         u32::from(voxel.level) == tree.depth()
-            && (Vec3::from_array(voxel.center) - eye).abs().max_element()
-                <= tree.cube().cell_edge(tree.depth())
+            && (Vec3::from_array(voxel.center) - eye).abs().max_element() <= tree.cube().cell_edge(tree.depth())
     };
     assert!(out.iter().any(reached));
 }
@@ -539,11 +497,7 @@ fn an_eye_inside_descends_around_itself() {
 #[test]
 fn the_output_vector_is_reused() {
     let sphere = test_shapes::sphere(5_000, &mut Random(8));
-    let tree = Octree::build(
-        &sphere.positions,
-        &vec![[0; 4]; 5_000],
-        StopCriterion::Loss(0.05),
-    );
+    let tree = Octree::build(&sphere.positions, &vec![[0; 4]; 5_000], StopCriterion::Loss(0.05));
     let view = view_from(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 0.0);
     let mut out = Vec::new();
     let first = tree.select(&view, &mut out);

@@ -38,12 +38,7 @@ use std::ops::Range;
 impl Octree {
     /// The nodes that stand for the cloud in `view`, given the cut of the view before. Those of which `back_faces` know
     /// that all their points face away are left out.
-    pub(super) fn cut_between(
-        &self,
-        view: &SelectView,
-        before: Option<&Cut>,
-        back_faces: Option<&LodSurfels>,
-    ) -> Cut {
+    pub(super) fn cut_between(&self, view: &SelectView, before: Option<&Cut>, back_faces: Option<&LodSurfels>) -> Cut {
         let mut cut = Cut {
             lod_px: view.lod_px,
             ..Cut::default()
@@ -73,11 +68,7 @@ impl Octree {
         cut
     }
 
-    fn level_limits(
-        &self,
-        view: &SelectView,
-        has_before: bool,
-    ) -> [LevelLimits; LEVELS as usize + 1] {
+    fn level_limits(&self, view: &SelectView, has_before: bool) -> [LevelLimits; LEVELS as usize + 1] {
         let band = if has_before { HYSTERESIS } else { 0.0 };
         std::array::from_fn(|level| {
             let edge = self.cube.cell_edge(level as u32);
@@ -192,9 +183,7 @@ impl Traversal<'_> {
             return;
         }
         let is_ordered = node.level < ORDERED_LEVELS;
-        let cone_level = self
-            .back_faces
-            .and_then(|surfels| surfels.cone_level_below(node.level));
+        let cone_level = self.back_faces.and_then(|surfels| surfels.cone_level_below(node.level));
         if planes == 0
             && !is_ordered
             && cone_level.is_none()
@@ -218,15 +207,11 @@ impl Traversal<'_> {
             self.sift(level, node.points, &subtree, cut);
             return;
         }
-        let children = self
-            .tree
-            .points
-            .children(&node)
-            .map(|(octant, node)| Visit {
-                node,
-                cell: std::array::from_fn(|axis| 2 * cell[axis] + (octant >> axis & 1)),
-                planes,
-            });
+        let children = self.tree.points.children(&node).map(|(octant, node)| Visit {
+            node,
+            cell: std::array::from_fn(|axis| 2 * cell[axis] + (octant >> axis & 1)),
+            planes,
+        });
         if is_ordered {
             self.visit_nearest_first(children.collect(), center, node.points.len(), cut);
         } else {
@@ -235,13 +220,7 @@ impl Traversal<'_> {
     }
 
     /// Visits the children of a node with this middle.
-    fn visit_nearest_first(
-        &self,
-        mut children: Vec<Visit>,
-        center: Vec3,
-        point_count: usize,
-        cut: &mut Cut,
-    ) {
+    fn visit_nearest_first(&self, mut children: Vec<Visit>, center: Vec3, point_count: usize, cut: &mut Cut) {
         // An octant can only be hidden by those that differ from the eye's along fewer axes, and along no others: they
         // have smaller numbers when the octant of the eye is number 0.
         let of_eye = |visit: &Visit| {
@@ -327,8 +306,7 @@ impl Traversal<'_> {
         }
         let depth = self.tree.leaves.only_level(&node.points)?;
         let first_stop = self.first_stop(node, distance, depth);
-        let all_stop =
-            first_stop == depth || nearest_squared > limits(first_stop).must_stop_beyond_squared;
+        let all_stop = first_stop == depth || nearest_squared > limits(first_stop).must_stop_beyond_squared;
         all_stop.then_some(first_stop)
     }
 

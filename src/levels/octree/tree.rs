@@ -97,9 +97,7 @@ impl Octree {
     /// all nodes, one is the other with some nodes divided further, and so the same.
     fn has_same_leaves(&self, other: &Self) -> bool {
         let are_in_runs = |tree: &Self| matches!(tree.leaves, Leaves::InRuns(_));
-        self.leaves == other.leaves
-            || !(are_in_runs(self) || are_in_runs(other))
-            || self.masks() == other.masks()
+        self.leaves == other.leaves || !(are_in_runs(self) || are_in_runs(other)) || self.masks() == other.masks()
     }
 
     /// The root, which has all points.

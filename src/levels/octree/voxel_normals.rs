@@ -19,9 +19,7 @@ impl LodSurfels {
     /// order of [`super::Octree::write_voxels`]. All else in them is 0.
     pub fn write_voxel_normals(&self, cut: &Cut, out: &mut Vec<ShapeRecord>) {
         let sorted = &self.octree.points;
-        let writer = NormalWriter {
-            shapes: &self.shapes,
-        };
+        let writer = NormalWriter { shapes: &self.shapes };
         let coarse = sorted.coarse_levels().len() as u32;
         let may_be_kept = cut.ranges.iter().filter(|range| range.level < coarse);
         let kept: Kept<'_, ShapeRecord> = self.normals.kept(may_be_kept, sorted, &writer);
@@ -66,11 +64,7 @@ fn mean_normal(shapes: &[ShapeRecord]) -> [i16; 2] {
         let mut sum = Vec3::ZERO;
         for shape in shapes {
             let normal = oct_decode(shape.normal);
-            sum += if normal.dot(sum) < 0.0 {
-                -normal
-            } else {
-                normal
-            };
+            sum += if normal.dot(sum) < 0.0 { -normal } else { normal };
         }
         // Each turned to the side of the sum makes it longer, so it is not 0.
         return oct_encode(sum.normalize_or(Vec3::Z));

@@ -88,11 +88,7 @@ impl SortedPoints {
     /// The numbers of nodes of the levels whose voxels are worth keeping, from the root's on.
     pub(super) fn coarse_levels(&self) -> &[usize] {
         let is_coarse = |&count: &usize| count * POINTS_PER_KEPT_VOXEL <= self.len();
-        let count = self
-            .occupied
-            .iter()
-            .take_while(|&count| is_coarse(count))
-            .count();
+        let count = self.occupied.iter().take_while(|&count| is_coarse(count)).count();
         &self.occupied[..count]
     }
 }
@@ -155,10 +151,7 @@ impl NodeWriter for VoxelWriter<'_> {
                 x[node].to_bits(),
                 y[node].to_bits(),
                 z[node].to_bits(),
-                rounded_byte(red[node])
-                    | rounded_byte(green[node]) << 8
-                    | rounded_byte(blue[node]) << 16
-                    | level << 24,
+                rounded_byte(red[node]) | rounded_byte(green[node]) << 8 | rounded_byte(blue[node]) << 16 | level << 24,
             ]);
         }
     }

@@ -55,10 +55,7 @@ impl SortedPoints {
         let counts: Vec<usize> = pieces.par_iter().map(count).collect();
         out.resize(counts.iter().sum(), W::Record::zeroed());
         let mut left = out.as_mut_slice();
-        let places: Vec<&mut [W::Record]> = counts
-            .iter()
-            .filter_map(|&count| left.split_off_mut(..count))
-            .collect();
+        let places: Vec<&mut [W::Record]> = counts.iter().filter_map(|&count| left.split_off_mut(..count)).collect();
         pieces
             .par_iter()
             .zip(places)
@@ -143,10 +140,7 @@ impl Batch {
         mut out: &mut [W::Record],
     ) {
         for nodes in ranges {
-            let NodeRange {
-                level,
-                points: range,
-            } = nodes;
+            let NodeRange { level, points: range } = nodes;
             if let Some(kept) = kept[*level as usize] {
                 out = self.write(self.count, writer, out);
                 let records = kept.of_nodes(nodes, points);
@@ -185,12 +179,7 @@ impl Batch {
 
     /// Writes the first `count` nodes, at most a batch, and forgets them; the places left.
     #[inline(always)]
-    fn write<'o, W: NodeWriter>(
-        &mut self,
-        count: usize,
-        writer: &W,
-        out: &'o mut [W::Record],
-    ) -> &'o mut [W::Record] {
+    fn write<'o, W: NodeWriter>(&mut self, count: usize, writer: &W, out: &'o mut [W::Record]) -> &'o mut [W::Record] {
         let (now, left) = out.split_at_mut(count);
         if count == 0 {
             return left;
@@ -238,9 +227,7 @@ mod tests {
     #[test]
     fn every_node_of_any_ranges_in_order_and_by_any_number_of_threads() {
         // A ramp of 40,000 points along a diagonal that gets sparser: cells of all sizes.
-        let positions: Vec<Vec3> = (0..40_000)
-            .map(|i| Vec3::splat(i as f32 * (4e4 + i as f32)))
-            .collect();
+        let positions: Vec<Vec3> = (0..40_000).map(|i| Vec3::splat(i as f32 * (4e4 + i as f32))).collect();
         let cube = Cube::around(&positions).unwrap();
         let points = SortedPoints::new(&cube, &positions, &vec![[0; 4]; positions.len()]);
         let level_6: Vec<usize> = (0..40_000)
@@ -265,8 +252,7 @@ mod tests {
             for range in ranges {
                 let mut first = range.points.start;
                 for point in range.points.start + 1..=range.points.end {
-                    let is_end = point == range.points.end
-                        || u32::from(points.partings[point]) <= range.level;
+                    let is_end = point == range.points.end || u32::from(points.partings[point]) <= range.level;
                     if is_end {
                         expected.push([first as u32, point as u32, range.level]);
                         first = point;

@@ -21,9 +21,7 @@ impl Kernel {
     pub(super) fn normalized(radius_px: usize, weight: impl Fn(f64) -> f64) -> Self {
         let raw = |radius: usize| -> Vec<f64> {
             let radius = radius as i32;
-            (-radius..=radius)
-                .map(|offset| weight(f64::from(offset)))
-                .collect()
+            (-radius..=radius).map(|offset| weight(f64::from(offset))).collect()
         };
         let all = raw(radius_px);
         let largest = all.iter().copied().map(f64::abs).fold(0.0, f64::max);
@@ -32,24 +30,13 @@ impl Kernel {
                 .into_iter()
                 .any(|end| raw(radius)[end].abs() > NEGLIGIBLE * largest)
         };
-        let radius = (1..=radius_px)
-            .rev()
-            .find(|&radius| matters(radius))
-            .unwrap_or(0);
+        let radius = (1..=radius_px).rev().find(|&radius| matters(radius)).unwrap_or(0);
         let kept = raw(radius);
-        let sum_of = |sign: f64| {
-            kept.iter()
-                .map(|weight| (weight * sign).max(0.0))
-                .sum::<f64>()
-        };
+        let sum_of = |sign: f64| kept.iter().map(|weight| (weight * sign).max(0.0)).sum::<f64>();
         let [positive, negative] = [sum_of(1.0), sum_of(-1.0)];
         let weights = kept.into_iter().map(|weight| {
             let sum = if weight > 0.0 { positive } else { negative };
-            if weight == 0.0 {
-                0.0
-            } else {
-                (weight / sum) as f32
-            }
+            if weight == 0.0 { 0.0 } else { (weight / sum) as f32 }
         });
         Self {
             weights: weights.collect(),

@@ -33,11 +33,7 @@ pub const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
 
 /// Terms `a`, `b` of the contrast sensitivities, Σ a √(π/b) exp(−π² x²/b) with x in degrees (Table 1 of the paper):
 /// luminance, red-green, blue-yellow.
-const SENSITIVITIES: [&[[f64; 2]]; 3] = [
-    &[[1.0, 0.0047]],
-    &[[1.0, 0.0053]],
-    &[[34.1, 0.04], [13.5, 0.025]],
-];
+const SENSITIVITIES: [&[[f64; 2]]; 3] = [&[[1.0, 0.0047]], &[[1.0, 0.0053]], &[[34.1, 0.04], [13.5, 0.025]]];
 
 /// The largest `b` of [`SENSITIVITIES`].
 const WIDEST: f64 = 0.04;
@@ -150,8 +146,7 @@ impl Perceived {
 
 /// Blurs each channel by its contrast sensitivity; colours that no monitor shows are moved to the nearest that it does.
 fn blurred_colors(ycxcz: &[Plane; 3], pixels_per_degree: f64) -> Vec<Vec3> {
-    let radius_px =
-        (CUT_OFF * (WIDEST / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as usize;
+    let radius_px = (CUT_OFF * (WIDEST / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as usize;
     let blurred: Vec<Plane> = ycxcz
         .iter()
         .zip(SENSITIVITIES)
@@ -209,25 +204,14 @@ fn features(luminance: &Plane, pixels_per_degree: f64) -> Vec<[f32; 2]> {
     let point = Kernel::normalized(radius_px, |x| ((x / sigma_px).powi(2) - 1.0) * gaussian(x));
     let luminance = Plane {
         width: luminance.width,
-        values: luminance
-            .values
-            .iter()
-            .map(|y| (y + 16.0) / 116.0)
-            .collect(),
+        values: luminance.values.iter().map(|y| (y + 16.0) / 116.0).collect(),
     };
     let strength = |kernel: &Kernel| {
         let along_x = luminance.filtered(kernel, &smooth);
         let along_y = luminance.filtered(&smooth, kernel);
-        along_x
-            .values
-            .into_iter()
-            .zip(along_y.values)
-            .map(|(x, y)| x.hypot(y))
+        along_x.values.into_iter().zip(along_y.values).map(|(x, y)| x.hypot(y))
     };
-    strength(&edge)
-        .zip(strength(&point))
-        .map(<[f32; 2]>::from)
-        .collect()
+    strength(&edge).zip(strength(&point)).map(<[f32; 2]>::from).collect()
 }
 
 /// The distance of green and blue, which no two other colours of a monitor exceed.
@@ -247,9 +231,7 @@ fn color_error(reference: Vec3, test: Vec3, largest: f32) -> f32 {
 
 fn feature_error(reference: [f32; 2], test: [f32; 2]) -> f32 {
     let [edge, point] = [0, 1].map(|feature| (reference[feature] - test[feature]).abs());
-    (edge.max(point) / 2f32.sqrt())
-        .powf(FEATURE_EXPONENT)
-        .min(1.0)
+    (edge.max(point) / 2f32.sqrt()).powf(FEATURE_EXPONENT).min(1.0)
 }
 
 #[cfg(test)]

@@ -30,11 +30,7 @@ fn disk(center_x: u32) -> RgbaImage {
 fn noise(shift: u32) -> RgbaImage {
     picture(|x, y| {
         let x = x + shift;
-        [
-            x * 37 + y * 101 + x * y * 13,
-            x * x * 5 + y * 59,
-            x * 83 + y * y * 7,
-        ]
+        [x * 37 + y * 101 + x * y * 13, x * x * 5 + y * 59, x * 83 + y * y * 7]
     })
 }
 
@@ -47,8 +43,7 @@ fn error_of(reference: &RgbaImage, test: &RgbaImage, pixels_per_degree: f64) -> 
 /// `flip-evaluator` 1.7, `evaluate(reference, test, "LDR", applyMagma=False)`) at 67.02064 and 20 pixels a degree.
 #[test]
 fn errors_are_those_of_the_authors_evaluator() {
-    let gradient =
-        |brighter: u32| picture(|x, y| [(4 * x + brighter).min(255), 5 * y, 255 - 4 * x]);
+    let gradient = |brighter: u32| picture(|x, y| [(4 * x + brighter).min(255), 5 * y, 255 - 4 * x]);
     let checks = picture(|x, y| [if (x / 2 + y / 2) % 2 == 0 { 200 } else { 60 }; 3]);
     let line = picture(|x, _| [if x == 20 { 255 } else { 0 }; 3]);
     let [black, white] = [0, 255].map(|value| solid([value; 3]));
@@ -80,13 +75,7 @@ fn errors_are_those_of_the_authors_evaluator() {
         for (pixels_per_degree, expected) in [(PIXELS_PER_DEGREE, near), (20.0, far)] {
             let map = error_of(&reference, &test, pixels_per_degree);
             let at = |x: usize, y: usize| f64::from(map.errors[y * SIZE_PX[0] as usize + x]);
-            let found = [
-                map.mean(),
-                f64::from(map.max()),
-                at(20, 24),
-                at(0, 0),
-                at(63, 47),
-            ];
+            let found = [map.mean(), f64::from(map.max()), at(20, 24), at(0, 0), at(63, 47)];
             for (found, expected) in found.into_iter().zip(expected) {
                 // Both compute in f32; theirs has 0.967 365 for the mean of black against white, which is 0.967 387 at
                 // every pixel.
@@ -114,14 +103,9 @@ fn a_larger_difference_is_a_larger_error() {
         .map(|value| flip(&gray(100), &gray(value)).unwrap().mean())
         .into();
     assert!(means.windows(2).all(|pair| pair[0] < pair[1]), "{means:?}");
-    assert!(
-        means.iter().all(|mean| (0.0..=1.0).contains(mean)),
-        "{means:?}"
-    );
+    assert!(means.iter().all(|mean| (0.0..=1.0).contains(mean)), "{means:?}");
     // An edge that moves farther.
-    let moved: Vec<f64> = (30..36)
-        .map(|x| flip(&disk(30), &disk(x)).unwrap().mean())
-        .collect();
+    let moved: Vec<f64> = (30..36).map(|x| flip(&disk(30), &disk(x)).unwrap().mean()).collect();
     assert!(moved.windows(2).all(|pair| pair[0] < pair[1]), "{moved:?}");
 }
 
@@ -150,14 +134,12 @@ fn a_part_of_the_picture_can_be_asked_for() {
 #[test]
 fn odd_sizes_are_defined() {
     for size in [[0, 0], [1, 1], [1, 9], [5, 1]] {
-        let [black, white] = [0, 255]
-            .map(|value| RgbaImage::from_pixel(size[0], size[1], Rgba([value, value, value, 255])));
+        let [black, white] =
+            [0, 255].map(|value| RgbaImage::from_pixel(size[0], size[1], Rgba([value, value, value, 255])));
         let map = flip(&black, &white).unwrap();
         assert_eq!(map.errors.len(), (size[0] * size[1]) as usize);
         assert!(
-            map.errors
-                .iter()
-                .all(|error| (error - 0.967_4).abs() < 1e-3),
+            map.errors.iter().all(|error| (error - 0.967_4).abs() < 1e-3),
             "{size:?}"
         );
     }
@@ -168,10 +150,7 @@ fn odd_sizes_are_defined() {
 #[test]
 fn threads_do_not_change_a_bit() {
     let [reference, test] = [noise(0), noise(1)];
-    let one = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .unwrap();
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let alone = one.install(|| flip(&reference, &test).unwrap());
     assert_eq!(flip(&reference, &test).unwrap(), alone);
 }

@@ -121,11 +121,7 @@ impl GeometryError {
     ///
     /// `normals` are those of the reference's points, of any length and pointing to the same side where they are near
     /// to each other; one that is zero or not finite counts as none.
-    pub fn of(
-        reference: &[Vec3],
-        normals: Option<&[Vec3]>,
-        test: &[Vec3],
-    ) -> Result<Self, CloudMismatch> {
+    pub fn of(reference: &[Vec3], normals: Option<&[Vec3]>, test: &[Vec3]) -> Result<Self, CloudMismatch> {
         check(Side::Reference, reference)?;
         check(Side::Test, test)?;
         let ways = Ways {
@@ -195,10 +191,7 @@ impl Ways<'_> {
     }
 
     fn point_to_plane(&self, normals: &[Vec3]) -> Distances {
-        let of_reference: Vec<Option<DVec3>> = normals
-            .iter()
-            .map(|normal| normal.as_dvec3().try_normalize())
-            .collect();
+        let of_reference: Vec<Option<DVec3>> = normals.iter().map(|normal| normal.as_dvec3().try_normalize()).collect();
         let of_test = self.normals_of_test(&of_reference);
         self.distances(|target, way| {
             let normal = match target {

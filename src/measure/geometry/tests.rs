@@ -65,10 +65,7 @@ fn an_outlier_is_seen_from_the_test_and_a_hole_from_the_reference() {
     };
     assert_eq!(found.from_reference, both([0.0, 0.0]).from_reference);
     assert_eq!(found.from_test, expected);
-    assert_eq!(
-        (found.mean_squared(), found.hausdorff()),
-        (100.0 / 401.0, 10.0)
-    );
+    assert_eq!((found.mean_squared(), found.hausdorff()), (100.0 / 401.0, 10.0));
 
     let row: Vec<Vec3> = (0..10).map(|x| Vec3::X * x as f32).collect();
     let error = GeometryError::of(&row, None, &row[..7]).unwrap();
@@ -113,10 +110,7 @@ fn what_cannot_be_compared_is_said() {
 
 #[test]
 fn numbers_at_the_ends_of_their_range_make_no_nan() {
-    for [a, b] in [
-        [Vec3::MAX, Vec3::MIN],
-        [Vec3::splat(f32::MIN_POSITIVE), Vec3::ZERO],
-    ] {
+    for [a, b] in [[Vec3::MAX, Vec3::MIN], [Vec3::splat(f32::MIN_POSITIVE), Vec3::ZERO]] {
         let error = GeometryError::of(&[a], Some(&[Vec3::splat(1.0e-40)]), &[b]).unwrap();
         for found in [error.point_to_point, error.point_to_plane.unwrap()] {
             assert!(found.mean_squared() > 0.0 && found.mean_squared().is_finite());
@@ -135,8 +129,7 @@ fn threads_do_not_change_a_bit() {
         let [x, y] = [(i % 150) as f32 * 0.07, (i / 150) as f32 * 0.09];
         Vec3::new(x + by, y, (x * 1.3).sin() + by * y)
     };
-    let [reference, test]: [Vec<Vec3>; 2] =
-        [0.0, 0.013].map(|by| (0..20_000).map(|i| wave(i, by)).collect());
+    let [reference, test]: [Vec<Vec3>; 2] = [0.0, 0.013].map(|by| (0..20_000).map(|i| wave(i, by)).collect());
     let normals = vec![Vec3::new(0.2, 0.1, 0.9); reference.len()];
     let compare = || GeometryError::of(&reference, Some(&normals), &test).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
@@ -147,13 +140,12 @@ fn threads_do_not_change_a_bit() {
 fn all_pairs(from: &[Vec3], to: &[Vec3]) -> Vec<usize> {
     let nearest = |&place: &Vec3| {
         let distance = |index: usize| place.as_dvec3().distance_squared(to[index].as_dvec3());
-        (0..to.len()).fold(0, |best, index| {
-            if distance(index) < distance(best) {
-                index
-            } else {
-                best
-            }
-        })
+        (0..to.len()).fold(
+            0,
+            |best, index| {
+                if distance(index) < distance(best) { index } else { best }
+            },
+        )
     };
     from.iter().map(nearest).collect()
 }

@@ -61,20 +61,11 @@ impl Blocks {
             .with_min_len(BLOCKS_PER_TASK)
             .map(block)
             .collect();
-        Self {
-            boxes,
-            record_count,
-        }
+        Self { boxes, record_count }
     }
 
     /// The blocks of every tile, if records reach `scale` times as far, and a number of pixels further.
-    pub(super) fn by_tile(
-        &self,
-        view: &PixelView,
-        tiles: Tiles,
-        scale: f32,
-        margin_px: f32,
-    ) -> TileLists {
+    pub(super) fn by_tile(&self, view: &PixelView, tiles: Tiles, scale: f32, margin_px: f32) -> TileLists {
         let covered: Vec<[Range<usize>; 2]> = self
             .boxes
             .par_iter()

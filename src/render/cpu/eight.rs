@@ -118,11 +118,7 @@ pub(super) fn lane_numbers<S: Simd>(simd: S) -> f32x8<S> {
 impl PixelView {
     /// As [`PixelView::offset_from_eye`].
     #[inline(always)]
-    pub(super) fn offsets_from_eye<S: Simd>(
-        &self,
-        simd: S,
-        [x, y, z]: [f32x8<S>; 3],
-    ) -> Vectors<S> {
+    pub(super) fn offsets_from_eye<S: Simd>(&self, simd: S, [x, y, z]: [f32x8<S>; 3]) -> Vectors<S> {
         let [high, low] = self.eye();
         Vectors { x, y, z }
             .minus(Vectors::splat(simd, high))
@@ -153,8 +149,7 @@ pub(super) struct Pyramid {
 impl Pyramid {
     pub(super) fn of(view: &PixelView, rect: PixelRect) -> Self {
         // The middles of pixels, where things are drawn, are half a pixel inside: more than rounding can do.
-        let slope =
-            |axis: usize, px: i32| (px as f32 - view.middle_px[axis]) / view.px_per_slope[axis];
+        let slope = |axis: usize, px: i32| (px as f32 - view.middle_px[axis]) / view.px_per_slope[axis];
         let [left, right] = [rect.start, rect.end].map(|corner| slope(0, corner[0]));
         let [top, bottom] = [rect.start, rect.end].map(|corner| slope(1, corner[1]));
         Self {
@@ -172,12 +167,7 @@ impl Pyramid {
     /// Whether something within these distances of points in view space may be seen. Of the records of a block, which
     /// is drawn by every tile that the block may touch, most touch one.
     #[inline(always)]
-    pub(super) fn may_touch<S: Simd>(
-        &self,
-        simd: S,
-        centers: Vectors<S>,
-        distances: f32x8<S>,
-    ) -> mask32x8<S> {
+    pub(super) fn may_touch<S: Simd>(&self, simd: S, centers: Vectors<S>, distances: f32x8<S>) -> mask32x8<S> {
         let [left, right, top, bottom] = self.sides;
         let (x, y, z) = (centers.x, centers.y, centers.z);
         let beside = |side: Vec3| x.mul_add(side.x, z * side.z);

@@ -21,12 +21,7 @@ pub(super) struct EyeDome<'a> {
 impl<'a> EyeDome<'a> {
     /// Of the row `y` of reversed depths.
     #[inline(always)]
-    pub(super) fn of_row(
-        light: &'a EyeDomeLight,
-        [width, height]: [usize; 2],
-        depths: &'a [f32],
-        y: usize,
-    ) -> Self {
+    pub(super) fn of_row(light: &'a EyeDomeLight, [width, height]: [usize; 2], depths: &'a [f32], y: usize) -> Self {
         let row = |y: usize| {
             let y = y.min(height - 1);
             &depths[width * y..width * (y + 1)]
@@ -71,11 +66,7 @@ impl<'a> EyeDome<'a> {
     }
 
     #[inline(always)]
-    fn shades_of<S: Simd>(
-        &self,
-        simd: S,
-        depths_at: impl Fn(&[f32], isize) -> f32x8<S>,
-    ) -> Option<f32x8<S>> {
+    fn shades_of<S: Simd>(&self, simd: S, depths_at: impl Fn(&[f32], isize) -> f32x8<S>) -> Option<f32x8<S>> {
         let nothing = f32x8::splat(simd, 0.0);
         let own = depths_at(self.row, 0);
         let is_drawn = own.simd_gt(nothing);
@@ -90,20 +81,8 @@ impl<'a> EyeDome<'a> {
         let aslant = [per_depth * gain_aslant, f32x8::splat(simd, gain_aslant)];
         let most = f32x8::splat(simd, light.most);
         let mut sums = [nothing; 2];
-        add(
-            simd,
-            &mut sums,
-            depths_at(self.row, -straight),
-            in_line,
-            most,
-        );
-        add(
-            simd,
-            &mut sums,
-            depths_at(self.row, straight),
-            in_line,
-            most,
-        );
+        add(simd, &mut sums, depths_at(self.row, -straight), in_line, most);
+        add(simd, &mut sums, depths_at(self.row, straight), in_line, most);
         for row in self.straight {
             add(simd, &mut sums, depths_at(row, 0), in_line, most);
         }
@@ -157,27 +136,13 @@ mod tests {
     use proptest::prelude::*;
 
     /// Sums up what the doc of [`EyeDomeLight`] says, pixel by pixel.
-    fn by_definition(
-        light: &EyeDomeLight,
-        [width, height]: [usize; 2],
-        depths: &[f32],
-        [x, y]: [usize; 2],
-    ) -> f32 {
+    fn by_definition(light: &EyeDomeLight, [width, height]: [usize; 2], depths: &[f32], [x, y]: [usize; 2]) -> f32 {
         let own = depths[width * y + x];
         if own == 0.0 {
             return 1.0;
         }
         let (mut steps, mut outside) = (0.0, 0.0);
-        for (right, down) in [
-            (-1, 0),
-            (1, 0),
-            (0, -1),
-            (0, 1),
-            (-1, -1),
-            (-1, 1),
-            (1, -1),
-            (1, 1),
-        ] {
+        for (right, down) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (-1, 1), (1, -1), (1, 1)] {
             let way = usize::from(right != 0 && down != 0);
             let reach = light.reach_px[way] as i32;
             let x = (x as i32 + right * reach).clamp(0, width as i32 - 1) as usize;

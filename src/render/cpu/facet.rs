@@ -89,12 +89,7 @@ impl Facets {
     ///
     /// A function of its own for the sake of the compiler; its registers go through memory once for eight patches.
     #[inline(never)]
-    pub(super) fn new<S: Simd>(
-        simd: S,
-        canvas: &Canvas<'_>,
-        patches: &Patches<S>,
-        are_asked: mask32x8<S>,
-    ) -> Self {
+    pub(super) fn new<S: Simd>(simd: S, canvas: &Canvas<'_>, patches: &Patches<S>, are_asked: mask32x8<S>) -> Self {
         simd.vectorize(
             #[inline(always)]
             || Self::inlined(simd, canvas, patches, are_asked),
@@ -102,12 +97,7 @@ impl Facets {
     }
 
     #[inline(always)]
-    fn inlined<S: Simd>(
-        simd: S,
-        canvas: &Canvas<'_>,
-        patches: &Patches<S>,
-        are_asked: mask32x8<S>,
-    ) -> Self {
+    fn inlined<S: Simd>(simd: S, canvas: &Canvas<'_>, patches: &Patches<S>, are_asked: mask32x8<S>) -> Self {
         let view = canvas.view;
         let zero = f32x8::splat(simd, 0.0);
         // Sizes are relative to the distance, so that products of small or large numbers are numbers.
@@ -122,9 +112,8 @@ impl Facets {
         let (p, q, w) = (v.cross(c), c.cross(u), normal);
         let depth_per_w = view.near * per_scale / determinant.abs();
         // Not where the determinant is 0, or no number.
-        let mut are_seen = are_asked
-            & depth_per_w.simd_lt(f32x8::splat(simd, f32::INFINITY))
-            & normal_length.simd_gt(zero);
+        let mut are_seen =
+            are_asked & depth_per_w.simd_lt(f32x8::splat(simd, f32::INFINITY)) & normal_length.simd_gt(zero);
         if canvas.cull_back_faces {
             are_seen &= determinant.simd_le(zero);
         }
@@ -133,15 +122,9 @@ impl Facets {
         let [left, top, right, bottom] = bounds;
         are_seen &= left.simd_lt(right) & top.simd_lt(bottom);
         let [p, q, w] = [p.times(sign), q.times(sign), w.times(sign)];
-        let [p, q, w] = [
-            along_rays(view, p),
-            along_rays(view, q),
-            along_rays(view, w),
-        ];
+        let [p, q, w] = [along_rays(view, p), along_rays(view, q), along_rays(view, w)];
         Self {
-            functions: [
-                *p[0], *p[1], *p[2], *q[0], *q[1], *q[2], *w[0], *w[1], *w[2],
-            ],
+            functions: [*p[0], *p[1], *p[2], *q[0], *q[1], *q[2], *w[0], *w[1], *w[2]],
             depth_per_w: *depth_per_w,
             normal_length: *normal_length,
             bounds: [
@@ -197,10 +180,7 @@ fn bounds<S: Simd>(
     near: f32x8<S>,
 ) -> [f32x8<S>; 4] {
     let Canvas {
-        view,
-        clip,
-        outline,
-        ..
+        view, clip, outline, ..
     } = *canvas;
     let zero = f32x8::splat(simd, 0.0);
     // Half the depth of a parallelogram; that of a disk is less.
@@ -270,11 +250,7 @@ fn pixels_between<S: Simd>(
 impl Facet {
     /// One patch by its center and its half edges.
     #[inline(always)]
-    pub(super) fn of_patch<S: Simd>(
-        simd: S,
-        canvas: &Canvas<'_>,
-        [center, u, v]: [Vec3; 3],
-    ) -> Option<Self> {
+    pub(super) fn of_patch<S: Simd>(simd: S, canvas: &Canvas<'_>, [center, u, v]: [Vec3; 3]) -> Option<Self> {
         let patches = Patches {
             centers: Vectors::splat(simd, center),
             u: Vectors::splat(simd, u),
@@ -314,8 +290,7 @@ mod tests {
     fn meets(patch: &Patch, view: &PixelView, x: i32, y: i32) -> Option<([f64; 2], f64)> {
         let [c, u, v] = [patch.center, patch.u, patch.v].map(Vec3::as_dvec3);
         let slope = |axis: usize, px: i32| {
-            (f64::from(px) + 0.5 - f64::from(view.middle_px[axis]))
-                / f64::from(view.px_per_slope[axis])
+            (f64::from(px) + 0.5 - f64::from(view.middle_px[axis])) / f64::from(view.px_per_slope[axis])
         };
         let ray = glam::DVec3::new(slope(0, x), slope(1, y), -1.0);
         let solution = glam::DMat3::from_cols(u, v, -ray).inverse() * -c;

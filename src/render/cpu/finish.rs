@@ -75,16 +75,12 @@ impl Tile {
             // What is drawn is covered by depths.
             Held::SolidColors => {
                 clear(&mut self.depth, PIXELS);
-                self.colors
-                    .iter_mut()
-                    .for_each(|color| color.resize(PIXELS, 0.0));
+                self.colors.iter_mut().for_each(|color| color.resize(PIXELS, 0.0));
             }
             Held::Sums => {
                 clear(&mut self.depth, PIXELS);
                 clear(&mut self.weight, PIXELS);
-                self.colors
-                    .iter_mut()
-                    .for_each(|color| clear(color, PIXELS));
+                self.colors.iter_mut().for_each(|color| clear(color, PIXELS));
             }
             Held::BlendedColors => {
                 clear(&mut self.depth, PIXELS);
@@ -111,9 +107,7 @@ impl Tile {
         gradient: &Gradient,
         rows: &mut Rows<'_>,
     ) {
-        let clip = self
-            .rect()
-            .intersection(PixelRect::of_picture(view.size_px));
+        let clip = self.rect().intersection(PixelRect::of_picture(view.size_px));
         let width_px = view.size_px[0] as usize;
         let columns = clip.start[0] as usize..clip.end[0] as usize;
         for (row, y) in (clip.start[1]..clip.end[1]).enumerate() {
@@ -172,29 +166,17 @@ impl Tile {
     }
 
     #[inline(always)]
-    fn finish_row<S: Simd>(
-        &self,
-        simd: S,
-        row: usize,
-        held: Held,
-        background: [f32; 3],
-        pixels: &mut [[u8; 4]],
-    ) {
+    fn finish_row<S: Simd>(&self, simd: S, row: usize, held: Held, background: [f32; 3], pixels: &mut [[u8; 4]]) {
         // Nothing here may go through `map` or `from_fn`: see `raster.rs`.
         let splat = |value: f32| f32x8::splat(simd, value);
         let [red, green, blue] = background;
         let background = [splat(red), splat(green), splat(blue)];
         let first = WIDTH * row;
-        let values = |values: &[f32], place: usize| {
-            f32x8::from_slice(simd, &values[first + place..first + place + LANES])
-        };
+        let values =
+            |values: &[f32], place: usize| f32x8::from_slice(simd, &values[first + place..first + place + LANES]);
         let colors = |place: usize| {
             let [red, green, blue] = &self.colors;
-            [
-                values(red, place),
-                values(green, place),
-                values(blue, place),
-            ]
+            [values(red, place), values(green, place), values(blue, place)]
         };
         match held {
             Held::Keys => {
@@ -246,12 +228,7 @@ fn write<S: Simd>(simd: S, pixels: &mut [[u8; 4]], mut colors: impl FnMut(usize)
 }
 
 #[inline(always)]
-fn select<S: Simd>(
-    simd: S,
-    mask: mask32x8<S>,
-    yes: [f32x8<S>; 3],
-    no: [f32x8<S>; 3],
-) -> [f32x8<S>; 3] {
+fn select<S: Simd>(simd: S, mask: mask32x8<S>, yes: [f32x8<S>; 3], no: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
     [
         simd.select_f32x8(mask, yes[0], no[0]),
         simd.select_f32x8(mask, yes[1], no[1]),

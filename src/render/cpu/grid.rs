@@ -4,9 +4,7 @@ use super::eight::{Vectors, lane_numbers};
 use super::pixels::{make_opaque, pack, unpacked};
 use super::tile::LANES;
 use super::view::PixelView;
-use crate::render::constants::{
-    COARSE_LINES, FINE_LINES, NARROWEST_CELL_PX, USUAL_LINES, WIDEST_CELL_PX,
-};
+use crate::render::constants::{COARSE_LINES, FINE_LINES, NARROWEST_CELL_PX, USUAL_LINES, WIDEST_CELL_PX};
 use crate::scene::SeenGround;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use glam::Vec3;
@@ -24,13 +22,7 @@ impl Grid {
 
     /// Lays lines over a row of the picture, where nothing is before them, and makes it opaque.
     #[inline(always)]
-    pub(super) fn draw_row<S: Simd>(
-        &self,
-        simd: S,
-        y: usize,
-        depths: &[f32],
-        pixels: &mut [[u8; 4]],
-    ) {
+    pub(super) fn draw_row<S: Simd>(&self, simd: S, y: usize, depths: &[f32], pixels: &mut [[u8; 4]]) {
         let [line_red, line_green, line_blue] = self.ground.color;
         let nothing = f32x8::splat(simd, 0.0);
         for (chunk, pixels) in pixels.chunks_mut(LANES).enumerate() {
@@ -76,8 +68,7 @@ impl Grid {
         let away = first[0].mul_add(first[0], second[0] * second[0]).sqrt();
         let fading = (2.0 - away * (2.0 / ground.reach)).max(0.0).min(1.0);
         // Not along the plane, behind the eye or too near.
-        let is_seen =
-            distance.simd_gt(view.near) & per_facing.abs().simd_lt(1e6) & fading.simd_gt(0.0);
+        let is_seen = distance.simd_gt(view.near) & per_facing.abs().simd_lt(1e6) & fading.simd_gt(0.0);
         if !simd.any_true_mask32x8(is_seen) {
             return None;
         }
@@ -126,11 +117,7 @@ impl Coordinate {
 /// How much of eight pixels lines cover that cross a coordinate at multiples of a spacing times a factor, times an
 /// opacity.
 #[inline(always)]
-fn lines<S: Simd>(
-    [place, px_per_unit]: [f32x8<S>; 2],
-    spacing: f32,
-    (factor, opacity): (f32, f32),
-) -> f32x8<S> {
+fn lines<S: Simd>([place, px_per_unit]: [f32x8<S>; 2], spacing: f32, (factor, opacity): (f32, f32)) -> f32x8<S> {
     let spacing = spacing * factor;
     let cells = place * (1.0 / spacing);
     let cell_px = px_per_unit * spacing;

@@ -94,10 +94,7 @@ impl Renderer for CpuRenderer {
             let max = Self::MAX_EDGE_PX;
             return Err(RenderError::TooLarge { width, height, max });
         }
-        let is_kept = self
-            .blocks
-            .as_ref()
-            .is_some_and(|(of, _)| *of == packet.content);
+        let is_kept = self.blocks.as_ref().is_some_and(|(of, _)| *of == packet.content);
         if !is_kept {
             let blocks = Drawable::of(packet).blocks();
             self.blocks = Some((packet.content.clone(), blocks));
@@ -121,13 +118,11 @@ impl Renderer for CpuRenderer {
         }
         let screen = Screen::of(packet);
         let pixels = self.image.len() / 4;
-        self.depths
-            .resize(if screen.is_some() { pixels } else { 0 }, 0.0);
+        self.depths.resize(if screen.is_some() { pixels } else { 0 }, 0.0);
         let bytes = bands_of(packet, &mut self.image, 4);
         let bands: Vec<Rows<'_>> = if screen.is_some() {
             let both = bytes.zip(bands_of(packet, &mut self.depths, 1));
-            both.map(|(bytes, depths)| Rows::Unfinished { bytes, depths })
-                .collect()
+            both.map(|(bytes, depths)| Rows::Unfinished { bytes, depths }).collect()
         } else {
             bytes.map(Rows::Bytes).collect()
         };

@@ -12,8 +12,7 @@ pub(super) fn oct_decode_each<S: Simd>(simd: S, packed: f32x8<S>) -> Vectors<S> 
     let (x, y) = (unit(packed << 16), unit(packed));
     let z = 1.0 - x.abs() - y.abs();
     let is_folded = z.simd_lt(splat(0.0));
-    let one_like =
-        |value: f32x8<S>| simd.select_f32x8(value.simd_ge(splat(0.0)), splat(1.0), splat(-1.0));
+    let one_like = |value: f32x8<S>| simd.select_f32x8(value.simd_ge(splat(0.0)), splat(1.0), splat(-1.0));
     let folded = Vectors {
         x: simd.select_f32x8(is_folded, (1.0 - y.abs()) * one_like(x), x),
         y: simd.select_f32x8(is_folded, (1.0 - x.abs()) * one_like(y), y),

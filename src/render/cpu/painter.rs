@@ -14,14 +14,7 @@ pub(super) trait InTiles: Sync {
     type Scratch: Default;
 
     /// Draws what touches the tile of this number, within `clip`. The tile is cleared already.
-    fn draw<S: Simd>(
-        &self,
-        simd: S,
-        tile: &mut Tile,
-        clip: PixelRect,
-        number: usize,
-        scratch: &mut Self::Scratch,
-    );
+    fn draw<S: Simd>(&self, simd: S, tile: &mut Tile, clip: PixelRect, number: usize, scratch: &mut Self::Scratch);
 }
 
 /// What all tiles of a picture share.

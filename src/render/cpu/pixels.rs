@@ -11,9 +11,7 @@ pub(super) const OPAQUE_ALPHA: u32 = 0xff00_0000;
 pub(super) fn opaque<S: Simd>(simd: S, colors: [f32x8<S>; 3]) -> u32x8<S> {
     let byte = |channel: f32x8<S>| {
         let scaled = channel.mul_add(f32x8::splat(simd, 255.0), f32x8::splat(simd, 0.5));
-        let within = scaled
-            .max(f32x8::splat(simd, 0.0))
-            .min(f32x8::splat(simd, 255.0));
+        let within = scaled.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 255.0));
         simd.reinterpret_u32_i32x8(simd.cvt_i32_f32x8(within))
     };
     let [red, green, blue] = colors;

@@ -22,12 +22,7 @@ pub(super) struct Fragments<S: Simd> {
 /// Closures that take registers say that they are to be inlined: the functions of this file are used by disks and by
 /// byte codes, and what is used twice is compiled by itself otherwise, for the least of processors.
 #[inline(always)]
-fn for_each<S: Simd>(
-    simd: S,
-    tile_rect: PixelRect,
-    facet: &Facet,
-    mut visit: impl FnMut(usize, &Fragments<S>),
-) {
+fn for_each<S: Simd>(simd: S, tile_rect: PixelRect, facet: &Facet, mut visit: impl FnMut(usize, &Fragments<S>)) {
     let rect = facet.bounds.intersection(tile_rect);
     let [tile_x, tile_y] = tile_rect.start;
     let first_x = rect.start[0] - (rect.start[0] - tile_x) % LANES as i32;
@@ -105,8 +100,7 @@ pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_
             let depths = fragments.depths(simd, depth_per_w);
             // Behind the eye depths are negative, and less than what is there.
             let drawn = fragments.are_inside(Outline::Disk) & are_beyond_near(simd, depths);
-            let nearest =
-                load(simd, &tile.depth, at).max(simd.select_f32x8(drawn, depths, nothing));
+            let nearest = load(simd, &tile.depth, at).max(simd.select_f32x8(drawn, depths, nothing));
             store(nearest, &mut tile.depth, at);
         },
     );
@@ -132,11 +126,7 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
             let weight = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
             let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
             for (channel, sums) in tile.colors.iter_mut().enumerate() {
-                store(
-                    colors[channel].mul_add(weight, load(simd, sums, at)),
-                    sums,
-                    at,
-                );
+                store(colors[channel].mul_add(weight, load(simd, sums, at)), sums, at);
             }
             store(load(simd, &tile.weight, at) + weight, &mut tile.weight, at);
         },
@@ -145,13 +135,7 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
 
 /// Lays a splat over what is there, with its mask as opacity. Where depth counts, its corners hide what is behind them.
 #[inline(always)]
-pub(super) fn over<S: Simd>(
-    simd: S,
-    tile: &mut Tile,
-    facet: &Facet,
-    shading: &Shading,
-    with_depth: bool,
-) {
+pub(super) fn over<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, with_depth: bool) {
     let nothing = f32x8::splat(simd, 0.0);
     for_each(
         simd,
@@ -160,16 +144,11 @@ pub(super) fn over<S: Simd>(
         #[inline(always)]
         |at, fragments| {
             let depths = fragments.depths(simd, facet.depth_per_w);
-            let mut drawn =
-                fragments.are_inside(Outline::Parallelogram) & are_beyond_near(simd, depths);
+            let mut drawn = fragments.are_inside(Outline::Parallelogram) & are_beyond_near(simd, depths);
             if with_depth {
                 let before = load(simd, &tile.depth, at);
                 drawn &= depths.simd_ge(before);
-                store(
-                    simd.select_f32x8(drawn, depths, before),
-                    &mut tile.depth,
-                    at,
-                );
+                store(simd.select_f32x8(drawn, depths, before), &mut tile.depth, at);
             }
             drawn &= fragments.are_inside(Outline::Disk);
             if !simd.any_true_mask32x8(drawn) {
@@ -196,17 +175,12 @@ pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &
         |at, fragments| {
             let depths = fragments.depths(simd, facet.depth_per_w);
             let before = load(simd, &tile.depth, at);
-            let drawn = fragments.are_inside(Outline::Parallelogram)
-                & are_beyond_near(simd, depths)
-                & depths.simd_ge(before);
+            let drawn =
+                fragments.are_inside(Outline::Parallelogram) & are_beyond_near(simd, depths) & depths.simd_ge(before);
             if !simd.any_true_mask32x8(drawn) {
                 return;
             }
-            store(
-                simd.select_f32x8(drawn, depths, before),
-                &mut tile.depth,
-                at,
-            );
+            store(simd.select_f32x8(drawn, depths, before), &mut tile.depth, at);
             let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
             for (channel, below) in tile.colors.iter_mut().enumerate() {
                 let there = load(simd, below, at);

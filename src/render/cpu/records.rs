@@ -35,12 +35,7 @@ pub(super) trait Records: Placed {
 }
 
 /// Draws records in blocks; how many were handed to tiles.
-pub(super) fn draw<R: Records>(
-    records: &R,
-    blocks: &Blocks,
-    packet: &ScenePacket,
-    bands: Vec<Rows<'_>>,
-) -> u64 {
+pub(super) fn draw<R: Records>(records: &R, blocks: &Blocks, packet: &ScenePacket, bands: Vec<Rows<'_>>) -> u64 {
     let held = records.held(packet);
     let painter = Painter::new(packet, held);
     let (scale, margin_px) = records.extent();
@@ -52,8 +47,7 @@ pub(super) fn draw<R: Records>(
             records,
             lists: &lists,
             view: &painter.view,
-            are_rays_measured: packet.settings.light.lighting == Lighting::PerFragment
-                && has_colors,
+            are_rays_measured: packet.settings.light.lighting == Lighting::PerFragment && has_colors,
         };
         painter.paint(&content, bands);
         lists.handed_out()
@@ -72,14 +66,7 @@ impl<R: Records> InTiles for InBlocks<'_, R> {
     type Scratch = R::Scratch;
 
     #[inline(always)]
-    fn draw<S: Simd>(
-        &self,
-        simd: S,
-        tile: &mut Tile,
-        clip: PixelRect,
-        number: usize,
-        scratch: &mut Self::Scratch,
-    ) {
+    fn draw<S: Simd>(&self, simd: S, tile: &mut Tile, clip: PixelRect, number: usize, scratch: &mut Self::Scratch) {
         let records = self.lists.records(number);
         if self.are_rays_measured && records.len() > 0 {
             simd.vectorize(
@@ -90,8 +77,7 @@ impl<R: Records> InTiles for InBlocks<'_, R> {
         simd.vectorize(
             #[inline(always)]
             || {
-                self.records
-                    .draw(simd, self.view, tile, clip, records, scratch);
+                self.records.draw(simd, self.view, tile, clip, records, scratch);
             },
         );
     }

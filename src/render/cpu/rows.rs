@@ -9,10 +9,7 @@ pub(super) enum Rows<'a> {
     Bytes(&'a mut [u8]),
     /// Of a picture that [`Screen`](super::screen::Screen) finishes: the fourth byte of a pixel is its opacity. And
     /// reversed depths.
-    Unfinished {
-        bytes: &'a mut [u8],
-        depths: &'a mut [f32],
-    },
+    Unfinished { bytes: &'a mut [u8], depths: &'a mut [f32] },
     /// Distances along the view axis.
     Distances(&'a mut [f32]),
 }

@@ -3,9 +3,7 @@
 use crate::scene::Lighting;
 use glam::Vec3;
 
-pub(super) use crate::render::constants::{
-    BACK_SIDE, HEAD_LIGHT_AMBIENT as AMBIENT, HEAD_LIGHT_SPECULAR as SPECULAR,
-};
+pub(super) use crate::render::constants::{BACK_SIDE, HEAD_LIGHT_AMBIENT as AMBIENT, HEAD_LIGHT_SPECULAR as SPECULAR};
 
 /// The colour of a patch and its light.
 #[derive(Debug, Clone, Copy)]

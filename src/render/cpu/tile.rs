@@ -38,9 +38,8 @@ impl Tiles {
         if rect.is_empty() {
             return [0..0, 0..0];
         }
-        let range = |axis: usize, edge: usize| {
-            rect.start[axis] as usize / edge..(rect.end[axis] as usize).div_ceil(edge)
-        };
+        let range =
+            |axis: usize, edge: usize| rect.start[axis] as usize / edge..(rect.end[axis] as usize).div_ceil(edge);
         [range(0, WIDTH), range(1, HEIGHT)]
     }
 }

@@ -63,10 +63,7 @@ impl PixelView {
     /// `vector · ray` as a function of pixels, where the ray through a pixel has z = −1.
     #[inline(always)]
     pub(super) fn along_rays(&self, vector: Vec3) -> Affine {
-        let per_px = [
-            vector.x / self.px_per_slope[0],
-            vector.y / self.px_per_slope[1],
-        ];
+        let per_px = [vector.x / self.px_per_slope[0], vector.y / self.px_per_slope[1]];
         Affine {
             per_px,
             at_origin: -vector.z - per_px[0] * self.middle_px[0] - per_px[1] * self.middle_px[1],
@@ -90,17 +87,10 @@ impl PixelView {
         }
         // Slopes are farthest from 0 at the nearest distance.
         let (low, high) = (center - half, center + half);
-        let widest =
-            |slope: f32, is_outwards: bool| slope / if is_outwards { nearest } else { farthest };
+        let widest = |slope: f32, is_outwards: bool| slope / if is_outwards { nearest } else { farthest };
         let low = Vec3::new(widest(low.x, low.x < 0.0), widest(low.y, low.y < 0.0), 0.0);
-        let high = Vec3::new(
-            widest(high.x, high.x > 0.0),
-            widest(high.y, high.y > 0.0),
-            0.0,
-        );
-        self.around_slopes(low, high)
-            .grown(margin_px)
-            .intersection(whole)
+        let high = Vec3::new(widest(high.x, high.x > 0.0), widest(high.y, high.y > 0.0), 0.0);
+        self.around_slopes(low, high).grown(margin_px).intersection(whole)
     }
 
     /// Whether all of a box, which may reach behind the eye, is beyond one of the sides of the picture.

@@ -69,8 +69,7 @@ impl Context {
         options: &ContextOptions,
     ) -> Result<Arc<Self>, RenderError> {
         let info = adapter.get_info();
-        let timestamps =
-            wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let timestamps = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
         let has_timestamps = adapter.features().contains(timestamps);
         // wgpu's own defaults (256 MiB a buffer) are below what adapters give.
         let limits = adapter.limits();
@@ -98,12 +97,7 @@ impl Context {
             }
         });
         device.on_uncaptured_error(Arc::new(|error| log::error!("graphics: {error}")));
-        log::info!(
-            "adapter {} ({:?}, {})",
-            info.name,
-            info.device_type,
-            info.driver_info
-        );
+        log::info!("adapter {} ({:?}, {})", info.name, info.device_type, info.driver_info);
         Ok(Arc::new(Self {
             instance,
             adapter,
@@ -121,9 +115,7 @@ impl Context {
     /// Fails when the device was lost since it was opened.
     pub fn check_alive(&self) -> Result<(), RenderError> {
         match &*lock(&self.lost) {
-            Some(reason) => Err(RenderError::DeviceLost {
-                reason: reason.clone(),
-            }),
+            Some(reason) => Err(RenderError::DeviceLost { reason: reason.clone() }),
             None => Ok(()),
         }
     }

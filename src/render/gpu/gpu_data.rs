@@ -3,9 +3,7 @@
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
 use crate::render::constants::DEPTH_SLACK_RADII;
-use crate::scene::{
-    Backdrop, EyeDomeLight, LightStyle, Lighting, ScenePacket, Splatting, Style, SurfelStyle,
-};
+use crate::scene::{Backdrop, EyeDomeLight, LightStyle, Lighting, ScenePacket, Splatting, Style, SurfelStyle};
 use bytemuck::{Pod, Zeroable};
 
 /// [`ViewUniform::lighting`] of surfaces that are lit; WGSL gets these numbers from here (`constants.rs`).
@@ -100,10 +98,7 @@ impl ViewUniform {
             background_bottom,
             depth_range: packet.depth_range(),
             point_size_px: packet.settings.points.size_px,
-            cube_half_edge: packet
-                .content
-                .voxels()
-                .map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
+            cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if one_pass { 0.0 } else { DEPTH_SLACK_RADII },
             lighting: match lighting {
                 Lighting::Unlit => LIGHTING_UNLIT,
@@ -120,16 +115,12 @@ impl ViewUniform {
             },
             ground_spacing: ground.map_or(1.0, |ground| ground.spacing),
             center_ndc: packet.view.center_ndc,
-            eye_dome_reach_px: eye_dome.map_or([0; 2], |light| {
-                light.reach_px.map(|reach_px| reach_px as i32)
-            }),
+            eye_dome_reach_px: eye_dome.map_or([0; 2], |light| light.reach_px.map(|reach_px| reach_px as i32)),
             eye_dome: eye_dome.map_or([0.0; 4], |light| {
                 let [straight, diagonal] = light.gains;
                 [straight, diagonal, light.most, light.edge]
             }),
-            ground_normal: ground.map_or([0.0; 4], |ground| {
-                ground.normal.extend(ground.height).to_array()
-            }),
+            ground_normal: ground.map_or([0.0; 4], |ground| ground.normal.extend(ground.height).to_array()),
             ground_right: ground_axis(0),
             ground_forward: ground_axis(1),
             ground_color: ground.map_or([0.0; 4], |ground| {

@@ -69,13 +69,7 @@ impl Recorder<'_> {
     }
 
     /// The pass of this index over all records.
-    fn geometry(
-        &mut self,
-        index: u32,
-        key: GeometryKey,
-        instancing: &mut dyn Instancing,
-        draw: &Draw<'_>,
-    ) {
+    fn geometry(&mut self, index: u32, key: GeometryKey, instancing: &mut dyn Instancing, draw: &Draw<'_>) {
         let view = ViewBinding {
             bind_group: self.view_group,
             offset: index * self.view_stride,
@@ -140,21 +134,15 @@ impl Recorder<'_> {
 }
 
 /// What a pass over the screen reads.
-fn source_group(
-    context: &Context,
-    layout: &wgpu::BindGroupLayout,
-    source: &wgpu::TextureView,
-) -> wgpu::BindGroup {
-    context
-        .device
-        .create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("screen source"),
-            layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(source),
-            }],
-        })
+fn source_group(context: &Context, layout: &wgpu::BindGroupLayout, source: &wgpu::TextureView) -> wgpu::BindGroup {
+    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("screen source"),
+        layout,
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: wgpu::BindingResource::TextureView(source),
+        }],
+    })
 }
 
 /// Begins a render pass.
@@ -180,15 +168,13 @@ fn begin<'e>(
         } else {
             &[]
         },
-        depth_stencil_attachment: depth.map(|(view, load)| {
-            wgpu::RenderPassDepthStencilAttachment {
-                view,
-                depth_ops: load.map(|load| wgpu::Operations {
-                    load,
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: None,
-            }
+        depth_stencil_attachment: depth.map(|(view, load)| wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: load.map(|load| wgpu::Operations {
+                load,
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: None,
         }),
         timestamp_writes: None,
         occlusion_query_set: None,

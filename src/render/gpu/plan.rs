@@ -32,13 +32,7 @@ impl<'a> Plan<'a> {
             .passes
             .iter()
             .any(|pass| pass.color.is_some_and(|color| color.target == Target::Sums));
-        let eye_dome = EyeDomeLight::of(packet).map(|_| {
-            if draws_sums {
-                &EYE_DOME_OF_SUMS
-            } else {
-                &EYE_DOME
-            }
-        });
+        let eye_dome = EyeDomeLight::of(packet).map(|_| if draws_sums { &EYE_DOME_OF_SUMS } else { &EYE_DOME });
         let resolve = drawable.resolve;
         let [first, second] = if draws_sums {
             [eye_dome, resolve]
@@ -82,9 +76,7 @@ impl<'a> Plan<'a> {
     }
 
     pub(super) fn screen_passes(&self) -> impl Iterator<Item = &'static ScreenPass> {
-        self.background
-            .into_iter()
-            .chain(self.finish.iter().copied())
+        self.background.into_iter().chain(self.finish.iter().copied())
     }
 
     /// Whether the depth buffer has what is drawn when the passes over records are done.

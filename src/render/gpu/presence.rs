@@ -18,9 +18,8 @@ pub(crate) fn may_have_gpu() -> bool {
 
 /// [`may_have_gpu`] of a folder of device files. What cannot be looked at may be there.
 fn may_have_gpu_in(devices: &Path) -> bool {
-    has_name(devices, |name| {
-        DEVICES.contains(&name) || is_numbered(name, "nvidia")
-    }) || has_name(&devices.join("dri"), |name| is_numbered(name, "renderD"))
+    has_name(devices, |name| DEVICES.contains(&name) || is_numbered(name, "nvidia"))
+        || has_name(&devices.join("dri"), |name| is_numbered(name, "renderD"))
 }
 
 fn is_numbered(name: &str, prefix: &str) -> bool {
@@ -30,11 +29,9 @@ fn is_numbered(name: &str, prefix: &str) -> bool {
 
 fn has_name(folder: &Path, is_wanted: impl Fn(&str) -> bool) -> bool {
     match folder.read_dir() {
-        Ok(mut entries) => entries.any(|entry| {
-            entry.map_or(true, |entry| {
-                entry.file_name().to_str().is_some_and(&is_wanted)
-            })
-        }),
+        Ok(mut entries) => {
+            entries.any(|entry| entry.map_or(true, |entry| entry.file_name().to_str().is_some_and(&is_wanted)))
+        }
         Err(error) => error.kind() != io::ErrorKind::NotFound,
     }
 }
@@ -60,13 +57,7 @@ mod tests {
         for names in [
             &[][..],
             &["null", "fb0", "dri/card0", "dri/by-path/renderD128"],
-            &[
-                "nvidia",
-                "nvidia-caps",
-                "nvidiax0",
-                "dri/renderD",
-                "renderD128",
-            ],
+            &["nvidia", "nvidia-caps", "nvidiax0", "dri/renderD", "renderD128"],
         ] {
             let folder = folder_with(names);
             assert!(!may_have_gpu_in(folder.path()), "{names:?}");

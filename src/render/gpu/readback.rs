@@ -5,10 +5,7 @@ use crate::render::RenderError;
 use image::RgbaImage;
 
 /// Copies a [`super::targets::COLOR_FORMAT`] texture into an image. Blocks until the GPU is done.
-pub(super) fn read_color(
-    context: &Context,
-    texture: &wgpu::Texture,
-) -> Result<RgbaImage, RenderError> {
+pub(super) fn read_color(context: &Context, texture: &wgpu::Texture) -> Result<RgbaImage, RenderError> {
     let (width, height) = (texture.width(), texture.height());
     let row_bytes = width * 4;
     let padded_row_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
@@ -56,20 +53,15 @@ pub(super) fn map_and_read<T>(
     read: impl FnOnce(&[u8]) -> T,
 ) -> Result<T, RenderError> {
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
-    buffer
-        .slice(..)
-        .map_async(wgpu::MapMode::Read, move |result| {
-            // The receiver outlives the wait below.
-            let _ = sender.send(result);
-        });
+    buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+        // The receiver outlives the wait below.
+        let _ = sender.send(result);
+    });
     context.wait()?;
     // Another thread that waits on this device may have taken the callback and still be about to call it.
     match receiver.recv() {
         Ok(Ok(())) => {
-            let result = buffer
-                .slice(..)
-                .get_mapped_range()
-                .map(|bytes| read(&bytes));
+            let result = buffer.slice(..).get_mapped_range().map(|bytes| read(&bytes));
             buffer.unmap();
             result.map_err(|error| RenderError::Poll {
                 reason: error.to_string(),

@@ -44,28 +44,25 @@ impl GpuRenderer {
         context.check_alive()?;
         let uniform_bytes = size_of::<ViewUniform>() as u64;
         let pipelines = Pipelines::new(&context, uniform_bytes);
-        let view_stride = (uniform_bytes as u32)
-            .next_multiple_of(context.limits.min_uniform_buffer_offset_alignment);
+        let view_stride = (uniform_bytes as u32).next_multiple_of(context.limits.min_uniform_buffer_offset_alignment);
         let view_buffer = context.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("views"),
             size: u64::from(view_stride) * VIEWS as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let view_group = context
-            .device
-            .create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("view"),
-                layout: &pipelines.view_layout,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                        buffer: &view_buffer,
-                        offset: 0,
-                        size: wgpu::BufferSize::new(uniform_bytes),
-                    }),
-                }],
-            });
+        let view_group = context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("view"),
+            layout: &pipelines.view_layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer: &view_buffer,
+                    offset: 0,
+                    size: wgpu::BufferSize::new(uniform_bytes),
+                }),
+            }],
+        });
         let strategy = crate::scene::Style::default().drawing.strategy;
         Ok(Self {
             instancing: instancing::new(strategy, &context, &pipelines.view_layout),
@@ -144,9 +141,7 @@ impl GpuRenderer {
             amplification: plan.drawable.amplification,
             quad_indices: &self.quad_indices,
         };
-        let label = wgpu::CommandEncoderDescriptor {
-            label: Some("picture"),
-        };
+        let label = wgpu::CommandEncoderDescriptor { label: Some("picture") };
         let mut encoder = self.context.device.create_command_encoder(&label);
         if let Some(timer) = &mut self.timer {
             timer.begin(&self.context, &mut encoder);
@@ -169,11 +164,7 @@ impl GpuRenderer {
     }
 
     fn ensure_targets(&mut self, size_px: [u32; 2]) -> Result<(), RenderError> {
-        if self
-            .targets
-            .as_ref()
-            .is_some_and(|targets| targets.size_px == size_px)
-        {
+        if self.targets.as_ref().is_some_and(|targets| targets.size_px == size_px) {
             return Ok(());
         }
         let [width, height] = size_px;
@@ -236,17 +227,13 @@ impl GpuRenderer {
         let quads = streams_of(plan, &self.residency)
             .into_iter()
             .flat_map(|stream| &stream.chunks)
-            .map(|chunk| {
-                self.instancing
-                    .quads_per_draw(chunk.record_count, amplification)
-            })
+            .map(|chunk| self.instancing.quads_per_draw(chunk.record_count, amplification))
             .max()
             .unwrap_or(0);
         if quads > self.quad_capacity {
             let context = &self.context;
-            self.quad_indices = context.catching_out_of_memory("the quads' indices", || {
-                quad_index_buffer(context, quads)
-            })?;
+            self.quad_indices =
+                context.catching_out_of_memory("the quads' indices", || quad_index_buffer(context, quads))?;
             self.quad_capacity = quads;
         }
         Ok(())
@@ -308,11 +295,7 @@ impl Renderer for GpuRenderer {
 
     fn stats(&self) -> RenderStats {
         RenderStats {
-            gpu_ms: self
-                .timer
-                .as_ref()
-                .and_then(Timer::last_ms)
-                .or(self.stats.gpu_ms),
+            gpu_ms: self.timer.as_ref().and_then(Timer::last_ms).or(self.stats.gpu_ms),
             ..self.stats
         }
     }
@@ -321,9 +304,7 @@ impl Renderer for GpuRenderer {
 /// What a plan draws, as far as it is resident.
 fn streams_of<'a>(plan: &Plan<'_>, residency: &'a Residency) -> Vec<&'a Stream> {
     let keys = plan.stream_keys();
-    keys.into_iter()
-        .filter_map(|key| residency.get(key))
-        .collect()
+    keys.into_iter().filter_map(|key| residency.get(key)).collect()
 }
 
 /// Indices 0 1 2 2 1 3, 4 5 6 6 5 7, … of `quads` quads.
@@ -332,10 +313,5 @@ fn quad_index_buffer(context: &Context, quads: u32) -> wgpu::Buffer {
         .flat_map(|quad| [0, 1, 2, 2, 1, 3].map(|corner| 4 * quad + corner))
         .collect();
     let bytes: &[u8] = bytemuck::cast_slice(&indices);
-    context.filled_buffer(
-        "quad indices",
-        wgpu::BufferUsages::INDEX,
-        bytes,
-        bytes.len(),
-    )
+    context.filled_buffer("quad indices", wgpu::BufferUsages::INDEX, bytes, bytes.len())
 }

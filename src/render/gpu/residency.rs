@@ -77,11 +77,7 @@ impl Residency {
     }
 
     /// Makes sure that `records` are resident. Returns the bytes uploaded, 0 when they were.
-    pub(super) fn ensure(
-        &mut self,
-        records: &Records<'_>,
-        upload: impl FnOnce(&[u8]) -> Stream,
-    ) -> u64 {
+    pub(super) fn ensure(&mut self, records: &Records<'_>, upload: impl FnOnce(&[u8]) -> Stream) -> u64 {
         self.clock += 1;
         let key = records.key.0;
         if let Some(resident) = self.streams.get_mut(&key) {
@@ -113,11 +109,7 @@ impl Residency {
         let is_kept = |key: &usize| keep.contains(&StreamKey(*key));
         self.streams
             .retain(|key, resident| is_kept(key) || resident.owner.strong_count() > 0);
-        self.resident_bytes = self
-            .streams
-            .values()
-            .map(|resident| resident.stream.byte_size)
-            .sum();
+        self.resident_bytes = self.streams.values().map(|resident| resident.stream.byte_size).sum();
         while self.resident_bytes > self.budget_bytes {
             let oldest = self
                 .streams
@@ -159,10 +151,7 @@ mod tests {
         let mut residency = Residency::new(100);
         let cloud = Arc::new(vec![0u8; 40]);
         assert_eq!(residency.ensure(&Records::of(&cloud), stream_of), 40);
-        assert_eq!(
-            residency.ensure(&Records::of(&Arc::clone(&cloud)), stream_of),
-            0
-        );
+        assert_eq!(residency.ensure(&Records::of(&Arc::clone(&cloud)), stream_of), 0);
         assert_eq!(
             residency.ensure(&Records::of(&Arc::new(vec![0u8; 40])), stream_of),
             40,
@@ -189,11 +178,7 @@ mod tests {
         let kept = [StreamKey::of(&clouds[1])];
         clouds = vec![Arc::clone(&clouds[1])];
         residency.trim(&kept);
-        assert_eq!(
-            residency.resident_bytes(),
-            40,
-            "clouds that are gone leave at once"
-        );
+        assert_eq!(residency.resident_bytes(), 40, "clouds that are gone leave at once");
         assert!(residency.get(StreamKey::of(&clouds[0])).is_some());
     }
 

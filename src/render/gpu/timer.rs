@@ -70,10 +70,7 @@ impl Timer {
         self.state.store(IN_FLIGHT, Ordering::Release);
         let state = Arc::clone(&self.state);
         encoder.map_buffer_on_submit(&self.readable, wgpu::MapMode::Read, .., move |result| {
-            state.store(
-                if result.is_ok() { MAPPED } else { IDLE },
-                Ordering::Release,
-            );
+            state.store(if result.is_ok() { MAPPED } else { IDLE }, Ordering::Release);
         });
     }
 
@@ -84,9 +81,9 @@ impl Timer {
         if self.state.load(Ordering::Acquire) == MAPPED {
             let ticks = self.readable.slice(..).get_mapped_range();
             let period_ns = context.queue.get_timestamp_period();
-            self.last_ms = ticks.ok().and_then(|ticks| {
-                elapsed_ms(&bytemuck::pod_collect_to_vec::<u8, u64>(&ticks), period_ns)
-            });
+            self.last_ms = ticks
+                .ok()
+                .and_then(|ticks| elapsed_ms(&bytemuck::pod_collect_to_vec::<u8, u64>(&ticks), period_ns));
             self.readable.unmap();
             self.state.store(IDLE, Ordering::Release);
         }
@@ -107,9 +104,7 @@ impl Timer {
 
 fn elapsed_ms(ticks: &[u64], period_ns: f32) -> Option<f64> {
     let [begin, end] = ticks else { return None };
-    let elapsed = end
-        .checked_sub(*begin)
-        .filter(|&elapsed| elapsed > 0 && *begin > 0)?;
+    let elapsed = end.checked_sub(*begin).filter(|&elapsed| elapsed > 0 && *begin > 0)?;
     Some(elapsed as f64 * f64::from(period_ns) * 1e-6)
 }
 

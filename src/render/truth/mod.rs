@@ -138,14 +138,9 @@ impl Truth {
                         rows_px: rows_px.clone(),
                         per_edge,
                     };
-                    let pixel =
-                        |column: usize, row: usize| row * width as usize + left as usize + column;
-                    for ([column, row], color) in
-                        mean_colors(visible, view, &tile(SAMPLES_PER_EDGE))
-                    {
-                        let bytes = (color * 255.0 + 0.5)
-                            .to_array()
-                            .map(|channel| channel as u8);
+                    let pixel = |column: usize, row: usize| row * width as usize + left as usize + column;
+                    for ([column, row], color) in mean_colors(visible, view, &tile(SAMPLES_PER_EDGE)) {
+                        let bytes = (color * 255.0 + 0.5).to_array().map(|channel| channel as u8);
                         let place = 4 * pixel(column, row);
                         pixels[place..place + 3].copy_from_slice(&bytes);
                         pixels[place + 3] = 255;
@@ -184,10 +179,7 @@ fn mean_colors(
     let mut sums = vec![DVec3::ZERO; width * samples.rows_px.len()];
     for (index, hit) in visible.meet(view, samples).into_iter().enumerate() {
         let [column, row] = [index % columns, index / columns];
-        let color = hit.map_or_else(
-            || view.background_at(samples.place_px(column, row)[1]),
-            |hit| hit.color,
-        );
+        let color = hit.map_or_else(|| view.background_at(samples.place_px(column, row)[1]), |hit| hit.color);
         sums[row / per_edge * width + column / per_edge] += color;
     }
     let share = 1.0 / (per_edge * per_edge) as f64;

@@ -49,13 +49,7 @@ pub(super) struct Samples {
 impl TruthView {
     /// What `camera` sees of frames relative to `origin`. Surfaces are lit at each sample unless they are not lit at
     /// all.
-    pub fn new(
-        camera: &Camera,
-        origin: DVec3,
-        size_px: [u32; 2],
-        lighting: Lighting,
-        background: Background,
-    ) -> Self {
+    pub fn new(camera: &Camera, origin: DVec3, size_px: [u32; 2], lighting: Lighting, background: Background) -> Self {
         Self {
             view_from_frame: camera.view_from_world_rotation(),
             eye: camera.eye_in_world() - origin,
@@ -105,13 +99,8 @@ impl Samples {
 
     /// The place of a sample in the picture.
     pub(super) fn place_px(&self, column: usize, row: usize) -> [f64; 2] {
-        let place = |first: u32, sample: usize| {
-            f64::from(first) + (sample as f64 + 0.5) / f64::from(self.per_edge)
-        };
-        [
-            place(self.columns_px.start, column),
-            place(self.rows_px.start, row),
-        ]
+        let place = |first: u32, sample: usize| f64::from(first) + (sample as f64 + 0.5) / f64::from(self.per_edge);
+        [place(self.columns_px.start, column), place(self.rows_px.start, row)]
     }
 }
 

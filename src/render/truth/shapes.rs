@@ -88,9 +88,7 @@ fn roots([a, b, c]: [f64; 3]) -> impl Iterator<Item = f64> {
     let mut roots = [c / q, q / a];
     roots.sort_by(f64::total_cmp);
     let is_real = discriminant >= 0.0;
-    roots
-        .into_iter()
-        .filter(move |root| is_real && root.is_finite())
+    roots.into_iter().filter(move |root| is_real && root.is_finite())
 }
 
 /// How many times `direction` lies between `eye` (outside) and where `distance` from a surface within 2 of the origin

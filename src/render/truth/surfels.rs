@@ -110,8 +110,7 @@ fn covered_px(view: &TruthView, center: DVec3, radius: f64) -> Option<[[f64; 2];
         [0.5 * width + left, 0.5 * width + right],
         [0.5 * height - above, 0.5 * height - below],
     ];
-    let is_within =
-        place[0][0] < width && place[0][1] > 0.0 && place[1][0] < height && place[1][1] > 0.0;
+    let is_within = place[0][0] < width && place[0][1] > 0.0 && place[1][0] < height && place[1][1] > 0.0;
     is_within.then_some(place)
 }
 
@@ -210,8 +209,7 @@ impl Disk {
         let starts = [samples.columns_px.start, samples.rows_px.start];
         let sizes = samples.size();
         [0, 1].map(|axis| {
-            let sample =
-                |place_px: f64| (place_px - f64::from(starts[axis])) * f64::from(samples.per_edge);
+            let sample = |place_px: f64| (place_px - f64::from(starts[axis])) * f64::from(samples.per_edge);
             let [first, last] = self.place_px[axis].map(sample);
             // Negative numbers become 0.
             (first.floor() as usize).min(sizes[axis])..(last.ceil() as usize).min(sizes[axis])

@@ -58,11 +58,7 @@ fn a_disk_has_its_area_depth_and_color() {
     let view = unlit(&front(2.0), [200, 200]);
     let truth = of_disks(&[disk([0.0; 3], 0.5, [219, 119, 19])], &view);
     // Red is 100 above the background where a pixel is covered.
-    let sum: f64 = truth
-        .image
-        .pixels()
-        .map(|pixel| f64::from(pixel[0]) - 119.0)
-        .sum();
+    let sum: f64 = truth.image.pixels().map(|pixel| f64::from(pixel[0]) - 119.0).sum();
     let area_px = sum / 100.0;
     let expected_px = std::f64::consts::PI * 625.0;
     assert!(
@@ -106,12 +102,7 @@ fn what_faces_away_is_behind_the_eye_or_beside_the_picture_is_not_seen() {
     let without_area = disk([0.0; 3], 0.0, [255; 3]);
     let truth = of_disks(&[(point, away), behind, beside, without_area], &view);
     assert!(truth.depth.depth.iter().all(|depth| depth.is_infinite()));
-    assert!(
-        truth
-            .image
-            .pixels()
-            .all(|pixel| pixel.0 == [119, 119, 119, 255])
-    );
+    assert!(truth.image.pixels().all(|pixel| pixel.0 == [119, 119, 119, 255]));
 }
 
 #[test]
@@ -187,10 +178,7 @@ fn what_rays_meet_is_on_the_shape_and_nothing_is_before_it() {
             let depth = traced.depth(view.eye, direction);
             met += usize::from(depth.is_some());
             if let Some(depth) = depth {
-                assert!(
-                    height(shape, view.eye + direction * depth).abs() < 1e-9,
-                    "{shape:?}"
-                );
+                assert!(height(shape, view.eye + direction * depth).abs() < 1e-9, "{shape:?}");
             }
             // Steps of a thousandth until then: the sign does not change on the shape.
             let sign_at = |t: f64| height(shape, view.eye + direction * t) > 0.0;
@@ -225,13 +213,7 @@ fn the_truth_of_a_sampled_shape_is_near_that_of_the_shape() {
             fov_deg: 45.0,
             ..front(4.5)
         };
-        let view = TruthView::new(
-            &camera,
-            DVec3::ZERO,
-            [160, 120],
-            Lighting::PerFragment,
-            GREY,
-        );
+        let view = TruthView::new(&camera, DVec3::ZERO, [160, 120], Lighting::PerFragment, GREY);
         let traced = RayTraced {
             shape,
             cull_back_faces: true,
@@ -245,16 +227,12 @@ fn the_truth_of_a_sampled_shape_is_near_that_of_the_shape() {
                 cull_back_faces: true,
             };
             let truth = Truth::of_disks(&disks, &view);
-            let holes =
-                SurfaceError::of(&exact.depth, &truth.depth, DepthTolerance::Everywhere(0.1));
+            let holes = SurfaceError::of(&exact.depth, &truth.depth, DepthTolerance::Everywhere(0.1));
             // Disks of points before the outline do not reach as far as the shape everywhere.
             assert!(holes.unwrap().hole_share() < 0.005, "{shape:?}");
             flip(&exact.image, &truth.image).unwrap().mean()
         });
         // Four times the points are twice as near to each other, and a surface is met twice to four times as exactly.
-        assert!(
-            few < 0.06 && many < 0.5 * few,
-            "{shape:?}: {few}, then {many}"
-        );
+        assert!(few < 0.06 && many < 0.5 * few, "{shape:?}: {few}, then {many}");
     }
 }

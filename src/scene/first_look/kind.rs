@@ -71,10 +71,7 @@ pub(super) fn camera_frame(sample: &Sample, eye: Vec3) -> Option<(UpAxis, &'stat
             .collect();
         is_before_camera(&seen)
     };
-    CAMERAS
-        .iter()
-        .find(is_before)
-        .map(|camera| (camera.up, camera.why))
+    CAMERAS.iter().find(is_before).map(|camera| (camera.up, camera.why))
 }
 
 /// Whether points lie before a camera at zero that looks along +Z.
@@ -130,11 +127,7 @@ pub(super) fn sweep(sample: &Sample, eye: Vec3) -> Option<Around> {
     if sample.positions.len() < 200 || inside.bitmask().count_ones() < 2 {
         return None;
     }
-    let mut ranges: Vec<f32> = sample
-        .positions
-        .iter()
-        .map(|position| position.distance(eye))
-        .collect();
+    let mut ranges: Vec<f32> = sample.positions.iter().map(|position| position.distance(eye)).collect();
     let by_range: Vec<f32> = ranges.clone();
     let near = quantile(&mut ranges, 0.2);
     let far = quantile(&mut ranges, 0.8);
@@ -178,8 +171,6 @@ impl Around {
     /// The axis along which directions point least.
     pub(super) fn flattest_axis(&self) -> usize {
         let abs = self.mean_abs_direction.to_array();
-        (0..3)
-            .min_by(|&a, &b| abs[a].total_cmp(&abs[b]))
-            .unwrap_or(2)
+        (0..3).min_by(|&a, &b| abs[a].total_cmp(&abs[b])).unwrap_or(2)
     }
 }

@@ -81,26 +81,20 @@ impl FirstLook {
     /// Guesses from `frames`, whose positions are relative to `origin`. The first tells what it is, all of them where
     /// it is.
     pub fn of(frames: &[&Frame], origin: DVec3) -> Self {
-        let samples = frames
-            .iter()
-            .filter(|frame| !frame.is_empty())
-            .map(|frame| {
-                let all = Sample::of(frame, MOST_POINTS);
-                (*frame, all.at(&trim::inliers(&all)))
-            });
+        let samples = frames.iter().filter(|frame| !frame.is_empty()).map(|frame| {
+            let all = Sample::of(frame, MOST_POINTS);
+            (*frame, all.at(&trim::inliers(&all)))
+        });
         let samples: Vec<(&Frame, Sample)> = samples.collect();
         let zero = (-origin).as_vec3();
         let luma = samples.first().and_then(|(frame, _)| median_luma(frame));
-        let (convention, sensor) = samples.first().map_or((None, None), |(frame, _)| {
-            (frame.convention(), frame.sensor())
-        });
-        let full = samples.iter().fold(Aabb::EMPTY, |bounds, (frame, _)| {
-            bounds.union(&frame.bounds())
-        });
-        let sample = samples
+        let (convention, sensor) = samples
             .first()
-            .map(|(_, sample)| sample.clone())
-            .unwrap_or_default();
+            .map_or((None, None), |(frame, _)| (frame.convention(), frame.sensor()));
+        let full = samples
+            .iter()
+            .fold(Aabb::EMPTY, |bounds, (frame, _)| bounds.union(&frame.bounds()));
+        let sample = samples.first().map(|(_, sample)| sample.clone()).unwrap_or_default();
         let told = Told::by(&sample, convention, sensor, zero);
         let (up, up_why) = told.up;
         let mut shown = Vec::new();
@@ -229,12 +223,7 @@ struct Told {
 }
 
 impl Told {
-    fn by(
-        sample: &Sample,
-        convention: Option<AxisConvention>,
-        sensor: Option<Vec3>,
-        zero: Vec3,
-    ) -> Self {
+    fn by(sample: &Sample, convention: Option<AxisConvention>, sensor: Option<Vec3>, zero: Vec3) -> Self {
         let bounds = trim::bounds(sample);
         let eye = sensor.unwrap_or(zero);
         let by_format = convention.map(by_convention);
@@ -267,11 +256,7 @@ impl Told {
             && bounds.extent().z < 0.7 * bounds.extent().truncate().max_element();
         let is_terrain = guess.0 == UpAxis::Z && (is_flat || is_survey);
         Self {
-            kind: if is_terrain {
-                Kind::Terrain
-            } else {
-                Kind::Object
-            },
+            kind: if is_terrain { Kind::Terrain } else { Kind::Object },
             up: guess,
             eye: sensor.filter(|&eye| is_outside(&bounds, eye)),
         }
@@ -302,11 +287,7 @@ fn is_needle(bounds: &Aabb) -> bool {
 
 /// Whether the file has normals, but for a few.
 fn has_normals(sample: &Sample) -> bool {
-    let without = sample
-        .normals
-        .iter()
-        .filter(|&&normal| normal == Vec3::ZERO)
-        .count();
+    let without = sample.normals.iter().filter(|&&normal| normal == Vec3::ZERO).count();
     !sample.normals.is_empty() && 20 * without <= sample.normals.len()
 }
 
@@ -336,10 +317,7 @@ fn is_dense(sample: &Sample, eye: Vec3) -> bool {
 }
 
 /// The axis about which the scanner turns. The ground is below it.
-fn up_of_sweep(
-    around: &kind::Around,
-    by_format: Option<(UpAxis, &'static str)>,
-) -> (UpAxis, &'static str) {
+fn up_of_sweep(around: &kind::Around, by_format: Option<(UpAxis, &'static str)>) -> (UpAxis, &'static str) {
     /// Scanners that look up and down as far as around have no axis that can be told.
     const FLAT: f32 = 0.35;
     let axis = around.flattest_axis();
@@ -347,10 +325,7 @@ fn up_of_sweep(
         return by_format.unwrap_or((UpAxis::Z, "laser scanners have Z up"));
     }
     let is_positive = axis == 2 || around.mean_direction[axis] < 0.0;
-    (
-        up::along(axis, is_positive),
-        "the scanner turns about this axis",
-    )
+    (up::along(axis, is_positive), "the scanner turns about this axis")
 }
 
 /// Points of a sweep that are worth looking at first: nine in ten are nearer to the scanner than the tail that makes it

@@ -43,13 +43,10 @@ impl Sample {
         let slots = even_slots(positions.len(), most_points);
         Self {
             positions: slots.iter().map(|&slot| positions[slot]).collect(),
-            normals: frame.normals().map_or_else(Vec::new, |normals| {
-                slots.iter().map(|&slot| normals[slot]).collect()
-            }),
-            spacing: slots
-                .iter()
-                .map(|&slot| spacing_at(positions, slot))
-                .collect(),
+            normals: frame
+                .normals()
+                .map_or_else(Vec::new, |normals| slots.iter().map(|&slot| normals[slot]).collect()),
+            spacing: slots.iter().map(|&slot| spacing_at(positions, slot)).collect(),
             planar_share: planar_share(positions),
         }
     }
@@ -98,9 +95,7 @@ pub(super) fn median_luma(frame: &Frame) -> Option<f32> {
 /// Places of at most `most` of `count`, evenly.
 fn even_slots(count: usize, most: usize) -> Vec<usize> {
     let taken = count.min(most);
-    (0..taken)
-        .map(|index| (2 * index + 1) * count / (2 * taken))
-        .collect()
+    (0..taken).map(|index| (2 * index + 1) * count / (2 * taken)).collect()
 }
 
 /// The value below which `share` of the values are; 0 without values. They are put in another order.
@@ -110,9 +105,7 @@ pub(super) fn quantile(values: &mut [f32], share: f64) -> f32 {
     }
     let last = values.len() - 1;
     let place = (share * last as f64).round() as usize;
-    *values
-        .select_nth_unstable_by(place.min(last), f32::total_cmp)
-        .1
+    *values.select_nth_unstable_by(place.min(last), f32::total_cmp).1
 }
 
 fn spacing_at(positions: &[Vec3], slot: usize) -> f32 {
@@ -128,10 +121,7 @@ fn spacing_at(positions: &[Vec3], slot: usize) -> f32 {
         return 0.0;
     }
     let place = SPACING_NEIGHBOUR.min(found) - 1;
-    squares[..found]
-        .select_nth_unstable_by(place, f32::total_cmp)
-        .1
-        .sqrt()
+    squares[..found].select_nth_unstable_by(place, f32::total_cmp).1.sqrt()
 }
 
 /// Share of places whose neighbours lie in a plane; 0 where there are too few points to tell.
@@ -154,16 +144,10 @@ fn is_planar(run: &[Vec3]) -> bool {
     const LEAST_WIDTH: f64 = 0.05;
     let middle = run[run.len() / 2];
     let mut near: Vec<Vec3> = run.iter().map(|&position| position - middle).collect();
-    near.select_nth_unstable_by(NEIGHBOURS, |a, b| {
-        a.length_squared().total_cmp(&b.length_squared())
-    });
+    near.select_nth_unstable_by(NEIGHBOURS, |a, b| a.length_squared().total_cmp(&b.length_squared()));
     let near = &near[..=NEIGHBOURS];
     let count = near.len() as f64;
-    let mean = near
-        .iter()
-        .map(|offset| offset.as_dvec3())
-        .sum::<glam::DVec3>()
-        / count;
+    let mean = near.iter().map(|offset| offset.as_dvec3()).sum::<glam::DVec3>() / count;
     let mut matrix = SymmetricMat3::default();
     for offset in near {
         let offset = offset.as_dvec3() - mean;

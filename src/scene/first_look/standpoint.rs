@@ -38,13 +38,7 @@ const AZIMUTHS_DEG: [f64; 11] = [
 const CLEARLY_MORE: f32 = 1.25;
 
 /// Where to stand for the first picture. `eye` is the place of the sensor, if that is known or told by what it saw.
-pub(super) fn standpoint(
-    kind: Kind,
-    up: UpAxis,
-    sample: &Sample,
-    bounds: &Aabb,
-    eye: Option<Vec3>,
-) -> Standpoint {
+pub(super) fn standpoint(kind: Kind, up: UpAxis, sample: &Sample, bounds: &Aabb, eye: Option<Vec3>) -> Standpoint {
     let seen_from = |why| {
         let toward = (eye? - bounds.center()).as_dvec3();
         let toward = toward.try_normalize()?;
@@ -80,10 +74,7 @@ fn behind(up: UpAxis) -> f64 {
 }
 
 fn most_surface(up: UpAxis, sample: &Sample, bounds: &Aabb, elevation_deg: f64) -> Standpoint {
-    let usual = Standpoint {
-        elevation_deg,
-        ..USUAL
-    };
+    let usual = Standpoint { elevation_deg, ..USUAL };
     let shown = |azimuth_deg| {
         let mut camera = Camera::framing(bounds, DVec3::ZERO, up);
         (camera.azimuth_deg, camera.elevation_deg) = (azimuth_deg, elevation_deg);

@@ -58,11 +58,7 @@ proptest! {
 #[test]
 fn angles_lead_back_to_the_direction() {
     for &(_, up) in UpAxis::ALL {
-        for toward in [
-            DVec3::X,
-            DVec3::new(1.0, -2.0, 0.5),
-            DVec3::new(-0.3, 0.2, -0.9),
-        ] {
+        for toward in [DVec3::X, DVec3::new(1.0, -2.0, 0.5), DVec3::new(-0.3, 0.2, -0.9)] {
             let toward = toward.normalize();
             let (azimuth_deg, elevation_deg) = up.angles_of(toward);
             let camera = Camera {

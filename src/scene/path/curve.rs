@@ -42,15 +42,12 @@ impl Curve {
         let Some(&to) = self.values.get(index + 1) else {
             return from;
         };
-        let [leave, arrive] =
-            [self.slopes[index], self.slopes[index + 1]].map(|slope| slope * span);
+        let [leave, arrive] = [self.slopes[index], self.slopes[index + 1]].map(|slope| slope * span);
         let (rest, way) = (1.0 - share, to - from);
         // Bernstein's form about `from`: exact at both ends, and where nothing moves.
         let inner = 3.0 * rest * share;
-        let value = from
-            + inner * rest * (leave / 3.0)
-            + inner * share * (way - arrive / 3.0)
-            + share * share * share * way;
+        let value =
+            from + inner * rest * (leave / 3.0) + inner * share * (way - arrive / 3.0) + share * share * share * way;
         value.clamp(from.min(to), from.max(to))
     }
 }

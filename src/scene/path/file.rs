@@ -124,18 +124,12 @@ impl CameraPath {
     /// Reads a path from JSON; errors name `path` as its file.
     pub(super) fn of_json(text: &[u8], path: &Path) -> Result<Self, PathFileError> {
         let path = || path.to_owned();
-        let json = |reason| PathFileError::Json {
-            path: path(),
-            reason,
-        };
+        let json = |reason| PathFileError::Json { path: path(), reason };
         let Version {
             pointreel_path: version,
         } = serde_json::from_slice(text).map_err(json)?;
         if version != VERSION {
-            return Err(PathFileError::Version {
-                path: path(),
-                version,
-            });
+            return Err(PathFileError::Version { path: path(), version });
         }
         let written: Written = serde_json::from_slice(text).map_err(json)?;
         let keyframes = written.keyframes.into_iter().map(|key| Keyframe {
@@ -151,10 +145,7 @@ impl CameraPath {
                 projection: written.projection,
             },
         });
-        Self::new(keyframes.collect(), written.ease).map_err(|reason| PathFileError::Keyframes {
-            path: path(),
-            reason,
-        })
+        Self::new(keyframes.collect(), written.ease).map_err(|reason| PathFileError::Keyframes { path: path(), reason })
     }
 
     /// Writes the path to a JSON file, which is replaced as a whole.
@@ -162,11 +153,9 @@ impl CameraPath {
     /// # Errors
     /// The system's, if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), PathFileError> {
-        crate::kept::write_whole(path, self.to_json().as_bytes()).map_err(|reason| {
-            PathFileError::Io {
-                path: path.to_owned(),
-                reason,
-            }
+        crate::kept::write_whole(path, self.to_json().as_bytes()).map_err(|reason| PathFileError::Io {
+            path: path.to_owned(),
+            reason,
         })
     }
 

@@ -67,17 +67,13 @@ pub enum PathError {
         before_s: f64,
     },
     /// The projection changes.
-    #[error(
-        "keyframe {number} is seen in another projection than the first one: expected one for the whole path"
-    )]
+    #[error("keyframe {number} is seen in another projection than the first one: expected one for the whole path")]
     Projection {
         /// Which keyframe, counted from 1.
         number: usize,
     },
     /// The up axis changes.
-    #[error(
-        "keyframe {number} has the up axis {axis}, the first one {first}: expected one for the whole path"
-    )]
+    #[error("keyframe {number} has the up axis {axis}, the first one {first}: expected one for the whole path")]
     OtherUpAxis {
         /// Which keyframe.
         number: usize,
@@ -156,11 +152,7 @@ impl CameraPath {
             return Err(PathError::TooMany { count });
         }
         let keyframes = (0..=count as usize).map(|index| {
-            let share = if count > 0.0 {
-                index as f64 / count
-            } else {
-                0.0
-            };
+            let share = if count > 0.0 { index as f64 / count } else { 0.0 };
             Keyframe {
                 time_s: share * steps / pictures_per_second,
                 camera: Camera {
@@ -203,9 +195,7 @@ impl CameraPath {
         let (key, next) = (&keys[index], keys.get(index + 1));
         let span = next.map_or(1.0, |next| next.time_s - key.time_s);
         let share = ((time_s - key.time_s) / span).clamp(0.0, 1.0);
-        let frame = next.map_or(key.frame, |next| {
-            key.frame * (1.0 - share) + next.frame * share
-        });
+        let frame = next.map_or(key.frame, |next| key.frame * (1.0 - share) + next.frame * share);
         let value = |curve: usize| self.curves[curve].at(index, share, span);
         let camera = Camera {
             target_in_world: DVec3::new(value(0), value(1), value(2)),
@@ -245,11 +235,7 @@ fn check(keyframes: &[Keyframe]) -> Result<(), PathError> {
     }
     let mut before: Option<f64> = None;
     for (number, key) in (1..).zip(keyframes) {
-        let Keyframe {
-            time_s,
-            camera,
-            frame,
-        } = *key;
+        let Keyframe { time_s, camera, frame } = *key;
         let [x, y, z] = camera.target_in_world.to_array();
         let place = (-1e15..=1e15, "a number within ±1e15");
         let turns = (-1e6..=1e6, "degrees within ±1e6");
@@ -259,22 +245,14 @@ fn check(keyframes: &[Keyframe]) -> Result<(), PathError> {
             ("target x", x, place.clone()),
             ("target y", y, place.clone()),
             ("target z", z, place),
-            (
-                "distance",
-                camera.distance,
-                (1e-100..=1e100, "a length above 0"),
-            ),
+            ("distance", camera.distance, (1e-100..=1e100, "a length above 0")),
             ("azimuth_deg", camera.azimuth_deg, turns),
             (
                 "elevation_deg",
                 camera.elevation_deg,
                 (-90.0..=90.0, "degrees from -90 to 90"),
             ),
-            (
-                "fov_deg",
-                camera.fov_deg,
-                (0.001..=179.0, "degrees from 0.001 to 179"),
-            ),
+            ("fov_deg", camera.fov_deg, (0.001..=179.0, "degrees from 0.001 to 179")),
         ] {
             if !range.contains(&value) {
                 return Err(PathError::OutOfRange {

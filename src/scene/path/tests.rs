@@ -48,10 +48,7 @@ fn frames_are_held_slowed_down_and_reversed() {
     assert_eq!(frames_at(&path, &[1.0, 1.3, 1.999, 2.0]), [24; 4]);
     assert_eq!(frames_at(&path, &[2.2, 2.25, 2.5, 2.75]), [25, 25, 26, 27]);
     let back: Vec<f64> = each.iter().map(|time| time + 3.0).collect();
-    assert_eq!(
-        frames_at(&path, &back),
-        (5..=28).rev().collect::<Vec<usize>>()
-    );
+    assert_eq!(frames_at(&path, &back), (5..=28).rev().collect::<Vec<usize>>());
     assert_eq!(frames_at(&path, &[-1.0, 9.0]), [0, 4]);
     assert_eq!(path.duration_s(), 4.0);
     assert_eq!(path.picture_count(24.0), 97);
@@ -64,10 +61,7 @@ fn a_turntable_turns_at_one_speed_and_joins_its_own_end() {
     for picture in 0..36 {
         let (seen, frame) = path.at(f64::from(picture) / 12.0);
         let expected = wrapped(30.0 + 10.0 * f64::from(picture));
-        assert!(
-            wrapped(seen.azimuth_deg - expected).abs() < 1e-9,
-            "{picture}: {seen:?}"
-        );
+        assert!(wrapped(seen.azimuth_deg - expected).abs() < 1e-9, "{picture}: {seen:?}");
         assert!((seen.distance - 2.0).abs() < 1e-12);
         assert_eq!(seen.target_in_world, camera().target_in_world);
         assert_eq!(frame, (3.0 + 0.5 * f64::from(picture)).round() as usize);
@@ -91,10 +85,7 @@ fn the_camera_goes_the_short_way_round_and_zooms_evenly() {
     };
     let path = CameraPath::new(vec![at(170.0, 1.0, 0.0), at(-170.0, 4.0, 2.0)], false).unwrap();
     let (middle, _) = path.at(1.0);
-    assert!(
-        (middle.azimuth_deg.abs() - 180.0).abs() < 1e-9,
-        "{middle:?}"
-    );
+    assert!((middle.azimuth_deg.abs() - 180.0).abs() < 1e-9, "{middle:?}");
     assert!((middle.distance - 2.0).abs() < 1e-9, "{middle:?}");
 }
 
@@ -133,10 +124,7 @@ fn wrong_files_are_refused_by_line() {
     assert!(of("{}").contains("missing field `pointreel_path`"));
     assert!(changed("path\": 1", "path\": 2").contains("of version 2"));
     let odd = changed("\"z\"", "\"w\"");
-    assert!(
-        odd.contains("`w` is no up axis") && odd.contains("line 4"),
-        "{odd}"
-    );
+    assert!(odd.contains("`w` is no up axis") && odd.contains("line 4"), "{odd}");
     let unknown = changed("fov_deg", "fov_rad");
     assert!(
         unknown.contains("unknown field `fov_rad`") && unknown.contains("line 7"),

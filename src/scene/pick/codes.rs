@@ -20,12 +20,7 @@ struct Node {
 }
 
 /// The surfels of `coded` that may come nearer to the ray than a radius.
-pub(super) fn surfels_near(
-    ray: &Ray,
-    coded: &CodedCells,
-    style: &Style,
-    radius_px: f64,
-) -> Surfels {
+pub(super) fn surfels_near(ray: &Ray, coded: &CodedCells, style: &Style, radius_px: f64) -> Surfels {
     let (mut points, mut shapes) = (Vec::new(), Vec::new());
     let (cloud, surfels) = (&coded.cloud, &style.surfels);
     let cube = cloud.cube();
@@ -70,12 +65,7 @@ pub(super) fn surfels_near(
 }
 
 /// The surfel of a node in a cell, with as many bits as are drawn.
-fn surfel(
-    attributes: NodeAttributes,
-    center: Vec3,
-    edge: f32,
-    style: CodeStyle,
-) -> (PointRecord, ShapeRecord) {
+fn surfel(attributes: NodeAttributes, center: Vec3, edge: f32, style: CodeStyle) -> (PointRecord, ShapeRecord) {
     let bits = style.normal_bits.bits();
     let normal = quantised_normals(bits)[coarser_normal(attributes.normal(), bits) as usize];
     let offset = offset_of_code(attributes.offset_code(), style.offset_bits.bits()) * edge;

@@ -109,12 +109,7 @@ fn half_step(position: Vec3) -> f64 {
 ///
 /// Where cells of the octree are drawn, it is the point nearest to where the ray meets them: of a voxel one that is
 /// inside, unless it closes a gap between others.
-pub fn pick(
-    packet: &ScenePacket,
-    frame: &PreparedFrame,
-    place_px: [f64; 2],
-    radius_px: f64,
-) -> Option<usize> {
+pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], radius_px: f64) -> Option<usize> {
     let ray = Ray::new(packet, place_px);
     match &packet.content {
         Content::Nothing => None,
@@ -149,12 +144,7 @@ pub fn pick(
 }
 
 /// The slot of a record of a packet that has all points of the frame but for those that are clipped.
-fn slot_of(
-    packet: &ScenePacket,
-    frame: &PreparedFrame,
-    drawn: &Arc<Vec<PointRecord>>,
-    record: usize,
-) -> Option<usize> {
+fn slot_of(packet: &ScenePacket, frame: &PreparedFrame, drawn: &Arc<Vec<PointRecord>>, record: usize) -> Option<usize> {
     match packet.settings.of_sequence.clip {
         Some(clip) if !Arc::ptr_eq(drawn, &frame.points) => {
             let kept = clip.kept(&frame.points);
@@ -180,11 +170,7 @@ fn nearest_drawn(
 }
 
 /// The point nearest to a place of those that are within, or of all if none is; of equals the last.
-fn nearest(
-    points: &[PointRecord],
-    place: DVec3,
-    is_within: impl Fn(DVec3) -> bool + Sync,
-) -> Option<usize> {
+fn nearest(points: &[PointRecord], place: DVec3, is_within: impl Fn(DVec3) -> bool + Sync) -> Option<usize> {
     let rank = |slot: usize| {
         let there = Vec3::from_array(points[slot].position).as_dvec3();
         (!is_within(there), there.distance_squared(place), slot)

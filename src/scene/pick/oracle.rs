@@ -25,10 +25,7 @@ impl Oracle<'_> {
     /// From the eye through the pixel: the corner of the near plane's rectangle that its place says.
     fn direction(&self) -> DVec3 {
         let [width, height] = SIZE.map(f64::from);
-        let clip = DVec2::new(
-            2.0 * self.px.x / width - 1.0,
-            1.0 - 2.0 * self.px.y / height,
-        );
+        let clip = DVec2::new(2.0 * self.px.x / width - 1.0, 1.0 - 2.0 * self.px.y / height);
         let [focal_x, focal_y] = self.packet.view.focal.map(f64::from);
         self.rotation().inverse() * DVec3::new(clip.x / focal_x, clip.y / focal_y, -1.0)
     }
@@ -62,11 +59,7 @@ impl Oracle<'_> {
                 PointShape::Square => is_near(half_px),
                 PointShape::Disk => aside.length_squared() <= half_px * half_px || is_near(0.5),
             };
-            if clip.w > 0.0
-                && ndc.z <= 1.0
-                && covers
-                && best.is_none_or(|(depth, _)| clip.w <= depth)
-            {
+            if clip.w > 0.0 && ndc.z <= 1.0 && covers && best.is_none_or(|(depth, _)| clip.w <= depth) {
                 best = Some((clip.w, slot));
             }
         }
@@ -77,15 +70,7 @@ impl Oracle<'_> {
         let settings = &self.packet.settings;
         let shapes = self.packet.content.shapes().unwrap();
         let mut met = Vec::new();
-        for (slot, (point, shape)) in self
-            .packet
-            .content
-            .points()
-            .unwrap()
-            .iter()
-            .zip(&**shapes)
-            .enumerate()
-        {
+        for (slot, (point, shape)) in self.packet.content.points().unwrap().iter().zip(&**shapes).enumerate() {
             let offset = self.offset(point.position);
             let normal = oct_decode(shape.normal).as_dvec3();
             if settings.culls_back_faces() && normal.dot(offset) > 0.0 {
@@ -99,10 +84,7 @@ impl Oracle<'_> {
                 met.push((depth, radius, a.hypot(b), slot));
             }
         }
-        let backmost = met
-            .iter()
-            .map(|&(depth, radius, ..)| depth + radius)
-            .reduce(f64::min)?;
+        let backmost = met.iter().map(|&(depth, radius, ..)| depth + radius).reduce(f64::min)?;
         met.retain(|&(depth, ..)| depth <= backmost);
         met.sort_by(|a, b| a.2.total_cmp(&b.2));
         met.first().map(|&(.., slot)| slot)

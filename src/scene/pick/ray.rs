@@ -96,10 +96,7 @@ impl Ray {
             .flat_map_iter(|block| self.look_at_block(records, block, radius_px))
             .collect();
         let met = seen.iter().filter(|seen| seen.miss_px.is_none());
-        let backmost = met
-            .clone()
-            .map(|seen| seen.depth + seen.slack)
-            .reduce(f64::min);
+        let backmost = met.clone().map(|seen| seen.depth + seen.slack).reduce(f64::min);
         // Of equals the last: what stands later is drawn over what is as near.
         match backmost {
             Some(backmost) => met

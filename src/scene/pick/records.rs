@@ -69,10 +69,7 @@ pub(super) struct Disks<'a> {
 
 impl<'a> Disks<'a> {
     pub(super) fn new(surfels: &'a Surfels, settings: &Style) -> Self {
-        let [visibility, _] = settings
-            .surfels
-            .splatting
-            .scales(settings.surfels.enlargement);
+        let [visibility, _] = settings.surfels.splatting.scales(settings.surfels.enlargement);
         Self {
             points: &surfels.points,
             shapes: &surfels.shapes,

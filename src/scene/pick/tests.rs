@@ -5,8 +5,7 @@ use super::*;
 use crate::cloud::{Frame, Positions, RawCloud, ScalarField};
 use crate::levels::{LevelsKey, LevelsKind, LevelsSet};
 use crate::scene::{
-    BackFaces, Camera, PointShape, PointStyle, Primitive, Projection, Scene, Style, SurfelStyle,
-    UpAxis,
+    BackFaces, Camera, PointShape, PointStyle, Primitive, Projection, Scene, Style, SurfelStyle, UpAxis,
 };
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
@@ -30,13 +29,7 @@ fn needs() -> Needs {
 
 fn prepared(raw: RawCloud, origin: DVec3) -> PreparedFrame {
     let frame = Frame::from_raw(raw, origin).unwrap();
-    prepare(
-        7,
-        Arc::new(frame),
-        0.0,
-        &needs(),
-        &PrepareCounters::default(),
-    )
+    prepare(7, Arc::new(frame), 0.0, &needs(), &PrepareCounters::default())
 }
 
 /// Points with normals and radii, at `origin`.
@@ -71,12 +64,7 @@ fn camera(distance: f64, azimuth_deg: f64, origin: DVec3) -> Camera {
     }
 }
 
-fn packet_of(
-    frame: &PreparedFrame,
-    origin: DVec3,
-    camera: &Camera,
-    settings: &Style,
-) -> ScenePacket {
+fn packet_of(frame: &PreparedFrame, origin: DVec3, camera: &Camera, settings: &Style) -> ScenePacket {
     Scene::default().packet(frame, origin, camera, settings, SIZE)
 }
 
@@ -176,19 +164,11 @@ fn nothing_is_picked_where_nothing_is() {
         let eye = camera.eye_in_world();
         let behind = cloud(&[(eye * 3.0).as_vec3().to_array()], 0.1, origin);
         let packet = packet_of(&behind, origin, &camera, &settings);
-        assert_eq!(
-            pick(&packet, &behind, [80.0, 60.0], 20.0),
-            None,
-            "{primitive}"
-        );
+        assert_eq!(pick(&packet, &behind, [80.0, 60.0], 20.0), None, "{primitive}");
         // Nearer than the near plane.
         let close = cloud(&[(eye * (1.0 - 0.001)).as_vec3().to_array()], 1e-4, origin);
         let packet = packet_of(&close, origin, &camera, &settings);
-        assert_eq!(
-            pick(&packet, &close, [80.0, 60.0], 20.0),
-            None,
-            "{primitive}"
-        );
+        assert_eq!(pick(&packet, &close, [80.0, 60.0], 20.0), None, "{primitive}");
         // A frame that was not prepared for the primitive draws nothing of it.
         let mut bare = cloud(&[[0.0; 3]], 0.1, origin);
         bare.shapes = None;
@@ -281,18 +261,10 @@ fn a_lone_point_is_picked_from_beside_it() {
             ..Style::default()
         };
         let packet = packet_of(&frame, origin, &camera, &settings);
-        assert_eq!(
-            pick(&packet, &frame, [84.0, 57.0], 6.0),
-            Some(0),
-            "{primitive}"
-        );
+        assert_eq!(pick(&packet, &frame, [84.0, 57.0], 6.0), Some(0), "{primitive}");
         // The cell of a lone point is as large as one pleases.
         if primitive != Primitive::Voxel {
-            assert_eq!(
-                pick(&packet, &frame, [84.0, 57.0], 3.0),
-                None,
-                "{primitive}"
-            );
+            assert_eq!(pick(&packet, &frame, [84.0, 57.0], 3.0), None, "{primitive}");
         }
     }
 }
@@ -313,11 +285,7 @@ fn a_pick_has_all_that_the_file_says_of_the_point() {
     let pick = Pick::of(&frame, ECEF, 0).unwrap();
     assert_eq!((pick.frame, pick.slot, pick.index_in_file), (7, 0, 1));
     assert_eq!(pick.position, ECEF + DVec3::new(0.25, 0.5, -0.125));
-    assert_eq!(
-        pick.precision,
-        2f64.powi(-25),
-        "half a step of f32 from 0.5"
-    );
+    assert_eq!(pick.precision, 2f64.powi(-25), "half a step of f32 from 0.5");
     assert_eq!(pick.color, Some([1, 2, 3, 250]));
     assert_eq!(pick.normal, Some(PickedNormal::File(Vec3::NEG_Z)));
     assert_eq!(pick.scalars[0], ("intensity".to_owned(), 0.5));

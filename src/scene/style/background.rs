@@ -100,11 +100,7 @@ impl FromStr for Background {
         });
         parsed.ok_or_else(|| {
             let presets = Self::PRESETS.iter().map(|(word, ..)| *word);
-            ParseChoiceError::new(
-                "background",
-                text,
-                presets.chain(["#rrggbb", "#rrggbb-#rrggbb"]),
-            )
+            ParseChoiceError::new("background", text, presets.chain(["#rrggbb", "#rrggbb-#rrggbb"]))
         })
     }
 }

@@ -2,8 +2,7 @@
 
 use super::choices::choices;
 use super::describe::{
-    Kind, KindNumber, Label, Numbers, Place, Section, Setting, Typed, Unit, Value, Values, When,
-    group,
+    Kind, KindNumber, Label, Numbers, Place, Section, Setting, Typed, Unit, Value, Values, When, group,
 };
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;

@@ -188,8 +188,7 @@ impl Style {
 
     /// Whether what is drawn are cells of an octree.
     pub fn draws_cells(&self) -> bool {
-        self.levels_kind()
-            .is_some_and(|kind| kind != LevelsKind::Codes)
+        self.levels_kind().is_some_and(|kind| kind != LevelsKind::Codes)
     }
 
     /// This style with what was decided in place of who may choose: the processor draws, or a graphics card.

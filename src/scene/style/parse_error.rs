@@ -10,11 +10,7 @@ pub struct ParseChoiceError {
 }
 
 impl ParseChoiceError {
-    pub(crate) fn new<'a>(
-        what: &'static str,
-        text: &str,
-        expected: impl Iterator<Item = &'a str>,
-    ) -> Self {
+    pub(crate) fn new<'a>(what: &'static str, text: &str, expected: impl Iterator<Item = &'a str>) -> Self {
         Self {
             what,
             text: text.to_owned(),

@@ -1,8 +1,7 @@
 //! A style with what was guessed, or with another way to draw.
 
 use super::{
-    BackFaces, Backdrop, Background, EyeDome, LightStyle, OfSequence, PointStyle, Primitive, Style,
-    SurfelStyle,
+    BackFaces, Backdrop, Background, EyeDome, LightStyle, OfSequence, PointStyle, Primitive, Style, SurfelStyle,
 };
 use crate::scene::FirstLook;
 use crate::sequence::ColorHints;
@@ -70,14 +69,8 @@ impl Style {
                 back_faces,
                 ..self.surfels
             },
-            points: PointStyle {
-                size_px,
-                ..self.points
-            },
-            light: LightStyle {
-                eye_dome,
-                ..self.light
-            },
+            points: PointStyle { size_px, ..self.points },
+            light: LightStyle { eye_dome, ..self.light },
             backdrop: Backdrop {
                 background,
                 ..self.backdrop

@@ -66,9 +66,7 @@ enum Stored {
 }
 
 /// For serde.
-fn stored_back_faces<'de, D: serde::Deserializer<'de>>(
-    deserializer: D,
-) -> Result<BackFaces, D::Error> {
+fn stored_back_faces<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BackFaces, D::Error> {
     Ok(match serde::Deserialize::deserialize(deserializer)? {
         Stored::Are(choice) => choice,
         Stored::AreCulled(true) => BackFaces::Auto,

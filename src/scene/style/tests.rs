@@ -68,17 +68,12 @@ fn every_setting_is_described_once() {
         serde_json::Value::Object(fields) => fields.into_iter().map(|(name, _)| name).collect(),
         other => panic!("{other}"),
     };
-    let described: BTreeSet<String> = settings
-        .iter()
-        .map(|(described, _)| described.key.to_owned())
-        .collect();
+    let described: BTreeSet<String> = settings.iter().map(|(described, _)| described.key.to_owned()).collect();
     assert_eq!(described, in_files);
     assert_eq!(described.len(), settings.len());
     let mut flags = BTreeSet::new();
     for (described, value) in &settings {
-        let Described {
-            key, title, hint, ..
-        } = described;
+        let Described { key, title, hint, .. } = described;
         assert!(!title.is_empty() && !hint.is_empty(), "{key}");
         match (&described.values, value) {
             (Values::Words(words), Value::Word(place)) => assert!(*place < words.list.len()),
@@ -112,11 +107,7 @@ fn an_edit_changes_what_it_names_and_nothing_else() {
         };
         let mut edited = style;
         edited.edit(&mut |described, value| {
-            if described.key == changed.key {
-                other
-            } else {
-                value
-            }
+            if described.key == changed.key { other } else { value }
         });
         let differing: Vec<_> = style
             .settings()
@@ -168,10 +159,7 @@ fn what_is_not_offered_becomes_the_nearest() {
         (
             Lod::FrameTimeMs(f32::INFINITY),
             StopCriterion::PointsPerOctant(u32::MAX),
-            (
-                Lod::FrameTimeMs(1000.0),
-                StopCriterion::PointsPerOctant(u32::MAX),
-            ),
+            (Lod::FrameTimeMs(1000.0), StopCriterion::PointsPerOctant(u32::MAX)),
         ),
     ] {
         assert_eq!(nearest(lod, stop), expected);
@@ -181,13 +169,7 @@ fn what_is_not_offered_becomes_the_nearest() {
 #[test]
 fn sources_and_maps_of_colours_have_their_words() {
     let names = ColorSource::ALL.map(ColorSource::name);
-    assert!(
-        coloring::SOURCES
-            .list
-            .iter()
-            .map(|source| source.word)
-            .eq(names)
-    );
+    assert!(coloring::SOURCES.list.iter().map(|source| source.word).eq(names));
     let names = ColorMap::ALL.map(ColorMap::name);
     assert!(coloring::MAPS.list.iter().map(|map| map.word).eq(names));
 }

@@ -19,10 +19,7 @@ impl FieldName {
         let len = name.floor_char_boundary(MAX_BYTES);
         let mut bytes = [0; MAX_BYTES];
         bytes[..len].copy_from_slice(&name.as_bytes()[..len]);
-        Self {
-            bytes,
-            len: len as u8,
-        }
+        Self { bytes, len: len as u8 }
     }
 
     /// The text.
@@ -41,9 +38,7 @@ impl FieldName {
 /// `name` without what `CloudCompare` writes before it.
 pub fn plain(name: &str) -> &str {
     match name.split_at_checked("scalar_".len()) {
-        Some((before, after)) if before.eq_ignore_ascii_case("scalar_") && !after.is_empty() => {
-            after
-        }
+        Some((before, after)) if before.eq_ignore_ascii_case("scalar_") && !after.is_empty() => after,
         _ => name,
     }
 }

@@ -27,10 +27,7 @@ pub enum ColorRange {
 
 impl ColorRange {
     /// All but a hundredth at either end: reflectors and dropouts.
-    pub const USUAL: Self = Self::Percentiles {
-        low: 1.0,
-        high: 99.0,
-    };
+    pub const USUAL: Self = Self::Percentiles { low: 1.0, high: 99.0 };
 }
 
 impl Default for ColorRange {

@@ -4,9 +4,7 @@
 //! first frame ([`ValueSample`]), so that it comes out the same for all frames, in any order of asking. Only what a
 //! frame does not have itself is replaced for that frame.
 
-use super::{
-    ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, plain_field_name,
-};
+use super::{ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, plain_field_name};
 use crate::analysis::{ColorMap, ColorScale, quantile_range};
 use crate::cloud::{Frame, MAX_SAMPLE, ScalarField, ValueKind, ValueSample, even_places};
 use glam::Vec3;
@@ -108,9 +106,7 @@ impl Paint {
             Self::Scale { values, .. } => match values {
                 PaintValues::Field(name) => ColorSource::Scalar(Some(*name)),
                 PaintValues::Height(_) => ColorSource::Height(HeightAxis::Auto),
-                PaintValues::Distance(_) | PaintValues::Change => {
-                    ColorSource::Distance(DistanceFrom::Sensor)
-                }
+                PaintValues::Distance(_) | PaintValues::Change => ColorSource::Distance(DistanceFrom::Sensor),
             },
         }
     }
@@ -208,9 +204,7 @@ impl Coloring {
             ColorRange::Fixed { low, high } => [low, high],
             ColorRange::Percentiles { low, high } => {
                 let shares = low / 100.0..high / 100.0;
-                let of = |sorted: &[f32], offset: f64| {
-                    quantile_range(self.with_colors(sorted, offset), offset, shares)
-                };
+                let of = |sorted: &[f32], offset: f64| quantile_range(self.with_colors(sorted, offset), offset, shares);
                 let sample = frame.value_sample();
                 let range = if let Some((kind, offset)) = value_kind(of_range, sample) {
                     of(&sample.sorted(kind), offset)

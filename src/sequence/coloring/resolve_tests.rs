@@ -10,11 +10,7 @@ use std::sync::Arc;
 fn cloud(is_flat: bool) -> RawCloud {
     let position = |index: usize| {
         let along = index as f32;
-        let across = if is_flat {
-            (index % 10) as f32 * 5.0
-        } else {
-            0.0
-        };
+        let across = if is_flat { (index % 10) as f32 * 5.0 } else { 0.0 };
         [along, across, (index % 7) as f32]
     };
     let mut raw = RawCloud::from_positions(Positions::F32((0..101).map(position).collect()));
@@ -71,10 +67,7 @@ fn the_automatic_order_takes_the_first_that_says_anything() {
         };
         assert_eq!(auto(&raw), intensity);
     }
-    let mut raw = RawCloud {
-        colors: None,
-        ..full
-    };
+    let mut raw = RawCloud { colors: None, ..full };
     raw.scalars[0] = field("intensity", |_| 3.0);
     assert_eq!(auto(&raw), ColorSource::Class);
     raw.scalars[1] = field("classification", |_| 1.0);
@@ -89,11 +82,7 @@ fn the_automatic_order_takes_the_first_that_says_anything() {
     };
     assert_eq!(auto(&line), ColorSource::Normal);
     line.scalars = vec![field("curvature", |index| index as f32)];
-    assert_eq!(
-        auto(&line),
-        ColorSource::Normal,
-        "other fields are for those who ask"
-    );
+    assert_eq!(auto(&line), ColorSource::Normal, "other fields are for those who ask");
     line.scalars = vec![field("scalar_Reflectance", |index| index as f32)];
     assert!(matches!(auto(&line), ColorSource::Scalar(_)));
 }
@@ -125,10 +114,7 @@ fn ranges_leave_out_a_hundredth_at_either_end_or_are_as_told() {
     let heat = ColorSource::Scalar(Some(FieldName::new("Heat")));
     assert_eq!(scale_of(paint_of(heat, &raw)), [1.0, 99.0]);
     let fixed = Coloring {
-        range: ColorRange::Fixed {
-            low: -5.0,
-            high: 5.0,
-        },
+        range: ColorRange::Fixed { low: -5.0, high: 5.0 },
         ..Coloring::of(heat)
     };
     let paint = fixed.paint(&ColorHints::default(), &frame(raw.clone()));
@@ -165,14 +151,8 @@ fn offsets_of_fields_and_of_the_origin_are_in_the_numbers() {
     };
     let ends = |source| scale_of(Coloring::of(source).paint(&hints, &frame));
     assert_eq!(ends(ColorSource::Time), [3.1e8 + 0.25, 3.1e8 + 24.75]);
-    assert_eq!(
-        ends(ColorSource::Height(HeightAxis::Auto)),
-        [1001.0, 1099.0]
-    );
-    assert_eq!(
-        ends(ColorSource::Height(HeightAxis::Axis(2, true))),
-        [-1099.0, -1001.0]
-    );
+    assert_eq!(ends(ColorSource::Height(HeightAxis::Auto)), [1001.0, 1099.0]);
+    assert_eq!(ends(ColorSource::Height(HeightAxis::Axis(2, true))), [-1099.0, -1001.0]);
     let place = DVec3::new(5e6, 0.0, 1000.0);
     let [near, far] = ends(ColorSource::Distance(DistanceFrom::Place(place)));
     assert!((near - 2f64.sqrt()).abs() < 1e-6 && (far - 99.0 * 2f64.sqrt()).abs() < 1e-4);
@@ -183,23 +163,9 @@ fn offsets_of_fields_and_of_the_origin_are_in_the_numbers() {
             hints,
             ..Needs::default()
         };
-        let prepared = prepare(
-            0,
-            Arc::new(frame.clone()),
-            0.0,
-            &needs,
-            &PrepareCounters::default(),
-        );
-        let slot = frame
-            .file_index()
-            .iter()
-            .position(|&index| index == 50)
-            .unwrap();
-        assert_eq!(
-            prepared.points[slot].color,
-            ColorMap::Viridis.color(0.5),
-            "{source}"
-        );
+        let prepared = prepare(0, Arc::new(frame.clone()), 0.0, &needs, &PrepareCounters::default());
+        let slot = frame.file_index().iter().position(|&index| index == 50).unwrap();
+        assert_eq!(prepared.points[slot].color, ColorMap::Viridis.color(0.5), "{source}");
     }
 }
 
@@ -254,13 +220,7 @@ fn frames_with_one_point_none_and_one_value_are_painted() {
                     colors,
                     ..Needs::default()
                 };
-                let prepared = prepare(
-                    0,
-                    Arc::clone(&frame),
-                    0.0,
-                    &needs,
-                    &PrepareCounters::default(),
-                );
+                let prepared = prepare(0, Arc::clone(&frame), 0.0, &needs, &PrepareCounters::default());
                 assert_eq!(prepared.points.len(), count);
                 let color = prepared.points.first().map(|point| point.color);
                 let expected = match source {
@@ -270,15 +230,9 @@ fn frames_with_one_point_none_and_one_value_are_painted() {
                     ColorSource::Time => crate::sequence::NO_VALUE_COLOR,
                     ColorSource::Class => crate::analysis::class_color(2),
                     ColorSource::Uniform => crate::sequence::UNIFORM_COLOR,
-                    ColorSource::Auto | ColorSource::File | ColorSource::Normal => {
-                        [255, 128, 128, 255]
-                    }
+                    ColorSource::Auto | ColorSource::File | ColorSource::Normal => [255, 128, 128, 255],
                 };
-                assert_eq!(
-                    color,
-                    (count > 0).then_some(expected),
-                    "{source} of {count}"
-                );
+                assert_eq!(color, (count > 0).then_some(expected), "{source} of {count}");
             }
         }
     }

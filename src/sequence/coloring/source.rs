@@ -112,9 +112,7 @@ impl FromStr for ColorSource {
                 None => (text, None),
             };
             match (word, detail) {
-                ("scalar", Some(name)) if !name.is_empty() => {
-                    Some(Self::Scalar(Some(FieldName::new(name))))
-                }
+                ("scalar", Some(name)) if !name.is_empty() => Some(Self::Scalar(Some(FieldName::new(name)))),
                 ("height", Some(axis)) => {
                     let (is_down, name) = match axis.strip_prefix('-') {
                         Some(name) => (true, name),

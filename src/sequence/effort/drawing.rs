@@ -97,13 +97,7 @@ impl Drawing {
     /// Takes notice of a picture, and of how long a frame lasts while playing. While frames of before are shown, since
     /// others are not made yet, or files have fewer points, pictures say nothing of what is tried, unless they are late
     /// with few points.
-    pub(super) fn note(
-        &mut self,
-        points: usize,
-        picture_ms: f64,
-        interval_ms: Option<f64>,
-        points_in_file: usize,
-    ) {
+    pub(super) fn note(&mut self, points: usize, picture_ms: f64, interval_ms: Option<f64>, points_in_file: usize) {
         if interval_ms.is_some_and(|interval_ms| {
             let wanted = self.wanted_points(points, points_in_file);
             let are_few = 4 * points < 3 * wanted;
@@ -200,9 +194,7 @@ impl Drawing {
         let left_ms = Self::PLANNED * interval_ms - mean_ms;
         let in_proportion_ms = mean_ms.max(1e-3) / of_points;
         let slope_ms = match self.slope_ms {
-            Some(slope_ms) if left_ms > 0.0 => {
-                slope_ms.clamp(Self::LEAST_SLOPE * in_proportion_ms, in_proportion_ms)
-            }
+            Some(slope_ms) if left_ms > 0.0 => slope_ms.clamp(Self::LEAST_SLOPE * in_proportion_ms, in_proportion_ms),
             _ => in_proportion_ms,
         };
         power_of_two(of_points + left_ms / slope_ms)

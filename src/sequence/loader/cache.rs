@@ -91,9 +91,7 @@ pub(super) struct Cache {
 impl Cache {
     pub(super) fn new(frame_count: usize, budget_bytes: usize) -> Self {
         Self {
-            entries: std::iter::repeat_with(Entry::default)
-                .take(frame_count)
-                .collect(),
+            entries: std::iter::repeat_with(Entry::default).take(frame_count).collect(),
             facts: Facts::default(),
             resident: BTreeSet::new(),
             resident_bytes: 0,
@@ -201,10 +199,7 @@ impl Cache {
             Detail::Full => (self.expected_bytes(index), byte_size(entry.full.as_ref())),
             Detail::AtMost(points) => {
                 let bytes = |per_point: f64| (per_point * f64::from(points.get())).ceil() as usize;
-                (
-                    self.bytes_per_point.map(bytes),
-                    byte_size(entry.coarse.as_ref()),
-                )
+                (self.bytes_per_point.map(bytes), byte_size(entry.coarse.as_ref()))
             }
         };
         expected.map(|bytes| bytes.saturating_sub(held + reserved))
@@ -222,8 +217,7 @@ impl Cache {
 
     /// Bytes that a point takes, and the most points that a frame has, as far as known.
     pub(super) fn measure(&self) -> Option<(f64, usize)> {
-        self.bytes_per_point
-            .map(|bytes| (bytes, self.largest_points))
+        self.bytes_per_point.map(|bytes| (bytes, self.largest_points))
     }
 
     /// The needs have changed: what is known of sizes is known no more.
@@ -323,9 +317,7 @@ impl Cache {
         self.largest_points = self.largest_points.max(prepared.frame.points_in_file());
         if is_complete && !prepared.frame.is_empty() {
             let per_point = bytes as f64 / prepared.frame.len() as f64;
-            let most = self
-                .bytes_per_point
-                .map_or(per_point, |most| most.max(per_point));
+            let most = self.bytes_per_point.map_or(per_point, |most| most.max(per_point));
             self.bytes_per_point = Some(most);
         }
         if prepared.is_sample() {

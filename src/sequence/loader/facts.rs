@@ -76,11 +76,7 @@ impl Facts {
 
     /// The facts of the first `frame_count` frames; losses and errors only of octrees that end as `stop` says, if it
     /// says anything.
-    pub(super) fn of(
-        &self,
-        frame_count: usize,
-        stop: Option<StopCriterion>,
-    ) -> Vec<Option<FrameFacts>> {
+    pub(super) fn of(&self, frame_count: usize, stop: Option<StopCriterion>) -> Vec<Option<FrameFacts>> {
         let facts = |index: usize| {
             let known = (*self.frames.get(index)?)?;
             let is_present = stop.is_none() || known.stop == stop;

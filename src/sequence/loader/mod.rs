@@ -86,10 +86,7 @@ impl Loader {
         Ok(loader)
     }
 
-    fn without_threads(
-        sequence: Arc<Sequence>,
-        options: LoaderOptions,
-    ) -> Result<Self, SequenceError> {
+    fn without_threads(sequence: Arc<Sequence>, options: LoaderOptions) -> Result<Self, SequenceError> {
         let focus = Focus {
             travel: Travel::whole(sequence.len(), LoopMode::default()),
             playhead: 0,
@@ -242,8 +239,7 @@ impl Loader {
                 .waiters
                 .iter()
                 .position(|waiter| waiter.ticket == ticket && waiter.outcome.is_some());
-            if let Some(outcome) = place.and_then(|place| queue.waiters.swap_remove(place).outcome)
-            {
+            if let Some(outcome) = place.and_then(|place| queue.waiters.swap_remove(place).outcome) {
                 return outcome.map_err(|error| (*error).clone());
             }
             queue = Shared::sleep(&self.shared.finished, queue);
@@ -308,9 +304,7 @@ impl Loader {
             coarse_frames: queue.cache.coarse_frames(),
             coarse_bytes: queue.cache.coarse_bytes(),
             detail: queue.effort.in_time(),
-            in_flight_bytes: queue.used_bytes()
-                - queue.cache.resident_bytes()
-                - queue.cache.coarse_bytes(),
+            in_flight_bytes: queue.used_bytes() - queue.cache.resident_bytes() - queue.cache.coarse_bytes(),
             peak_bytes: queue.peak_bytes,
             budget_bytes: queue.cache.budget_bytes(),
         }

@@ -123,9 +123,7 @@ impl Queue {
     /// it.
     fn is_between_stages(&self, needs: &Needs) -> bool {
         let index = self.focus.playhead;
-        self.partial(index).is_some()
-            && self.cache.error(index).is_none()
-            && !self.serves(index, needs, Detail::Full)
+        self.partial(index).is_some() && self.cache.error(index).is_none() && !self.serves(index, needs, Detail::Full)
     }
 
     /// Frame `index` as far as it has come, if it comes in stages.
@@ -169,8 +167,7 @@ impl Queue {
                     let through_here = nearer_bytes + bytes + self.cache.held_bytes(index);
                     through_here <= self.cache.budget_bytes()
                         && (self.has_room(bytes)
-                            || (self.may_evict_for(rank, through_here)
-                                && self.make_room(bytes, rank)))
+                            || (self.may_evict_for(rank, through_here) && self.make_room(bytes, rank)))
                 }
                 // Without a measure of what a frame takes, one at a time.
                 None => self.cache.in_flight() == 0,
@@ -201,18 +198,10 @@ impl Queue {
         if self.is_settled(index) {
             return true;
         }
-        let full = self
-            .cache
-            .full(index)
-            .filter(|frame| frame.satisfies(needs));
+        let full = self.cache.full(index).filter(|frame| frame.satisfies(needs));
         // Where points are too many to be drawn, fewer of them are made even of frames that are here.
-        let is_of_use = |frame: &PreparedFrame| {
-            detail != self.effort.at_best() || !detail.is_exceeded_by(&frame.frame)
-        };
-        let coarse = self
-            .cache
-            .coarse(index)
-            .filter(|frame| frame.satisfies(needs));
+        let is_of_use = |frame: &PreparedFrame| detail != self.effort.at_best() || !detail.is_exceeded_by(&frame.frame);
+        let coarse = self.cache.coarse(index).filter(|frame| frame.satisfies(needs));
         full.is_some_and(|frame| is_of_use(frame))
             || coarse.is_some_and(|frame| detail.is_met_by(&frame.frame) && is_of_use(frame))
     }
@@ -227,19 +216,12 @@ impl Queue {
         if self.is_settled(index) {
             return self.cache.full(index).or(self.cache.coarse(index));
         }
-        let full = self
-            .cache
-            .full(index)
-            .filter(|frame| frame.satisfies(needs));
-        let coarse = self
-            .cache
-            .coarse(index)
-            .filter(|frame| frame.satisfies(needs));
+        let full = self.cache.full(index).filter(|frame| frame.satisfies(needs));
+        let coarse = self.cache.coarse(index).filter(|frame| frame.satisfies(needs));
         match self.effort.at_best() {
             Detail::Full => full.or(coarse),
             detail @ Detail::AtMost(_) => {
-                let is_drawn_in_time =
-                    |frame: &&Arc<PreparedFrame>| !detail.is_exceeded_by(&frame.frame);
+                let is_drawn_in_time = |frame: &&Arc<PreparedFrame>| !detail.is_exceeded_by(&frame.frame);
                 coarse
                     .filter(|frame| detail.is_met_by(&frame.frame))
                     .filter(is_drawn_in_time)
@@ -259,9 +241,7 @@ impl Queue {
         let count = self.cache.frame_count();
         for _ in 0..count.min(LOOK_AHEAD_FRAMES) {
             let index = self.next_coarse % count;
-            let is_there = |frame: Option<&Arc<PreparedFrame>>| {
-                frame.is_some_and(|frame| frame.satisfies(needs))
-            };
+            let is_there = |frame: Option<&Arc<PreparedFrame>>| frame.is_some_and(|frame| frame.satisfies(needs));
             let done = index < self.focus.travel.first
                 || self.cache.error(index).is_some()
                 || self.cache.is_in_flight(index)
@@ -321,9 +301,7 @@ impl Queue {
         let (full, coarse) = (self.cache.full(index), self.cache.coarse(index));
         let existing = match detail {
             Detail::Full => full,
-            Detail::AtMost(_) => coarse
-                .filter(|frame| detail.is_met_by(&frame.frame))
-                .or(full),
+            Detail::AtMost(_) => coarse.filter(|frame| detail.is_met_by(&frame.frame)).or(full),
         };
         Job {
             index,
@@ -398,18 +376,14 @@ impl Queue {
     }
 
     /// The worker on a frame is done with it.
-    pub(super) fn finish(
-        &mut self,
-        index: usize,
-        outcome: Result<Arc<PreparedFrame>, Arc<FrameError>>,
-    ) {
+    pub(super) fn finish(&mut self, index: usize, outcome: Result<Arc<PreparedFrame>, Arc<FrameError>>) {
         self.cache.release(index);
         for waiter in &mut self.waiters {
             let answers = waiter.index == index
                 && waiter.outcome.is_none()
-                && outcome.as_ref().map_or(true, |frame| {
-                    !frame.is_sample() && frame.satisfies(&waiter.needs)
-                });
+                && outcome
+                    .as_ref()
+                    .map_or(true, |frame| !frame.is_sample() && frame.satisfies(&waiter.needs));
             if answers {
                 waiter.outcome = Some(outcome.clone());
             }
@@ -420,10 +394,7 @@ impl Queue {
                 self.cache.insert(frame, is_complete);
             }
             Err(error) => {
-                let is_for_more = matches!(
-                    *error,
-                    FrameError::Cancelled { .. } | FrameError::TooLarge { .. }
-                );
+                let is_for_more = matches!(*error, FrameError::Cancelled { .. } | FrameError::TooLarge { .. });
                 let may_stay = is_for_more && self.effort.is_at_rest();
                 if !may_stay || !self.cache.settle(index) {
                     self.cache.fail(error);

@@ -58,15 +58,8 @@ impl Simulation {
                 break;
             };
             self.now = next;
-            let done = |worker: &&mut Option<(Duration, Job)>| {
-                worker.as_ref().is_some_and(|(at, _)| *at == next)
-            };
-            let (_, job) = self
-                .workers
-                .iter_mut()
-                .find(done)
-                .and_then(Option::take)
-                .unwrap();
+            let done = |worker: &&mut Option<(Duration, Job)>| worker.as_ref().is_some_and(|(at, _)| *at == next);
+            let (_, job) = self.workers.iter_mut().find(done).and_then(Option::take).unwrap();
             self.finish(loader, &job);
         }
         self.now = now;
@@ -94,11 +87,7 @@ impl Simulation {
         };
         let is_decoded = job.existing.is_none();
         Timings {
-            decode_ms: if is_decoded {
-                cost.decode_ms as f32
-            } else {
-                0.0
-            },
+            decode_ms: if is_decoded { cost.decode_ms as f32 } else { 0.0 },
             analysis_ms: (cost.ns_per_point * points as f64 / 1e6) as f32,
             ..Timings::default()
         }

@@ -25,8 +25,7 @@ pub(crate) const FEWEST_SAMPLED: usize = 1 << 19;
 /// Whether `frame` is shown with nothing but its points before `needs` are met, as these take long.
 pub(super) fn comes_in_stages(frame: &Frame, needs: &Needs) -> bool {
     let wants_shapes = needs.shapes || needs_normals(frame, needs);
-    frame.len() > STAGED_POINTS
-        && (needs.levels.is_some() || (wants_shapes && lacks_surface(frame)))
+    frame.len() > STAGED_POINTS && (needs.levels.is_some() || (wants_shapes && lacks_surface(frame)))
 }
 
 /// What the points of `frame` take of `needs` alone.
@@ -45,11 +44,7 @@ pub(super) fn points_alone(frame: &Frame, needs: &Needs) -> Needs {
 /// Bytes that completing `frame` for `needs` takes at once, itself included.
 pub(super) fn completion_bytes(frame: &Frame, needs: &Needs) -> u64 {
     let wants_shapes = needs.shapes || needs_normals(frame, needs);
-    let shapes = if wants_shapes {
-        size_of::<ShapeRecord>()
-    } else {
-        0
-    };
+    let shapes = if wants_shapes { size_of::<ShapeRecord>() } else { 0 };
     let estimated = match frame.len() {
         _ if !wants_shapes || !lacks_surface(frame) => 0,
         0..=MOST_JOINED => ESTIMATED_BYTES[0],

@@ -51,13 +51,8 @@ impl Shared {
     }
 
     /// Sleeps until `condition` may have changed.
-    pub(super) fn sleep<'a>(
-        condition: &Condvar,
-        queue: MutexGuard<'a, Queue>,
-    ) -> MutexGuard<'a, Queue> {
-        condition
-            .wait(queue)
-            .unwrap_or_else(PoisonError::into_inner)
+    pub(super) fn sleep<'a>(condition: &Condvar, queue: MutexGuard<'a, Queue>) -> MutexGuard<'a, Queue> {
+        condition.wait(queue).unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -71,10 +66,7 @@ pub(super) fn first_pool(threads: usize) -> Result<rayon::ThreadPool, SequenceEr
     pool_of(threads, |_| {})
 }
 
-fn pool_of(
-    threads: usize,
-    begin: impl Fn(usize) + Send + Sync + 'static,
-) -> Result<rayon::ThreadPool, SequenceError> {
+fn pool_of(threads: usize, begin: impl Fn(usize) + Send + Sync + 'static) -> Result<rayon::ThreadPool, SequenceError> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|number| format!("frame stages {number}"))
@@ -117,11 +109,7 @@ pub(super) fn finish(shared: &Shared, index: usize, outcome: Result<Finished, Ar
         needs.is_none_or(|needs| frame.satisfies(needs))
     };
     // A stage says little about how long the whole takes.
-    if let Some(finished) = outcome
-        .as_ref()
-        .ok()
-        .filter(|made| is_complete(&made.frame))
-    {
+    if let Some(finished) = outcome.as_ref().ok().filter(|made| is_complete(&made.frame)) {
         queue.effort.note_made(&finished.made());
     }
     let is_settled = outcome.as_ref().is_ok_and(|made| made.is_settled);
@@ -248,12 +236,7 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
 }
 
 /// Whether the machine has the memory that `frame` takes when it is completed for `needs`.
-fn check_memory(
-    shared: &Shared,
-    index: usize,
-    frame: &Frame,
-    needs: &Needs,
-) -> Result<(), FrameError> {
+fn check_memory(shared: &Shared, index: usize, frame: &Frame, needs: &Needs) -> Result<(), FrameError> {
     let needed_bytes = stages::completion_bytes(frame, needs);
     if needed_bytes <= shared.machine_bytes {
         return Ok(());
@@ -275,13 +258,7 @@ fn sample(shared: &Shared, job: &Job) -> Option<Finished> {
         let loaded = shared.sequence.load_sample(job.index, most, fewest)?;
         let frame = Arc::new(loaded.frame);
         let needs = stages::points_alone(&frame, &job.needs);
-        Some(prepare(
-            job.index,
-            frame,
-            loaded.decode_ms,
-            &needs,
-            &shared.counters,
-        ))
+        Some(prepare(job.index, frame, loaded.decode_ms, &needs, &shared.counters))
     };
     let frame = shared.run_stages(job, prepared)?;
     reading.note_read();
@@ -304,21 +281,15 @@ fn from_existing(
         let counters = &shared.counters;
         return Ok(complete_observed(existing, &job.needs, counters, progress));
     }
-    prepare_sample(existing, most_points, &job.needs, &shared.counters).map_err(|reason| {
-        FrameError::Invalid {
-            index: job.index,
-            path: shared.sequence.entry(job.index).path.clone(),
-            reason,
-        }
+    prepare_sample(existing, most_points, &job.needs, &shared.counters).map_err(|reason| FrameError::Invalid {
+        index: job.index,
+        path: shared.sequence.entry(job.index).path.clone(),
+        reason,
     })
 }
 
 /// What `frame` will take when it is prepared, as far as it can be said before: all but the octree.
 fn expected_bytes(frame: &Frame, needs: &Needs) -> usize {
-    let shape_bytes = if needs.shapes {
-        size_of::<ShapeRecord>()
-    } else {
-        0
-    };
+    let shape_bytes = if needs.shapes { size_of::<ShapeRecord>() } else { 0 };
     frame.byte_size() + frame.len() * (size_of::<PointRecord>() + shape_bytes)
 }

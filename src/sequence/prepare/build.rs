@@ -32,16 +32,13 @@ pub(super) struct Build<'a> {
 impl Build<'_> {
     /// Makes what `needs` ask for and is not known.
     pub(super) fn finish(mut self, needs: &Needs) -> PreparedFrame {
-        let same_colors = self
-            .existing
-            .filter(|existing| existing.is_painted_for(needs));
+        let same_colors = self.existing.filter(|existing| existing.is_painted_for(needs));
         let paint = match same_colors {
             Some(existing) => existing.paint,
             None => needs.colors.paint(&needs.hints, &self.frame),
         };
-        let colors_need_shapes = paint == Paint::Normal
-            && same_colors.is_none()
-            && records::file_normals(&self.frame).is_none();
+        let colors_need_shapes =
+            paint == Paint::Normal && same_colors.is_none() && records::file_normals(&self.frame).is_none();
         if needs.shapes || colors_need_shapes {
             self.complete_shapes();
         }

@@ -38,14 +38,11 @@ impl PreparedFrame {
     pub fn satisfies(&self, needs: &Needs) -> bool {
         self.is_painted_for(needs)
             && (!needs.shapes || self.shapes.is_some())
-            && needs
-                .levels
-                .is_none_or(|key| self.levels.has(key, needs.shapes))
+            && needs.levels.is_none_or(|key| self.levels.has(key, needs.shapes))
     }
 
     pub(super) fn is_painted_for(&self, needs: &Needs) -> bool {
-        self.asked == (needs.colors, needs.hints)
-            || self.paint == needs.colors.paint(&needs.hints, &self.frame)
+        self.asked == (needs.colors, needs.hints) || self.paint == needs.colors.paint(&needs.hints, &self.frame)
     }
 
     /// Where the colours of the points come from: see [`Paint::source`].
@@ -88,8 +85,7 @@ impl PreparedFrame {
 
     /// The same, said to be painted as another frame: its points are among these.
     pub(in crate::sequence) fn painted_as(mut self, other: &Self) -> Self {
-        self.frame
-            .share_sample(Arc::clone(other.frame.value_sample()));
+        self.frame.share_sample(Arc::clone(other.frame.value_sample()));
         self.paint = other.paint;
         self
     }

@@ -115,8 +115,7 @@ pub fn prepare_part(
 ) -> Result<PreparedFrame, CloudError> {
     let mut timings = Timings::default();
     let (frame, _) = existing.frame.part(slots, None)?;
-    let (shapes, orientation) =
-        estimated_shapes(&frame, &mut timings, counters, estimate_surface_fast);
+    let (shapes, orientation) = estimated_shapes(&frame, &mut timings, counters, estimate_surface_fast);
     let build = Build {
         index: existing.index,
         frame: Arc::new(frame),
@@ -130,11 +129,7 @@ pub fn prepare_part(
 }
 
 /// Adds to `existing` what `needs` ask for beyond it; parts that are still right are the same `Arc`s.
-pub fn complete(
-    existing: &PreparedFrame,
-    needs: &Needs,
-    counters: &PrepareCounters,
-) -> PreparedFrame {
+pub fn complete(existing: &PreparedFrame, needs: &Needs, counters: &PrepareCounters) -> PreparedFrame {
     complete_observed(existing, needs, counters, &Progress::default())
 }
 

@@ -19,10 +19,7 @@ fn direction(index: usize) -> DVec3 {
 }
 
 /// Frames of points in order, as `points` says how many there are and in which order.
-fn sequence(
-    frame_count: usize,
-    points: impl Fn(usize) -> Option<Vec<usize>> + Send + Sync + 'static,
-) -> Sequence {
+fn sequence(frame_count: usize, points: impl Fn(usize) -> Option<Vec<usize>> + Send + Sync + 'static) -> Sequence {
     let sources = (0..frame_count as u64).map(|number| FrameEntry {
         number: Some(number),
         ..FrameEntry::file(format!("{number}.ply"))
@@ -34,9 +31,7 @@ fn sequence(
             usize::MAX => [f64::NAN; 3],
             index => (FAR + place(index, frame)).to_array(),
         });
-        Ok(RawCloud::from_positions(Positions::F64(
-            positions.collect(),
-        )))
+        Ok(RawCloud::from_positions(Positions::F64(positions.collect())))
     })
 }
 
@@ -117,10 +112,7 @@ fn places_from_memory_are_those_of_the_files() {
     // NaN is not equal to itself.
     for frame in 0..6 {
         for trail in 0..4 {
-            assert_eq!(
-                from_memory.place(trail, frame),
-                from_files.place(trail, frame)
-            );
+            assert_eq!(from_memory.place(trail, frame), from_files.place(trail, frame));
         }
         assert_eq!(from_files.place(1, frame), None, "a hole in every frame");
         assert_eq!(from_files.place(2, frame).is_none(), frame == 2);

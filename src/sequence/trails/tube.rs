@@ -18,12 +18,7 @@ const MAX_RINGS: usize = 100_000;
 impl Trails {
     /// The tube around a trail, `radius` scene units thick, white up to `frame` and black from there; without points
     /// where the trail has no way. Every point has a normal and a radius, so that surfels close it.
-    pub fn tube(
-        &self,
-        trail: usize,
-        frame: usize,
-        radius: f32,
-    ) -> Result<PreparedFrame, CloudError> {
+    pub fn tube(&self, trail: usize, frame: usize, radius: f32) -> Result<PreparedFrame, CloudError> {
         self.tube_through(trail, self.frames(), frame, radius)
     }
 

@@ -15,9 +15,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// What is behind the stem of a frame in the stem of its normals, in lower case.
-const SUFFIXES: [&str; 6] = [
-    "_normal", "_normals", "-normal", "-normals", ".normal", ".normals",
-];
+const SUFFIXES: [&str; 6] = ["_normal", "_normals", "-normal", "-normals", ".normal", ".normals"];
 
 /// How many files a sentence names.
 const NAMED_FILES: usize = 3;
@@ -49,17 +47,13 @@ pub(super) struct Companions {
 impl Companions {
     /// Takes the normals that lie beside their points out of `files`.
     pub(super) fn take_normals(&mut self, files: &mut Vec<PathBuf>, known: &mut Known) {
-        let bases: Vec<Option<(PathBuf, String)>> =
-            files.iter().map(|file| base_of(file)).collect();
+        let bases: Vec<Option<(PathBuf, String)>> = files.iter().map(|file| base_of(file)).collect();
         if bases.iter().all(Option::is_none) || bases.iter().all(Option::is_some) {
             return;
         }
         let mut by_stem: HashMap<(PathBuf, String), Vec<PathBuf>> = HashMap::new();
         for file in files.iter().filter(|file| may_have_normals_beside(file)) {
-            by_stem
-                .entry(place_of(file))
-                .or_default()
-                .push(file.clone());
+            by_stem.entry(place_of(file)).or_default().push(file.clone());
         }
         let mut bases = bases.into_iter();
         files.retain(|file| {
@@ -93,19 +87,14 @@ impl Companions {
         for (index, file) in files.iter().enumerate() {
             let digits = numbers_of(file);
             if !digits.is_empty() {
-                by_number
-                    .entry((folder_of(file), digits))
-                    .or_default()
-                    .push(index);
+                by_number.entry((folder_of(file), digits)).or_default().push(index);
             }
         }
         // The first file of each kind of names that shares a number with another kind.
         let mut first_of: BTreeMap<String, &PathBuf> = BTreeMap::new();
         for indices in by_number.values().filter(|indices| indices.len() > 1) {
             for &index in indices {
-                let first = first_of
-                    .entry(pattern_of(&files[index]))
-                    .or_insert(&files[index]);
+                let first = first_of.entry(pattern_of(&files[index])).or_insert(&files[index]);
                 if natural_order(&files[index], first).is_lt() {
                     *first = &files[index];
                 }
@@ -140,11 +129,7 @@ impl Companions {
             .filter_map(|path| path.file_name())
             .map(|name| name.to_string_lossy().into_owned())
             .collect();
-        let more = if left_out.len() > NAMED_FILES {
-            ", …"
-        } else {
-            ""
-        };
+        let more = if left_out.len() > NAMED_FILES { ", …" } else { "" };
         let named = named.join(", ");
         match left_out.len() {
             0 => None,
@@ -280,11 +265,7 @@ mod tests {
     #[test]
     fn contents_decide_and_not_names() {
         let all = &["x", "y", "z", "nx", "ny", "nz"];
-        let (stay, pairs, left_out) = grouped(&[
-            ("1.ply", POINTS),
-            ("1_normal.ply", all),
-            ("2_normal.ply", POINTS),
-        ]);
+        let (stay, pairs, left_out) = grouped(&[("1.ply", POINTS), ("1_normal.ply", all), ("2_normal.ply", POINTS)]);
         assert_eq!(stay, ["1.ply", "1_normal.ply", "2_normal.ply"]);
         assert_eq!(pairs, [""; 0]);
         assert_eq!(left_out, [""; 0]);
@@ -320,8 +301,7 @@ mod tests {
 
     #[test]
     fn what_shares_no_number_is_not_looked_at_and_says_itself_what_is_wrong() {
-        let (stay, _, left_out) =
-            grouped(&[("1.ply", POINTS), ("2.ply", LABELS), ("mask_3.ply", LABELS)]);
+        let (stay, _, left_out) = grouped(&[("1.ply", POINTS), ("2.ply", LABELS), ("mask_3.ply", LABELS)]);
         assert_eq!(stay.len(), 3);
         assert_eq!(left_out, [""; 0]);
         let (stay, _, _) = grouped(&[("1.ply", LABELS), ("1_mask.ply", LABELS)]);

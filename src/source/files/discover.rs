@@ -104,8 +104,8 @@ impl Discovered {
         // A file of one frame by its name is not opened here: there may be a hundred thousand.
         let may_hold_many = format.is_none_or(Format::holds_many);
         let stays_whole = options.merge_scans && format.is_some_and(Format::holds_scans);
-        let listed = (may_hold_many && !stays_whole)
-            .then(|| io::contents(&path, options.topic.as_deref(), &options.read));
+        let listed =
+            (may_hold_many && !stays_whole).then(|| io::contents(&path, options.topic.as_deref(), &options.read));
         match listed {
             // What holds no frame at all says so when it is decoded.
             Some(Ok(contents)) if contents.entries.is_empty() && options.topic.is_none() => {
@@ -113,8 +113,7 @@ impl Discovered {
             }
             Some(Ok(contents)) => {
                 let frames = contents.entries.into_iter();
-                self.entries
-                    .extend(frames.map(|entry| FrameEntry::entry(&path, entry)));
+                self.entries.extend(frames.map(|entry| FrameEntry::entry(&path, entry)));
                 if !contents.topics.is_empty() {
                     self.recordings.push(Recording {
                         path,
@@ -219,8 +218,7 @@ fn leave_out_buffers(files: &mut Vec<PathBuf>) {
 
 fn empty_folder_hint(mut subfolders: Vec<PathBuf>) -> String {
     if subfolders.is_empty() {
-        return "name another folder, or the files themselves if they have another extension"
-            .into();
+        return "name another folder, or the files themselves if they have another extension".into();
     }
     subfolders.sort_by(|left, right| natural_order(left, right));
     let named: Vec<String> = subfolders
@@ -343,10 +341,7 @@ mod tests {
             leave_out_buffers(&mut files);
             files
         };
-        assert_eq!(
-            left_of(&["a/Fox.bin", "a/Fox.GLTF"]),
-            [Path::new("a/Fox.GLTF")]
-        );
+        assert_eq!(left_of(&["a/Fox.bin", "a/Fox.GLTF"]), [Path::new("a/Fox.GLTF")]);
         assert_eq!(left_of(&["a/0.bin", "a/1.bin"]).len(), 2);
     }
 
@@ -359,8 +354,7 @@ mod tests {
         let inputs = [folder.path().to_owned()];
         let told = Arc::new(Mutex::new(Vec::new()));
         let mut known = Known::default();
-        let mut open =
-            |progress: &Progress| discover(&inputs, &OpenOptions::default(), &mut known, progress);
+        let mut open = |progress: &Progress| discover(&inputs, &OpenOptions::default(), &mut known, progress);
         let hears = Arc::clone(&told);
         let progress = Progress::told_to(move |progress| {
             hears.lock().unwrap().push((progress.done(), progress.of()));
@@ -368,10 +362,7 @@ mod tests {
         assert_eq!(open(&progress).unwrap().entries.len(), 3);
         progress.cancel();
         assert!(matches!(open(&progress), Err(SequenceError::Cancelled)));
-        assert_eq!(
-            *told.lock().unwrap(),
-            [0, 1, 2, 0].map(|done| (done, Some(3)))
-        );
+        assert_eq!(*told.lock().unwrap(), [0, 1, 2, 0].map(|done| (done, Some(3))));
     }
 
     #[test]
@@ -384,10 +375,7 @@ mod tests {
             numbers(&["scan1_v2.ply", "scan2_v2.ply", "scan5_v2.ply"]),
             [Some(1), Some(2), Some(5)]
         );
-        assert_eq!(
-            numbers(&["tomato_03-05.xyz", "tomato_03-08.ply"]),
-            [Some(5), Some(8)]
-        );
+        assert_eq!(numbers(&["tomato_03-05.xyz", "tomato_03-08.ply"]), [Some(5), Some(8)]);
     }
 
     #[test]

@@ -8,9 +8,7 @@ mod stamps;
 pub use recording::Recording;
 pub(super) use recording::topics_of;
 
-use super::{
-    Content, DecodeFailure, Decoder, FrameEntry, FrameSample, OpenOptions, SequenceError, Source,
-};
+use super::{Content, DecodeFailure, Decoder, FrameEntry, FrameSample, OpenOptions, SequenceError, Source};
 use crate::cloud::RawCloud;
 use crate::io::normals::read_with_normals;
 use crate::io::{self, Part, ReadOptions, SharedFile};
@@ -43,11 +41,7 @@ impl Files {
     ///
     /// Nothing is read but folders and the lists of contents of files that hold many frames. See [`SequenceError`] for
     /// what can be wrong.
-    pub fn open(
-        inputs: &[PathBuf],
-        options: &OpenOptions,
-        progress: &Progress,
-    ) -> Result<Self, SequenceError> {
+    pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Self, SequenceError> {
         let mut known = Known::default();
         let found = discover::discover(inputs, options, &mut known, progress)?;
         let Discovered {
@@ -81,9 +75,7 @@ impl Source for Files {
 
     fn decoder(&self) -> Box<dyn Decoder> {
         let (options, shared) = (self.options.read, Arc::clone(&self.shared));
-        Box::new(move |entry: &FrameEntry, progress: &Progress| {
-            decode(entry, &options, &shared, progress)
-        })
+        Box::new(move |entry: &FrameEntry, progress: &Progress| decode(entry, &options, &shared, progress))
     }
 
     fn sample(
@@ -97,12 +89,9 @@ impl Source for Files {
         const MOST_TIME: Duration = Duration::from_secs(1);
         let entry = self.entry(index);
         match (&entry.content, &entry.normals) {
-            (Content::File(Part::Whole), None) => Ok(io::read_sample(
-                &entry.path,
-                most_points,
-                fewest_points,
-                MOST_TIME,
-            )?),
+            (Content::File(Part::Whole), None) => {
+                Ok(io::read_sample(&entry.path, most_points, fewest_points, MOST_TIME)?)
+            }
             _ => Ok(None),
         }
     }
@@ -163,9 +152,7 @@ pub(super) fn decode(
 ) -> Result<RawCloud, DecodeFailure> {
     let path = &entry.path;
     Ok(match (&entry.content, &entry.normals) {
-        (Content::File(Part::Whole), Some(normals)) => {
-            read_with_normals(path, normals, options, progress)?
-        }
+        (Content::File(Part::Whole), Some(normals)) => read_with_normals(path, normals, options, progress)?,
         (Content::File(part), _) => shared.read_part(path, part, options, progress)?,
         (Content::Embedded(bytes), _) => io::read_bytes(path, bytes)?,
     })
@@ -174,9 +161,7 @@ pub(super) fn decode(
 /// Gives the frames in `entries` the normals that `found` has beside the same files by now.
 fn join_late_normals(entries: &mut [Arc<FrameEntry>], found: impl Iterator<Item = FrameEntry>) {
     let with_normals = found.filter(|entry| entry.normals.is_some());
-    let late: HashMap<PathBuf, FrameEntry> = with_normals
-        .map(|entry| (entry.path.clone(), entry))
-        .collect();
+    let late: HashMap<PathBuf, FrameEntry> = with_normals.map(|entry| (entry.path.clone(), entry)).collect();
     for entry in entries.iter_mut().filter(|entry| entry.normals.is_none()) {
         if let Some(found) = late.get(&entry.path)
             && discover::is_written(found, false)

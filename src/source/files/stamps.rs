@@ -33,8 +33,7 @@ pub(super) fn stamp(entries: &mut [FrameEntry]) {
 fn times_beside(entries: &[FrameEntry]) -> Option<Vec<Duration>> {
     let folder = entries.first()?.path.parent()?;
     let is_scan = |entry: &FrameEntry| {
-        entry.path.parent() == Some(folder)
-            && Format::of_extension(&entry.path).is_some_and(Format::has_times_beside)
+        entry.path.parent() == Some(folder) && Format::of_extension(&entry.path).is_some_and(Format::has_times_beside)
     };
     if !entries.iter().all(is_scan) {
         return None;

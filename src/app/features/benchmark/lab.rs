@@ -57,10 +57,7 @@ fn is_on_front(point: &LabPoint, points: &[Arc<LabPoint>]) -> bool {
 
 /// A way in a line.
 fn words(point: &LabPoint) -> String {
-    format!(
-        "{:.2} ms, FLIP {:.4}: {}",
-        point.draw_ms, point.flip, point.label
-    )
+    format!("{:.2} ms, FLIP {:.4}: {}", point.draw_ms, point.flip, point.label)
 }
 
 fn color(primitive: Primitive) -> Color32 {
@@ -105,8 +102,7 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
                 (RendererChoice::Gpu, MarkerShape::Square),
             ] {
                 let of_kind = points.iter().filter(|point| {
-                    point.settings.primitive == *primitive
-                        && point.settings.drawing.renderer == renderer
+                    point.settings.primitive == *primitive && point.settings.drawing.renderer == renderer
                 });
                 let places: Vec<[f64; 2]> = of_kind.map(|point| place(point)).collect();
                 let name = format!("{primitive} {renderer}");
@@ -125,14 +121,10 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
     });
     let on_screen = |point: &LabPoint| {
         let [x, y] = place(point);
-        response
-            .transform
-            .position_from_point(&PlotPoint::new(x, y))
+        response.transform.position_from_point(&PlotPoint::new(x, y))
     };
     let nearest = |pointer: Pos2| {
-        let distances = points
-            .iter()
-            .map(|point| on_screen(point).distance(pointer));
+        let distances = points.iter().map(|point| on_screen(point).distance(pointer));
         let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
         nearest
             .filter(|(_, distance)| *distance <= REACH)
@@ -141,9 +133,7 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
     let hovered = response.response.hover_pos().and_then(nearest);
     let clicked = response.response.clicked().then_some(hovered).flatten();
     if let Some(index) = hovered {
-        response
-            .response
-            .on_hover_text_at_pointer(words(&points[index]));
+        response.response.on_hover_text_at_pointer(words(&points[index]));
     }
     clicked
 }

@@ -71,8 +71,7 @@ pub struct BenchmarkTable {
 }
 
 /// The work of a benchmark: reports its steps, stops soon after it was cancelled. `Err` is a text for the person.
-pub type BenchmarkJob =
-    Box<dyn FnOnce(&dyn Fn(Step), &Progress) -> Result<BenchmarkTable, String> + Send>;
+pub type BenchmarkJob = Box<dyn FnOnce(&dyn Fn(Step), &Progress) -> Result<BenchmarkTable, String> + Send>;
 
 /// What a benchmark came to; `Err` is a text for the person.
 #[derive(Debug)]
@@ -163,8 +162,7 @@ impl Benchmark {
 
     /// Takes what the thread came to.
     pub(in crate::app) fn finish(&mut self, BenchmarkEnded(result): BenchmarkEnded) {
-        let cancelled =
-            matches!(self, Self::Running(running) if running.work.progress().is_cancelled());
+        let cancelled = matches!(self, Self::Running(running) if running.work.progress().is_cancelled());
         *self = match result {
             _ if cancelled => Self::Cancelled,
             Ok(table) => Self::Done(Box::new(table)),

@@ -57,8 +57,10 @@ fn contents(ui: &mut Ui, benchmark: &Benchmark, now: Duration) -> Option<Benchma
     let points = benchmark.points();
     match benchmark {
         Benchmark::Idle => {
-            ui.label("Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused \
-                meanwhile.");
+            ui.label(
+                "Choose a suite in the Benchmark menu. It measures the open sequence; playing is paused \
+                meanwhile.",
+            );
         }
         Benchmark::Running(running) => {
             ui.strong(format!("Suite {}", running.suite));
@@ -79,9 +81,7 @@ fn contents(ui: &mut Ui, benchmark: &Benchmark, now: Duration) -> Option<Benchma
     }
     if !points.is_empty() {
         ui.separator();
-        request = lab_ui(ui, &points)
-            .map(BenchmarkRequest::DrawAs)
-            .or(request);
+        request = lab_ui(ui, &points).map(BenchmarkRequest::DrawAs).or(request);
     }
     request
 }
@@ -91,17 +91,14 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<ReportFormat> {
     ui.strong(format!("Suite {}", table.suite));
     ui.weak(&table.adapter);
     ui.separator();
-    ScrollArea::both()
-        .id_salt("table")
-        .max_height(260.0)
-        .show(ui, |ui| {
-            for table in &table.tables {
-                if !table.name.is_empty() {
-                    ui.strong(&table.name);
-                }
-                cells(ui, table);
+    ScrollArea::both().id_salt("table").max_height(260.0).show(ui, |ui| {
+        for table in &table.tables {
+            if !table.name.is_empty() {
+                ui.strong(&table.name);
             }
-        });
+            cells(ui, table);
+        }
+    });
     for note in &table.notes {
         ui.label(RichText::new(note).color(ui.visuals().warn_fg_color));
     }
@@ -116,9 +113,7 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<ReportFormat> {
         let json = ui
             .button("Export JSON…")
             .on_hover_text("Everything measured, for programs");
-        let csv = ui
-            .button("Export CSV…")
-            .on_hover_text("The table, for spreadsheets");
+        let csv = ui.button("Export CSV…").on_hover_text("The table, for spreadsheets");
         let html = (!table.html.is_empty()).then(|| {
             ui.button("Export page…")
                 .on_hover_text("A page with the plot and the pictures, for browsers")
@@ -165,17 +160,8 @@ fn chart(ui: &mut Ui, table: &BenchmarkTable) {
                 .fill(ACCENT)
         })
         .collect();
-    let labels: Vec<String> = table
-        .bars
-        .iter()
-        .rev()
-        .map(|(label, _)| label.clone())
-        .collect();
-    let longest = labels
-        .iter()
-        .map(|label| label.chars().count())
-        .max()
-        .unwrap_or(0);
+    let labels: Vec<String> = table.bars.iter().rev().map(|(label, _)| label.clone()).collect();
+    let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
     Plot::new("bars")
         .height(BAR_HEIGHT * (bars.len() as f32 + 2.0))
         .allow_drag(false)
@@ -199,10 +185,6 @@ fn chart(ui: &mut Ui, table: &BenchmarkTable) {
             label.cloned().unwrap_or_default()
         })
         .show(ui, |plot| {
-            plot.bar_chart(
-                BarChart::new(&table.bars_title, bars)
-                    .horizontal()
-                    .color(ACCENT),
-            );
+            plot.bar_chart(BarChart::new(&table.bars_title, bars).horizontal().color(ACCENT));
         });
 }

@@ -30,8 +30,7 @@ pub(in crate::app) fn benchmark_job(
         });
     }
     Box::new(move |report, progress| {
-        let context =
-            Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
+        let context = Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
         let options = bench::BenchOptions {
             // What a software adapter draws nobody would choose.
             modes: if context.is_software() {
@@ -47,8 +46,8 @@ pub(in crate::app) fn benchmark_job(
             sequence,
             shape: None,
         };
-        let measured = bench::run(&[input], &options, Some(&context), report, progress)
-            .map_err(|error| error.to_string())?;
+        let measured =
+            bench::run(&[input], &options, Some(&context), report, progress).map_err(|error| error.to_string())?;
         Ok(BenchmarkTable::of(measured))
     })
 }

@@ -79,13 +79,7 @@ mod tests {
         places.extend(outlier.map(|z| [0.0, height, z]));
         let raw = RawCloud::from_positions(Positions::F64(places));
         let frame = Arc::new(Frame::from_raw(raw, origin).unwrap());
-        prepare(
-            0,
-            frame,
-            0.0,
-            &Needs::default(),
-            &PrepareCounters::default(),
-        )
+        prepare(0, frame, 0.0, &Needs::default(), &PrepareCounters::default())
     }
 
     #[test]
@@ -106,10 +100,7 @@ mod tests {
 
     #[test]
     fn what_only_one_has_is_far_from_the_other_one_way() {
-        let (a, b) = (
-            row(0.0, DVec3::ZERO, None),
-            row(0.0, DVec3::ZERO, Some(101.0)),
-        );
+        let (a, b) = (row(0.0, DVec3::ZERO, None), row(0.0, DVec3::ZERO, Some(101.0)));
         let found = between(&a, &b, DVec3::ZERO, || true).unwrap();
         assert_eq!((found.from_a.mean, found.from_a.largest), (0.0, 0.0));
         assert_eq!(found.from_b.mean, 1.0, "one of 101 is 101 away");

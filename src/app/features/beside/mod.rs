@@ -70,12 +70,7 @@ impl Beside {
     }
 
     /// Moves both on: what has changed about the player's frames, and about those of B.
-    pub(in crate::app) fn update(
-        &mut self,
-        player: &mut Player,
-        now: Duration,
-        settings: &Style,
-    ) -> [PlayerChange; 2] {
+    pub(in crate::app) fn update(&mut self, player: &mut Player, now: Duration, settings: &Style) -> [PlayerChange; 2] {
         let companion = &mut self.companion;
         let of_a = player.update_beside(now, settings, |clock, is_playing| {
             companion.prepare(clock, is_playing, settings)
@@ -158,9 +153,7 @@ impl Beside {
     /// The distances of the shown frames, if they were measured.
     pub fn distances(&self, player: &Player) -> Option<&FrameDistances> {
         let ids = self.ids(player);
-        self.distances
-            .as_ref()
-            .filter(|known| ids == Some(known.ids))
+        self.distances.as_ref().filter(|known| ids == Some(known.ids))
     }
 
     /// Whether distances are being measured.
@@ -169,10 +162,7 @@ impl Beside {
     }
 
     /// The frames to measure: both are here, have points, and all that their files have.
-    pub(in crate::app) fn whole_frames<'a>(
-        &'a self,
-        player: &'a Player,
-    ) -> Option<[&'a Arc<PreparedFrame>; 2]> {
+    pub(in crate::app) fn whole_frames<'a>(&'a self, player: &'a Player) -> Option<[&'a Arc<PreparedFrame>; 2]> {
         let frames = [player.shown()?, self.companion.shown()?];
         frames
             .iter()
@@ -194,18 +184,12 @@ impl Beside {
         self.cancel();
         let progress = Progress::default();
         self.measuring = Some((ids, progress.clone()));
-        tasks.start("distances", move || {
-            between(&a, &b, shift, || !progress.is_cancelled())
-        });
+        tasks.start("distances", move || between(&a, &b, shift, || !progress.is_cancelled()));
     }
 
     /// Takes the answer, unless other frames are shown by now.
     pub(in crate::app) fn take_in(&mut self, distances: FrameDistances) {
-        if self
-            .measuring
-            .take_if(|(ids, _)| *ids == distances.ids)
-            .is_some()
-        {
+        if self.measuring.take_if(|(ids, _)| *ids == distances.ids).is_some() {
             self.distances = Some(distances);
         }
     }

@@ -19,11 +19,7 @@ pub(in crate::app) enum BesideRequest {
 }
 
 /// The bar while two sequences are compared.
-pub(in crate::app) fn beside_ui(
-    ui: &mut Ui,
-    beside: &mut Beside,
-    player: &Player,
-) -> Option<BesideRequest> {
+pub(in crate::app) fn beside_ui(ui: &mut Ui, beside: &mut Beside, player: &Player) -> Option<BesideRequest> {
     let mut request = None;
     ui.horizontal_wrapped(|ui| {
         layout_ui(ui, beside);
@@ -78,8 +74,7 @@ fn layout_ui(ui: &mut Ui, beside: &mut Beside) {
             "One over the other, with a line between them that can be dragged (Shift+C)",
         ),
     ] {
-        ui.selectable_value(&mut layout, value, text)
-            .on_hover_text(tooltip);
+        ui.selectable_value(&mut layout, value, text).on_hover_text(tooltip);
     }
     if layout != beside.layout {
         beside.lay_out(layout);
@@ -120,11 +115,7 @@ fn pairing_ui(ui: &mut Ui, beside: &mut Beside) {
         .range(-MAX_OFFSET..=MAX_OFFSET)
         .speed(0.1)
         .suffix(" frames");
-    let is_changed = ui
-        .add(drag)
-        .labelled_by(label.id)
-        .on_hover_text(tooltip)
-        .changed();
+    let is_changed = ui.add(drag).labelled_by(label.id).on_hover_text(tooltip).changed();
     if is_changed {
         companion.set_offset_frames(offset);
         ui.ctx().request_repaint();

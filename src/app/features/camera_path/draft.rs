@@ -173,11 +173,7 @@ mod tests {
 
     fn key(time_s: f64, frame: f64) -> Keyframe {
         let camera = Camera::framing(&Aabb::EMPTY, DVec3::ZERO, UpAxis::Y);
-        Keyframe {
-            time_s,
-            camera,
-            frame,
-        }
+        Keyframe { time_s, camera, frame }
     }
 
     fn draft(keys: &[(f64, f64)]) -> Draft {
@@ -250,8 +246,7 @@ mod tests {
         other.camera.projection = Projection::Orthographic;
         assert!(draft.put(other).is_err());
         assert!(draft.put(key(-1.0, 1.0)).is_err());
-        let Err(PathError::OutOfRange { .. }) = draft.replace(0, key(0.0, 0.0).camera, f64::NAN)
-        else {
+        let Err(PathError::OutOfRange { .. }) = draft.replace(0, key(0.0, 0.0).camera, f64::NAN) else {
             panic!("a frame is a number");
         };
         assert_eq!(draft, before);

@@ -7,12 +7,7 @@ use egui::{Button, ComboBox, DragValue, Label, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
 /// Widths of the columns before the buttons, points.
-const COLUMNS: [(&str, f32); 4] = [
-    ("Go to", 46.0),
-    ("Time", 78.0),
-    ("Frame", 62.0),
-    ("Then", 112.0),
-];
+const COLUMNS: [(&str, f32); 4] = [("Go to", 46.0), ("Time", 78.0), ("Frame", 62.0), ("Then", 112.0)];
 
 /// Keyframes that are shown at once; others are scrolled to.
 const ROWS: f32 = 9.0;
@@ -32,11 +27,7 @@ const PACES: [(&str, f64, &str); 6] = [
         "The next keyframe has the same frame: only the camera moves",
     ),
     ("Backward", -1.0, "The sequence plays backward"),
-    (
-        "Backward, × 0.5",
-        -0.5,
-        "It plays backward at half of its frame rate",
-    ),
+    ("Backward, × 0.5", -0.5, "It plays backward at half of its frame rate"),
 ];
 
 /// What is asked of one keyframe.
@@ -52,17 +43,10 @@ enum Asked {
 
 /// A time in the video that can be dragged.
 pub(super) fn seconds(value: &mut f64) -> DragValue<'_> {
-    DragValue::new(value)
-        .speed(0.02)
-        .fixed_decimals(3)
-        .suffix(" s")
+    DragValue::new(value).speed(0.02).fixed_decimals(3).suffix(" s")
 }
 
-pub(in crate::app) fn keyframes_ui(
-    ui: &mut Ui,
-    path: &mut PathEditor,
-    fps: f64,
-) -> Option<PathRequest> {
+pub(in crate::app) fn keyframes_ui(ui: &mut Ui, path: &mut PathEditor, fps: f64) -> Option<PathRequest> {
     let draft = Arc::clone(&path.draft);
     let count = draft.keyframes().len();
     if count == 0 {
@@ -96,8 +80,7 @@ fn row(ui: &mut Ui, draft: &Draft, (index, is_present): (usize, bool), fps: f64)
     let key = &draft.keyframes()[index];
     let number = index + 1;
     let mut asked = None;
-    let [go, time, frame, then] =
-        COLUMNS.map(|(_, width)| vec2(width, ui.spacing().interact_size.y));
+    let [go, time, frame, then] = COLUMNS.map(|(_, width)| vec2(width, ui.spacing().interact_size.y));
     ui.horizontal(|ui| {
         let button = Button::selectable(is_present, number.to_string()).min_size(go);
         let response = ui.add(button).on_hover_text("Shows this keyframe");
@@ -123,9 +106,7 @@ fn row(ui: &mut Ui, draft: &Draft, (index, is_present): (usize, bool), fps: f64)
             .max_decimals(2);
         let response = ui.add_sized(frame, drag);
         named(&response, format!("Frame of keyframe {number}"));
-        response.on_hover_text(
-            "The frame that is shown then; beyond the last one the sequence begins anew",
-        );
+        response.on_hover_text("The frame that is shown then; beyond the last one the sequence begins anew");
         if shown != key.frame + 1.0 {
             asked = Some(Asked::Frame(shown - 1.0));
         }

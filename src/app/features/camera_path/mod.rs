@@ -89,11 +89,7 @@ impl PathEditor {
     }
 
     /// Sets a keyframe at its time, or does so in place of the one that is there. At the end the time moves on.
-    pub(in crate::app) fn set_keyframe(
-        &mut self,
-        camera: Camera,
-        frame: f64,
-    ) -> Result<(), PathError> {
+    pub(in crate::app) fn set_keyframe(&mut self, camera: Camera, frame: f64) -> Result<(), PathError> {
         let key = Keyframe {
             time_s: self.time_s,
             camera,
@@ -101,9 +97,7 @@ impl PathEditor {
         };
         let mut draft = (*self.draft).clone();
         draft.put(key)?;
-        let is_last = draft
-            .times_s()
-            .is_some_and(|times| key.time_s >= *times.end());
+        let is_last = draft.times_s().is_some_and(|times| key.time_s >= *times.end());
         if is_last && self.draft.key_at(key.time_s).is_none() {
             self.time_s += self.step_s;
         }

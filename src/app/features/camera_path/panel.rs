@@ -41,8 +41,7 @@ fn time_ui(ui: &mut Ui, path: &mut PathEditor) -> Option<PathRequest> {
     let mut time_s = path.time_s;
     ui.horizontal(|ui| {
         let label = ui.label("Time");
-        let tooltip =
-            "Where in the video the next keyframe is set; within the path its view is shown";
+        let tooltip = "Where in the video the next keyframe is set; within the path its view is shown";
         ui.add(seconds(&mut time_s).range(TIMES_S))
             .labelled_by(label.id)
             .on_hover_text(tooltip);
@@ -101,17 +100,12 @@ fn file_ui(ui: &mut Ui, path: &mut PathEditor) -> Option<Command> {
     let draft = &path.draft;
     let mut eases = draft.eases();
     let ease = ui.add(Checkbox::new(&mut eases, "Ease in and out"));
-    if ease
-        .on_hover_text("The camera starts and ends at rest")
-        .changed()
-    {
+    if ease.on_hover_text("The camera starts and ends at rest").changed() {
         path.edit(|draft| draft.set_eases(eases));
     }
     let draft = &path.draft;
     let count = draft.keyframes().len();
-    let duration_s = draft
-        .times_s()
-        .map_or(0.0, |times| times.end() - times.start());
+    let duration_s = draft.times_s().map_or(0.0, |times| times.end() - times.start());
     let name = path.file().and_then(|file| file.file_name());
     let name = name.map_or("no file yet".into(), |name| name.to_string_lossy());
     ui.horizontal(|ui| {
@@ -123,13 +117,7 @@ fn file_ui(ui: &mut Ui, path: &mut PathEditor) -> Option<Command> {
     let has_path = draft.path().is_some();
     ui.horizontal(|ui| {
         for (text, name, is_offered, tooltip, command) in [
-            (
-                "New",
-                "New camera path",
-                true,
-                "Begins an empty path",
-                Command::NewPath,
-            ),
+            ("New", "New camera path", true, "Begins an empty path", Command::NewPath),
             (
                 "Open…",
                 "Open a camera path",

@@ -29,12 +29,7 @@ pub(in crate::app) struct Moment {
 
 impl Preview {
     /// `path` from `time_s` on; from its first keyframe if there is nothing left of it then.
-    pub(in crate::app) fn new(
-        path: CameraPath,
-        time_s: f64,
-        (camera, now): (Camera, Duration),
-        resumes: bool,
-    ) -> Self {
+    pub(in crate::app) fn new(path: CameraPath, time_s: f64, (camera, now): (Camera, Duration), resumes: bool) -> Self {
         let from_s = time_s - first_s(&path);
         let is_within = (0.0..path.duration_s()).contains(&from_s);
         Self {

@@ -58,14 +58,8 @@ impl Comparison {
             .take()
             .filter(|known| Arc::ptr_eq(&known.frame, &frame.frame));
         let needs = Scene::needs(style);
-        let frame = complete(
-            known.as_ref().unwrap_or(frame),
-            &needs,
-            &PrepareCounters::default(),
-        );
-        let packet = self
-            .scene
-            .packet(&frame, origin, camera, style, viewport_px);
+        let frame = complete(known.as_ref().unwrap_or(frame), &needs, &PrepareCounters::default());
+        let packet = self.scene.packet(&frame, origin, camera, style, viewport_px);
         self.frame = Some(frame);
         if self.packet.as_ref() == Some(&packet) {
             return None;

@@ -14,10 +14,7 @@ pub(in crate::app) enum ComparisonRequest {
 }
 
 /// The bar while two ways to draw are compared.
-pub(in crate::app) fn comparison_ui(
-    ui: &mut Ui,
-    comparison: &mut Comparison,
-) -> Option<ComparisonRequest> {
+pub(in crate::app) fn comparison_ui(ui: &mut Ui, comparison: &mut Comparison) -> Option<ComparisonRequest> {
     let mut edited = comparison.edited;
     let mut close = false;
     ui.horizontal_wrapped(|ui| {
@@ -34,17 +31,13 @@ pub(in crate::app) fn comparison_ui(
                 "The panel shows and changes the settings of the right side",
             ),
         ] {
-            ui.selectable_value(&mut edited, side, text)
-                .on_hover_text(tooltip);
+            ui.selectable_value(&mut edited, side, text).on_hover_text(tooltip);
         }
         ui.separator();
         error_map_ui(ui, &mut comparison.pictures);
         difference_ui(ui, &comparison.pictures);
         ui.separator();
-        close = ui
-            .button("Close")
-            .on_hover_text("Back to one picture (C)")
-            .clicked();
+        close = ui.button("Close").on_hover_text("Back to one picture (C)").clicked();
     });
     if close {
         Some(ComparisonRequest::Close)
@@ -55,9 +48,10 @@ pub(in crate::app) fn comparison_ui(
 
 /// Whether the pictures are shown, or where they differ.
 pub(in crate::app) fn error_map_ui(ui: &mut Ui, pictures: &mut PicturePair) {
-    ui.add(Checkbox::new(&mut pictures.shows_difference, "Error map")).on_hover_text(
-        "FLIP of each pixel, A being the truth: black where nobody sees a difference, pale where it is largest",
-    );
+    ui.add(Checkbox::new(&mut pictures.shows_difference, "Error map"))
+        .on_hover_text(
+            "FLIP of each pixel, A being the truth: black where nobody sees a difference, pale where it is largest",
+        );
 }
 
 /// How far the pictures are from each other.
@@ -93,10 +87,7 @@ mod tests {
 
     #[test]
     fn equal_and_small_pictures_have_numbers_too() {
-        assert_eq!(
-            numbers(0.0, f64::INFINITY, None),
-            "FLIP 0.0000   PSNR ∞   SSIM –"
-        );
+        assert_eq!(numbers(0.0, f64::INFINITY, None), "FLIP 0.0000   PSNR ∞   SSIM –");
         assert_eq!(
             numbers(0.125, 31.26, Some(0.95)),
             "FLIP 0.1250   PSNR 31.3 dB   SSIM 0.9500"

@@ -2,9 +2,7 @@
 
 use super::choices::{Export, Subject, USUAL_RATE};
 use crate::app::features::camera_path::Draft;
-use crate::export::{
-    ExportError, FRAME_PLACEHOLDER, VideoFormat, VideoStream, check_size, has_ffmpeg, numbered,
-};
+use crate::export::{ExportError, FRAME_PLACEHOLDER, VideoFormat, VideoStream, check_size, has_ffmpeg, numbered};
 use crate::timeline::Clock;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -57,9 +55,7 @@ impl Export {
         let [width, height] = size_px.map(|edge| edge.clamp(1, max_edge_px));
         match (self.size_px, self.subject) {
             // H.264 has even edges.
-            (None, subject) if subject != Subject::Picture => {
-                [width, height].map(|edge| (edge & !1).max(2))
-            }
+            (None, subject) if subject != Subject::Picture => [width, height].map(|edge| (edge & !1).max(2)),
             _ => [width, height],
         }
     }

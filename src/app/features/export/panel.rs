@@ -4,10 +4,7 @@ use super::{Export, Exportable, Subject};
 use crate::app::widgets::rows::{choice, row, rows};
 use crate::app::widgets::settle::settle;
 use crate::export::VideoFormat;
-use egui::{
-    Align2, Button, Checkbox, ComboBox, DragValue, Pos2, RichText, Slider, TextEdit, Ui, Window,
-    vec2,
-};
+use egui::{Align2, Button, Checkbox, ComboBox, DragValue, Pos2, RichText, Slider, TextEdit, Ui, Window, vec2};
 
 /// Sizes that are offered beside that of the window.
 const SIZES: [(&str, [u32; 2], &str); 6] = [
@@ -92,11 +89,7 @@ fn subject(ui: &mut Ui, export: &mut Export, of: &Exportable) {
         "What the picture or the video shows, drawn as on the screen",
         &mut subject,
         &[
-            (
-                "Picture",
-                Subject::Picture,
-                "What is on the screen, in any size",
-            ),
+            ("Picture", Subject::Picture, "What is on the screen, in any size"),
             (
                 "Turntable",
                 Subject::Turntable,
@@ -153,9 +146,7 @@ fn turntable(ui: &mut Ui, export: &mut Export) {
         ui,
         "Turns",
         "About the up axis; negative the other way",
-        DragValue::new(&mut export.turns)
-            .range(-1000.0..=1000.0)
-            .speed(0.02),
+        DragValue::new(&mut export.turns).range(-1000.0..=1000.0).speed(0.02),
     );
     row(
         ui,
@@ -188,18 +179,9 @@ fn format(ui: &mut Ui, export: &mut Export) {
                     VideoFormat::Mp4,
                     "H.264, for players and slides: small, nearly the same colours",
                 ),
-                (
-                    VideoFormat::Gif,
-                    "Runs everywhere; 255 colours a picture",
-                ),
-                (
-                    VideoFormat::Webp,
-                    "Lossless and transparent, for browsers",
-                ),
-                (
-                    VideoFormat::PngFiles,
-                    "A numbered file a picture, for other programs",
-                ),
+                (VideoFormat::Gif, "Runs everywhere; 255 colours a picture"),
+                (VideoFormat::Webp, "Lossless and transparent, for browsers"),
+                (VideoFormat::PngFiles, "A numbered file a picture, for other programs"),
             ] {
                 let is_there = format != VideoFormat::Mp4 || export.has_ffmpeg;
                 let button = Button::selectable(export.format == format, format_name(format));
@@ -229,10 +211,7 @@ fn background(ui: &mut Ui, export: &mut Export) {
     let tooltip = "Nothing is behind the cloud, in place of the background of the settings";
     let label = ui.label("Behind").on_hover_text(tooltip);
     let mut has_alpha = export.has_alpha();
-    let check = ui.add_enabled(
-        export.can_have_alpha(),
-        Checkbox::new(&mut has_alpha, "Transparent"),
-    );
+    let check = ui.add_enabled(export.can_have_alpha(), Checkbox::new(&mut has_alpha, "Transparent"));
     if check.changed() {
         export.is_transparent = has_alpha;
     }
@@ -254,10 +233,7 @@ fn place(ui: &mut Ui, export: &mut Export, of: &Exportable) -> Option<ExportRequ
         let field = TextEdit::singleline(&mut export.folder).desired_width(FIELD_WIDTH);
         ui.add(field).labelled_by(label.id).on_hover_text(tooltip);
         let browse = ui.button("Browse…");
-        if browse
-            .on_hover_text("Chooses folder and name with a dialog")
-            .clicked()
-        {
+        if browse.on_hover_text("Chooses folder and name with a dialog").clicked() {
             request = Some(ExportRequest::ChoosePlace);
         }
     });
@@ -284,10 +260,7 @@ fn start(ui: &mut Ui, export: &mut Export, of: &Exportable) -> Option<ExportRequ
     } else {
         ui.weak(summary(export, of));
         if export.replaces(of) {
-            ui.label(
-                RichText::new("A file of this name is there: it is replaced")
-                    .color(ui.visuals().warn_fg_color),
-            );
+            ui.label(RichText::new("A file of this name is there: it is replaced").color(ui.visuals().warn_fg_color));
         }
     }
     let button = ui.add_enabled(problem.is_none(), Button::new("Export"));

@@ -30,12 +30,7 @@ fn started(clock: &Clock, now: Duration, loop_mode: LoopMode) -> Clock {
 }
 
 /// The frames that `clock` shows, a picture each; at least one.
-fn frames(
-    clock: &Clock,
-    now: Duration,
-    loop_mode: LoopMode,
-    per_second: f64,
-) -> impl Iterator<Item = usize> {
+fn frames(clock: &Clock, now: Duration, loop_mode: LoopMode, per_second: f64) -> impl Iterator<Item = usize> {
     let mut clock = started(clock, now, loop_mode);
     (0..).map_while(move |picture: usize| {
         let middle_s = (picture as f64 + 0.5) / per_second;
@@ -53,12 +48,7 @@ fn frames(
 ///
 /// # Errors
 /// If there are more pictures than a path has keyframes.
-pub(super) fn sequence(
-    camera: Camera,
-    clock: &Clock,
-    now: Duration,
-    per_second: f64,
-) -> Result<CameraPath, PathError> {
+pub(super) fn sequence(camera: Camera, clock: &Clock, now: Duration, per_second: f64) -> Result<CameraPath, PathError> {
     let frames = frames(clock, now, LoopMode::Off, per_second);
     let keys = frames.take(CameraPath::MAX_KEYFRAMES + 1).enumerate();
     let keys = keys.map(|(picture, frame)| key(picture, per_second, camera, frame));

@@ -40,9 +40,7 @@ impl Anchor {
             return None;
         }
         let index = frame.frame.file_index();
-        let slot = index
-            .iter()
-            .position(|&index| index == self.index_in_file)?;
+        let slot = index.iter().position(|&index| index == self.index_in_file)?;
         self.place = origin + frame.frame.positions()[slot].as_dvec3();
         self.frame = frame.index;
         Some(slot)

@@ -26,11 +26,7 @@ impl Gauge {
             "Distance",
             "The straight distance of two points, scene units",
         ),
-        (
-            Self::Angle,
-            "Angle",
-            "The angle at the second of three points, degrees",
-        ),
+        (Self::Angle, "Angle", "The angle at the second of three points, degrees"),
         (
             Self::Height,
             "Height",
@@ -125,11 +121,7 @@ mod tests {
 
     #[test]
     fn known_triangles_have_known_values() {
-        let places = [
-            DVec3::new(3.0, 0.0, 0.0),
-            DVec3::ZERO,
-            DVec3::new(0.0, 4.0, 0.0),
-        ];
+        let places = [DVec3::new(3.0, 0.0, 0.0), DVec3::ZERO, DVec3::new(0.0, 4.0, 0.0)];
         for origin in [DVec3::ZERO, FAR] {
             let places = places.map(|place| place + origin);
             let value = |gauge: Gauge, places: &[DVec3]| gauge.value(places, DVec3::Y).unwrap();
@@ -148,10 +140,7 @@ mod tests {
             let b = DVec3::new(angle.to_radians().cos(), angle.to_radians().sin(), 0.0);
             let found = Gauge::Angle.value(&[7.0 * DVec3::X, DVec3::ZERO, b], DVec3::Y);
             let found = found.unwrap();
-            assert!(
-                (found - angle).abs() < 1e-13 * angle.max(1.0),
-                "{found} for {angle}"
-            );
+            assert!((found - angle).abs() < 1e-13 * angle.max(1.0), "{found} for {angle}");
         }
     }
 
@@ -159,10 +148,7 @@ mod tests {
     fn what_cannot_be_measured_has_no_value() {
         let up = DVec3::Y;
         assert_eq!(Gauge::Distance.value(&[DVec3::X], up), None);
-        assert_eq!(
-            Gauge::Angle.value(&[DVec3::X, DVec3::X, DVec3::Y], up),
-            None
-        );
+        assert_eq!(Gauge::Angle.value(&[DVec3::X, DVec3::X, DVec3::Y], up), None);
         assert_eq!(Gauge::Distance.value(&[DVec3::X; 2], up), Some(0.0));
         for (gauge, name, _) in Gauge::ALL {
             assert_eq!(gauge.name(), name);

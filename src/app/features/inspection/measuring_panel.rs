@@ -6,12 +6,7 @@ use egui::{Align2, Button, Grid, Pos2, RichText, ScrollArea, Ui, Window, vec2};
 use glam::DVec3;
 
 /// The window while the tool is chosen, at `corner`. Heights are along `up`.
-pub(in crate::app) fn measuring_ui(
-    ui: &mut Ui,
-    inspection: &mut Inspection,
-    up: DVec3,
-    corner: Pos2,
-) {
+pub(in crate::app) fn measuring_ui(ui: &mut Ui, inspection: &mut Inspection, up: DVec3, corner: Pos2) {
     if inspection.tool != Tool::Measure {
         return;
     }
@@ -43,10 +38,7 @@ fn gauges(ui: &mut Ui, inspection: &mut Inspection) {
     });
     let begun = inspection.begun.len();
     let count = inspection.gauge.point_count();
-    ui.weak(format!(
-        "Click on point {} of {count}. Esc ends.",
-        begun + 1
-    ));
+    ui.weak(format!("Click on point {} of {count}. Esc ends.", begun + 1));
 }
 
 fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, up: DVec3) {
@@ -57,9 +49,10 @@ fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, up: DVec3) {
             for (index, measurement) in measurements.iter().enumerate() {
                 let value = measurement.gauge.text(measurement.value(up));
                 ui.label(measurement.gauge.name());
-                ui.label(RichText::new(value).monospace())
-                    .on_hover_text("Scene units, angles in degrees; points are followed through frames of as many \
-                        points");
+                ui.label(RichText::new(value).monospace()).on_hover_text(
+                    "Scene units, angles in degrees; points are followed through frames of as many \
+                        points",
+                );
                 let delete = ui
                     .add(Button::new("Delete").small())
                     .on_hover_text("Delete this measurement");
@@ -78,9 +71,7 @@ fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, up: DVec3) {
         let copy = ui.button("Copy as text");
         let tooltip = "Every measurement as a line: its value and its points, with all digits";
         if copy.on_hover_text(tooltip).clicked() {
-            let lines = measurements
-                .iter()
-                .map(|measurement| measurement.line(up) + "\n");
+            let lines = measurements.iter().map(|measurement| measurement.line(up) + "\n");
             ui.copy_text(lines.collect());
         }
         let clear = ui.button("Delete all");

@@ -56,11 +56,7 @@ impl Inspection {
     /// Chooses a tool, or puts the chosen one away.
     pub fn toggle(&mut self, tool: Tool) {
         self.begun.clear();
-        self.tool = if self.tool == tool {
-            Tool::Camera
-        } else {
-            tool
-        };
+        self.tool = if self.tool == tool { Tool::Camera } else { tool };
     }
 
     /// Every point that was clicked on: the one whose values are shown, and those of measurements.
@@ -103,10 +99,7 @@ impl Inspection {
         match self.tool {
             Tool::Camera => {}
             Tool::Point => {
-                self.point = Some(Inspected {
-                    anchor,
-                    values: pick,
-                });
+                self.point = Some(Inspected { anchor, values: pick });
             }
             Tool::Measure => {
                 self.begun.push(anchor);
@@ -126,11 +119,7 @@ impl Inspection {
         if self.followed[side as usize].replace(frame.id) == Some(frame.id) {
             return;
         }
-        if let Some(point) = self
-            .point
-            .as_mut()
-            .filter(|point| point.anchor.side == side)
-        {
+        if let Some(point) = self.point.as_mut().filter(|point| point.anchor.side == side) {
             let slot = point.anchor.follow(frame, origin);
             if let Some(values) = slot.and_then(|slot| Pick::of(frame, origin, slot)) {
                 point.values = values;
@@ -169,24 +158,14 @@ mod tests {
         });
         let raw = RawCloud::from_positions(Positions::F64(positions.collect()));
         let frame = Arc::new(Frame::from_raw(raw, origin).unwrap());
-        prepare(
-            index,
-            frame,
-            0.0,
-            &Needs::default(),
-            &PrepareCounters::default(),
-        )
+        prepare(index, frame, 0.0, &Needs::default(), &PrepareCounters::default())
     }
 
     #[test]
     fn a_point_is_the_same_one_in_frames_of_as_many_points() {
         let origin = DVec3::new(1e6, 0.0, 0.0);
         let first = frame(0, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], origin);
-        let slot = first
-            .frame
-            .file_index()
-            .iter()
-            .position(|&index| index == 1);
+        let slot = first.frame.file_index().iter().position(|&index| index == 1);
         let pick = Pick::of(&first, origin, slot.unwrap()).unwrap();
         let mut inspection = Inspection {
             tool: Tool::Point,
@@ -194,11 +173,7 @@ mod tests {
         };
         inspection.take(Side::A, pick, &first);
         // In another order of places, with a hole in the file.
-        let moved = frame(
-            1,
-            &[[f32::NAN; 3], [-5.0, 2.0, 0.0], [9.0, 0.0, 0.0]],
-            origin,
-        );
+        let moved = frame(1, &[[f32::NAN; 3], [-5.0, 2.0, 0.0], [9.0, 0.0, 0.0]], origin);
         inspection.follow(Side::A, &moved, origin);
         let point = inspection.point.clone().unwrap();
         assert_eq!(point.values.position, origin + DVec3::new(-5.0, 2.0, 0.0));
@@ -215,10 +190,7 @@ mod tests {
     #[test]
     fn points_of_b_follow_their_own_frames_and_go_with_them() {
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
-        let (a, b) = (
-            frame(0, &corners, DVec3::ZERO),
-            frame(0, &corners, DVec3::ZERO),
-        );
+        let (a, b) = (frame(0, &corners, DVec3::ZERO), frame(0, &corners, DVec3::ZERO));
         let mut inspection = Inspection {
             tool: Tool::Measure,
             ..Inspection::default()
@@ -242,25 +214,14 @@ mod tests {
 
     #[test]
     fn points_make_measurements_and_escape_clears_in_order() {
-        let shown = frame(
-            0,
-            &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]],
-            DVec3::ZERO,
-        );
+        let shown = frame(0, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]], DVec3::ZERO);
         let pick = |index: u32| {
-            let slot = shown
-                .frame
-                .file_index()
-                .iter()
-                .position(|&known| known == index);
+            let slot = shown.frame.file_index().iter().position(|&known| known == index);
             Pick::of(&shown, DVec3::ZERO, slot.unwrap()).unwrap()
         };
         let mut inspection = Inspection::default();
         inspection.take(Side::A, pick(0), &shown);
-        assert!(
-            inspection.point.is_none(),
-            "without a tool a click picks nothing"
-        );
+        assert!(inspection.point.is_none(), "without a tool a click picks nothing");
         inspection.toggle(Tool::Measure);
         inspection.measure(Gauge::Angle);
         for index in [1, 0, 2] {
@@ -269,23 +230,13 @@ mod tests {
         assert_eq!(inspection.begun, []);
         assert_eq!(inspection.measurements[0].value(DVec3::Y), Some(90.0));
         let line = inspection.measurements[0].line(DVec3::Y);
-        assert!(
-            line.starts_with("angle\t90\tframe 1 point 1 at 1 0 0\t"),
-            "{line}"
-        );
+        assert!(line.starts_with("angle\t90\tframe 1 point 1 at 1 0 0\t"), "{line}");
         inspection.take(Side::A, pick(1), &shown);
         assert!(inspection.escape());
-        assert_eq!(
-            (inspection.begun.len(), inspection.tool),
-            (0, Tool::Measure)
-        );
+        assert_eq!((inspection.begun.len(), inspection.tool), (0, Tool::Measure));
         assert!(inspection.escape());
         assert_eq!(inspection.tool, Tool::Camera);
         assert!(!inspection.escape());
-        assert_eq!(
-            inspection.measurements.len(),
-            1,
-            "those are deleted by hand"
-        );
+        assert_eq!(inspection.measurements.len(), 1, "those are deleted by hand");
     }
 }

@@ -55,14 +55,11 @@ pub(in crate::app) fn point_ui(
 
 fn values_ui(ui: &mut Ui, point: &Inspected, context: &PointContext<'_>) {
     let rows = value_rows(point, context);
-    Grid::new("values")
-        .num_columns(3)
-        .striped(true)
-        .show(ui, |ui| {
-            for row in &rows {
-                row.show(ui);
-            }
-        });
+    Grid::new("values").num_columns(3).striped(true).show(ui, |ui| {
+        for row in &rows {
+            row.show(ui);
+        }
+    });
     if ui
         .button("Copy all")
         .on_hover_text("All values as lines of text")
@@ -88,11 +85,7 @@ fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<ValueRow> {
         ));
     }
     rows.extend([
-        ValueRow::new(
-            "Frame",
-            (values.frame + 1).to_string(),
-            "The frame, counted from 1",
-        ),
+        ValueRow::new("Frame", (values.frame + 1).to_string(), "The frame, counted from 1"),
         ValueRow {
             shown: grouped(u64::from(values.index_in_file)),
             ..ValueRow::new(
@@ -106,11 +99,7 @@ fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<ValueRow> {
     rows.extend(color_rows(values));
     rows.extend(values.normal.map(normal_row));
     for (name, value) in &values.scalars {
-        rows.push(ValueRow::new(
-            name,
-            value.to_string(),
-            "A scalar field of the file",
-        ));
+        rows.push(ValueRow::new(name, value.to_string(), "A scalar field of the file"));
     }
     if context.camera.projection == Projection::Perspective {
         let distance = context.camera.eye_in_world().distance(values.position);
@@ -171,11 +160,7 @@ fn normal_row(normal: PickedNormal) -> ValueRow {
     let parts = normal.to_array();
     ValueRow {
         shown: parts.map(|part| format!("{part:.4}")).join(" "),
-        ..ValueRow::new(
-            "Normal",
-            parts.map(|part| part.to_string()).join(" "),
-            tooltip,
-        )
+        ..ValueRow::new("Normal", parts.map(|part| part.to_string()).join(" "), tooltip)
     }
 }
 
@@ -235,9 +220,7 @@ impl ValueRow {
         let copy = ui
             .add(Button::new("Copy").small())
             .on_hover_text("Copy this value with all its digits");
-        copy.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Copy {}", self.name))
-        });
+        copy.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Copy {}", self.name)));
         if copy.clicked() {
             ui.copy_text(self.copied.clone());
         }

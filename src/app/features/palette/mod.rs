@@ -12,34 +12,19 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Open the demo", Command::OpenDemo),
     ("Compare with a folder", Command::CompareFolder),
     ("Close comparison", Command::CloseComparison),
-    (
-        "Show or hide thumbnails over the timeline",
-        Command::ToggleThumbnails,
-    ),
+    ("Show or hide thumbnails over the timeline", Command::ToggleThumbnails),
     ("Make thumbnails anew", Command::RedoThumbnails),
-    (
-        "Show or hide the legend",
-        Command::TogglePanel(PanelId::LEGEND),
-    ),
+    ("Show or hide the legend", Command::TogglePanel(PanelId::LEGEND)),
     ("Show or hide the scale bar", Command::ToggleScaleBar),
-    (
-        "Theme of the system",
-        Command::Theme(ThemePreference::System),
-    ),
+    ("Theme of the system", Command::Theme(ThemePreference::System)),
     ("Light theme", Command::Theme(ThemePreference::Light)),
     ("Dark theme", Command::Theme(ThemePreference::Dark)),
-    (
-        "Save a picture as a file of a name",
-        Command::SaveScreenshotAs,
-    ),
+    ("Save a picture as a file of a name", Command::SaveScreenshotAs),
     ("Export the camera path", Command::ExportPath),
     ("New camera path", Command::NewPath),
     ("Open a camera path", Command::OpenPath),
     ("Save the camera path", Command::SavePath),
-    (
-        "Save the camera path as a file of a name",
-        Command::SavePathAs,
-    ),
+    ("Save the camera path as a file of a name", Command::SavePathAs),
 ];
 
 /// What the palette offers.
@@ -91,8 +76,7 @@ pub(in crate::app) fn find(query: &str, more: &[CommandEntry]) -> Vec<CommandEnt
 /// Whether the letters of `word` are in `text` in their order.
 fn is_subsequence(word: &str, text: &str) -> bool {
     let mut letters = text.chars();
-    word.chars()
-        .all(|wanted| letters.any(|letter| letter == wanted))
+    word.chars().all(|wanted| letters.any(|letter| letter == wanted))
 }
 
 #[cfg(test)]
@@ -105,12 +89,7 @@ mod tests {
         assert!(is_subsequence("ogc", "orthographic"));
         assert!(!is_subsequence("gog", "orthographic"));
         assert!(is_subsequence("", ""));
-        let texts = |query: &str| -> Vec<&str> {
-            find(query, &[])
-                .into_iter()
-                .map(|entry| entry.text)
-                .collect()
-        };
+        let texts = |query: &str| -> Vec<&str> { find(query, &[]).into_iter().map(|entry| entry.text).collect() };
         assert_eq!(texts("next mark"), ["Next marker"]);
         assert_eq!(texts("MARK next"), ["Next marker"]);
         assert_eq!(texts("frme nxt"), ["Next frame"]);

@@ -8,11 +8,7 @@ use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, W
 const SIZE: [f32; 2] = [460.0, 320.0];
 
 /// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns what to run.
-pub(in crate::app) fn palette_ui(
-    ui: &Ui,
-    open: &mut Option<Palette>,
-    more: &[CommandEntry],
-) -> Option<Command> {
+pub(in crate::app) fn palette_ui(ui: &Ui, open: &mut Option<Palette>, more: &[CommandEntry]) -> Option<Command> {
     let palette = open.as_mut()?;
     let ctx = ui.ctx();
     // Taken before the field sees them: it would move its cursor or lose its focus by them.

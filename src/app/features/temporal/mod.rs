@@ -87,9 +87,7 @@ impl Temporal {
     /// The frame that the shown one is compared with; `None` where the sequence has no such frame.
     pub fn other_frame(&self, index: usize, frame_count: usize) -> Option<usize> {
         let other = i64::try_from(index).ok()?.checked_add(self.change.step)?;
-        usize::try_from(other)
-            .ok()
-            .filter(|&other| other < frame_count)
+        usize::try_from(other).ok().filter(|&other| other < frame_count)
     }
 
     /// The change of the shown pose, once it is known, and the distance in its last colour, scene units.
@@ -97,8 +95,7 @@ impl Temporal {
         let made = self.made.as_ref()?;
         let change = made.change.as_ref()?;
         let asked = made.request.change?;
-        (Arc::ptr_eq(&made.request.pose, pose)
-            && asked.to as i64 - pose.index as i64 == self.change.step)
+        (Arc::ptr_eq(&made.request.pose, pose) && asked.to as i64 - pose.index as i64 == self.change.step)
             .then(|| (change.as_ref(), asked.range.unwrap_or(change.usual_range())))
     }
 
@@ -136,11 +133,7 @@ impl Temporal {
         self.left_at = is_left.then(|| self.left_at.unwrap_or(now));
         if made.is_some_and(|made| made.request == request) {
             self.cancel();
-        } else if self
-            .running
-            .as_ref()
-            .is_none_or(|(running, _)| *running != request)
-        {
+        } else if self.running.as_ref().is_none_or(|(running, _)| *running != request) {
             self.cancel();
             self.start(request, player, tasks);
         }
@@ -163,16 +156,12 @@ impl Temporal {
         let known = self.known_change(&request);
         let sequence = Arc::clone(player.sequence());
         // The pose to compare with may be in memory; if not, the task reads it.
-        let other = request.change.and_then(|change| {
-            match player.loader().get(change.to, &Needs::default()) {
-                Slot::Ready(frame) | Slot::Partial(frame) | Slot::Stale(frame)
-                    if !frame.is_sample() =>
-                {
-                    Some(frame)
-                }
+        let other = request
+            .change
+            .and_then(|change| match player.loader().get(change.to, &Needs::default()) {
+                Slot::Ready(frame) | Slot::Partial(frame) | Slot::Stale(frame) if !frame.is_sample() => Some(frame),
                 _ => None,
-            }
-        });
+            });
         tasks.start("poses", move || {
             compose(request, known, other.as_deref(), &sequence, &progress).map(Box::new)
         });
@@ -188,11 +177,7 @@ impl Temporal {
                 self.known.pop_front();
             }
         }
-        if self
-            .running
-            .take_if(|(request, _)| *request == made.request)
-            .is_some()
-        {
+        if self.running.take_if(|(request, _)| *request == made.request).is_some() {
             self.made = Some(made);
             self.left_at = None;
         }
@@ -228,10 +213,9 @@ impl Temporal {
         let change = self.other_frame(pose.index, frame_count);
         let change = change.filter(|_| self.change.is_on);
         let ghost = |(index, share, tint)| match player.loader().get(index, &needs) {
-            Slot::Ready(frame)
-            | Slot::Coarse(frame)
-            | Slot::Partial(frame)
-            | Slot::Stale(frame) => Some(Ghost { frame, share, tint }),
+            Slot::Ready(frame) | Slot::Coarse(frame) | Slot::Partial(frame) | Slot::Stale(frame) => {
+                Some(Ghost { frame, share, tint })
+            }
             Slot::Pending | Slot::Failed(_) => None,
         };
         let ghosts = Some(self.onion).filter(|onion| onion.is_on);

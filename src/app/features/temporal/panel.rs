@@ -58,12 +58,9 @@ pub(in crate::app) fn poses_ui(ui: &mut Ui, temporal: &mut Temporal) {
             ui,
             "Pose step",
             "Frames from one ghost to the next",
-            Slider::new(step, 1..=50)
-                .logarithmic(true)
-                .suffix(" frames"),
+            Slider::new(step, 1..=50).logarithmic(true).suffix(" frames"),
         );
-        let percent =
-            |share: f64, _: std::ops::RangeInclusive<usize>| format!("{:.0} %", share * 100.0);
+        let percent = |share: f64, _: std::ops::RangeInclusive<usize>| format!("{:.0} %", share * 100.0);
         row(
             ui,
             "Ghost strength",
@@ -98,12 +95,7 @@ pub(in crate::app) fn change_ui(
     temporal.change.is_on &= open;
 }
 
-fn content(
-    ui: &mut Ui,
-    temporal: &mut Temporal,
-    (pose, frame_count): (&Arc<PreparedFrame>, usize),
-    colors: ColorMap,
-) {
+fn content(ui: &mut Ui, temporal: &mut Temporal, (pose, frame_count): (&Arc<PreparedFrame>, usize), colors: ColorMap) {
     let mut map = temporal.change;
     let measured = temporal.measured(pose);
     let range = measured.map_or(0.0, |(_, range)| range);
@@ -128,10 +120,7 @@ fn choices(ui: &mut Ui, map: &mut ChangeMap, range: f64) {
         ui,
         "Compared with",
         "How many frames later the other pose is; negative for earlier ones",
-        DragValue::new(&mut map.step)
-            .range(STEPS)
-            .speed(0.1)
-            .suffix(" frames"),
+        DragValue::new(&mut map.step).range(STEPS).speed(0.1).suffix(" frames"),
     );
     let mut is_automatic = map.range.is_none();
     row(
@@ -150,10 +139,7 @@ fn choices(ui: &mut Ui, map: &mut ChangeMap, range: f64) {
             ui,
             "Largest",
             "The distance in the last colour, scene units",
-            DragValue::new(fixed)
-                .range(0.0..=f64::MAX)
-                .speed(speed)
-                .max_decimals(6),
+            DragValue::new(fixed).range(0.0..=f64::MAX).speed(speed).max_decimals(6),
         );
     }
     let speed = (range / 100.0).max(f64::from(f32::MIN_POSITIVE));
@@ -201,25 +187,22 @@ fn numbers(ui: &mut Ui, change: &Change, [from, to]: [usize; 2], threshold: f64)
         ),
     ];
     let share = change.share_above(threshold);
-    Grid::new("change numbers")
-        .num_columns(2)
-        .striped(true)
-        .show(ui, |ui| {
-            ui.label("Frames");
-            ui.label(RichText::new(format!("{} → {}", from + 1, to + 1)).monospace());
-            ui.end_row();
-            for (name, value, tooltip) in rows {
-                ui.label(name).on_hover_text(tooltip);
-                ui.label(RichText::new(rounded(value)).monospace())
-                    .on_hover_text(tooltip);
-                ui.end_row();
-            }
-            let tooltip = "The share of the points that are farther away than the threshold";
-            ui.label("Above threshold").on_hover_text(tooltip);
-            ui.label(RichText::new(format!("{:.2} %", 100.0 * share)).monospace())
+    Grid::new("change numbers").num_columns(2).striped(true).show(ui, |ui| {
+        ui.label("Frames");
+        ui.label(RichText::new(format!("{} → {}", from + 1, to + 1)).monospace());
+        ui.end_row();
+        for (name, value, tooltip) in rows {
+            ui.label(name).on_hover_text(tooltip);
+            ui.label(RichText::new(rounded(value)).monospace())
                 .on_hover_text(tooltip);
             ui.end_row();
-        });
+        }
+        let tooltip = "The share of the points that are farther away than the threshold";
+        ui.label("Above threshold").on_hover_text(tooltip);
+        ui.label(RichText::new(format!("{:.2} %", 100.0 * share)).monospace())
+            .on_hover_text(tooltip);
+        ui.end_row();
+    });
     let copy = ui.button("Copy numbers");
     let tooltip = "All numbers with all digits, a line each";
     if copy.on_hover_text(tooltip).clicked() {

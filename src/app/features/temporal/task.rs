@@ -25,9 +25,8 @@ pub(super) struct ChangeRequest {
 impl PartialEq for PoseRequest {
     /// Poses are compared by identity.
     fn eq(&self, other: &Self) -> bool {
-        let same_ghosts = |(a, b): (&Ghost, &Ghost)| {
-            Arc::ptr_eq(&a.frame, &b.frame) && a.share == b.share && a.tint == b.tint
-        };
+        let same_ghosts =
+            |(a, b): (&Ghost, &Ghost)| Arc::ptr_eq(&a.frame, &b.frame) && a.share == b.share && a.tint == b.tint;
         Arc::ptr_eq(&self.pose, &other.pose)
             && self.change == other.change
             && self.needs == other.needs
@@ -72,11 +71,7 @@ pub(super) fn compose(
         if change.is_none() {
             let positions = request.pose.frame.positions();
             let measured = match other {
-                Some(other) => Ok(Change::between(
-                    positions,
-                    other.frame.positions(),
-                    is_wanted,
-                )),
+                Some(other) => Ok(Change::between(positions, other.frame.positions(), is_wanted)),
                 None => sequence
                     .frame(to)
                     .map(|other| Change::between(positions, other.positions(), is_wanted)),

@@ -5,12 +5,9 @@ use crate::cloud::{PointRecord, even_places};
 use crate::progress::Progress;
 use crate::render::cpu::CpuRenderer;
 use crate::render::{RenderError, Renderer as _};
-use crate::scene::{
-    Backdrop, Background, Camera, Content, PointStyle, Primitive, ScenePacket, Style,
-};
+use crate::scene::{Backdrop, Background, Camera, Content, PointStyle, Primitive, ScenePacket, Style};
 use crate::sequence::{
-    ColorHints, Coloring, Detail, FrameError, Needs, PrepareCounters, PreparedFrame, Sequence,
-    prepare,
+    ColorHints, Coloring, Detail, FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, prepare,
 };
 use egui::ColorImage;
 use glam::DVec3;
@@ -72,11 +69,9 @@ impl ThumbnailJob {
 
     /// As many points as a picture needs.
     fn read(&self, index: usize) -> Result<PreparedFrame, FrameError> {
-        let loaded = self.sequence.load(
-            index,
-            Detail::at_most(MAX_POINTS as u32),
-            &Progress::default(),
-        )?;
+        let loaded = self
+            .sequence
+            .load(index, Detail::at_most(MAX_POINTS as u32), &Progress::default())?;
         let needs = Needs {
             colors: self.colors.0,
             hints: self.colors.1,
@@ -149,8 +144,7 @@ mod tests {
     fn job(index: usize) -> ThumbnailJob {
         let decode = |source: &FrameEntry| match source.number {
             Some(0) => {
-                let corners =
-                    (0..8).map(|corner| [0, 1, 2].map(|axis| (corner >> axis & 1) as f32));
+                let corners = (0..8).map(|corner| [0, 1, 2].map(|axis| (corner >> axis & 1) as f32));
                 let mut raw = RawCloud::from_positions(Positions::F32(corners.collect()));
                 raw.colors = Some(vec![[255, 0, 0, 255]; 8]);
                 Ok(raw)
@@ -180,13 +174,7 @@ mod tests {
             panic!("no picture");
         };
         let [red, behind] = [egui::Color32::RED, egui::Color32::from_rgb(24, 27, 34)];
-        let count = |color| {
-            picture
-                .pixels
-                .iter()
-                .filter(|&&pixel| pixel == color)
-                .count()
-        };
+        let count = |color| picture.pixels.iter().filter(|&&pixel| pixel == color).count();
         // Eight squares of nine pixels, those at the edge cut.
         assert!((300..=8 * 81).contains(&count(red)), "{}", count(red));
         assert_eq!(count(red) + count(behind), picture.pixels.len());

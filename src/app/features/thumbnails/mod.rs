@@ -140,12 +140,7 @@ impl Thumbnails {
             self.redo();
         }
         let [made, all] = self.progress();
-        if made == all
-            && self
-                .wanted
-                .hovered
-                .is_none_or(|frame| self.store.has(frame))
-        {
+        if made == all && self.wanted.hovered.is_none_or(|frame| self.store.has(frame)) {
             return;
         }
         let leisure = bustle(player, is_measured).leisure();
@@ -171,12 +166,7 @@ impl Thumbnails {
     }
 
     /// The next frame there is time for.
-    fn next(
-        &mut self,
-        player: &Player,
-        key: LookKey,
-        leisure: Leisure,
-    ) -> Option<(usize, Material)> {
+    fn next(&mut self, player: &Player, key: LookKey, leisure: Leisure) -> Option<(usize, Material)> {
         let loader = player.loader();
         let needs = Needs {
             colors: key.1,
@@ -213,12 +203,7 @@ impl Thumbnails {
         Some((frame?, material?))
     }
 
-    fn start<T: TaskOutcome + From<Box<Delivery>>>(
-        &mut self,
-        frame: usize,
-        job: ThumbnailJob,
-        tasks: &Tasks<T>,
-    ) {
+    fn start<T: TaskOutcome + From<Box<Delivery>>>(&mut self, frame: usize, job: ThumbnailJob, tasks: &Tasks<T>) {
         if self.pool.is_none() {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(1)
@@ -262,9 +247,7 @@ impl Thumbnails {
 fn bustle(player: &Player, is_measured: bool) -> Bustle {
     let asked = player.clock().fps() * player.clock().speed().abs();
     let is_whole = player.shown().is_some_and(|frame| !frame.is_sample());
-    let is_held = player
-        .fps_held()
-        .is_some_and(|held| held >= IN_TIME * asked);
+    let is_held = player.fps_held().is_some_and(|held| held >= IN_TIME * asked);
     Bustle {
         is_measured,
         is_playing: player.is_playing(),

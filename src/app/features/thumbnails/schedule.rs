@@ -72,20 +72,13 @@ impl Bustle {
     /// Whoever plays or measures goes first, then whoever prepares frames.
     pub(super) fn leisure(self) -> Leisure {
         match self {
-            Self {
-                is_measured: true, ..
-            }
+            Self { is_measured: true, .. }
             | Self {
                 is_playing: true,
                 keeps_up: false,
                 ..
             } => Leisure::None,
-            Self {
-                is_playing: true, ..
-            }
-            | Self {
-                is_loading: true, ..
-            } => Leisure::Drawing,
+            Self { is_playing: true, .. } | Self { is_loading: true, .. } => Leisure::Drawing,
             _ => Leisure::Reading,
         }
     }
@@ -162,10 +155,7 @@ mod tests {
             ..idle
         };
         assert_eq!(late.leisure(), Leisure::None);
-        let in_time = Bustle {
-            keeps_up: true,
-            ..late
-        };
+        let in_time = Bustle { keeps_up: true, ..late };
         assert_eq!(in_time.leisure(), Leisure::Drawing);
         let measured = Bustle {
             is_measured: true,

@@ -80,8 +80,7 @@ impl Store {
             self.entries.remove(&oldest);
         }
         self.order.push_back(frame);
-        self.entries
-            .insert(frame, Entry::Picture(Arc::new(image), None));
+        self.entries.insert(frame, Entry::Picture(Arc::new(image), None));
     }
 
     /// How `frame` is shown in the window of `ctx`; its texture is made when it is first asked for.

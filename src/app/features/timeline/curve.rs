@@ -111,9 +111,7 @@ fn columns(values: &[Option<f32>], width: usize) -> Vec<Option<(f32, f32)>> {
         let begin = x * count / width;
         let end = ((x + 1) * count).div_ceil(width);
         let known = values[begin..end].iter().flatten();
-        known
-            .map(|&v| (v, v))
-            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        known.map(|&v| (v, v)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     };
     (0..width).map(column).collect()
 }

@@ -113,12 +113,7 @@ fn marker(stored: &Value, unread: &mut Vec<String>) -> Option<Marker> {
 }
 
 /// Keeps all. `Err` is a text for a notice.
-pub(super) fn write(
-    file: &Path,
-    range: PlayRange,
-    markers: &Markers,
-    chosen: Chosen,
-) -> Result<(), String> {
+pub(super) fn write(file: &Path, range: PlayRange, markers: &Markers, chosen: Chosen) -> Result<(), String> {
     let stored = TimelineFile {
         version: VERSION,
         range,
@@ -209,12 +204,7 @@ mod tests {
             ("\"frame\"", "\"color\": 3, \"frame\"", whole.clone(), true),
             ("\"version\": 1,", "", whole.clone(), true),
             ("\"version\": 1", "\"version\": 2", whole.clone(), false),
-            (
-                "\"first\": 3",
-                "\"first\": 9",
-                (open, markers.clone(), nothing),
-                false,
-            ),
+            ("\"first\": 3", "\"first\": 9", (open, markers.clone(), nothing), false),
             (
                 "\"first\": 3",
                 "\"first\": -3",
@@ -222,12 +212,7 @@ mod tests {
                 false,
             ),
             ("\"frame\"", "\"fame\"", (range, without(5), nothing), false),
-            (
-                "\"turn \\\"left\\\"\"",
-                "5",
-                (range, unnamed(), nothing),
-                false,
-            ),
+            ("\"turn \\\"left\\\"\"", "5", (range, unnamed(), nothing), false),
             ("{", "{\"up\": \"-q\", ", whole.clone(), false),
             ("{", "", Default::default(), false),
         ] {

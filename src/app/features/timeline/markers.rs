@@ -47,8 +47,7 @@ impl Markers {
     }
 
     fn place(&self, frame: usize) -> Result<usize, usize> {
-        self.list
-            .binary_search_by_key(&frame, |marker| marker.frame)
+        self.list.binary_search_by_key(&frame, |marker| marker.frame)
     }
 
     /// Puts a marker at `frame`, or takes away the one that is there. Nothing is put beyond the thousandth.

@@ -65,10 +65,8 @@ impl Timeline {
         self.curve.forget();
         let file = folder.and_then(|folder| file::file_of(folder, sequence));
         let kept = file.map(|file| file::read(&file));
-        let (file, problem, (range, markers, chosen)) = kept
-            .map_or_else(Default::default, |kept| {
-                (kept.file, kept.problem, kept.value)
-            });
+        let (file, problem, (range, markers, chosen)) =
+            kept.map_or_else(Default::default, |kept| (kept.file, kept.problem, kept.value));
         self.file = file;
         self.markers = markers;
         (range, chosen, problem)

@@ -107,11 +107,7 @@ impl Trails {
     }
 
     /// Length and speeds of the trail of the point of this index in the file, if it is among the picked ones.
-    pub fn measure(
-        &self,
-        index_in_file: u32,
-        time_s: impl Fn(usize) -> f64,
-    ) -> Option<TrailMeasure> {
+    pub fn measure(&self, index_in_file: u32, time_s: impl Fn(usize) -> f64) -> Option<TrailMeasure> {
         let (wish, trails) = self.found.as_ref()?;
         let picked = &wish.request.indices[..wish.picked];
         let trail = picked.iter().position(|&index| index == index_in_file)?;
@@ -240,12 +236,7 @@ impl Trails {
         Some(Wish { request, picked })
     }
 
-    fn start<T: TaskOutcome + From<Traced>>(
-        &mut self,
-        wish: Wish,
-        player: &Player,
-        tasks: &Tasks<T>,
-    ) {
+    fn start<T: TaskOutcome + From<Traced>>(&mut self, wish: Wish, player: &Player, tasks: &Tasks<T>) {
         let wake = tasks.wake();
         let progress = Progress::told_to(move |_| wake());
         let request = wish.request.clone();

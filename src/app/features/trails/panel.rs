@@ -37,7 +37,12 @@ pub(in crate::app) fn trail_ui(ui: &mut Ui, trails: &mut Trails, anchor: Anchor)
         }
         let forget = Button::new("Forget kept trails");
         let has_kept = !trails.kept.is_empty();
-        if has_kept && ui.add(forget).on_hover_text("Only the picked point has a trail then").clicked() {
+        if has_kept
+            && ui
+                .add(forget)
+                .on_hover_text("Only the picked point has a trail then")
+                .clicked()
+        {
             trails.kept.clear();
         }
     });
@@ -50,10 +55,7 @@ pub(in crate::app) fn trail_ui(ui: &mut Ui, trails: &mut Trails, anchor: Anchor)
 fn status_ui(ui: &mut Ui, trails: &mut Trails) {
     if let Some((done, all)) = trails.progress() {
         ui.horizontal(|ui| {
-            ui.weak(format!(
-                "Looking at frame {} of {all}…",
-                (done + 1).min(all)
-            ));
+            ui.weak(format!("Looking at frame {} of {all}…", (done + 1).min(all)));
             let cancel = ui.add(Button::new("Cancel trails").small());
             if cancel.on_hover_text("Look no further").clicked() {
                 trails.cancel();
@@ -90,11 +92,7 @@ fn status_ui(ui: &mut Ui, trails: &mut Trails) {
 
 /// The rows about trails of other points.
 pub(in crate::app) fn field_ui(ui: &mut Ui, trails: &mut Trails) {
-    let TrailField {
-        is_on,
-        points,
-        length,
-    } = &mut trails.field;
+    let TrailField { is_on, points, length } = &mut trails.field;
     rows(ui, "trails", |ui| {
         row(
             ui,
@@ -159,12 +157,7 @@ pub(in crate::app) fn paint_trails(canvas: &Canvas<'_>, of: &Trails, player: &Pl
             canvas.polyline(&piece, to_come);
         }
         let past = Stroke::new(2.0, ODD);
-        for piece in pieces(
-            trails,
-            trail,
-            frames.start..(shown + 1).min(frames.end),
-            origin,
-        ) {
+        for piece in pieces(trails, trail, frames.start..(shown + 1).min(frames.end), origin) {
             canvas.polyline(&piece, past);
         }
         if let Some(place) = trails.place(trail, shown) {

@@ -21,10 +21,7 @@ fn ways() -> [(&'static str, Style); 3] {
     let paper = voxel_settings();
     let stop = StopCriterion::Spacing;
     let faces = Style {
-        levels: LevelStyle {
-            stop,
-            ..paper.levels
-        },
+        levels: LevelStyle { stop, ..paper.levels },
         ..paper
     };
     let voxel_light = VoxelLight::Normals;
@@ -32,11 +29,7 @@ fn ways() -> [(&'static str, Style); 3] {
         voxels: VoxelStyle { light: voxel_light },
         ..faces
     };
-    [
-        ("δ 5 %", paper),
-        ("spacing", faces),
-        ("spacing, normals", normals),
-    ]
+    [("δ 5 %", paper), ("spacing", faces), ("spacing, normals", normals)]
 }
 
 /// What was measured of one sequence, for each of [`ways`].
@@ -84,17 +77,9 @@ impl Samples {
                 let [covered, outside] = picture.shares_of(&surfels);
                 samples.covered.push(covered);
                 samples.outside.push(outside);
-                samples
-                    .flip
-                    .push(picture.compare(&surfels)?.flip_object_mean);
+                samples.flip.push(picture.compare(&surfels)?.flip_object_mean);
                 let viewport_px = run.options.viewport_px;
-                let packet = Scene::default().packet(
-                    frame,
-                    subject.sequence.origin(),
-                    &camera,
-                    settings,
-                    viewport_px,
-                );
+                let packet = Scene::default().packet(frame, subject.sequence.origin(), &camera, settings, viewport_px);
                 samples.drawn.push(packet.content.record_count() as f64);
             }
         }
@@ -102,22 +87,19 @@ impl Samples {
     }
 
     pub(super) fn rows(&self, sequence: &str) -> impl Iterator<Item = Row> {
-        ways()
-            .into_iter()
-            .zip(&self.0)
-            .map(move |((way, _), samples)| {
-                row(
-                    CLOSED,
-                    &[
-                        ("sequence", Cell::Text(sequence.to_owned())),
-                        ("way", Cell::Text(way.to_owned())),
-                        ("drawn_voxels", Cell::Number(mean(&samples.drawn))),
-                        ("covered", Cell::Number(mean(&samples.covered))),
-                        ("outside", Cell::Number(mean(&samples.outside))),
-                        ("flip_surfels_mean", Cell::Number(mean(&samples.flip))),
-                        ("pictures", Cell::Number(samples.flip.len() as f64)),
-                    ],
-                )
-            })
+        ways().into_iter().zip(&self.0).map(move |((way, _), samples)| {
+            row(
+                CLOSED,
+                &[
+                    ("sequence", Cell::Text(sequence.to_owned())),
+                    ("way", Cell::Text(way.to_owned())),
+                    ("drawn_voxels", Cell::Number(mean(&samples.drawn))),
+                    ("covered", Cell::Number(mean(&samples.covered))),
+                    ("outside", Cell::Number(mean(&samples.outside))),
+                    ("flip_surfels_mean", Cell::Number(mean(&samples.flip))),
+                    ("pictures", Cell::Number(samples.flip.len() as f64)),
+                ],
+            )
+        })
     }
 }

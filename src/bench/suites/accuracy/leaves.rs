@@ -39,11 +39,7 @@ struct DeltaSamples {
 }
 
 impl Samples {
-    pub(super) fn measure(
-        &mut self,
-        run: &Run<'_>,
-        frame: &PreparedFrame,
-    ) -> Result<(), BenchError> {
+    pub(super) fn measure(&mut self, run: &Run<'_>, frame: &PreparedFrame) -> Result<(), BenchError> {
         let positions = frame.frame.positions();
         let colors: Vec<[u8; 4]> = frame.points.iter().map(|point| point.color).collect();
         for (delta_percent, samples) in DELTAS_PERCENT.into_iter().zip(&mut self.0) {
@@ -89,19 +85,10 @@ impl DeltaSamples {
                 ("leaves", mean_of(&self.leaves)),
                 ("cell_edge", mean_of(&self.edge)),
                 ("leaf_distance_mean", mean_of(&self.distance_mean)),
-                (
-                    "leaf_distance_mean_edges",
-                    mean_of(&self.distance_mean_edges),
-                ),
-                (
-                    "leaf_distance_max_edges",
-                    Cell::Number(self.distance_max_edges),
-                ),
+                ("leaf_distance_mean_edges", mean_of(&self.distance_mean_edges)),
+                ("leaf_distance_max_edges", Cell::Number(self.distance_max_edges)),
                 ("leaf_distance_bound_edges", Cell::Number(BOUND_EDGES)),
-                (
-                    "points_without_leaf",
-                    Cell::Number(self.points_without_leaf as f64),
-                ),
+                ("points_without_leaf", Cell::Number(self.points_without_leaf as f64)),
             ],
         )
     }
@@ -114,8 +101,7 @@ fn leaf_distances(positions: &[Vec3], tree: &Octree) -> Vec<f64> {
     let cell_of = |place: DVec3| {
         let cell = (place - cube.min.as_dvec3()) / f64::from(cube.edge) * cells_along;
         // The upper faces of the cube belong to the last cells.
-        cell.to_array()
-            .map(|index| index.floor().min(cells_along - 1.0) as u32)
+        cell.to_array().map(|index| index.floor().min(cells_along - 1.0) as u32)
     };
     // A middle is half an edge away from the next cell, whatever the rounding.
     let middles: HashMap<[u32; 3], DVec3> = tree
@@ -126,9 +112,7 @@ fn leaf_distances(positions: &[Vec3], tree: &Octree) -> Vec<f64> {
         .collect();
     let distance = |position: &Vec3| {
         let place = position.as_dvec3();
-        middles
-            .get(&cell_of(place))
-            .map(|middle| place.distance(*middle))
+        middles.get(&cell_of(place)).map(|middle| place.distance(*middle))
     };
     positions.iter().filter_map(distance).collect()
 }

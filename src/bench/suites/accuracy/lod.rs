@@ -113,18 +113,9 @@ impl ThresholdSamples {
                 ("sequence", Cell::Text(sequence.to_owned())),
                 ("lod_px", Cell::Number(f64::from(lod_px))),
                 ("distance", Cell::Number(distance)),
-                (
-                    "drawn_voxels",
-                    Cell::Number(mean(&self.traversals.emitted_voxels)),
-                ),
-                (
-                    "visited_nodes",
-                    Cell::Number(mean(&self.traversals.visited_nodes)),
-                ),
-                (
-                    "traverse_ms_median",
-                    Cell::maybe(traverse.map(|q| q.median)),
-                ),
+                ("drawn_voxels", Cell::Number(mean(&self.traversals.emitted_voxels))),
+                ("visited_nodes", Cell::Number(mean(&self.traversals.visited_nodes))),
+                ("traverse_ms_median", Cell::maybe(traverse.map(|q| q.median))),
                 ("traverse_ms_q1", Cell::maybe(traverse.map(|q| q.q1))),
                 ("traverse_ms_q3", Cell::maybe(traverse.map(|q| q.q3))),
                 ("object_share", Cell::Number(mean(&self.object_share))),

@@ -89,10 +89,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             ))?;
             samples.measure(run, subject, &frame, distance)?;
         }
-        run.begin_step(format!(
-            "{} frame {index}: voxels beside surfels",
-            subject.name
-        ))?;
+        run.begin_step(format!("{} frame {index}: voxels beside surfels", subject.name))?;
         closed.measure(run, subject, &frame)?;
     }
     Run::check_measured(subject, &point_counts, first_failure)?;

@@ -81,10 +81,7 @@ pub(super) fn draw(
         .zip(on_second.pixels())
         .map(|(on_first, on_second)| on_first.0[..3] != first || on_second.0[..3] != second)
         .collect();
-    Ok(Drawing {
-        image,
-        shows_object,
-    })
+    Ok(Drawing { image, shows_object })
 }
 
 /// The parts of `drawings` (of one view) that are compared.
@@ -98,11 +95,7 @@ pub(super) fn parts(drawings: &[Drawing]) -> impl Iterator<Item = ObjectPart> {
 fn object_rectangle(drawings: &[Drawing]) -> [Range<u32>; 2] {
     let mut ends = [[u32::MAX, 0]; 2];
     let mut size_px = [1, 1];
-    for Drawing {
-        image,
-        shows_object,
-    } in drawings
-    {
+    for Drawing { image, shows_object } in drawings {
         size_px = [image.width(), image.height()];
         let shown = image.enumerate_pixels().zip(shows_object);
         for ((x, y, _), _) in shown.filter(|&(_, &shows)| shows) {
@@ -126,14 +119,8 @@ impl Drawing {
             row + x.start as usize..row + x.end as usize
         });
         let shows_object = pixels.map(|pixel| self.shows_object[pixel]).collect();
-        let image = image::imageops::crop_imm(
-            &self.image,
-            x.start,
-            y.start,
-            x.end - x.start,
-            y.end - y.start,
-        )
-        .to_image();
+        let image =
+            image::imageops::crop_imm(&self.image, x.start, y.start, x.end - x.start, y.end - y.start).to_image();
         ObjectPart {
             whole_count: self.shows_object.len(),
             perceived: Perceived::of(&image, PIXELS_PER_DEGREE),
@@ -160,16 +147,10 @@ impl ObjectPart {
     pub(super) fn shares_of(&self, other: &Self) -> [f64; 2] {
         let count = |is_counted: fn(bool, bool) -> bool| {
             let pixels = self.shows_object.iter().zip(&other.shows_object);
-            pixels
-                .filter(|&(&here, &there)| is_counted(here, there))
-                .count() as f64
+            pixels.filter(|&(&here, &there)| is_counted(here, there)).count() as f64
         };
         let there = count(|_, there| there).max(1.0);
-        [
-            count(|here, there| here && there),
-            count(|here, there| here && !there),
-        ]
-        .map(|pixels| pixels / there)
+        [count(|here, there| here && there), count(|here, there| here && !there)].map(|pixels| pixels / there)
     }
 
     /// The errors of this picture where `truth`, of the same view, is right.
@@ -194,29 +175,19 @@ mod tests {
     fn block(x: Range<u32>, y: Range<u32>, color: [u8; 3]) -> Drawing {
         let is_object = |column, row| x.contains(&column) && y.contains(&row);
         let image = RgbaImage::from_fn(120, 80, |column, row| {
-            let [red, green, blue] = if is_object(column, row) {
-                color
-            } else {
-                BACKGROUNDS[0]
-            };
+            let [red, green, blue] = if is_object(column, row) { color } else { BACKGROUNDS[0] };
             Rgba([red, green, blue, 255])
         });
         let shows_object = image
             .enumerate_pixels()
             .map(|(column, row, _)| is_object(column, row))
             .collect();
-        Drawing {
-            image,
-            shows_object,
-        }
+        Drawing { image, shows_object }
     }
 
     #[test]
     fn the_part_that_is_compared_holds_all_objects_and_a_margin() {
-        let drawings = [
-            block(40..50, 30..31, [255, 0, 0]),
-            block(47..60, 5..20, [0, 255, 0]),
-        ];
+        let drawings = [block(40..50, 30..31, [255, 0, 0]), block(47..60, 5..20, [0, 255, 0])];
         assert_eq!(object_rectangle(&drawings), [24..76, 0..47]);
         let nothing = [block(0..0, 0..0, [0; 3])];
         assert_eq!(object_rectangle(&nothing), [0..1, 0..1]);
@@ -224,10 +195,7 @@ mod tests {
 
     #[test]
     fn errors_of_the_part_are_those_of_the_whole() {
-        let drawings = [
-            block(50..70, 30..50, [255, 0, 0]),
-            block(52..75, 30..48, [200, 30, 90]),
-        ];
+        let drawings = [block(50..70, 30..50, [255, 0, 0]), block(52..75, 30..48, [200, 30, 90])];
         let whole = [0..120, 0..80];
         let part = object_rectangle(&drawings);
         assert_eq!(part, [34..91, 14..66]);

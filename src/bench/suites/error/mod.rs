@@ -26,9 +26,7 @@ use crate::levels::octree::StopCriterion;
 use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
-use crate::scene::{
-    Backdrop, Background, Primitive, RendererChoice, Scene, ScenePacket, Splatting, Style,
-};
+use crate::scene::{Backdrop, Background, Primitive, RendererChoice, Scene, ScenePacket, Splatting, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
@@ -252,11 +250,7 @@ fn measure_way(
         };
         let on_white = runner.image(&white_packet)?;
         let depth = depths(&mut runners.depths, &drawn_packet)?;
-        let drawn = DrawnWay {
-            image,
-            on_white,
-            depth,
-        };
+        let drawn = DrawnWay { image, on_white, depth };
         let (error, image) = view.compare(drawn)?;
         samples.add(&drawn_packet, visited_nodes, uploaded_bytes, &error);
         if samples.thumbnails.is_none() {
@@ -279,16 +273,12 @@ fn measure_way(
 
 /// Whether depths of what a way shows can be drawn: not of splats without depth, nor of byte codes.
 fn shows_known_surface(way: &Style) -> bool {
-    let is_without_depth =
-        way.primitive == Primitive::Surfel && way.surfels.splatting == Splatting::NoDepth;
+    let is_without_depth = way.primitive == Primitive::Surfel && way.surfels.splatting == Splatting::NoDepth;
     !is_without_depth && !way.draws_codes()
 }
 
 /// What lies where in the picture of a packet, if it shows one surface.
-fn depths(
-    renderer: &mut CpuRenderer,
-    packet: &ScenePacket,
-) -> Result<Option<crate::measure::DepthImage>, BenchError> {
+fn depths(renderer: &mut CpuRenderer, packet: &ScenePacket) -> Result<Option<crate::measure::DepthImage>, BenchError> {
     if !shows_known_surface(&packet.settings) {
         return Ok(None);
     }
@@ -300,27 +290,14 @@ fn depths(
 fn small(image: &RgbaImage) -> RgbaImage {
     let (width, height) = image.dimensions();
     let small_width = THUMBNAIL_WIDTH_PX.min(width);
-    let small_height =
-        (u64::from(height) * u64::from(small_width) / u64::from(width.max(1))).max(1);
-    resize(
-        image,
-        small_width,
-        small_height as u32,
-        FilterType::Triangle,
-    )
+    let small_height = (u64::from(height) * u64::from(small_width) / u64::from(width.max(1))).max(1);
+    resize(image, small_width, small_height as u32, FilterType::Triangle)
 }
 
 impl Samples {
-    fn add(
-        &mut self,
-        packet: &ScenePacket,
-        visited_nodes: usize,
-        uploaded_bytes: u64,
-        error: &PictureError,
-    ) {
+    fn add(&mut self, packet: &ScenePacket, visited_nodes: usize, uploaded_bytes: u64, error: &PictureError) {
         self.drawn_px = packet.viewport_px;
-        self.drawn_records
-            .push(packet.content.record_count() as f64);
+        self.drawn_records.push(packet.content.record_count() as f64);
         self.visited_nodes.push(visited_nodes as f64);
         self.uploaded_bytes.push(uploaded_bytes as f64);
         self.flip.push(error.map.mean());
@@ -357,13 +334,10 @@ impl Samples {
                 Cell::Missing
             }
         };
-        let number_if =
-            |is_there: bool, number: f32| Cell::maybe(is_there.then_some(f64::from(number)));
+        let number_if = |is_there: bool, number: f32| Cell::maybe(is_there.then_some(f64::from(number)));
         let has_depth = shows_known_surface(way);
         let threshold = match way.levels.lod {
-            Lod::ThresholdPx(threshold) if way.draws_cells() || way.draws_codes() => {
-                Some(f64::from(threshold))
-            }
+            Lod::ThresholdPx(threshold) if way.draws_cells() || way.draws_codes() => Some(f64::from(threshold)),
             _ => None,
         };
         let delta = match way.octree_stop() {

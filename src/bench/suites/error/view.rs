@@ -4,8 +4,7 @@ use super::ways::BACKGROUND;
 use crate::bench::BenchError;
 use crate::bench::truth_cache::TruthCache;
 use crate::measure::{
-    DepthImage, DepthTolerance, ErrorMap, PIXELS_PER_DEGREE, Perceived, SurfaceError,
-    mean_squared_error, ssim,
+    DepthImage, DepthTolerance, ErrorMap, PIXELS_PER_DEGREE, Perceived, SurfaceError, mean_squared_error, ssim,
 };
 use crate::render::scaled_to;
 use crate::render::truth::{Disks, RayTraced, Truth, TruthKey, TruthView};
@@ -71,9 +70,7 @@ impl View {
                 shapes,
                 cull_back_faces: true,
             };
-            cache.get(&TruthKey::of_disks(disks, &view), || {
-                Truth::of_disks(&disks, &view)
-            })
+            cache.get(&TruthKey::of_disks(disks, &view), || Truth::of_disks(&disks, &view))
         };
         Self {
             camera,
@@ -93,11 +90,8 @@ impl View {
             .zip(on_white.pixels())
             .map(|(image, on_white)| opacity(image.0, on_white.0) >= 0.5)
             .collect();
-        let is_object =
-            |pixel: usize| shows_object[pixel] || self.truth.depth.depth[pixel].is_finite();
-        let map = self
-            .perceived
-            .flip(&Perceived::of(&image, PIXELS_PER_DEGREE))?;
+        let is_object = |pixel: usize| shows_object[pixel] || self.truth.depth.depth[pixel].is_finite();
+        let map = self.perceived.flip(&Perceived::of(&image, PIXELS_PER_DEGREE))?;
         let surface = SurfaceError::of(
             &self.truth.depth,
             &self.shown_depth(&shows_object, depth.as_ref()),
@@ -116,16 +110,12 @@ impl View {
     /// The depths that count: none where the background shows, that of the truth where no depth is known.
     fn shown_depth(&self, shows_object: &[bool], depth: Option<&DepthImage>) -> DepthImage {
         let shown = |pixel: usize| {
-            let known = depth
-                .map(|depth| depth.depth[pixel])
-                .filter(|depth| depth.is_finite());
+            let known = depth.map(|depth| depth.depth[pixel]).filter(|depth| depth.is_finite());
             match (shows_object[pixel], known) {
                 (false, _) => f32::INFINITY,
                 (true, Some(depth)) => depth,
                 // Of a pixel that only an enlarged splat covers; 0 where the truth shows nothing, too.
-                (true, None) if self.truth.depth.depth[pixel].is_finite() => {
-                    self.truth.depth.depth[pixel]
-                }
+                (true, None) if self.truth.depth.depth[pixel].is_finite() => self.truth.depth.depth[pixel],
                 (true, None) => 0.0,
             }
         };

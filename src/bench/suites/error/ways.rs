@@ -4,9 +4,8 @@ use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::describe::{Described, Label, Place, Value, Values};
 use crate::scene::{
-    Backdrop, Background, CodeStyle, DrawingStyle, Footprint, LevelStyle, LightStyle, Lighting,
-    PointStyle, Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight,
-    VoxelStyle,
+    Backdrop, Background, CodeStyle, DrawingStyle, Footprint, LevelStyle, LightStyle, Lighting, PointStyle, Primitive,
+    RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle,
 };
 
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
@@ -87,9 +86,7 @@ fn of_renderer(base: &Style) -> Vec<Style> {
         ..point
     }));
     // A picture of depths is none of colours.
-    let modes = Splatting::ALL
-        .iter()
-        .filter(|&&mode| mode != Splatting::Visibility);
+    let modes = Splatting::ALL.iter().filter(|&&mode| mode != Splatting::Visibility);
     ways.extend(modes.map(|&splatting| Style {
         surfels: SurfelStyle {
             splatting,
@@ -104,15 +101,10 @@ fn of_renderer(base: &Style) -> Vec<Style> {
         },
         ..*base
     }));
-    ways.extend(
-        [Lighting::PerSurfel, Lighting::PerVertex].map(|lighting| Style {
-            light: LightStyle {
-                lighting,
-                ..base.light
-            },
-            ..*base
-        }),
-    );
+    ways.extend([Lighting::PerSurfel, Lighting::PerVertex].map(|lighting| Style {
+        light: LightStyle { lighting, ..base.light },
+        ..*base
+    }));
     for coarse in [detail, voxel] {
         ways.push(coarse);
         ways.extend(THRESHOLDS_PX.map(|threshold| Style {
@@ -152,19 +144,17 @@ fn of_renderer(base: &Style) -> Vec<Style> {
     };
     if base.drawing.renderer == RendererChoice::Cpu {
         // The GPU draws exact disks whatever it says.
-        ways.extend(
-            [Footprint::Masks, Footprint::Pixels].map(|footprint| Style {
-                levels: LevelStyle {
-                    lod: Lod::ThresholdPx(0.0),
-                    ..base.levels
-                },
-                codes: CodeStyle {
-                    footprint,
-                    ..base.codes
-                },
-                ..*base
-            }),
-        );
+        ways.extend([Footprint::Masks, Footprint::Pixels].map(|footprint| Style {
+            levels: LevelStyle {
+                lod: Lod::ThresholdPx(0.0),
+                ..base.levels
+            },
+            codes: CodeStyle {
+                footprint,
+                ..base.codes
+            },
+            ..*base
+        }));
         ways.push(Style {
             codes: CodeStyle {
                 footprint: Footprint::Masks,
@@ -215,9 +205,7 @@ fn told(described: &Described, value: Value, pattern: &str) -> Option<String> {
         (Values::Words(words), Value::Word(place)) => pattern
             .replace("{title}", words.list[place].title)
             .replace("{}", words.list[place].word),
-        (Values::Number(numbers), Value::Number(number)) => {
-            pattern.replace("{}", &numbers.told(number))
-        }
+        (Values::Number(numbers), Value::Number(number)) => pattern.replace("{}", &numbers.told(number)),
         (Values::Kinds(kinds), Value::Kind(place, number)) => {
             let kind = &kinds[place];
             let number = kind.number.as_ref().map(|told| told.numbers.told(number));

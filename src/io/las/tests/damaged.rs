@@ -41,27 +41,12 @@ fn files() -> [(&'static str, Vec<u8>); 4] {
 fn try_read(what: &str, bytes: &[u8]) -> Option<RawCloud> {
     const LONGEST: Duration = Duration::from_secs(5);
     let start = Instant::now();
-    let cloud = decode(
-        bytes,
-        &options().with_max_memory(4 << 20),
-        &Progress::default(),
-    )
-    .ok();
+    let cloud = decode(bytes, &options().with_max_memory(4 << 20), &Progress::default()).ok();
     assert!(start.elapsed() < LONGEST, "{what} takes too long");
     if let Some(cloud) = &cloud {
         let count = cloud.positions.len();
-        assert!(
-            cloud
-                .colors
-                .as_ref()
-                .is_none_or(|colors| colors.len() == count)
-        );
-        assert!(
-            cloud
-                .scalars
-                .iter()
-                .all(|field| field.values.len() == count)
-        );
+        assert!(cloud.colors.as_ref().is_none_or(|colors| colors.len() == count));
+        assert!(cloud.scalars.iter().all(|field| field.values.len() == count));
     }
     cloud
 }
@@ -91,11 +76,7 @@ fn changed_bytes_never_panic() {
         // Small changes matter where there are numbers that say what follows.
         let points_start = u32::from_le_bytes(take(&file, POINTS_AT)) as usize;
         for at in 0..file.len() {
-            let changes: &[u8] = if at < points_start {
-                &[0x01, 0xff]
-            } else {
-                &[0xff]
-            };
+            let changes: &[u8] = if at < points_start { &[0x01, 0xff] } else { &[0xff] };
             for change in changes {
                 let mut file = file.clone();
                 file[at] ^= change;
@@ -135,9 +116,7 @@ fn the_oldest_files_are_one_stream_without_chunks() {
 #[test]
 fn claims_are_held_against_the_file_and_the_memory() {
     let refused = |file: &[u8], expected: &str| {
-        let problem = decode(file, &options(), &Progress::default())
-            .unwrap_err()
-            .problem;
+        let problem = decode(file, &options(), &Progress::default()).unwrap_err().problem;
         assert!(problem.contains(expected), "{problem}");
     };
     for (what, file) in files() {
@@ -179,9 +158,7 @@ fn extra_bytes_are_held_against_the_memory() {
         let mut file = header(0x80 | 6, 30 + extra_bytes, 1, 1, start);
         file.extend(described);
         file.extend([0; 100]);
-        decode(&file, &options(), &Progress::default())
-            .unwrap_err()
-            .problem
+        decode(&file, &options(), &Progress::default()).unwrap_err().problem
     };
     let refusal = problem(60_000);
     assert!(refusal.contains("60000 extra bytes each"), "{refusal}");

@@ -113,20 +113,13 @@ type Next = (Time, u8, bool, u64);
 
 fn points() -> impl Strategy<Value = Vec<Next>> {
     let channel = prop_oneof![6 => Just(0u8), 2 => Just(1), 1 => 0..4u8];
-    prop::collection::vec(
-        (time(), channel, prop::bool::weighted(0.2), any::<u64>()),
-        1..400,
-    )
+    prop::collection::vec((time(), channel, prop::bool::weighted(0.2), any::<u64>()), 1..400)
 }
 
 /// Bits of times of which no two are further apart than 64 bits can say: the crate packs others only where overflow is
 /// no error.
 fn ranges() -> impl Strategy<Value = (i64, i64)> {
-    prop::sample::select(vec![
-        (0, i64::MAX),
-        (i64::MIN, -1),
-        (-(1 << 62), (1 << 62) - 1),
-    ])
+    prop::sample::select(vec![(0, i64::MAX), (i64::MIN, -1), (-(1 << 62), (1 << 62) - 1)])
 }
 
 fn rows((items, time_at): &(Vec<LazItem>, usize), points: &[Next], range: (i64, i64)) -> Vec<u8> {
@@ -134,16 +127,13 @@ fn rows((items, time_at): &(Vec<LazItem>, usize), points: &[Next], range: (i64, 
     // A microsecond and some, hours apart.
     let step = 9_000;
     let within = |time: i64| time.clamp(range.0, range.1);
-    let mut lines: [i64; 6] =
-        std::array::from_fn(|line| within((200_000.0f64 + 5e3 * line as f64).to_bits() as i64));
+    let mut lines: [i64; 6] = std::array::from_fn(|line| within((200_000.0f64 + 5e3 * line as f64).to_bits() as i64));
     let mut last = lines[0];
     let mut rows = Vec::new();
     for (time, channel, is_other, noise) in points {
         let mut noise = *noise;
         let mut random = || {
-            noise = noise
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (noise >> 56) as u8
         };
         if *is_other {
@@ -215,10 +205,7 @@ fn changing_time(encoder: &mut ArithmeticEncoder<impl Write>, changes: usize, la
         encoder.encode_symbol(&mut symbols, 3 - missing).unwrap();
     }
     encoder.encode_symbol(&mut symbols, 1 - missing).unwrap();
-    let mut differences = IntegerCompressorBuilder::new()
-        .bits(32)
-        .contexts(9)
-        .build_initialized();
+    let mut differences = IntegerCompressorBuilder::new().bits(32).contexts(9).build_initialized();
     differences.compress(encoder, 0, 1000, 0).unwrap();
 }
 
@@ -234,11 +221,7 @@ impl<W: Write> FieldCompressor<W> for Changing {
         file.write_all(time)
     }
 
-    fn compress_with(
-        &mut self,
-        encoder: &mut ArithmeticEncoder<W>,
-        _: &[u8],
-    ) -> std::io::Result<()> {
+    fn compress_with(&mut self, encoder: &mut ArithmeticEncoder<W>, _: &[u8]) -> std::io::Result<()> {
         changing_time(encoder, self.0, false);
         Ok(())
     }
@@ -302,9 +285,7 @@ fn times_that_change_without_end_are_refused_on_a_small_stack() {
         for (items, format, _, chunk) in changing(changes) {
             assert!(chunk.len() < 512, "{} bytes", chunk.len());
             let size = point_bytes(&items);
-            let compression = LazVlrBuilder::default()
-                .with_point_format(format, 0)
-                .unwrap();
+            let compression = LazVlrBuilder::default().with_point_format(format, 0).unwrap();
             let mut described = Vec::new();
             compression.build().write_to(&mut described).unwrap();
             let described = record(b"laszip encoded", 22204, &described);
@@ -313,9 +294,7 @@ fn times_that_change_without_end_are_refused_on_a_small_stack() {
             file.extend(described);
             file.extend([0; 8]);
             file.extend(&chunk);
-            let problem = decode(&file, &options(), &Progress::default())
-                .unwrap_err()
-                .problem;
+            let problem = decode(&file, &options(), &Progress::default()).unwrap_err().problem;
             assert!(problem.contains("chunk 0 are damaged"), "{problem}");
 
             let thread = thread::Builder::new().name(format!("format {format}"));

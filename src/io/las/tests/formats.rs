@@ -112,9 +112,7 @@ fn every_format_is_unpacked() {
             let mut plain = header(format, bytes + extra, COUNT as u64, 0, 375);
             plain.extend(&rows);
 
-            let compression = LazVlrBuilder::default()
-                .with_point_format(format, extra)
-                .unwrap();
+            let compression = LazVlrBuilder::default().with_point_format(format, extra).unwrap();
             let compression = compression.with_fixed_chunk_size(100).build();
             let mut described = Vec::new();
             compression.write_to(&mut described).unwrap();
@@ -145,11 +143,7 @@ fn what_nobody_filled_is_left_out() {
         // One point that has a class.
         let class = file.len() - usize::from(bytes) + if format >= 6 { 16 } else { 15 };
         file[class] = 2;
-        assert_eq!(
-            numbers(&read(&file), "classification"),
-            [0.0, 2.0],
-            "{format}"
-        );
+        assert_eq!(numbers(&read(&file), "classification"), [0.0, 2.0], "{format}");
     }
 }
 

@@ -44,9 +44,7 @@ fn field<'a>(cloud: &'a RawCloud, name: &str) -> &'a ScalarField {
 fn numbers(cloud: &RawCloud, name: &str) -> Vec<f64> {
     let field = field(cloud, name);
     let values = field.values.iter();
-    values
-        .map(|&value| f64::from(value) + field.offset)
-        .collect()
+    values.map(|&value| f64::from(value) + field.offset).collect()
 }
 
 /// A cloud of `count` points with all that the writer knows.

@@ -110,11 +110,7 @@ fn as_many_levels_are_read_as_there_is_memory_for() {
     let file = octree();
     let mut seen = Vec::new();
     for bytes in (0..10_000).step_by(97) {
-        if let Ok(cloud) = decode(
-            &file,
-            &options().with_max_memory(bytes),
-            &Progress::default(),
-        ) {
+        if let Ok(cloud) = decode(&file, &options().with_max_memory(bytes), &Progress::default()) {
             let count = cloud.positions.len();
             assert_eq!(
                 levels(&cloud),
@@ -138,24 +134,12 @@ fn a_damaged_hierarchy_is_not_needed() {
     let page = root + 4 * 32;
     for (what, at, bytes) in [
         ("root page outside", 375 + 54 + 40, u64::MAX.to_le_bytes()),
-        (
-            "root page of no whole entries",
-            375 + 54 + 48,
-            33u64.to_le_bytes(),
-        ),
+        ("root page of no whole entries", 375 + 54 + 48, 33u64.to_le_bytes()),
         ("a level below all", root, [0xff; 8]),
         ("a chunk outside", root + 16, (1u64 << 40).to_le_bytes()),
-        (
-            "a page that is itself",
-            root + 3 * 32 + 16,
-            (root as u64).to_le_bytes(),
-        ),
+        ("a page that is itself", root + 3 * 32 + 16, (root as u64).to_le_bytes()),
         // Length of a chunk and count of its points.
-        (
-            "points that are too many",
-            page + 24,
-            [1, 0, 0, 0, 255, 255, 0, 0],
-        ),
+        ("points that are too many", page + 24, [1, 0, 0, 0, 255, 255, 0, 0]),
     ] {
         let mut file = file.clone();
         file[at..at + 8].copy_from_slice(&bytes);

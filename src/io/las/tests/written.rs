@@ -22,8 +22,7 @@ fn all_that_is_written_is_read_back() {
         let expected: Vec<f64> = numbers(&cloud, "intensity").iter().map(full).collect();
         assert_eq!(numbers(&back, "intensity"), expected);
         assert_eq!(numbers(&back, "return_number"), vec![1.0; 120_000]);
-        let (Positions::F64(found), Positions::F64(expected)) = (&back.positions, &cloud.positions)
-        else {
+        let (Positions::F64(found), Positions::F64(expected)) = (&back.positions, &cloud.positions) else {
             panic!("not of double precision");
         };
         for (found, expected) in found.iter().zip(expected) {
@@ -45,19 +44,10 @@ fn the_scale_is_the_coarsest_that_loses_nothing() {
         ),
         (Positions::F64(vec![[4_602_888.125_47, 0.0, 0.0]]), 1e-5),
         // No decimal: the finest that fits, or the last bit of single precision.
-        (
-            Positions::F64(vec![[-1.0 / 3.0, 0.0, 0.0], [1000.0, 0.0, 0.0]]),
-            1e-6,
-        ),
-        (
-            Positions::F32(vec![[1.0 / 3.0, 0.0, 0.0], [0.1, 0.0, 0.0]]),
-            1e-8,
-        ),
+        (Positions::F64(vec![[-1.0 / 3.0, 0.0, 0.0], [1000.0, 0.0, 0.0]]), 1e-6),
+        (Positions::F32(vec![[1.0 / 3.0, 0.0, 0.0], [0.1, 0.0, 0.0]]), 1e-8),
         // Too far apart for millimetres.
-        (
-            Positions::F64(vec![[-6e9, 0.0, 0.0], [6e9, 0.0, 0.0]]),
-            10.0,
-        ),
+        (Positions::F64(vec![[-6e9, 0.0, 0.0], [6e9, 0.0, 0.0]]), 10.0),
         (Positions::F64(Vec::new()), 1e-3),
     ] {
         let file = written(&RawCloud::from_positions(positions.clone()), false);
@@ -65,10 +55,7 @@ fn the_scale_is_the_coarsest_that_loses_nothing() {
         let back = read(&file);
         for index in 0..positions.len() {
             let error = (back.positions.get(index) - positions.get(index)).abs();
-            assert!(
-                error.max_element() <= expected / 2.0 + 1e-9,
-                "{positions:?}"
-            );
+            assert!(error.max_element() <= expected / 2.0 + 1e-9, "{positions:?}");
         }
     }
 }
@@ -82,10 +69,7 @@ fn intensities_from_0_to_1_become_16_bits() {
     ] {
         let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 3]));
         cloud.scalars.push(ScalarField::new("Intensity", values));
-        assert_eq!(
-            numbers(&read(&written(&cloud, true)), "intensity"),
-            expected
-        );
+        assert_eq!(numbers(&read(&written(&cloud, true)), "intensity"), expected);
     }
 }
 

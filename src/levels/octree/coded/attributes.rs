@@ -41,13 +41,7 @@ impl NodeAttributes {
     /// Packs attributes: the finest index of the normal, the offset in cell edges (the nearest of eight), a radius in
     /// cell edges (rounded up, as far as there are codes) and half the opening of the normal cone in radians (rounded
     /// up).
-    pub(super) fn new(
-        normal: u32,
-        offset_edges: f32,
-        radius_edges: f32,
-        color: [u8; 3],
-        cone: f32,
-    ) -> Self {
+    pub(super) fn new(normal: u32, offset_edges: f32, radius_edges: f32, color: [u8; 3], cone: f32) -> Self {
         let steps = (1 << OFFSET_BITS) as f32;
         let offset = (0.5 * (offset_edges / LARGEST_OFFSET + 1.0) * steps).clamp(0.0, steps - 1.0);
         let radius = (radius_edges.log2() - SMALLEST_RADIUS_LOG2) * RADIUS_STEPS;
@@ -101,9 +95,8 @@ pub(crate) fn offset_of_code(code: usize, bits: u32) -> f32 {
     LARGEST_OFFSET * (2.0 * step / (1 << bits) as f32 - 1.0)
 }
 
-static RADII: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|code| (code as f32 / RADIUS_STEPS + SMALLEST_RADIUS_LOG2).exp2())
-});
+static RADII: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| (code as f32 / RADIUS_STEPS + SMALLEST_RADIUS_LOG2).exp2()));
 
 /// The radius in cell edges that a code means.
 #[inline(always)]
@@ -119,14 +112,8 @@ mod tests {
     #[test]
     fn offsets_with_all_bits_and_fewer() {
         let edges = |code, bits| offset_of_code(code, bits) / LARGEST_OFFSET;
-        assert_eq!(
-            [0, 3, 4, 7].map(|code| edges(code, 3)),
-            [-0.875, -0.125, 0.125, 0.875]
-        );
-        assert_eq!(
-            [0, 1, 5, 7].map(|code| edges(code, 2)),
-            [-0.75, -0.75, 0.25, 0.75]
-        );
+        assert_eq!([0, 3, 4, 7].map(|code| edges(code, 3)), [-0.875, -0.125, 0.125, 0.875]);
+        assert_eq!([0, 1, 5, 7].map(|code| edges(code, 2)), [-0.75, -0.75, 0.25, 0.75]);
         assert_eq!([0, 7].map(|code| edges(code, 0)), [0.0, 0.0]);
     }
 

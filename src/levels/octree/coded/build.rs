@@ -7,9 +7,7 @@
 //! disks below from there. Normals are used as they will be decoded, so that a cone holds what is drawn.
 
 use super::attributes::NodeAttributes;
-use crate::cloud::{
-    FINEST_NORMAL_BITS, PointRecord, ShapeRecord, oct_decode, quantise_normal, quantised_normals,
-};
+use crate::cloud::{FINEST_NORMAL_BITS, PointRecord, ShapeRecord, oct_decode, quantise_normal, quantised_normals};
 use crate::levels::octree::Octree;
 use crate::levels::octree::node_surfel::NodeSurfel;
 use crate::math::morton;
@@ -180,12 +178,6 @@ impl Summary {
     fn attributes(&self, edge: f32) -> NodeAttributes {
         let color = self.color.round().to_array().map(|channel| channel as u8);
         let radius_edges = self.radius / edge;
-        NodeAttributes::new(
-            self.normal_index,
-            self.offset_edges,
-            radius_edges,
-            color,
-            self.cone,
-        )
+        NodeAttributes::new(self.normal_index, self.offset_edges, radius_edges, color, self.cone)
     }
 }

@@ -90,16 +90,10 @@ impl CodedCloud {
     /// # Panics
     /// Preconditions: a record of each kind for each point, in the order of the points the tree was built from, which
     /// was Morton order; fewer than 2³² nodes.
-    pub fn new(
-        octree: &Arc<Octree>,
-        points: &Arc<Vec<PointRecord>>,
-        shapes: &Arc<Vec<ShapeRecord>>,
-    ) -> Self {
+    pub fn new(octree: &Arc<Octree>, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> Self {
         let tree = match octree.leaves {
             Leaves::OnLevel(_) => Cow::Borrowed(octree.as_ref()),
-            Leaves::InRuns(_) | Leaves::OfPoints(_) => {
-                Cow::Owned(octree.with_stop(StopCriterion::PAPER))
-            }
+            Leaves::InRuns(_) | Leaves::OfPoints(_) => Cow::Owned(octree.with_stop(StopCriterion::PAPER)),
         };
         let masks = tree.masks();
         let mut level_starts = vec![0];
@@ -138,12 +132,7 @@ impl CodedCloud {
     }
 
     /// Whether it was made of these.
-    pub fn is_of(
-        &self,
-        octree: &Arc<Octree>,
-        points: &Arc<Vec<PointRecord>>,
-        shapes: &Arc<Vec<ShapeRecord>>,
-    ) -> bool {
+    pub fn is_of(&self, octree: &Arc<Octree>, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> bool {
         std::ptr::eq(self.of.octree.as_ptr(), Arc::as_ptr(octree))
             && std::ptr::eq(self.of.points.as_ptr(), Arc::as_ptr(points))
             && std::ptr::eq(self.of.shapes.as_ptr(), Arc::as_ptr(shapes))
@@ -185,10 +174,7 @@ impl CodedCloud {
 
     /// No splat of a level has a larger radius, in scene units.
     pub fn largest_radius(&self, level: u32) -> f32 {
-        self.largest_radii
-            .get(level as usize)
-            .copied()
-            .unwrap_or(0.0)
+        self.largest_radii.get(level as usize).copied().unwrap_or(0.0)
     }
 
     /// How far splats of every level and those below it reach from their cells, in scene units, where radii are drawn
@@ -213,10 +199,7 @@ impl CodedCloud {
         let group = node / RANK_MASKS;
         let masks = &self.masks[RANK_MASKS * group..node];
         let (words, rest) = masks.as_chunks::<8>();
-        let of_words: u32 = words
-            .iter()
-            .map(|&word| u64::from_le_bytes(word).count_ones())
-            .sum();
+        let of_words: u32 = words.iter().map(|&word| u64::from_le_bytes(word).count_ones()).sum();
         let of_rest: u32 = rest.iter().map(|mask| mask.count_ones()).sum();
         1 + (self.bits_before[group] + of_words + of_rest) as usize
     }

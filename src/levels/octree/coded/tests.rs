@@ -33,11 +33,7 @@ pub(crate) fn records(surfels: &[(Vec3, Vec3, f32)]) -> Records {
 }
 
 pub(crate) fn tree_of(records: &Records, stop: StopCriterion) -> Arc<Octree> {
-    let positions: Vec<Vec3> = records
-        .0
-        .iter()
-        .map(|point| point.position.into())
-        .collect();
+    let positions: Vec<Vec3> = records.0.iter().map(|point| point.position.into()).collect();
     let colors: Vec<[u8; 4]> = records.0.iter().map(|point| point.color).collect();
     Arc::new(Octree::build(&positions, &colors, stop))
 }
@@ -79,11 +75,7 @@ fn all_nodes(cloud: &CodedCloud) -> Vec<(usize, u32, [u32; 3], Range<usize>)> {
 #[test]
 fn nothing_has_no_code() {
     let records = records(&[]);
-    let cloud = CodedCloud::new(
-        &tree_of(&records, StopCriterion::default()),
-        &records.0,
-        &records.1,
-    );
+    let cloud = CodedCloud::new(&tree_of(&records, StopCriterion::default()), &records.0, &records.1);
     assert!(cloud.masks().is_empty());
     assert!(cloud.attributes().is_empty());
     assert_eq!(cloud.depth(), 0);
@@ -97,11 +89,7 @@ fn a_point_is_a_node_where_it_is() {
     let octree = tree_of(&records, StopCriterion::Depth(3));
     let cloud = CodedCloud::new(&octree, &records.0, &records.1);
     assert!(cloud.is_of(&octree, &records.0, &records.1));
-    assert!(!cloud.is_of(
-        &tree_of(&records, StopCriterion::Depth(3)),
-        &records.0,
-        &records.1
-    ));
+    assert!(!cloud.is_of(&tree_of(&records, StopCriterion::Depth(3)), &records.0, &records.1));
     assert_eq!(cloud.attributes().len(), 4);
     for node in cloud.attributes() {
         let decoded = quantised_normals(17)[node.normal() as usize];

@@ -62,11 +62,7 @@ pub(super) fn write(shapes: &[ShapeRecord], out: &mut Vec<u8>) {
     for column in &COLUMNS {
         let values = shapes.iter().map(column.get);
         let invalid = values.clone().position(|value| !(column.is_valid)(value));
-        assert_eq!(
-            invalid, None,
-            "a point whose {} are no number to draw",
-            column.name
-        );
+        assert_eq!(invalid, None, "a point whose {} are no number to draw", column.name);
         let first = values.clone().next().unwrap_or_default();
         if values.clone().all(|value| value == first) {
             out.push(SAME);
@@ -81,10 +77,7 @@ pub(super) fn write(shapes: &[ShapeRecord], out: &mut Vec<u8>) {
 /// The shapes of `count` points from the beginning of `bytes`, and the bytes after them.
 ///
 /// Precondition: memory for so many shapes may be reserved.
-pub(super) fn read(
-    mut bytes: &[u8],
-    count: usize,
-) -> Result<(Vec<ShapeRecord>, &[u8]), StoredOctreeError> {
+pub(super) fn read(mut bytes: &[u8], count: usize) -> Result<(Vec<ShapeRecord>, &[u8]), StoredOctreeError> {
     let mut shapes = vec![ShapeRecord::zeroed(); count];
     for column in &COLUMNS {
         bytes = read_column(column, bytes, &mut shapes)?;
@@ -99,11 +92,7 @@ fn read_column<'a>(
     shapes: &mut [ShapeRecord],
 ) -> Result<&'a [u8], StoredOctreeError> {
     let part = column.name;
-    let truncated = |expected, found| StoredOctreeError::Truncated {
-        part,
-        expected,
-        found,
-    };
+    let truncated = |expected, found| StoredOctreeError::Truncated { part, expected, found };
     let (&kind, bytes) = bytes.split_first().ok_or(truncated(1, 0))?;
     let value_count = match kind {
         SAME => 1,

@@ -65,9 +65,7 @@ pub enum StoredOctreeError {
         found: u32,
     },
     /// Nodes of a tree that has none.
-    #[error(
-        "stored octree: depth {depth} and {mask_bytes} mask bytes, but no points (deepest possible: {LEVELS})"
-    )]
+    #[error("stored octree: depth {depth} and {mask_bytes} mask bytes, but no points (deepest possible: {LEVELS})")]
     NodesWithoutPoints {
         /// Level of the deepest leaves.
         depth: u32,

@@ -217,19 +217,11 @@ fn finest_code(location: u64) -> u64 {
 }
 
 fn truncated(part: &'static str, expected: usize, found: usize) -> StoredOctreeError {
-    StoredOctreeError::Truncated {
-        part,
-        expected,
-        found,
-    }
+    StoredOctreeError::Truncated { part, expected, found }
 }
 
 /// The first `count` bytes, and the others.
-fn split<'a>(
-    bytes: &'a [u8],
-    count: usize,
-    part: &'static str,
-) -> Result<(&'a [u8], &'a [u8]), StoredOctreeError> {
+fn split<'a>(bytes: &'a [u8], count: usize, part: &'static str) -> Result<(&'a [u8], &'a [u8]), StoredOctreeError> {
     bytes
         .split_at_checked(count)
         .ok_or_else(|| truncated(part, count, bytes.len()))

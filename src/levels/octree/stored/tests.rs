@@ -129,9 +129,7 @@ fn points_come_back_to_a_finest_cell() {
     let cube = crate::math::Cube::around(&torus.positions).unwrap();
     let order = crate::math::order_of_codes(&cube.codes(&torus.positions));
     let tree = Octree::build(&torus.positions, &colors, StopCriterion::default());
-    let points = StoredOctree::read_from(&bytes_of(&tree, None))
-        .unwrap()
-        .points();
+    let points = StoredOctree::read_from(&bytes_of(&tree, None)).unwrap().points();
     assert_eq!(points.len(), 1000);
     let half_cell = 0.5 * cube.cell_edge(LEVELS);
     let rounding = 32.0 * f32::EPSILON;
@@ -139,20 +137,13 @@ fn points_come_back_to_a_finest_cell() {
         let [red, green, blue, _] = colors[index as usize];
         assert_eq!(point.color, [red, green, blue, 255]);
         let off = (Vec3::from(point.position) - torus.positions[index as usize]).abs();
-        assert!(
-            off.max_element() <= half_cell + rounding,
-            "{off} of {half_cell}"
-        );
+        assert!(off.max_element() <= half_cell + rounding, "{off} of {half_cell}");
     }
 }
 
 #[test]
 fn equal_columns_are_written_once() {
-    let tree = Octree::build(
-        &[Vec3::ZERO, Vec3::ONE],
-        &[[1, 2, 3, 4]; 2],
-        StopCriterion::default(),
-    );
+    let tree = Octree::build(&[Vec3::ZERO, Vec3::ONE], &[[1, 2, 3, 4]; 2], StopCriterion::default());
     let shape = ShapeRecord {
         normal: [1, -2],
         radius: 0.5,
@@ -161,14 +152,8 @@ fn equal_columns_are_written_once() {
     };
     let alone = bytes_of(&tree, None).len();
     assert_eq!(bytes_of(&tree, Some(&[shape; 2])).len() - alone, 4 * 5);
-    let other = ShapeRecord {
-        radius: 0.75,
-        ..shape
-    };
-    assert_eq!(
-        bytes_of(&tree, Some(&[shape, other])).len() - alone,
-        4 * 5 + 4
-    );
+    let other = ShapeRecord { radius: 0.75, ..shape };
+    assert_eq!(bytes_of(&tree, Some(&[shape, other])).len() - alone, 4 * 5 + 4);
 }
 
 /// By hand: two points in opposite octants, one level.
@@ -250,29 +235,14 @@ fn damage_with_a_right_checksum_is_named() {
     };
     let most = u32::MAX.to_le_bytes();
     assert_eq!(set(VERSION_AT, &[2]), Error::Version { found: 2 });
-    assert!(matches!(
-        set(EDGE_AT, &f32::NAN.to_le_bytes()),
-        Error::Cube { .. }
-    ));
+    assert!(matches!(set(EDGE_AT, &f32::NAN.to_le_bytes()), Error::Cube { .. }));
     assert!(matches!(
         set(EDGE_AT, &0f32.to_le_bytes()),
         Error::Cube { edge: 0.0, .. }
     ));
-    assert_eq!(
-        set(POINTS_AT, &most),
-        Error::TooManyPoints { found: u32::MAX }
-    );
+    assert_eq!(set(POINTS_AT, &most), Error::TooManyPoints { found: u32::MAX });
     let claimed = set(POINTS_AT, &(1u32 << 31).to_le_bytes());
-    assert!(
-        matches!(
-            claimed,
-            Error::Truncated {
-                part: "colours",
-                ..
-            }
-        ),
-        "{claimed}"
-    );
+    assert!(matches!(claimed, Error::Truncated { part: "colours", .. }), "{claimed}");
     let claimed = set(POINTS_AT, &25u32.to_le_bytes());
     let few = Error::TooFewInLeaves {
         expected: 25,
@@ -280,22 +250,13 @@ fn damage_with_a_right_checksum_is_named() {
     };
     assert_eq!(claimed, few);
     let none = set(POINTS_AT, &[0]);
-    assert!(
-        matches!(none, Error::NodesWithoutPoints { depth: 5, .. }),
-        "{none}"
-    );
+    assert!(matches!(none, Error::NodesWithoutPoints { depth: 5, .. }), "{none}");
     let few = set(POINTS_AT, &[3]);
     let cells = matches!(few, Error::Shape(OctreeError::TooManyCells { most: 3, .. }));
     assert!(cells, "{few}");
-    assert_eq!(
-        set(DEPTH_AT, &[22]),
-        OctreeError::TooDeep { depth: 22 }.into()
-    );
+    assert_eq!(set(DEPTH_AT, &[22]), OctreeError::TooDeep { depth: 22 }.into());
     let deeper = set(DEPTH_AT, &[6]);
-    let missing = matches!(
-        deeper,
-        Error::Shape(OctreeError::Truncated { level: 5, .. })
-    );
+    let missing = matches!(deeper, Error::Shape(OctreeError::Truncated { level: 5, .. }));
     assert!(missing, "{deeper}");
     let trailing = set(DEPTH_AT, &[4]);
     let trails = matches!(trailing, Error::Shape(OctreeError::TrailingBytes { .. }));
@@ -303,10 +264,7 @@ fn damage_with_a_right_checksum_is_named() {
     assert_eq!(set(FLAGS_AT, &[6]), Error::Flags { found: 6 });
     assert!(matches!(set(FLAGS_AT, &[0]), Error::TrailingBytes { .. }));
     let masks = set(MASK_COUNT_AT, &most);
-    assert!(
-        matches!(masks, Error::Truncated { part: "masks", .. }),
-        "{masks}"
-    );
+    assert!(matches!(masks, Error::Truncated { part: "masks", .. }), "{masks}");
     let empty = OctreeError::EmptyNode { index: 0, level: 0 };
     assert_eq!(set(MASKS_AT, &[0]), empty.into());
 
@@ -324,10 +282,7 @@ fn damage_with_a_right_checksum_is_named() {
     let invalid = |part, point| Error::InvalidNumber { part, point };
     let infinite = f32::INFINITY.to_le_bytes();
     assert_eq!(set(scalars_at + 1, &infinite), invalid("scalars", 0));
-    assert_eq!(
-        set(radii_at + 1 + 8, &(-1f32).to_le_bytes()),
-        invalid("radii", 2)
-    );
+    assert_eq!(set(radii_at + 1 + 8, &(-1f32).to_le_bytes()), invalid("radii", 2));
 }
 
 /// Damage in the bits of the points, in trees small enough to say what it must be.
@@ -349,10 +304,7 @@ fn damaged_points_are_named() {
     let found = |leaf, found, left| Err(Error::LeafTooLarge { leaf, found, left });
     assert_eq!(with_points(0b110), found(0, 3, 2));
     assert_eq!(with_points(1 | 0b010 << 61), found(1, 2, 1));
-    assert!(matches!(
-        with_points(0),
-        Err(Error::Truncated { part: "points", .. })
-    ));
+    assert!(matches!(with_points(0), Err(Error::Truncated { part: "points", .. })));
 
     // Both in the root, the first after the second.
     let root = bytes_of(&tree.with_stop(StopCriterion::Depth(0)), None);

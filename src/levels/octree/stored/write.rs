@@ -17,11 +17,7 @@ impl Octree {
     ///
     /// # Panics
     /// Preconditions: one shape a point, with finite scalar and radius, the radius not below zero.
-    pub fn write_to(
-        &self,
-        shapes: Option<&[ShapeRecord]>,
-        out: &mut impl io::Write,
-    ) -> io::Result<()> {
+    pub fn write_to(&self, shapes: Option<&[ShapeRecord]>, out: &mut impl io::Write) -> io::Result<()> {
         let mut bytes = self.header(shapes.is_some());
         let masks = self.masks();
         bytes.extend((masks.len() as u32).to_le_bytes());
@@ -45,13 +41,7 @@ impl Octree {
         let shapes = if has_shapes { SHAPES } else { 0 };
         let mut bytes = MAGIC.to_vec();
         bytes.extend(VERSION.to_le_bytes());
-        bytes.extend(
-            self.cube
-                .min
-                .to_array()
-                .map(f32::to_le_bytes)
-                .as_flattened(),
-        );
+        bytes.extend(self.cube.min.to_array().map(f32::to_le_bytes).as_flattened());
         bytes.extend(self.cube.edge.to_le_bytes());
         bytes.extend((self.point_count() as u32).to_le_bytes());
         bytes.extend([self.depth() as u8, several_levels | shapes]);
@@ -100,9 +90,7 @@ impl Octree {
         let below = 3 * (LEVELS - leaves.level);
         let mut first = leaves.points.start;
         while first < leaves.points.end {
-            let end = self
-                .points
-                .next_beginning(leaves.level, first + 1, leaves.points.end);
+            let end = self.points.next_beginning(leaves.level, first + 1, leaves.points.end);
             bits.put_gamma((end - first) as u32);
             for cell in &self.points.cells[first..end] {
                 bits.put(cell.code() & ((1 << below) - 1), below);

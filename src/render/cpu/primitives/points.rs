@@ -93,13 +93,7 @@ impl Points<'_> {
     };
 
     #[inline(always)]
-    fn draw_squares<S: Simd>(
-        &self,
-        tile: &mut Tile,
-        clip: PixelRect,
-        count: usize,
-        projected: &Projected<S>,
-    ) {
+    fn draw_squares<S: Simd>(&self, tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
         let half = 0.5 * self.size_px;
         for point in 0..count {
             let depth = projected.depth[point];
@@ -109,8 +103,7 @@ impl Points<'_> {
             let key = key(depth.to_bits(), projected.color[point].to_bits());
             // Pixels whose middles are within.
             let range = |middle: f32, axis: usize| {
-                let [start, end] =
-                    [middle - half, middle + half].map(|end| (end - 0.5).ceil() as i32);
+                let [start, end] = [middle - half, middle + half].map(|end| (end - 0.5).ceil() as i32);
                 start.max(clip.start[axis])..end.min(clip.end[axis])
             };
             let columns = range(projected.x_px[point], 0);
@@ -124,13 +117,7 @@ impl Points<'_> {
     }
 
     #[inline(always)]
-    fn draw_disks<S: Simd>(
-        &self,
-        tile: &mut Tile,
-        clip: PixelRect,
-        count: usize,
-        projected: &Projected<S>,
-    ) {
+    fn draw_disks<S: Simd>(&self, tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
         let radius = 0.5 * self.size_px;
         for point in 0..count {
             let depth = projected.depth[point];
@@ -165,21 +152,12 @@ impl Points<'_> {
 
 /// Draws the first ones of eight points.
 #[inline(always)]
-fn draw_pixels<S: Simd>(
-    simd: S,
-    tile: &mut Tile,
-    clip: PixelRect,
-    count: usize,
-    projected: &Projected<S>,
-) {
+fn draw_pixels<S: Simd>(simd: S, tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
     let splat = |value: f32| f32x8::splat(simd, value);
     let zero = splat(0.0);
     let [left, top] = [clip.start[0] as f32, clip.start[1] as f32];
     let [width, height] = [clip.end[0] as f32 - left, clip.end[1] as f32 - top];
-    let (x, y) = (
-        (projected.x_px - left).floor(),
-        (projected.y_px - top).floor(),
-    );
+    let (x, y) = ((projected.x_px - left).floor(), (projected.y_px - top).floor());
     let are_seen = x.simd_ge(zero)
         & x.simd_lt(splat(width))
         & y.simd_ge(zero)
@@ -196,10 +174,7 @@ fn draw_pixels<S: Simd>(
     let places: i32x8<S> = simd.cvt_i32_f32x8(places);
     let keys = tile.keys.as_mut_slice();
     for lane in 0..LANES {
-        let key = key(
-            projected.depth[lane].to_bits(),
-            projected.color[lane].to_bits(),
-        );
+        let key = key(projected.depth[lane].to_bits(), projected.color[lane].to_bits());
         put(&mut keys[places[lane] as usize], key);
     }
 }
@@ -215,11 +190,7 @@ fn key(depth_bits: u32, color_bits: u32) -> u64 {
 #[inline(always)]
 fn put(there: &mut u64, key: u64) {
     // Written in any case: which of two points is nearer nobody can foresee.
-    *there = if key >> 32 >= *there >> 32 {
-        key
-    } else {
-        *there
-    };
+    *there = if key >> 32 >= *there >> 32 { key } else { *there };
 }
 
 #[inline(always)]

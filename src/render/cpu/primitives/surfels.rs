@@ -92,8 +92,7 @@ impl Records for Surfels<'_> {
                 let [normals, radii, ..] = words(simd, &self.shapes[eight.clone()]);
                 let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
                 let reach = radii * (self.largest_scale() * SQRT_2);
-                let may_touch =
-                    pyramid.may_touch(simd, centers, reach) & lanes_below(simd, eight.len());
+                let may_touch = pyramid.may_touch(simd, centers, reach) & lanes_below(simd, eight.len());
                 if simd.any_true_mask32x8(may_touch) {
                     let (normals, u) = axes(simd, normals);
                     let (normals, u) = (view.rotate_each(simd, normals), view.rotate_each(simd, u));
@@ -158,10 +157,7 @@ impl Surfels<'_> {
                     }
                 }
             }
-            Splatting::Visibility
-            | Splatting::TwoPass
-            | Splatting::Enlarged
-            | Splatting::TwoPassEnlarged => {
+            Splatting::Visibility | Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
                 let push_back = seen.push_back(view, self.slack_radii, visibility);
                 let facets = seen.facets(simd, &canvas, visibility);
                 for lane in 0..LANES {
@@ -191,13 +187,7 @@ impl Surfels<'_> {
         } else {
             let scale = scale * seen.radii[lane];
             let [u, v] = [seen.u.lane(lane) * scale, seen.v.lane(lane) * scale];
-            Light::new(
-                lighting,
-                seen.normals.lane(lane),
-                seen.centers.lane(lane),
-                u,
-                v,
-            )
+            Light::new(lighting, seen.normals.lane(lane), seen.centers.lane(lane), u, v)
         };
         let color = unit_color([red, green, blue]);
         let faces_away = seen.normals.lane(lane).dot(seen.centers.lane(lane)) > 0.0;

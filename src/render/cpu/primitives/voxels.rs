@@ -100,8 +100,7 @@ impl<'a> Cubes<'a> {
         let offsets = view.offsets_from_eye(simd, [x, y, z]);
         let centers = view.rotate_each(simd, offsets);
         let half_edges = self.half_edges(color_and_level);
-        let may_touch = pyramid.may_touch(simd, centers, half_edges * 3f32.sqrt())
-            & lanes_below(simd, records.len());
+        let may_touch = pyramid.may_touch(simd, centers, half_edges * 3f32.sqrt()) & lanes_below(simd, records.len());
         if !simd.any_true_mask32x8(may_touch) {
             return;
         }

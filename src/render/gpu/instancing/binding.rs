@@ -11,20 +11,11 @@ pub(super) fn buffer_with(
     records: &[u8],
     alignment: usize,
 ) -> wgpu::Buffer {
-    context.filled_buffer(
-        "records",
-        usage,
-        records,
-        records.len().next_multiple_of(alignment),
-    )
+    context.filled_buffer("records", usage, records, records.len().next_multiple_of(alignment))
 }
 
 /// A layout with one binding for the vertex stage (and the compute stage, which amplifies).
-pub(super) fn single_binding_layout(
-    context: &Context,
-    label: &str,
-    ty: wgpu::BindingType,
-) -> wgpu::BindGroupLayout {
+pub(super) fn single_binding_layout(context: &Context, label: &str, ty: wgpu::BindingType) -> wgpu::BindGroupLayout {
     let stages = if matches!(
         ty,
         wgpu::BindingType::Buffer {
@@ -55,16 +46,11 @@ pub(super) fn single_binding(
     layout: &wgpu::BindGroupLayout,
     resource: wgpu::BindingResource<'_>,
 ) -> wgpu::BindGroup {
-    context
-        .device
-        .create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("records"),
-            layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource,
-            }],
-        })
+    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("records"),
+        layout,
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource }],
+    })
 }
 
 /// One copy of the stream's layout for each stream that the amplification reads.
@@ -79,13 +65,9 @@ pub(super) fn stream_layouts<'a>(
 const MAX_INDEXED_QUADS: usize = (u32::MAX / INDICES_PER_QUAD) as usize;
 
 /// The most records whose quads one draw call can index, with an index buffer that the adapter can hold.
-pub(super) fn max_indexed_records(
-    context: &Context,
-    amplification: &'static Amplification,
-) -> usize {
+pub(super) fn max_indexed_records(context: &Context, amplification: &'static Amplification) -> usize {
     let quads = amplification.quads_per_record().max(1) as usize;
     let index_bytes = (INDICES_PER_QUAD as usize) * size_of::<u32>();
-    let buffer_quads =
-        usize::try_from(context.limits.max_buffer_size).unwrap_or(usize::MAX) / index_bytes;
+    let buffer_quads = usize::try_from(context.limits.max_buffer_size).unwrap_or(usize::MAX) / index_bytes;
     MAX_INDEXED_QUADS.min(buffer_quads) / quads
 }

@@ -65,45 +65,32 @@ impl Compute {
         };
         Self {
             storage: Storage::new(context),
-            output_layout: context.device.create_bind_group_layout(
-                &wgpu::BindGroupLayoutDescriptor {
+            output_layout: context
+                .device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                     label: Some("amplified"),
                     entries: &[storage_entry(0), storage_entry(1), storage_entry(2)],
-                },
-            ),
+                }),
             view_layout: view_layout.clone(),
             pipelines: HashMap::new(),
             outputs: Vec::new(),
         }
     }
 
-    fn build_pipelines(
-        &self,
-        context: &Context,
-        amplification: &'static Amplification,
-    ) -> Pipelines {
+    fn build_pipelines(&self, context: &Context, amplification: &'static Amplification) -> Pipelines {
         let permutation = Permutation::Amplify(amplification);
         let label = permutation.label();
-        let module = context
-            .device
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(&label),
-                source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
-            });
+        let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(&label),
+            source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
+        });
         let stream = Some(self.storage.layout());
         let shapes = stream.filter(|_| amplification.reads_shapes);
-        let layout = context
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(&label),
-                bind_group_layouts: &[
-                    Some(&self.view_layout),
-                    stream,
-                    shapes,
-                    Some(&self.output_layout),
-                ],
-                immediate_size: 0,
-            });
+        let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts: &[Some(&self.view_layout), stream, shapes, Some(&self.output_layout)],
+            immediate_size: 0,
+        });
         let pipeline = |entry_point| {
             context
                 .device
@@ -123,12 +110,7 @@ impl Compute {
         }
     }
 
-    fn build_output(
-        &self,
-        context: &Context,
-        record_count: u32,
-        vertices_per_record: u32,
-    ) -> Output {
+    fn build_output(&self, context: &Context, record_count: u32, vertices_per_record: u32) -> Output {
         let buffer = |label, size, usage| {
             context.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -139,18 +121,10 @@ impl Compute {
         };
         let corners = u64::from(record_count) * u64::from(vertices_per_record);
         let none = wgpu::BufferUsages::empty();
-        let vertices = buffer(
-            "amplified corners",
-            corners * size_of::<SplatVertex>() as u64,
-            none,
-        );
+        let vertices = buffer("amplified corners", corners * size_of::<SplatVertex>() as u64, none);
         let groups = u64::from(record_count.div_ceil(GROUP_RECORDS));
         let group_offsets = buffer("amplified offsets", groups * size_of::<u32>() as u64, none);
-        let indirect = buffer(
-            "amplified draw",
-            INDIRECT_BYTES,
-            wgpu::BufferUsages::INDIRECT,
-        );
+        let indirect = buffer("amplified draw", INDIRECT_BYTES, wgpu::BufferUsages::INDIRECT);
         let entries = [&vertices, &group_offsets, &indirect];
         let entries = [0, 1, 2].map(|binding| wgpu::BindGroupEntry {
             binding: binding as u32,
@@ -159,18 +133,12 @@ impl Compute {
         Output {
             record_capacity: record_count,
             vertices_per_record,
-            compute_group: context
-                .device
-                .create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("amplified"),
-                    layout: &self.output_layout,
-                    entries: &entries,
-                }),
-            draw_group: single_binding(
-                context,
-                self.storage.layout(),
-                vertices.as_entire_binding(),
-            ),
+            compute_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("amplified"),
+                layout: &self.output_layout,
+                entries: &entries,
+            }),
+            draw_group: single_binding(context, self.storage.layout(), vertices.as_entire_binding()),
             indirect,
         }
     }
@@ -193,9 +161,7 @@ impl Instancing for Compute {
     fn max_chunk_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
         let limits = &context.limits;
         let corner_bytes = amplification.vertices_per_record as usize * size_of::<SplatVertex>();
-        let bytes = limits
-            .max_storage_buffer_binding_size
-            .min(limits.max_buffer_size);
+        let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let groups = limits.max_compute_workgroups_per_dimension as usize;
         (usize::try_from(bytes).unwrap_or(usize::MAX) / corner_bytes)
             .min(groups * GROUP_RECORDS as usize)
@@ -228,8 +194,7 @@ impl Instancing for Compute {
             let records = draw.chunk_records(chunk);
             let fits = self.outputs.get(chunk).is_some_and(|output| {
                 // `scan` reads as many offsets as the buffer has, so the capacity must be exact.
-                output.record_capacity == records
-                    && output.vertices_per_record == vertices_per_record
+                output.record_capacity == records && output.vertices_per_record == vertices_per_record
             });
             if !fits {
                 let output = self.build_output(context, records, vertices_per_record);

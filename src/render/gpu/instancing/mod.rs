@@ -20,11 +20,7 @@ use super::context::Context;
 use crate::scene::Strategy;
 
 /// The strategy's implementation; `view_layout` is the layout of bind group 0.
-pub(super) fn new(
-    strategy: Strategy,
-    context: &Context,
-    view_layout: &wgpu::BindGroupLayout,
-) -> Box<dyn Instancing> {
+pub(super) fn new(strategy: Strategy, context: &Context, view_layout: &wgpu::BindGroupLayout) -> Box<dyn Instancing> {
     match strategy {
         Strategy::Storage => Box::new(storage::Storage::new(context)),
         Strategy::Uniform => Box::new(uniform::Uniform::new(context)),

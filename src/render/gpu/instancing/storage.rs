@@ -4,9 +4,7 @@
 //! GPUs fill whole waves that way, and a software rasteriser sets up one draw instead of thousands of instances. It
 //! wins nearly everywhere and has no limits that matter, so it is the default.
 
-use super::binding::{
-    buffer_with, max_indexed_records, single_binding, single_binding_layout, stream_layouts,
-};
+use super::binding::{buffer_with, max_indexed_records, single_binding, single_binding_layout, stream_layouts};
 use super::strategy::Instancing;
 use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::context::Context;
@@ -50,19 +48,14 @@ impl Instancing for Storage {
             .limits
             .max_storage_buffer_binding_size
             .min(context.limits.max_buffer_size);
-        (usize::try_from(bytes).unwrap_or(usize::MAX) / RECORD_BYTES)
-            .min(max_indexed_records(context, amplification))
+        (usize::try_from(bytes).unwrap_or(usize::MAX) / RECORD_BYTES).min(max_indexed_records(context, amplification))
     }
 
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
         let buffer = buffer_with(context, wgpu::BufferUsages::STORAGE, records, RECORD_BYTES);
         Chunk {
             record_count: (records.len() / RECORD_BYTES) as u32,
-            bind_group: Some(single_binding(
-                context,
-                &self.layout,
-                buffer.as_entire_binding(),
-            )),
+            bind_group: Some(single_binding(context, &self.layout, buffer.as_entire_binding())),
             buffer: None,
         }
     }

@@ -15,10 +15,7 @@ pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
     fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout>;
 
     /// Layouts of the vertex buffers of geometry pipelines.
-    fn vertex_buffers(
-        &self,
-        _amplification: &'static Amplification,
-    ) -> Vec<wgpu::VertexBufferLayout<'static>> {
+    fn vertex_buffers(&self, _amplification: &'static Amplification) -> Vec<wgpu::VertexBufferLayout<'static>> {
         Vec::new()
     }
 

@@ -45,11 +45,7 @@ impl Draw<'_> {
     }
 
     pub(super) fn chunk_count(&self) -> usize {
-        self.streams
-            .iter()
-            .map(|stream| stream.chunks.len())
-            .min()
-            .unwrap_or(0)
+        self.streams.iter().map(|stream| stream.chunks.len()).min().unwrap_or(0)
     }
 
     pub(super) fn chunk_records(&self, chunk: usize) -> u32 {
@@ -61,12 +57,7 @@ impl Draw<'_> {
     }
 
     /// Binds one chunk of every stream.
-    pub(super) fn bind(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        chunk: usize,
-        offsets: &[wgpu::DynamicOffset],
-    ) {
+    pub(super) fn bind(&self, pass: &mut wgpu::RenderPass<'_>, chunk: usize, offsets: &[wgpu::DynamicOffset]) {
         for (group, stream) in (STREAM_GROUP..).zip(self.streams) {
             pass.set_bind_group(group, stream.chunks[chunk].bind_group.as_ref(), offsets);
         }

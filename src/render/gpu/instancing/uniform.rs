@@ -42,11 +42,7 @@ impl Instancing for Uniform {
         stream_layouts(&self.layout, amplification)
     }
 
-    fn max_chunk_records(
-        &self,
-        context: &Context,
-        _amplification: &'static Amplification,
-    ) -> usize {
+    fn max_chunk_records(&self, context: &Context, _amplification: &'static Amplification) -> usize {
         // Dynamic offsets are u32.
         let bytes = context.limits.max_buffer_size.min(u64::from(u32::MAX));
         let batches = usize::try_from(bytes).unwrap_or(usize::MAX) / BATCH_BYTES;

@@ -11,8 +11,7 @@ use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
 use crate::scene::Strategy;
 
-const POINT_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
-    wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
+const POINT_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
 
 const SHAPE_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![2 => Uint32, 3 => Float32, 4 => Uint32, 5 => Float32];
@@ -29,10 +28,7 @@ impl Instancing for Vertex {
         Vec::new()
     }
 
-    fn vertex_buffers(
-        &self,
-        amplification: &'static Amplification,
-    ) -> Vec<wgpu::VertexBufferLayout<'static>> {
+    fn vertex_buffers(&self, amplification: &'static Amplification) -> Vec<wgpu::VertexBufferLayout<'static>> {
         let step_mode = if amplification.is_point_list() {
             wgpu::VertexStepMode::Vertex
         } else {
@@ -50,11 +46,7 @@ impl Instancing for Vertex {
         layouts
     }
 
-    fn max_chunk_records(
-        &self,
-        context: &Context,
-        _amplification: &'static Amplification,
-    ) -> usize {
+    fn max_chunk_records(&self, context: &Context, _amplification: &'static Amplification) -> usize {
         usize::try_from(context.limits.max_buffer_size).unwrap_or(usize::MAX) / RECORD_BYTES
     }
 
@@ -66,12 +58,7 @@ impl Instancing for Vertex {
         Chunk {
             record_count: (records.len() / RECORD_BYTES) as u32,
             bind_group: None,
-            buffer: Some(buffer_with(
-                context,
-                wgpu::BufferUsages::VERTEX,
-                records,
-                RECORD_BYTES,
-            )),
+            buffer: Some(buffer_with(context, wgpu::BufferUsages::VERTEX, records, RECORD_BYTES)),
         }
     }
 

@@ -106,22 +106,12 @@ impl Pipelines {
     }
 
     /// Makes the pipeline unless it is there.
-    pub(crate) fn ensure_geometry(
-        &mut self,
-        context: &Context,
-        key: GeometryKey,
-        instancing: &dyn Instancing,
-    ) {
+    pub(crate) fn ensure_geometry(&mut self, context: &Context, key: GeometryKey, instancing: &dyn Instancing) {
         if self.geometry.contains_key(&key.name()) {
             return;
         }
         let mut layouts = vec![Some(&self.view_layout)];
-        layouts.extend(
-            instancing
-                .group_layouts(key.amplification)
-                .into_iter()
-                .map(Some),
-        );
+        layouts.extend(instancing.group_layouts(key.amplification).into_iter().map(Some));
         let topology = if key.amplification.is_point_list() {
             wgpu::PrimitiveTopology::PointList
         } else {
@@ -173,45 +163,39 @@ fn build(
 ) -> wgpu::RenderPipeline {
     let label = permutation.label();
     let target = color.map(|color| color.target_state());
-    let module = context
-        .device
-        .create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(&label),
-            source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
-        });
-    let layout = context
-        .device
-        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(&label),
-            bind_group_layouts,
-            immediate_size: 0,
-        });
+    let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(&label),
+        source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
+    });
+    let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(&label),
+        bind_group_layouts,
+        immediate_size: 0,
+    });
     let buffers: Vec<_> = vertex_buffers.iter().cloned().map(Some).collect();
-    context
-        .device
-        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(&label),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &buffers,
+    context.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(&label),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &buffers,
+        },
+        primitive,
+        depth_stencil: depth.map(DepthUse::state),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: if target.is_some() {
+                std::slice::from_ref(&target)
+            } else {
+                &[]
             },
-            primitive,
-            depth_stencil: depth.map(DepthUse::state),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: if target.is_some() {
-                    std::slice::from_ref(&target)
-                } else {
-                    &[]
-                },
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
 }

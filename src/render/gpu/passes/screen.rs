@@ -3,14 +3,7 @@
 use super::state::{ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass, Source, Target};
 
 /// All of them.
-pub const SCREEN_PASSES: [&ScreenPass; 6] = [
-    &BACKGROUND,
-    &RESOLVE,
-    &DEPTH_VIEW,
-    &EYE_DOME,
-    &EYE_DOME_OF_SUMS,
-    &GRID,
-];
+pub const SCREEN_PASSES: [&ScreenPass; 6] = [&BACKGROUND, &RESOLVE, &DEPTH_VIEW, &EYE_DOME, &EYE_DOME_OF_SUMS, &GRID];
 
 /// The gradient behind the cloud.
 pub(in crate::render::gpu) const BACKGROUND: ScreenPass = ScreenPass {

@@ -91,10 +91,7 @@ pub(super) const ADDED: wgpu::BlendState = {
         dst_factor: wgpu::BlendFactor::One,
         operation: wgpu::BlendOperation::Add,
     };
-    wgpu::BlendState {
-        color: add,
-        alpha: add,
-    }
+    wgpu::BlendState { color: add, alpha: add }
 };
 
 /// The fourth channel stays: the picture's opacity, or the sum of weights.

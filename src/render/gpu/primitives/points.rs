@@ -27,10 +27,7 @@ pub(super) const SQUARE: Amplification = Amplification {
     passes: &[&POINT, &ROUND_POINT],
 };
 
-pub(super) fn drawable<'a>(
-    points: Option<&'a Arc<Vec<PointRecord>>>,
-    style: &Style,
-) -> Drawable<'a> {
+pub(super) fn drawable<'a>(points: Option<&'a Arc<Vec<PointRecord>>>, style: &Style) -> Drawable<'a> {
     let is_pixel = style.points.size_px <= 1.0;
     Drawable {
         amplification: if is_pixel { &PIXEL } else { &SQUARE },

@@ -78,9 +78,7 @@ impl Described {
     #[must_use]
     pub fn nearest(&self, value: Value) -> Value {
         match (&self.values, value) {
-            (Values::Number(numbers), Value::Number(number)) => {
-                Value::Number(numbers.nearest(number))
-            }
+            (Values::Number(numbers), Value::Number(number)) => Value::Number(numbers.nearest(number)),
             (Values::Kinds(kinds), Value::Kind(place, number)) => match kinds[place].number {
                 Some(ref told) if number.is_nan() => Value::Kind(place, told.usual),
                 Some(ref told) => Value::Kind(place, told.numbers.nearest(number)),

@@ -14,11 +14,7 @@ pub trait Setting: Sized {
     fn from_value(value: Value) -> Option<Self>;
 
     /// Shows this with its description to `edit`, and takes what that makes of it.
-    fn edit(
-        &mut self,
-        described: &'static Described,
-        edit: &mut dyn FnMut(&'static Described, Value) -> Value,
-    ) {
+    fn edit(&mut self, described: &'static Described, edit: &mut dyn FnMut(&'static Described, Value) -> Value) {
         let before = self.value();
         let after = edit(described, before);
         if after != before

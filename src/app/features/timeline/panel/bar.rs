@@ -24,8 +24,7 @@ pub(super) fn scrub_bar(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Optio
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     context.timeline.bar_rect = rect;
     let Some(player) = context.player.as_deref() else {
-        ui.painter()
-            .rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+        ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
         return None;
     };
     let count = player.sequence().len();
@@ -42,12 +41,7 @@ pub(super) fn scrub_bar(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Optio
     let frame = under_pointer(&response);
     let hovered = frame.filter(|_| response.hovered() && !response.dragged());
     if let Some(frame) = hovered {
-        frame_tooltip(
-            player,
-            context.thumbnails,
-            &context.needs,
-            (response.clone(), frame),
-        );
+        frame_tooltip(player, context.thumbnails, &context.needs, (response.clone(), frame));
     }
     scrub(context, &response, frame);
     hovered
@@ -123,17 +117,11 @@ fn paint_range(ui: &Ui, rect: Rect, range: PlayRange, count: usize) {
 
 fn paint_playhead(painter: &Painter, rect: Rect, left: f32, right: f32) {
     let right = right.max(left + 2.0);
-    let cell = Rect::from_min_max(
-        pos2(left, rect.top() - 2.0),
-        pos2(right, rect.bottom() + 2.0),
-    );
+    let cell = Rect::from_min_max(pos2(left, rect.top() - 2.0), pos2(right, rect.bottom() + 2.0));
     painter.rect_filled(cell, 2.0, ACCENT.gamma_multiply(0.55));
     let middle = 0.5 * (left + right);
     painter.rect_filled(
-        Rect::from_center_size(
-            pos2(middle, rect.center().y),
-            vec2(3.0, rect.height() + 4.0),
-        ),
+        Rect::from_center_size(pos2(middle, rect.center().y), vec2(3.0, rect.height() + 4.0)),
         1.5,
         Color32::WHITE,
     );
@@ -166,10 +154,7 @@ fn tooltip(player: &Player, needs: &Needs, frame: usize) -> String {
         sequence.entry(frame).name
     );
     let rest = match player.loader().get(frame, needs) {
-        Slot::Ready(prepared) => format!(
-            "in memory, {} points",
-            grouped(prepared.points.len() as u64)
-        ),
+        Slot::Ready(prepared) => format!("in memory, {} points", grouped(prepared.points.len() as u64)),
         Slot::Coarse(prepared) => format!(
             "in memory, {} of {} points",
             grouped(prepared.points.len() as u64),

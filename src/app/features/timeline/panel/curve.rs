@@ -44,26 +44,15 @@ pub(super) fn curve_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) {
     paint(ui, rect, curve.columns(), (least, most));
     for (value, place, align) in [
         (most, rect.left_top() + vec2(4.0, 1.0), Align2::LEFT_TOP),
-        (
-            least,
-            rect.left_bottom() + vec2(4.0, -1.0),
-            Align2::LEFT_BOTTOM,
-        ),
+        (least, rect.left_bottom() + vec2(4.0, -1.0), Align2::LEFT_BOTTOM),
     ] {
-        painter.text(
-            place,
-            align,
-            text_of(quantity, value),
-            FontId::proportional(10.0),
-            weak,
-        );
+        painter.text(place, align, text_of(quantity, value), FontId::proportional(10.0), weak);
     }
     if let Some(pointer) = response.hover_pos() {
         let frame = frame_at(rect, pointer.x, player.sequence().len());
-        let value = curve.value(frame).map_or_else(
-            || "not known yet".to_owned(),
-            |value| text_of(quantity, value),
-        );
+        let value = curve
+            .value(frame)
+            .map_or_else(|| "not known yet".to_owned(), |value| text_of(quantity, value));
         let text = format!(
             "{}: {value}\nFrame {}\n{}",
             quantity.name(),
@@ -81,11 +70,7 @@ fn paint(ui: &Ui, rect: Rect, columns: &[Option<(f32, f32)>], (least, most): (f3
     let span = most - least;
     let y = |value: f32| {
         // A value that never changes lies in the middle.
-        let part = if span > 0.0 {
-            (value - least) / span
-        } else {
-            0.5
-        };
+        let part = if span > 0.0 { (value - least) / span } else { 0.5 };
         egui::lerp(rect.bottom() - MARGIN..=rect.top() + MARGIN, part)
     };
     // One line for each run of columns that are known: lines as short as a column are rounded away.

@@ -3,9 +3,7 @@
 use super::context::TimelineContext;
 use crate::app::features::timeline::Timeline;
 use crate::app::theme::ODD;
-use egui::{
-    Key, Painter, Rect, Role, Sense, Shape, Stroke, TextEdit, Ui, WidgetInfo, Window, pos2, vec2,
-};
+use egui::{Key, Painter, Rect, Role, Sense, Shape, Stroke, TextEdit, Ui, WidgetInfo, Window, pos2, vec2};
 
 /// Size of a flag, points.
 const FLAG: [f32; 2] = [10.0, 11.0];
@@ -85,20 +83,14 @@ fn name_ui(ui: &Ui, timeline: &mut Timeline) -> bool {
         .pivot(egui::Align2::CENTER_CENTER)
         .default_pos(screen.center())
         .show(ui.ctx(), |ui| {
-            let edit = ui.add(
-                TextEdit::singleline(name)
-                    .hint_text("Name")
-                    .desired_width(240.0),
-            );
+            let edit = ui.add(TextEdit::singleline(name).hint_text("Name").desired_width(240.0));
             ui.ctx()
                 .accesskit_node_builder(edit.id, |node| node.set_label("Name of the marker"));
             is_done = edit.lost_focus();
             if !is_done && !edit.has_focus() {
                 edit.request_focus();
             }
-            edit.on_hover_text(
-                "What the marker is called; Enter keeps it, Esc leaves it as it was",
-            );
+            edit.on_hover_text("What the marker is called; Enter keeps it, Esc leaves it as it was");
         });
     if ui.input(|input| input.key_pressed(Key::Escape)) {
         timeline.renaming = None;
@@ -112,11 +104,7 @@ fn name_ui(ui: &Ui, timeline: &mut Timeline) -> bool {
 
 /// A pennant that points down to its frame.
 fn paint_flag(painter: &Painter, flag: Rect, is_hovered: bool) {
-    let color = if is_hovered {
-        ODD
-    } else {
-        ODD.gamma_multiply(0.8)
-    };
+    let color = if is_hovered { ODD } else { ODD.gamma_multiply(0.8) };
     let shoulder = flag.top() + 0.5 * flag.height();
     let outline = vec![
         flag.left_top(),

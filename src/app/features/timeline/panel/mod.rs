@@ -13,10 +13,7 @@ pub(in crate::app) use context::{TimelineContext, TimelineRequest};
 use egui::Ui;
 
 /// Thumbnails, markers, bar, curve, transport, place and pace.
-pub(in crate::app) fn timeline_ui(
-    ui: &mut Ui,
-    context: &mut TimelineContext<'_>,
-) -> Vec<TimelineRequest> {
+pub(in crate::app) fn timeline_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Vec<TimelineRequest> {
     if let Some(player) = &mut context.player {
         player.refresh_runs();
     }

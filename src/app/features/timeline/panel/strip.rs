@@ -4,9 +4,7 @@ use super::bar::frame_tooltip;
 use super::context::TimelineContext;
 use crate::app::features::thumbnails::{Look, MAX_CELLS, PICTURE_PX, strip_frames};
 use crate::app::theme::{ACCENT, BAD};
-use egui::{
-    Color32, Painter, Rect, Role, Sense, Stroke, StrokeKind, TextureId, Ui, WidgetInfo, pos2, vec2,
-};
+use egui::{Color32, Painter, Rect, Role, Sense, Stroke, StrokeKind, TextureId, Ui, WidgetInfo, pos2, vec2};
 
 /// Height of the strip, points.
 const HEIGHT: f32 = 45.0;
@@ -17,10 +15,7 @@ const CELL_WIDTH: f32 = HEIGHT * PICTURE_PX[0] as f32 / PICTURE_PX[1] as f32 + 2
 /// As many small pictures as fit, each of the frame at its place; a click goes there. Returns the frame whose tooltip
 /// is shown.
 pub(super) fn strip_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<usize> {
-    let player = context
-        .player
-        .as_deref()
-        .filter(|_| context.thumbnails.is_on)?;
+    let player = context.player.as_deref().filter(|_| context.thumbnails.is_on)?;
     let count = player.sequence().len();
     let playhead = player.waiting_for().unwrap_or(player.clock().frame());
     let size = vec2(ui.available_width(), HEIGHT);
@@ -28,8 +23,7 @@ pub(super) fn strip_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option
     let cells = (strip.width() / CELL_WIDTH).max(1.0) as usize;
     let frames = strip_frames(count, cells.min(MAX_CELLS));
     context.thumbnails.want(frames.clone());
-    ui.painter()
-        .rect_filled(strip, 4.0, ui.visuals().extreme_bg_color);
+    ui.painter().rect_filled(strip, 4.0, ui.visuals().extreme_bg_color);
     let nearest = frames.iter().min_by_key(|frame| frame.abs_diff(playhead));
     let nearest = nearest.copied();
     let mut hovered = None;
@@ -37,11 +31,7 @@ pub(super) fn strip_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option
     for (number, &frame) in frames.iter().enumerate() {
         let x = |edge: usize| strip.left() + strip.width() * edge as f32 / frames.len() as f32;
         let cell = Rect::from_x_y_ranges(x(number)..=x(number + 1), strip.y_range());
-        let response = ui.interact(
-            cell,
-            ui.scope_id().with(("thumbnail", frame)),
-            Sense::click(),
-        );
+        let response = ui.interact(cell, ui.scope_id().with(("thumbnail", frame)), Sense::click());
         let look = context.thumbnails.look(ui.ctx(), frame);
         let name = match look {
             Look::Picture(_) => format!("Thumbnail of frame {}", frame + 1),

@@ -7,10 +7,7 @@ use crate::app::theme::{BAD, Icon, paint_icon};
 use crate::app::widgets::numbers::grouped;
 use crate::playback::Player;
 use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED};
-use egui::{
-    Align, ComboBox, DragValue, Label, Layout, Response, RichText, Role, Sense, Ui, WidgetInfo,
-    vec2,
-};
+use egui::{Align, ComboBox, DragValue, Label, Layout, Response, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use std::time::Duration;
 
 /// Size of a transport icon, points.
@@ -79,16 +76,8 @@ fn transport(ui: &mut Ui, player: Option<&Player>) -> Option<Command> {
 }
 
 fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: bool) -> Response {
-    let wide = if command == Command::TogglePlay {
-        40.0
-    } else {
-        30.0
-    };
-    let sense = if enabled {
-        Sense::click()
-    } else {
-        Sense::hover()
-    };
+    let wide = if command == Command::TogglePlay { 40.0 } else { 30.0 };
+    let sense = if enabled { Sense::click() } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(vec2(wide, 26.0), sense);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
     let visuals = ui.style().interact(&response);
@@ -129,14 +118,12 @@ fn place(ui: &mut Ui, player: &Player) {
         } else {
             "there is no time for more at this frame rate. All are, when paused"
         };
-        ui.label(
-            RichText::new(format!("1/{share:.0} of points")).color(ui.visuals().warn_fg_color),
-        )
-        .on_hover_text(format!(
-            "{} of {} points are shown: {why}.",
-            grouped(frame.frame.len() as u64),
-            grouped(frame.frame.points_in_file() as u64),
-        ));
+        ui.label(RichText::new(format!("1/{share:.0} of points")).color(ui.visuals().warn_fg_color))
+            .on_hover_text(format!(
+                "{} of {} points are shown: {why}.",
+                grouped(frame.frame.len() as u64),
+                grouped(frame.frame.points_in_file() as u64),
+            ));
     }
     if !sequence.is_empty() {
         let entry = sequence.entry(frame);
@@ -158,19 +145,15 @@ fn pace(ui: &mut Ui, context: &mut TimelineContext<'_>) {
         Some(fps) if fps < 0.9 * asked => BAD,
         _ => ui.visuals().text_color(),
     };
-    ui.label(
-        RichText::new(format!("{text:>5} held"))
-            .monospace()
-            .color(color),
-    )
-    .on_hover_text(format!(
-        "Frames a second shown in the last second; {asked:.1} are asked for.\n\
+    ui.label(RichText::new(format!("{text:>5} held")).monospace().color(color))
+        .on_hover_text(format!(
+            "Frames a second shown in the last second; {asked:.1} are asked for.\n\
          Since opening: {} shown, {} of them with fewer points, {} late, {} skipped",
-        player.frames_shown(),
-        player.coarse_frames_shown(),
-        player.late_frames(),
-        player.clock().skipped()
-    ));
+            player.frames_shown(),
+            player.coarse_frames_shown(),
+            player.late_frames(),
+            player.clock().skipped()
+        ));
 
     let mut fps = player.clock().fps();
     let rate = DragValue::new(&mut fps)
@@ -201,11 +184,7 @@ fn pace(ui: &mut Ui, context: &mut TimelineContext<'_>) {
     }
     let reverse = speed < 0.0;
     let button = egui::Button::selectable(reverse, "Reverse");
-    if ui
-        .add(button)
-        .on_hover_text("Play backward (Backspace)")
-        .clicked()
-    {
+    if ui.add(button).on_hover_text("Play backward (Backspace)").clicked() {
         player.set_speed(-speed, now);
     }
 

@@ -124,10 +124,7 @@ impl<'a> Traversal<'a> {
         let drawn_level = self.drawn_level(level, nearest);
         let half = self.view.rotate_extent(Vec3::splat(0.5 * edge));
         let reach = self.reach(node, level);
-        if self
-            .view
-            .covered_px(middle, half + Vec3::splat(reach), 2.0)
-            .is_empty()
+        if self.view.covered_px(middle, half + Vec3::splat(reach), 2.0).is_empty()
             || (self.coded.cull_back_faces && self.faces_away(node, middle, edge))
         {
             return;
@@ -159,11 +156,8 @@ impl<'a> Traversal<'a> {
             return deepest.max(level);
         }
         let per_edge = self.px_per_slope / nearest;
-        let is_small =
-            |&level: &u32| self.coded.cloud.cube().cell_edge(level) * per_edge < self.coded.lod_px;
-        (level..deepest)
-            .find(is_small)
-            .unwrap_or(deepest.max(level))
+        let is_small = |&level: &u32| self.coded.cloud.cube().cell_edge(level) * per_edge < self.coded.lod_px;
+        (level..deepest).find(is_small).unwrap_or(deepest.max(level))
     }
 
     /// How far splats below a node may reach from its cell: no farther than the largest of all levels that may be
@@ -196,8 +190,7 @@ impl<'a> Traversal<'a> {
                 let edge = self.coded.cloud.cube().cell_edge(block.level);
                 let middle = in_view(self.view, block.center);
                 let half = self.view.rotate_extent(Vec3::splat(0.5 * edge));
-                let reach = self.reaches[block.drawn_level as usize]
-                    .min(self.reach(block.node, block.level));
+                let reach = self.reaches[block.drawn_level as usize].min(self.reach(block.node, block.level));
                 let slack = 1e-5 * (middle.abs() + half);
                 let half = half + Vec3::splat(reach) + slack;
                 Tiles::covered_by(self.view.covered_px(middle, half, 2.0))

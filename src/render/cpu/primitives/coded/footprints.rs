@@ -66,9 +66,7 @@ impl Footprints {
     #[inline(always)]
     pub(super) fn at(&self, class: u32, x_px: f32, y_px: f32) -> &Footprint {
         // What is beyond the picture is in a sector at its border.
-        let sector = |px: f32, axis: usize| {
-            (px * self.sectors_per_px[axis]).clamp(0.0, SECTORS as f32 - 1.0) as usize
-        };
+        let sector = |px: f32, axis: usize| (px * self.sectors_per_px[axis]).clamp(0.0, SECTORS as f32 - 1.0) as usize;
         let sector = SECTORS * sector(y_px, 1) + sector(x_px, 0);
         &self.of_sectors[CLASSES * sector + class as usize]
     }
@@ -90,11 +88,7 @@ fn footprint(normal: Vec3, [right, down]: [f32; 2]) -> Footprint {
     let (longer2, shorter2) = (middle + spread, (middle - spread).max(0.0));
     // The direction of the shorter axis: the eigenvector of the smaller value, of the two forms it has the longer.
     let (a, b) = (Vec2::new(xy, shorter2 - xx), Vec2::new(shorter2 - yy, xy));
-    let shorter = if a.length_squared() > b.length_squared() {
-        a
-    } else {
-        b
-    };
+    let shorter = if a.length_squared() > b.length_squared() { a } else { b };
     let tilt2 = (1.0 - shorter2 / longer2).max(0.0);
     let tilt = shorter.normalize_or_zero() * tilt2.sqrt();
     Footprint {
@@ -128,9 +122,6 @@ mod tests {
         assert!((footprint.stretch - length).abs() < 1e-4);
         let ratio2: f32 = 1.0 / (length * length);
         let across = Vec2::new(-0.6, 0.8) * (1.0 - ratio2).sqrt();
-        assert_eq!(
-            footprint.shape,
-            masks::shape_of(across.extend(ratio2.sqrt()))
-        );
+        assert_eq!(footprint.shape, masks::shape_of(across.extend(ratio2.sqrt())));
     }
 }

@@ -8,9 +8,7 @@ use crate::cloud::{coarser_normal, quantise_normal};
 use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR};
 use crate::render::cpu::rows::bands_of;
 use crate::render::cpu::view::PixelView;
-use crate::scene::{
-    BackFaces, Camera, Footprint, Lighting, NormalBits, OffsetBits, Projection, UpAxis,
-};
+use crate::scene::{BackFaces, Camera, Footprint, Lighting, NormalBits, OffsetBits, Projection, UpAxis};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 
@@ -77,10 +75,7 @@ fn assert_pixels(
     let mut image = RgbaImage::new(640, 480);
     let bands = bands_of(&packet, &mut image, 4).map(Rows::Bytes);
     let coded = Coded::of(&packet).expect("a byte code");
-    assert!(
-        draw(&coded, &packet, bands.collect()) > 0,
-        "nodes are drawn"
-    );
+    assert!(draw(&coded, &packet, bands.collect()) > 0, "nodes are drawn");
 
     let view = PixelView::new(&packet);
     let cloud = &packet.content.coded().expect("a byte code").cloud;
@@ -92,9 +87,7 @@ fn assert_pixels(
     for cell in cells {
         let center = cloud.cube().cell_center(cloud.depth(), cell);
         let distance = |surfel: &&([f32; 3], Vec3)| Vec3::from_array(surfel.0).distance(center);
-        let surfel = surfels
-            .iter()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let surfel = surfels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let (_, normal) = surfel.expect("a point");
         let facing = normal.as_dvec3().dot((center.as_dvec3() - eye).normalize());
         // A narrow mask leaves some of the background in its pixels.
@@ -126,9 +119,7 @@ fn light_once_a_surfel_is_that_of_its_normal_from_infinity() {
     for footprint in FOOTPRINTS {
         for &bits in NormalBits::ALL {
             let lighting = Lighting::PerSurfel;
-            let colors = assert_pixels(footprint, lighting, bits, |normal, _, to_middle| {
-                lit(normal, to_middle)
-            });
+            let colors = assert_pixels(footprint, lighting, bits, |normal, _, to_middle| lit(normal, to_middle));
             assert!(colors > 80, "{colors}: light makes colours differ");
         }
     }
@@ -140,9 +131,7 @@ fn finer_light_is_that_of_the_way_from_the_eye() {
     for footprint in FOOTPRINTS {
         for lighting in [Lighting::PerVertex, Lighting::PerFragment] {
             let bits = NormalBits::Thirteen;
-            let colors = assert_pixels(footprint, lighting, bits, |normal, from_eye, _| {
-                lit(normal, from_eye)
-            });
+            let colors = assert_pixels(footprint, lighting, bits, |normal, from_eye, _| lit(normal, from_eye));
             assert!(colors > 80, "{colors}: light makes colours differ");
         }
     }
@@ -151,12 +140,9 @@ fn finer_light_is_that_of_the_way_from_the_eye() {
 #[test]
 fn without_light_colours_stay_as_they_are() {
     for footprint in FOOTPRINTS {
-        let colors = assert_pixels(
-            footprint,
-            Lighting::Unlit,
-            NormalBits::Thirteen,
-            |_, _, _| [0, 1, 2].map(|channel| f64::from(COLOR[channel])),
-        );
+        let colors = assert_pixels(footprint, Lighting::Unlit, NormalBits::Thirteen, |_, _, _| {
+            [0, 1, 2].map(|channel| f64::from(COLOR[channel]))
+        });
         assert_eq!(colors, 1);
     }
 }

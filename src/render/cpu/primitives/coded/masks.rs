@@ -204,11 +204,7 @@ impl Quadric {
         const BOX: f32 = 6.0 / 12.0;
         let area = radius_px * radius_px;
         let (x, y) = (normal.x, normal.y);
-        let matrix = [
-            area * (1.0 - x * x) + BOX,
-            -area * x * y,
-            area * (1.0 - y * y) + BOX,
-        ];
+        let matrix = [area * (1.0 - x * x) + BOX, -area * x * y, area * (1.0 - y * y) + BOX];
         let per_determinant = 1.0 / (matrix[0] * matrix[2] - matrix[1] * matrix[1]);
         Self {
             xx: matrix[2] * per_determinant,

@@ -68,13 +68,7 @@ fn for_each_eight(
 
 /// The depth of what is nearest, pushed back: depths are multiplied with `push_back`.
 #[inline(always)]
-pub(super) fn visibility(
-    masks: &Masks,
-    tile: &mut Tile,
-    mask: &Mask,
-    place: &Place,
-    push_back: f32,
-) {
+pub(super) fn visibility(masks: &Masks, tile: &mut Tile, mask: &Mask, place: &Place, push_back: f32) {
     let rect = tile.rect();
     let (there, _) = tile.depth.as_chunks_mut::<LANES>();
     let [farthest, nearest] = place.depths;
@@ -85,11 +79,7 @@ pub(super) fn visibility(
             let depth = clamped(first + per_column * lane as f32, farthest, nearest) * push_back;
             let drawn = if weights[lane] > 0 { depth } else { 0.0 };
             let drawn = if depth <= 1.0 { drawn } else { 0.0 };
-            there[lane] = if drawn > there[lane] {
-                drawn
-            } else {
-                there[lane]
-            };
+            there[lane] = if drawn > there[lane] { drawn } else { there[lane] };
         }
     });
 }

@@ -9,9 +9,7 @@ use crate::cloud::{PointRecord, ShapeRecord, oct_encode, quantised_directions};
 use crate::levels::octree::{CodedCloud, Octree, StopCriterion};
 use crate::render::cpu::tests::packet_of;
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{
-    BackFaces, Camera, CodeStyle, CodedCells, Content, Footprint, Projection, Style, UpAxis,
-};
+use crate::scene::{BackFaces, Camera, CodeStyle, CodedCells, Content, Footprint, Projection, Style, UpAxis};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -26,11 +24,7 @@ fn packet_of_points(points: &[[f32; 3]], depth: u32, camera: &Camera) -> ScenePa
 }
 
 /// A packet of points with normals as a byte code, seen by a camera.
-pub(super) fn packet_of_surfels(
-    surfels: &[([f32; 3], Vec3)],
-    depth: u32,
-    camera: &Camera,
-) -> ScenePacket {
+pub(super) fn packet_of_surfels(surfels: &[([f32; 3], Vec3)], depth: u32, camera: &Camera) -> ScenePacket {
     let positions: Vec<Vec3> = surfels.iter().map(|&(point, _)| point.into()).collect();
     let cube = crate::math::Cube::around(&positions).expect("a point");
     let order = crate::math::order_of_codes(&cube.codes(&positions));
@@ -210,10 +204,7 @@ fn masks_are_disks_seen_from_straight_ahead() {
                     sum_y += weight * y;
                 }
             }
-            assert!(
-                weights >= 0.5,
-                "{normal} {radius}: twice what makes a pixel opaque"
-            );
+            assert!(weights >= 0.5, "{normal} {radius}: twice what makes a pixel opaque");
             // Half the distance of places, which is that of the middle of a pixel from the next place, and a tenth for
             // sampling.
             let off = if radius < 3.0 { 0.125 } else { 0.25 } + 0.1;
@@ -248,11 +239,7 @@ fn sizes_are_quarters_of_octaves() {
 #[test]
 fn opposite_normals_have_one_shape() {
     for &normal in quantised_directions(4) {
-        assert_eq!(
-            masks::shape_of(normal),
-            masks::shape_of(-normal),
-            "{normal}"
-        );
+        assert_eq!(masks::shape_of(normal), masks::shape_of(-normal), "{normal}");
     }
     let bytes = MASKS.byte_size();
     assert!(bytes < 16 << 20, "{bytes}");

@@ -13,9 +13,7 @@ use crate::render::constants::DEPTH_SLACK_RADII;
 use crate::render::cpu::facet::{Canvas, Facet, Outline};
 use crate::render::cpu::painter::InTiles;
 use crate::render::cpu::raster;
-use crate::render::cpu::shading::{
-    Light, Shading, head_light_of_cosine, seen_from_behind, unit_color,
-};
+use crate::render::cpu::shading::{Light, Shading, head_light_of_cosine, seen_from_behind, unit_color};
 use crate::render::cpu::tile::{HEIGHT, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::Lighting;
@@ -68,19 +66,8 @@ impl InTiles for CodedTiles<'_> {
     type Scratch = Waiting;
 
     #[inline(always)]
-    fn draw<S: Simd>(
-        &self,
-        simd: S,
-        tile: &mut Tile,
-        clip: PixelRect,
-        number: usize,
-        waiting: &mut Waiting,
-    ) {
-        let Waiting {
-            decoder,
-            masks,
-            disks,
-        } = waiting;
+    fn draw<S: Simd>(&self, simd: S, tile: &mut Tile, clip: PixelRect, number: usize, waiting: &mut Waiting) {
+        let Waiting { decoder, masks, disks } = waiting;
         masks.clear();
         disks.clear();
         for &block in &self.lists.lists[number] {
@@ -156,20 +143,17 @@ impl CodedTiles<'_> {
         (masks, disks): (&mut Vec<WaitingMask>, &mut Vec<(Facet, Shading)>),
     ) {
         let footprint = self.footprints.at(node.normal.class, node.x_px, node.y_px);
-        let radius_px =
-            node.radius * node.per_distance * self.view.px_per_slope[0] * footprint.stretch;
+        let radius_px = node.radius * node.per_distance * self.view.px_per_slope[0] * footprint.stretch;
         let [visibility, attribute] = self.coded.scales.map(|scale| scale * radius_px);
         // With what filtering and rounding may add.
         let reach = MASK_SLACK * visibility.max(attribute) + 2.0;
         let rect = tile.rect();
-        let is_beside = |px: f32, axis: usize| {
-            px + reach < rect.start[axis] as f32 || px - reach > rect.end[axis] as f32
-        };
+        let is_beside =
+            |px: f32, axis: usize| px + reach < rect.start[axis] as f32 || px - reach > rect.end[axis] as f32;
         if is_beside(node.x_px, 0) || is_beside(node.y_px, 1) {
             return;
         }
-        let (Some(visibility_size), Some(attribute_size)) =
-            (masks::size_of(visibility), masks::size_of(attribute))
+        let (Some(visibility_size), Some(attribute_size)) = (masks::size_of(visibility), masks::size_of(attribute))
         else {
             self.begin_disk(simd, tile, clip, node, disks);
             return;
@@ -197,11 +181,7 @@ impl CodedTiles<'_> {
         let reach = (scale * node.radius * node.per_distance).min(1.0);
         // Seen edge on, the depth of the middle has to do.
         let is_steep = node.facing.abs() < 1e-3 * node.at.z;
-        let per_facing = if is_steep {
-            0.0
-        } else {
-            self.view.near / node.facing
-        };
+        let per_facing = if is_steep { 0.0 } else { self.view.near / node.facing };
         let per_column = node.normal.facing.x * per_facing;
         let per_row = node.normal.facing.y * per_facing;
         let (right, down) = (x + 0.5 - node.x_px, y + 0.5 - node.y_px);

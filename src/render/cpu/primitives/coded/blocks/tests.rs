@@ -183,8 +183,7 @@ fn assert_nearer_octants_first(packet: &ScenePacket) {
         for pair in blocks.windows(2) {
             let parted = path(&pair[0]).zip(path(&pair[1])).find(|(a, b)| a != b);
             let (first, then) = parted.expect("no block is within another");
-            let [first, then] =
-                [first, then].map(|(level, cell)| -from_eye(traversal, level, cell).z);
+            let [first, then] = [first, then].map(|(level, cell)| -from_eye(traversal, level, cell).z);
             assert!(first <= then + 1e-5 * then.abs(), "{first} before {then}");
         }
     });
@@ -195,9 +194,7 @@ fn assert_nearer_octants_first(packet: &ScenePacket) {
 fn nearer_octants_come_first_farther_down() {
     for (azimuth_deg, elevation_deg) in [(10.0, 20.0), (100.0, -50.0), (-160.0, 70.0)] {
         let packet = packet_of_surfels(&ball(), 7, &camera_at(azimuth_deg, elevation_deg, 0.0));
-        let deepest = traversed(&packet, |_, blocks| {
-            blocks.iter().map(|block| block.level).max()
-        });
+        let deepest = traversed(&packet, |_, blocks| blocks.iter().map(|block| block.level).max());
         assert_eq!(deepest, Some(3));
         assert_nearer_octants_first(&packet);
     }
@@ -235,20 +232,14 @@ fn of_a_ball_much_is_skipped() {
     // From 4 radii, 38 % of it face the eye; blocks whose cones reach over the rim come too. Blocks have edges of a
     // quarter, and their own splats, which may reach into the picture, twice that.
     let above = -4.0 * 30f64.to_radians().tan() - 0.9;
-    for (target_y, back_faces, largest_share) in [
-        (0.0, BackFaces::Culled, 0.6),
-        (above, BackFaces::Drawn, 0.6),
-    ] {
+    for (target_y, back_faces, largest_share) in [(0.0, BackFaces::Culled, 0.6), (above, BackFaces::Drawn, 0.6)] {
         let mut packet = packet_of_surfels(&ball(), 7, &camera_at(0.0, 0.0, target_y));
         packet.settings.surfels.back_faces = back_faces;
         traversed(&packet, |traversal, blocks| {
             let cloud = traversal.coded.cloud;
             let drawn: usize = blocks.iter().map(|block| block.nodes(cloud).len()).sum();
             let share = drawn as f64 / cloud.level(cloud.depth()).len() as f64;
-            assert!(
-                (0.1..largest_share).contains(&share),
-                "{share} at {target_y}"
-            );
+            assert!((0.1..largest_share).contains(&share), "{share} at {target_y}");
         });
     }
 }
