@@ -45,11 +45,11 @@ fn frame() -> PreparedFrame {
     // The torus has an area of some 16; disks of the spacing close it but for a few holes between random points.
     raw.radii = Some(vec![(16.0 / COUNT as f32).sqrt(); COUNT]);
     let frame = Frame::from_raw(raw, DVec3::ZERO).expect("finite numbers");
-    let needs = Scene::needs(&settings(Footprint::Masks, NormalBits::Thirteen));
+    let needs = Scene::needs(&style(Footprint::Masks, NormalBits::Thirteen));
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
-fn settings(footprint: Footprint, normal_bits: NormalBits) -> Style {
+fn style(footprint: Footprint, normal_bits: NormalBits) -> Style {
     Style {
         codes: CodeStyle {
             footprint,
@@ -65,9 +65,9 @@ fn settings(footprint: Footprint, normal_bits: NormalBits) -> Style {
 }
 
 fn contenders() -> [(&'static str, Style); 6] {
-    let masks = settings(Footprint::Masks, NormalBits::Thirteen);
+    let masks = style(Footprint::Masks, NormalBits::Thirteen);
     [
-        ("exact disks", settings(Footprint::Disks, NormalBits::Thirteen)),
+        ("exact disks", style(Footprint::Disks, NormalBits::Thirteen)),
         ("masks", masks),
         (
             "masks, light once a normal",
@@ -79,8 +79,8 @@ fn contenders() -> [(&'static str, Style); 6] {
                 ..masks
             },
         ),
-        ("masks, 17 bits", settings(Footprint::Masks, NormalBits::Seventeen)),
-        ("coded pixels", settings(Footprint::Pixels, NormalBits::Thirteen)),
+        ("masks, 17 bits", style(Footprint::Masks, NormalBits::Seventeen)),
+        ("coded pixels", style(Footprint::Pixels, NormalBits::Thirteen)),
         (
             "plain points",
             Style {
@@ -91,11 +91,11 @@ fn contenders() -> [(&'static str, Style); 6] {
     ]
 }
 
-fn packet(frame: &PreparedFrame, distance: f64, settings: &Style) -> ScenePacket {
+fn packet(frame: &PreparedFrame, distance: f64, style: &Style) -> ScenePacket {
     let mut camera = Camera::framing(&frame.frame.bounds(), DVec3::ZERO, UpAxis::Z);
     camera.elevation_deg = 40.0;
     camera.distance = distance;
-    Scene::default().packet(frame, DVec3::ZERO, &camera, settings, SIZE_PX)
+    Scene::default().packet(frame, DVec3::ZERO, &camera, style, SIZE_PX)
 }
 
 fn draw(renderer: &mut CpuRenderer, packet: &ScenePacket) -> Duration {
@@ -129,8 +129,8 @@ fn print_bits(frame: &PreparedFrame) {
 fn print_table(frame: &PreparedFrame, place: &str, distance: f64) {
     let mut entries: Vec<_> = contenders()
         .into_iter()
-        .map(|(name, settings)| {
-            let packet = packet(frame, distance, &settings);
+        .map(|(name, style)| {
+            let packet = packet(frame, distance, &style);
             (name, packet, CpuRenderer::new(), Vec::new())
         })
         .collect();
@@ -169,8 +169,8 @@ fn pictures(criterion: &mut Criterion) {
             .sample_size(10)
             .warm_up_time(Duration::from_millis(200))
             .measurement_time(Duration::from_secs(1));
-        for (name, settings) in contenders() {
-            let packet = packet(&frame, distance, &settings);
+        for (name, style) in contenders() {
+            let packet = packet(&frame, distance, &style);
             let mut renderer = CpuRenderer::new();
             group.bench_function(name, |bencher| {
                 bencher.iter(|| pool.install(|| draw(&mut renderer, &packet)));

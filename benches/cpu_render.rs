@@ -86,7 +86,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
     ScenePacket {
         viewport_px: SIZE_PX,
         view,
-        settings: Style {
+        style: Style {
             primitive,
             ..Style::default()
         },
@@ -147,21 +147,21 @@ fn screen(criterion: &mut Criterion) {
     let mut camera = Camera::framing(&packet.bounds, DVec3::ZERO, UpAxis::Z);
     (camera.elevation_deg, camera.distance) = (40.0, 1.9);
     packet.view = camera.transform(DVec3::ZERO, size_px);
-    packet.settings.points.size_px = 3.0;
+    packet.style.points.size_px = 3.0;
     let (_, pool) = threads::pools([1, 2]).last().expect("two pools");
     let mut group = criterion.benchmark_group("screen/1280x720/2 threads");
     group
         .sample_size(20)
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(2));
-    let background = packet.settings.backdrop.background;
+    let background = packet.style.backdrop.background;
     let ground = GroundPlane::under(&packet.bounds, DVec3::ZERO, UpAxis::Z, background);
     for (name, eye_dome, ground) in [
         ("neither", EyeDome::Off, None),
         ("eye-dome lighting", EyeDome::On, None),
         ("grid", EyeDome::Off, Some(ground)),
     ] {
-        packet.settings.light.eye_dome = eye_dome;
+        packet.style.light.eye_dome = eye_dome;
         packet.ground = ground;
         let mut renderer = CpuRenderer::new();
         group.bench_function(format!("{name}, picture"), |bencher| {

@@ -40,11 +40,11 @@ fn picking(criterion: &mut Criterion) {
     let camera = Camera::framing(&frame.frame.bounds(), DVec3::ZERO, UpAxis::Y);
     let mut group = criterion.benchmark_group(format!("pick/{POINTS}"));
     for primitive in [Primitive::Point, Primitive::Surfel] {
-        let settings = Style {
+        let style = Style {
             primitive,
             ..Style::default()
         };
-        let packet = Scene::default().packet(&frame, DVec3::ZERO, &camera, &settings, SIZE);
+        let packet = Scene::default().packet(&frame, DVec3::ZERO, &camera, &style, SIZE);
         for (name, place_px) in [("middle", [960.0, 640.0]), ("corner", [10.0, 10.0])] {
             let id = BenchmarkId::new(primitive.name(), name);
             group.bench_function(id, |bencher| {

@@ -63,7 +63,7 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
     ScenePacket {
         viewport_px: SIZE_PX,
         view: camera.transform(DVec3::ZERO, SIZE_PX),
-        settings: Style {
+        style: Style {
             primitive,
             drawing: DrawingStyle {
                 strategy,

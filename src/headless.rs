@@ -163,9 +163,9 @@ impl Headless {
         }
     }
 
-    /// Waits for frame `index` with all that `settings` need; later frames are prepared meanwhile.
-    pub fn frame(&self, index: usize, settings: &Style) -> Result<Arc<PreparedFrame>, FrameError> {
-        self.frame_on_the_way(index, Direction::Forward, settings)
+    /// Waits for frame `index` with all that `style` needs; later frames are prepared meanwhile.
+    pub fn frame(&self, index: usize, style: &Style) -> Result<Arc<PreparedFrame>, FrameError> {
+        self.frame_on_the_way(index, Direction::Forward, style)
     }
 
     /// [`Headless::frame`], where those that follow in `direction` are prepared meanwhile.
@@ -173,21 +173,21 @@ impl Headless {
         &self,
         index: usize,
         direction: Direction,
-        settings: &Style,
+        style: &Style,
     ) -> Result<Arc<PreparedFrame>, FrameError> {
-        let needs = self.needs(settings);
+        let needs = self.needs(style);
         self.loader.request(index, direction, &needs);
         self.loader.wait(index, &needs)
     }
 
     /// [`Headless::frame`] for a picture of another frame: what is prepared meanwhile stays as it was.
-    pub fn frame_beside(&self, index: usize, settings: &Style) -> Result<Arc<PreparedFrame>, FrameError> {
-        self.loader.wait(index, &self.needs(settings))
+    pub fn frame_beside(&self, index: usize, style: &Style) -> Result<Arc<PreparedFrame>, FrameError> {
+        self.loader.wait(index, &self.needs(style))
     }
 
     /// What a frame must have to be drawn here with these settings.
-    pub fn needs(&self, settings: &Style) -> Needs {
-        Scene::needs(&settings.drawn_by(self.renderer.is_processor()))
+    pub fn needs(&self, style: &Style) -> Needs {
+        Scene::needs(&style.drawn_by(self.renderer.is_processor()))
     }
 
     /// The frames.
@@ -200,24 +200,18 @@ impl Headless {
         &mut self,
         frame: &PreparedFrame,
         camera: &Camera,
-        settings: &Style,
+        style: &Style,
         size_px: [u32; 2],
     ) -> Result<RgbaImage, RenderError> {
-        let packet = self.packet(frame, camera, settings, size_px);
+        let packet = self.packet(frame, camera, style, size_px);
         Ok(scaled_to(self.draw_packet(&packet)?, size_px))
     }
 
     /// All that [`Headless::draw`] draws from.
-    pub fn packet(
-        &mut self,
-        frame: &PreparedFrame,
-        camera: &Camera,
-        settings: &Style,
-        size_px: [u32; 2],
-    ) -> ScenePacket {
+    pub fn packet(&mut self, frame: &PreparedFrame, camera: &Camera, style: &Style, size_px: [u32; 2]) -> ScenePacket {
         let origin = self.sequence.origin();
-        let settings = settings.drawn_by(self.renderer.is_processor());
-        self.scene.packet(frame, origin, camera, &settings, size_px)
+        let style = style.drawn_by(self.renderer.is_processor());
+        self.scene.packet(frame, origin, camera, &style, size_px)
     }
 
     /// Draws what a packet says, in its size.

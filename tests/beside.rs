@@ -47,7 +47,7 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
         paused: true,
         ..StateOptions::default()
     });
-    state.settings = Style {
+    state.style = Style {
         primitive,
         // Ranges of heights are of each sequence.
         colors: ColorSource::Uniform.into(),
@@ -61,7 +61,7 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
     state.compare_with(Arc::clone(b));
     state.update(Duration::ZERO);
     state.player.as_mut().unwrap().seek(frame, Duration::ZERO);
-    let needs = Scene::needs(&state.settings);
+    let needs = Scene::needs(&state.style);
     for index in 0..a.len() {
         state.player.as_ref().unwrap().loader().wait(index, &needs).unwrap();
         let companion = &state.beside.as_ref().unwrap().companion;

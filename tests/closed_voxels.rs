@@ -53,21 +53,21 @@ fn draw(
     frame: &PreparedFrame,
     sequence: &Sequence,
     camera: &Camera,
-    settings: Style,
+    style: Style,
     size_px: [u32; 2],
 ) -> (RgbaImage, Vec<bool>) {
-    let needs = Scene::needs(&settings);
+    let needs = Scene::needs(&style);
     let frame = complete(frame, &needs, &PrepareCounters::default());
     let mut renderer = CpuRenderer::new();
     let [first, second] = BACKGROUNDS.map(|color| {
-        let settings = Style {
+        let style = Style {
             backdrop: Backdrop {
                 background: Background::solid(color),
-                ..settings.backdrop
+                ..style.backdrop
             },
-            ..settings
+            ..style
         };
-        let packet = Scene::default().packet(&frame, sequence.origin(), camera, &settings, size_px);
+        let packet = Scene::default().packet(&frame, sequence.origin(), camera, &style, size_px);
         renderer.prepare(&packet).unwrap();
         renderer.render().unwrap();
         renderer.read_image().unwrap()
@@ -82,13 +82,7 @@ fn draw(
 }
 
 /// Covered, outside and FLIP of voxels beside surfels.
-fn compared(
-    frame: &PreparedFrame,
-    sequence: &Sequence,
-    camera: &Camera,
-    settings: Style,
-    size_px: [u32; 2],
-) -> [f64; 3] {
+fn compared(frame: &PreparedFrame, sequence: &Sequence, camera: &Camera, style: Style, size_px: [u32; 2]) -> [f64; 3] {
     let surfels = Style {
         surfels: SurfelStyle {
             back_faces: BackFaces::Drawn,
@@ -97,7 +91,7 @@ fn compared(
         ..Style::default()
     };
     let (surfels, is_surfel) = draw(frame, sequence, camera, surfels, size_px);
-    let (voxels, is_voxel) = draw(frame, sequence, camera, settings, size_px);
+    let (voxels, is_voxel) = draw(frame, sequence, camera, style, size_px);
     let count = |is_counted: fn(bool, bool) -> bool| {
         let pixels = is_surfel.iter().zip(&is_voxel);
         pixels.filter(|&(&surfel, &voxel)| is_counted(surfel, voxel)).count() as f64
@@ -180,7 +174,7 @@ fn the_cells_of_the_paper_are_dots_and_light_on_faces_is_that_of_cubes() {
     let needs = Scene::needs(&Style::default());
     let frame = prepare(0, frame, 0.0, &needs, &PrepareCounters::default());
     let camera = Camera::framing(&frame.frame.bounds(), sequence.origin(), UpAxis::Z);
-    let of = |settings| compared(&frame, &sequence, &camera, settings, [640, 480]);
+    let of = |style| compared(&frame, &sequence, &camera, style, [640, 480]);
     let [covered, _, flip] = of(voxels());
     let dots = Style {
         levels: LevelStyle {

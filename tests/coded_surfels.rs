@@ -28,8 +28,8 @@ use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::path::Path;
 use std::sync::Arc;
 
-fn draw(frame: &PreparedFrame, camera: &Camera, settings: &Style, size: [u32; 2]) -> RgbaImage {
-    let packet = Scene::default().packet(frame, DVec3::ZERO, camera, settings, size);
+fn draw(frame: &PreparedFrame, camera: &Camera, style: &Style, size: [u32; 2]) -> RgbaImage {
+    let packet = Scene::default().packet(frame, DVec3::ZERO, camera, style, size);
     let mut renderer = CpuRenderer::new();
     renderer.prepare(&packet).unwrap();
     renderer.render().unwrap();
@@ -42,14 +42,14 @@ fn keep(picture: &RgbaImage, name: &str) {
     }
 }
 
-fn prepared(raw: RawCloud, settings: &Style) -> PreparedFrame {
+fn prepared(raw: RawCloud, style: &Style) -> PreparedFrame {
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
-    let needs = Scene::needs(settings);
+    let needs = Scene::needs(style);
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
 /// A closed sphere of radius 1 in colours that change along it, or white.
-fn ball(count: u32, radius: f32, is_white: bool, settings: &Style) -> PreparedFrame {
+fn ball(count: u32, radius: f32, is_white: bool, style: &Style) -> PreparedFrame {
     let surfels = sphere(count, 1.0);
     let positions = surfels.iter().map(|surfel| surfel.position.to_array());
     let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
@@ -60,7 +60,7 @@ fn ball(count: u32, radius: f32, is_white: bool, settings: &Style) -> PreparedFr
     raw.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
     raw.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
     raw.radii = Some(vec![radius; surfels.len()]);
-    prepared(raw, settings)
+    prepared(raw, style)
 }
 
 /// By the processor, from the byte code.
@@ -84,13 +84,13 @@ fn coded() -> Style {
     }
 }
 
-fn exact(settings: &Style) -> Style {
+fn exact(style: &Style) -> Style {
     Style {
         codes: CodeStyle {
             footprint: Footprint::Disks,
-            ..settings.codes
+            ..style.codes
         },
-        ..*settings
+        ..*style
     }
 }
 
@@ -132,7 +132,7 @@ fn ball_camera([azimuth_deg, elevation_deg]: [f64; 2], distance: f64) -> Camera 
 /// grazing angle; moved along their normals they leave none.
 #[test]
 fn offsets_close_the_gaps_of_quantised_positions() {
-    let settings = Style {
+    let style = Style {
         surfels: SurfelStyle {
             // Not enlarged in the second pass, which hides gaps. Scaled, radii are about a cell edge, as in the paper.
             splatting: Splatting::TwoPass,
@@ -149,19 +149,19 @@ fn offsets_close_the_gaps_of_quantised_positions() {
         },
         ..coded()
     };
-    let frame = ball(200_000, 0.01, true, &settings);
+    let frame = ball(200_000, 0.01, true, &style);
     let edge = f64::from(frame.levels.octree().unwrap().cube().cell_edge(6));
     for view in VIEWS_DEG {
         let camera = ball_camera(view, 1.6);
         let count = |offset_bits: OffsetBits| {
-            let settings = Style {
+            let style = Style {
                 codes: CodeStyle {
                     offset_bits,
-                    ..settings.codes
+                    ..style.codes
                 },
-                ..settings
+                ..style
             };
-            let picture = draw(&frame, &camera, &settings, SIZE);
+            let picture = draw(&frame, &camera, &style, SIZE);
             keep(&picture, &format!("ball_{}_{}_{offset_bits}_bits", view[0], view[1]));
             gaps(&picture, &camera, 0.5 * edge)
         };
@@ -178,9 +178,9 @@ fn offsets_close_the_gaps_of_quantised_positions() {
             surfels: SurfelStyle {
                 splatting: Splatting::TwoPassEnlarged,
                 splat_scale: 1.0,
-                ..settings.surfels
+                ..style.surfels
             },
-            ..settings
+            ..style
         };
         let picture = draw(&frame, &camera, &enlarged, SIZE);
         assert_eq!(gaps(&picture, &camera, 0.5 * edge), 0, "{view:?}, enlarged");
@@ -205,7 +205,7 @@ fn masks_beside_exact_disks_on_a_sphere() {
                     ..camera_at(distance)
                 };
                 for (lighting, least_db) in [(Lighting::Unlit, unlit_db), (Lighting::PerFragment, lit_db)] {
-                    let settings = Style {
+                    let style = Style {
                         codes: CodeStyle {
                             normal_bits,
                             ..coded().codes
@@ -216,8 +216,8 @@ fn masks_beside_exact_disks_on_a_sphere() {
                         },
                         ..coded()
                     };
-                    let masks = draw(&frame, &camera, &settings, SIZE);
-                    let disks = draw(&frame, &camera, &exact(&settings), SIZE);
+                    let masks = draw(&frame, &camera, &style, SIZE);
+                    let disks = draw(&frame, &camera, &exact(&style), SIZE);
                     let found_db = psnr(&masks, &disks);
                     let what = format!("{count} from {distance}, light {lighting}, {normal_bits} bits");
                     println!("{what}: {found_db:.1} dB");
@@ -247,14 +247,14 @@ fn masks_beside_exact_disks_on_real_frames() {
         files.retain(|path| path.extension().is_some_and(|extension| extension == "ply"));
         files.sort();
         let raw = pointreel::io::read(&files[0]).unwrap();
-        let settings = Style {
+        let style = Style {
             levels: LevelStyle {
                 lod: Lod::default(),
                 ..coded().levels
             },
             ..coded()
         };
-        let frame = prepared(raw, &settings);
+        let frame = prepared(raw, &style);
         let code = frame.levels.codes().unwrap();
         println!(
             "{}: depth {}, {:.2?}",
@@ -268,16 +268,16 @@ fn masks_beside_exact_disks_on_real_frames() {
             let mut camera = Camera::framing(&frame.frame.bounds(), DVec3::ZERO, up);
             camera.zoom(zoom);
             for lighting in [Lighting::PerFragment, Lighting::PerSurfel, Lighting::Unlit] {
-                let settings = Style {
+                let style = Style {
                     light: LightStyle {
                         lighting,
-                        ..settings.light
+                        ..style.light
                     },
-                    ..settings
+                    ..style
                 };
                 let size = [960, 720];
-                let masks = draw(&frame, &camera, &settings, size);
-                let disks = draw(&frame, &camera, &exact(&settings), size);
+                let masks = draw(&frame, &camera, &style, size);
+                let disks = draw(&frame, &camera, &exact(&style), size);
                 keep(&masks, &format!("{name}_{place}_{lighting}_masks"));
                 keep(&disks, &format!("{name}_{place}_{lighting}_disks"));
                 let found_db = psnr(&masks, &disks);
@@ -299,7 +299,7 @@ fn pictures_do_not_depend_on_threads() {
     let frame = ball(20_000, 0.02, false, &coded());
     let camera = camera_at(1.7);
     for footprint in [Footprint::Masks, Footprint::Pixels] {
-        let settings = Style {
+        let style = Style {
             codes: CodeStyle {
                 footprint,
                 ..coded().codes
@@ -310,10 +310,10 @@ fn pictures_do_not_depend_on_threads() {
             },
             ..coded()
         };
-        let expected = draw(&frame, &camera, &settings, SIZE);
+        let expected = draw(&frame, &camera, &style, SIZE);
         for threads in [1, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            assert!(pool.install(|| draw(&frame, &camera, &settings, SIZE)) == expected);
+            assert!(pool.install(|| draw(&frame, &camera, &style, SIZE)) == expected);
         }
     }
 }

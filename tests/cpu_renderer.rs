@@ -47,7 +47,7 @@ fn assert_same_picture(packet: &ScenePacket, least_psnr_db: f64, most_differing:
         surfels: SurfelStyle { splatting, .. },
         light: LightStyle { lighting, .. },
         ..
-    } = packet.settings;
+    } = packet.style;
     let what = format!("{primitive} {splatting} {lighting}: {psnr:.1} dB, {differing:.5} differ");
     if let Some(folder) = std::env::var_os("POINTREEL_KEEP_PICTURES") {
         let name = what.split(':').next().unwrap().replace(' ', "_");
@@ -60,7 +60,7 @@ fn assert_same_picture(packet: &ScenePacket, least_psnr_db: f64, most_differing:
 }
 
 /// Disks of several sizes, some of which cut the near plane and the borders of the picture.
-fn surfel_scene(settings: Style, distance: f64) -> ScenePacket {
+fn surfel_scene(style: Style, distance: f64) -> ScenePacket {
     let mut scene = sphere(3000, 1.0);
     for (index, surfel) in scene.iter_mut().enumerate() {
         surfel.radius *= 0.5 + (index % 7) as f32 / 4.0;
@@ -68,14 +68,14 @@ fn surfel_scene(settings: Style, distance: f64) -> ScenePacket {
     let mut camera = camera_at(distance);
     camera.azimuth_deg = 25.0;
     camera.elevation_deg = 17.0;
-    surfels(&scene, &camera, settings, SIZE)
+    surfels(&scene, &camera, style, SIZE)
 }
 
 #[test]
 fn surfels_in_every_mode_and_light_from_far_and_near() {
     for &splatting in Splatting::ALL {
         for &lighting in Lighting::ALL {
-            let settings = Style {
+            let style = Style {
                 surfels: SurfelStyle {
                     splatting,
                     ..SurfelStyle::default()
@@ -89,11 +89,11 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
             // A GPU rounds to bytes whenever it blends: hundreds of layers may be some steps apart.
             let blends = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
             let (least_psnr_db, most_differing) = if blends { (50.0, 5e-4) } else { (60.0, 1e-5) };
-            assert_same_picture(&surfel_scene(settings, 1.9), least_psnr_db, most_differing);
+            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
         }
     }
     for distance in [0.4, 1.02, 30.0] {
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 back_faces: BackFaces::Drawn,
                 splatting: Splatting::TwoPassEnlarged,
@@ -101,7 +101,7 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
             },
             ..Style::default()
         };
-        assert_same_picture(&surfel_scene(settings, distance), 55.0, 1e-5);
+        assert_same_picture(&surfel_scene(style, distance), 55.0, 1e-5);
     }
 }
 
@@ -109,14 +109,14 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
 fn points_of_one_pixel_and_of_many() {
     for size_px in [1.0, 1.2, 2.0, 3.5, 16.0] {
         for &shape in PointShape::ALL {
-            let settings = Style {
+            let style = Style {
                 primitive: Primitive::Point,
                 points: PointStyle { size_px, shape },
                 ..Style::default()
             };
             // A software adapter rounds to a 256th of a pixel before it asks which one a point is in.
-            assert_same_picture(&surfel_scene(settings, 1.9), 38.0, 2e-3);
-            assert_same_picture(&surfel_scene(settings, 0.7), 38.0, 2e-3);
+            assert_same_picture(&surfel_scene(style, 1.9), 38.0, 2e-3);
+            assert_same_picture(&surfel_scene(style, 0.7), 38.0, 2e-3);
         }
     }
 }
@@ -125,7 +125,7 @@ fn points_of_one_pixel_and_of_many() {
 /// renderers draw it.
 #[track_caller]
 fn round_point(size_px: f32, aside_px: f32) -> Vec<String> {
-    let settings = Style {
+    let style = Style {
         primitive: Primitive::Point,
         points: PointStyle {
             size_px,
@@ -141,7 +141,7 @@ fn round_point(size_px: f32, aside_px: f32) -> Vec<String> {
         let mut points = sphere(1, 1.0);
         points[0].position = position;
         points[0].color = [255; 3];
-        surfels(&points, &camera_at(3.0), settings, [9, 9])
+        surfels(&points, &camera_at(3.0), style, [9, 9])
     };
     let middle = packet_of(Vec3::ZERO);
     let px_per_unit = 0.5 * 9.0 * middle.view.focal[1] / 3.0;
@@ -257,7 +257,7 @@ fn what_is_not_there_is_background() {
     packet.content = Content::Nothing;
     assert_same_picture(&packet, f64::INFINITY, 0.0);
     packet.content = Content::Points(Arc::default());
-    packet.settings.primitive = Primitive::Point;
+    packet.style.primitive = Primitive::Point;
     assert_same_picture(&packet, f64::INFINITY, 0.0);
 }
 
@@ -293,7 +293,7 @@ fn extreme_records_are_survived() {
         for &primitive in &[Primitive::Point, Primitive::Surfel] {
             for &splatting in Splatting::ALL {
                 for distance in [1e-30, 1.5, 1e20] {
-                    let settings = Style {
+                    let style = Style {
                         primitive,
                         surfels: SurfelStyle {
                             splatting,
@@ -301,7 +301,7 @@ fn extreme_records_are_survived() {
                         },
                         ..Style::default()
                     };
-                    let packet = surfels(&scene, &camera_at(distance), settings, size);
+                    let packet = surfels(&scene, &camera_at(distance), style, size);
                     assert_eq!(draw_on_cpu(&packet).dimensions(), (size[0], size[1]));
                 }
             }
@@ -319,8 +319,8 @@ fn sampled_sphere() -> PreparedFrame {
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
-fn packet_of(frame: &PreparedFrame, camera: &Camera, settings: &Style, size_px: [u32; 2]) -> ScenePacket {
-    Scene::default().packet(frame, DVec3::ZERO, camera, settings, size_px)
+fn packet_of(frame: &PreparedFrame, camera: &Camera, style: &Style, size_px: [u32; 2]) -> ScenePacket {
+    Scene::default().packet(frame, DVec3::ZERO, camera, style, size_px)
 }
 
 fn draw_depths(packet: &ScenePacket) -> DepthImage {
@@ -337,7 +337,7 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
         elevation_deg: -35.0,
         ..camera_at(2.5)
     };
-    let settings = Style {
+    let style = Style {
         surfels: SurfelStyle {
             splatting: Splatting::TwoPass,
             ..SurfelStyle::default()
@@ -348,7 +348,7 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
         },
         ..Style::default()
     };
-    let packet = packet_of(&frame, &camera, &settings, SIZE);
+    let packet = packet_of(&frame, &camera, &style, SIZE);
     let disks = Disks {
         points: &frame.points,
         shapes: frame.shapes.as_ref().unwrap(),
@@ -358,8 +358,8 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
         &camera,
         DVec3::ZERO,
         SIZE,
-        settings.light.lighting,
-        settings.backdrop.background,
+        style.light.lighting,
+        style.backdrop.background,
     );
     let truth = Truth::of_disks(&disks, &view);
     let depths = draw_depths(&packet);
@@ -412,8 +412,8 @@ fn depths_of_points_and_voxels_are_their_distances() {
     let depths = draw_depths(&packet);
     assert!((depths.depth[middle] - 2.5).abs() < 1e-5, "{}", depths.depth[middle]);
     assert_eq!(depths.depth[0], f32::INFINITY);
-    packet.settings.primitive = Primitive::Point;
-    packet.settings.points.size_px = 3.0;
+    packet.style.primitive = Primitive::Point;
+    packet.style.points.size_px = 3.0;
     packet.content = Content::Points(Arc::new(vec![PointRecord {
         position: [0.0; 3],
         color: [9; 4],
@@ -449,12 +449,12 @@ proptest! {
         let modes = [(Splatting::TwoPassEnlarged, None), (Splatting::Visibility, Some(1000))];
         for (splatting, pixels_an_opening) in modes {
             let draw = |background: [u8; 3]| {
-                let settings = Style {
+                let style = Style {
                     surfels: SurfelStyle { splatting, ..SurfelStyle::default() },
                     backdrop: Backdrop { background: Background::solid(background), ..Backdrop::default() },
                     ..Style::default()
                 };
-                draw_on_cpu(&packet_of(&SPHERE, &camera, &settings, size_px))
+                draw_on_cpu(&packet_of(&SPHERE, &camera, &style, size_px))
             };
             let (on_black, on_white) = (draw([0; 3]), draw([255; 3]));
             let within = on_black.enumerate_pixels().filter(|(x, y, _)| {

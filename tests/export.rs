@@ -28,7 +28,7 @@ fn headless_of(sequence: Sequence, renderer: AnyRenderer) -> Headless {
 }
 
 /// A gradient behind, so that parts that take it for theirs are seen.
-fn settings() -> Style {
+fn style() -> Style {
     Style {
         backdrop: Backdrop {
             background: Background {
@@ -42,8 +42,8 @@ fn settings() -> Style {
 }
 
 /// Frame 6 of the demo from near by: it reaches over the edges of the picture.
-fn near_by(headless: &Headless, settings: &Style) -> (Arc<PreparedFrame>, Camera) {
-    let frame = headless.frame(6, settings).unwrap();
+fn near_by(headless: &Headless, style: &Style) -> (Arc<PreparedFrame>, Camera) {
+    let frame = headless.frame(6, style).unwrap();
     let look = headless.first_look().unwrap();
     let origin = headless.sequence().origin();
     let mut camera = CameraChoice::default().camera(&look, origin, [1280, 720]);

@@ -55,7 +55,7 @@ fn assert_same_picture(packet: &ScenePacket, name: &str) {
     let differs = |(a, b): (&image::Rgba<u8>, &image::Rgba<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > STEP);
     let differing = gpu.pixels().zip(cpu.pixels()).filter(|&pair| differs(pair)).count();
     let share = differing as f64 / f64::from(gpu.width() * gpu.height());
-    let (least, most) = match packet.settings.primitive {
+    let (least, most) = match packet.style.primitive {
         Primitive::Point | Primitive::Voxel => (LEAST_PSNR_OF_EDGES_DB, MOST_DIFFERING_OF_EDGES),
         Primitive::Auto | Primitive::Surfel => (LEAST_PSNR_DB, MOST_DIFFERING),
     };
@@ -172,7 +172,7 @@ fn a_deep_step_keeps_some_color_and_one_without_an_end_is_an_edge() {
     let points = packet.content.points().unwrap();
     let left = points.iter().filter(|point| point.position[0] < 0.0);
     packet.content = Content::Points(std::sync::Arc::new(left.copied().collect()));
-    let behind = packet.settings.backdrop.background.top;
+    let behind = packet.style.backdrop.background.top;
     for picture in [draw_on_cpu(&packet), draw(&packet)] {
         let row = middle_row(&picture);
         let end = row.iter().position(|&channel| channel == behind[0]).unwrap();
@@ -206,7 +206,7 @@ fn light_does_not_depend_on_the_unit_and_little_on_the_projection() {
 fn off_is_as_before_and_so_is_auto_while_nobody_decides() {
     let scene = sphere(2000, 1.0);
     let picture = |eye_dome, eye_dome_strength| {
-        let settings = Style {
+        let style = Style {
             light: LightStyle {
                 eye_dome,
                 eye_dome_strength,
@@ -214,7 +214,7 @@ fn off_is_as_before_and_so_is_auto_while_nobody_decides() {
             },
             ..lit()
         };
-        draw_on_cpu(&surfels(&scene, &camera_at(2.0), settings, [200, 150]))
+        draw_on_cpu(&surfels(&scene, &camera_at(2.0), style, [200, 150]))
     };
     let off = picture(EyeDome::Off, 1.0);
     assert_eq!(picture(EyeDome::Auto, 1.0), off);
@@ -223,19 +223,19 @@ fn off_is_as_before_and_so_is_auto_while_nobody_decides() {
     assert!(common::difference(&on, &off).0 > 1000);
 }
 
-fn ball(settings: Style) -> ScenePacket {
+fn ball(style: Style) -> ScenePacket {
     let camera = Camera {
         azimuth_deg: 25.0,
         elevation_deg: 17.0,
         ..camera_at(1.9)
     };
-    surfels(&sphere(3000, 1.0), &camera, settings, [301, 223])
+    surfels(&sphere(3000, 1.0), &camera, style, [301, 223])
 }
 
 #[test]
 fn both_renderers_light_surfels_alike_in_every_mode() {
     for &splatting in Splatting::ALL {
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 splatting,
                 ..lit().surfels
@@ -246,31 +246,31 @@ fn both_renderers_light_surfels_alike_in_every_mode() {
             },
             ..lit()
         };
-        assert_same_picture(&ball(settings), &format!("dome_{splatting}"));
+        assert_same_picture(&ball(style), &format!("dome_{splatting}"));
     }
     for &strategy in Strategy::ALL {
-        let settings = Style {
+        let style = Style {
             drawing: DrawingStyle {
                 strategy,
                 ..lit().drawing
             },
             ..lit()
         };
-        assert_same_picture(&ball(settings), &format!("dome_{strategy}"));
+        assert_same_picture(&ball(style), &format!("dome_{strategy}"));
     }
 }
 
 #[test]
 fn both_renderers_light_points_and_voxels_alike() {
     for point_size_px in [1.0, 4.0] {
-        let settings = Style {
+        let style = Style {
             points: PointStyle {
                 size_px: point_size_px,
                 ..PointStyle::default()
             },
             ..of_points()
         };
-        assert_same_picture(&ball(settings), &format!("dome_points_{point_size_px}"));
+        assert_same_picture(&ball(style), &format!("dome_points_{point_size_px}"));
     }
     let cells = (0..16 * 16).map(|cell| {
         let (x, y) = ((cell % 16) as f32, (cell / 16) as f32);
@@ -288,17 +288,17 @@ fn both_renderers_light_points_and_voxels_alike() {
         elevation_deg: 40.0,
         ..camera_at(2.0)
     };
-    let settings = Style {
+    let style = Style {
         primitive: Primitive::Voxel,
         ..lit()
     };
-    let packet = common::voxels(cells.collect(), 2.0, &camera, settings, [301, 223]);
+    let packet = common::voxels(cells.collect(), 2.0, &camera, style, [301, 223]);
     assert_same_picture(&packet, "dome_voxels");
 }
 
 fn with_grid(mut packet: ScenePacket) -> ScenePacket {
-    let background = packet.settings.backdrop.background;
-    packet.settings.backdrop.grid = true;
+    let background = packet.style.backdrop.background;
+    packet.style.backdrop.grid = true;
     packet.ground = Some(GroundPlane::under(&packet.bounds, DVec3::ZERO, UpAxis::Y, background));
     packet
 }
@@ -307,7 +307,7 @@ fn with_grid(mut packet: ScenePacket) -> ScenePacket {
 fn both_renderers_draw_the_same_grid_and_what_is_before_it_hides_it() {
     for eye_dome in [EyeDome::On, EyeDome::Off] {
         for primitive in [Primitive::Surfel, Primitive::Point] {
-            let settings = Style {
+            let style = Style {
                 primitive,
                 light: LightStyle {
                     eye_dome,
@@ -315,7 +315,7 @@ fn both_renderers_draw_the_same_grid_and_what_is_before_it_hides_it() {
                 },
                 ..of_points()
             };
-            let packet = with_grid(ball(settings));
+            let packet = with_grid(ball(style));
             assert_same_picture(&packet, &format!("grid_{primitive}_{eye_dome}"));
         }
     }

@@ -42,7 +42,7 @@ fn first_picture(sequence: Sequence) -> Shown {
     let renderer = AnyRenderer::open(RendererChoice::Cpu).unwrap();
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
     let look = headless.first_look().unwrap();
-    let settings = Style {
+    let style = Style {
         backdrop: Backdrop {
             background: Background::solid([255, 0, 255]),
             ..(Style::default().resolved(&look)).backdrop
@@ -50,8 +50,8 @@ fn first_picture(sequence: Sequence) -> Shown {
         ..Style::default().resolved(&look)
     };
     let camera = CameraChoice::default().camera(&look, sequence.origin(), SIZE_PX);
-    let frame = headless.frame(0, &settings).unwrap();
-    let picture = headless.draw(&frame, &camera, &settings, SIZE_PX).unwrap();
+    let frame = headless.frame(0, &style).unwrap();
+    let picture = headless.draw(&frame, &camera, &style, SIZE_PX).unwrap();
     let positions = frame.frame.positions();
     let trimmed = look.trimmed;
     let is_trimmed = |p: &Vec3| p.cmpge(trimmed.min).all() && p.cmple(trimmed.max).all();
@@ -215,8 +215,8 @@ fn a_wall_is_seen_from_its_front_and_does_not_vanish_from_behind() {
         raw.normals = Some(vec![[0.0, 0.0, facing]; points.len()]);
         let shown = check("wall", of_cloud(raw));
         assert!(!shown.look.is_closed);
-        let settings = Style::default().resolved(&shown.look);
-        assert_eq!(settings.surfels.back_faces, BackFaces::Darker);
+        let style = Style::default().resolved(&shown.look);
+        assert_eq!(style.surfels.back_faces, BackFaces::Darker);
     }
 }
 

@@ -64,14 +64,14 @@ fn a_single_surfel_covers_its_disk_in_every_mode() {
         let [_, scale] = splatting.scales(2.0);
         for angle_deg in [0.0, 35.0, 60.0] {
             let surfel = tilted(angle_deg);
-            let settings = Style {
+            let style = Style {
                 surfels: SurfelStyle {
                     splatting,
                     ..plain().surfels
                 },
                 ..plain()
             };
-            let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
+            let image = draw(&surfels(&[surfel], &camera_at(3.0), style, SIZE));
             let expected = disk_pixels(&surfel, f64::from(surfel.radius * scale), 3.0);
             assert!(expected.len() > 300);
             assert_eq!(
@@ -87,7 +87,7 @@ fn a_single_surfel_covers_its_disk_in_every_mode() {
 fn the_splat_scale_scales_the_disk() {
     let surfel = tilted(20.0);
     for splat_scale in [0.5, 1.0, 1.7] {
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 splat_scale,
                 splatting: Splatting::TwoPass,
@@ -95,7 +95,7 @@ fn the_splat_scale_scales_the_disk() {
             },
             ..plain()
         };
-        let image = draw(&surfels(&[surfel], &camera_at(4.0), settings, SIZE));
+        let image = draw(&surfels(&[surfel], &camera_at(4.0), style, SIZE));
         let expected = disk_pixels(&surfel, f64::from(surfel.radius * splat_scale), 4.0);
         assert_eq!(covered_pixels(&image, BLACK), expected, "scale {splat_scale}");
     }
@@ -110,14 +110,14 @@ fn a_surfel_across_the_near_plane_is_cut_there() {
         radius: 1.5,
         color: RED,
     };
-    let settings = Style {
+    let style = Style {
         surfels: SurfelStyle {
             splatting: Splatting::TwoPass,
             ..plain().surfels
         },
         ..plain()
     };
-    let image = draw(&surfels(&[surfel], &camera_at(1.0), settings, SIZE));
+    let image = draw(&surfels(&[surfel], &camera_at(1.0), style, SIZE));
     let expected = disk_pixels(&surfel, 1.5, 1.0);
     assert!(expected.len() > 3000);
     assert_eq!(covered_pixels(&image, BLACK), expected);
@@ -130,23 +130,23 @@ fn back_faces_are_culled_unless_asked_for() {
         ..tilted(20.0)
     };
     for &splatting in Splatting::ALL {
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 splatting,
                 ..plain().surfels
             },
             ..plain()
         };
-        let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
+        let image = draw(&surfels(&[surfel], &camera_at(3.0), style, SIZE));
         assert_eq!(covered(&image, BLACK), 0, "{splatting}");
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 back_faces: BackFaces::Drawn,
-                ..settings.surfels
+                ..style.surfels
             },
-            ..settings
+            ..style
         };
-        let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, SIZE));
+        let image = draw(&surfels(&[surfel], &camera_at(3.0), style, SIZE));
         let [_, scale] = splatting.scales(2.0);
         let expected = disk_pixels(&tilted(20.0), f64::from(surfel.radius * scale), 3.0);
         assert_eq!(covered_pixels(&image, BLACK), expected, "{splatting} from behind");
@@ -178,14 +178,14 @@ fn the_nearer_of_two_surfels_hides_the_other_in_any_order() {
     let overlap = red_disk.iter().filter(|pixel| green_disk.contains(pixel)).count();
     assert!(overlap > 100);
     for order in [[red, green], [green, red]] {
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 splatting: Splatting::TwoPass,
                 ..plain().surfels
             },
             ..plain()
         };
-        let image = draw(&surfels(&order, &camera_at(4.0), settings, SIZE));
+        let image = draw(&surfels(&order, &camera_at(4.0), style, SIZE));
         for (x, y, pixel) in image.enumerate_pixels() {
             let [r, g, b, _] = pixel.0;
             let in_red = red_disk.contains(&(x, y));
@@ -198,14 +198,14 @@ fn the_nearer_of_two_surfels_hides_the_other_in_any_order() {
 #[test]
 fn without_depth_the_farther_shines_through() {
     let [red, green] = red_before_green();
-    let settings = Style {
+    let style = Style {
         surfels: SurfelStyle {
             splatting: Splatting::NoDepth,
             ..plain().surfels
         },
         ..plain()
     };
-    let image = draw(&surfels(&[red, green], &camera_at(4.0), settings, SIZE));
+    let image = draw(&surfels(&[red, green], &camera_at(4.0), style, SIZE));
     let both = image.pixels().filter(|pixel| pixel.0[0] > 0 && pixel.0[1] > 0).count();
     let red_disk = disk_pixels(&red, 0.7, 4.0);
     let overlap = disk_pixels(&green, 0.9, 4.0)
@@ -224,7 +224,7 @@ fn surfels_of_one_surface_are_averaged() {
         radius: 1.0,
         color,
     };
-    let settings = Style {
+    let style = Style {
         surfels: SurfelStyle {
             splatting: Splatting::TwoPass,
             ..plain().surfels
@@ -234,7 +234,7 @@ fn surfels_of_one_surface_are_averaged() {
     let image = draw(&surfels(
         &[surfel(-0.3, RED), surfel(0.3, GREEN)],
         &camera_at(3.0),
-        settings,
+        style,
         [201, 161],
     ));
     let middle = image.get_pixel(100, 80).0;
@@ -264,14 +264,14 @@ fn regular_splatting_shows_the_square_corners_that_the_paper_shows() {
         color: GREEN,
     };
     let at_corner = |splatting| {
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 splatting,
                 ..plain().surfels
             },
             ..plain()
         };
-        let image = draw(&surfels(&[front, back], &camera_at(3.0), settings, [200, 200]));
+        let image = draw(&surfels(&[front, back], &camera_at(3.0), style, [200, 200]));
         // The corner (0.45, 0.45) of the square is outside the disk.
         image.get_pixel(100 + 18, 100 - 18).0
     };
@@ -286,12 +286,12 @@ fn a_voxel_seen_face_on_is_a_square() {
         color: [10, 200, 30],
         level: 1,
     };
-    let settings = Style {
+    let style = Style {
         primitive: Primitive::Voxel,
         ..plain()
     };
     // A cell of edge 1: its front face is 4.5 from the eye, 160 / 2 / 4.5 = 17.8 pixels high and wide.
-    let image = draw(&voxels(vec![record], 2.0, &camera_at(5.0), settings, SIZE));
+    let image = draw(&voxels(vec![record], 2.0, &camera_at(5.0), style, SIZE));
     assert_eq!(count_color(&image, [10, 200, 30]), 18 * 18);
     assert_eq!(covered(&image, BLACK), 18 * 18);
 }
@@ -309,7 +309,7 @@ fn a_voxel_seen_from_a_corner_shows_three_faces_with_their_own_light() {
         fov_deg: 30.0,
         ..camera_at(6.0)
     };
-    let settings = Style {
+    let style = Style {
         primitive: Primitive::Voxel,
         light: LightStyle {
             lighting: Lighting::PerSurfel,
@@ -317,7 +317,7 @@ fn a_voxel_seen_from_a_corner_shows_three_faces_with_their_own_light() {
         },
         ..plain()
     };
-    let image = draw(&voxels(vec![record], 1.0, &camera, settings, SIZE));
+    let image = draw(&voxels(vec![record], 1.0, &camera, style, SIZE));
     let mut colors: Vec<[u8; 4]> = image
         .pixels()
         .map(|pixel| pixel.0)
@@ -335,11 +335,11 @@ fn nothing_is_seen_of_a_voxel_from_inside() {
         color: [200, 200, 200],
         level: 0,
     };
-    let settings = Style {
+    let style = Style {
         primitive: Primitive::Voxel,
         ..plain()
     };
-    let image = draw(&voxels(vec![record], 10.0, &camera_at(1.0), settings, SIZE));
+    let image = draw(&voxels(vec![record], 10.0, &camera_at(1.0), style, SIZE));
     assert_eq!(covered(&image, BLACK), 0);
 }
 
@@ -355,12 +355,12 @@ fn the_nearer_voxel_hides_the_other_in_any_order() {
         color: GREEN,
         level: 1,
     };
-    let settings = Style {
+    let style = Style {
         primitive: Primitive::Voxel,
         ..plain()
     };
     for order in [vec![near, far], vec![far, near]] {
-        let image = draw(&voxels(order, 2.0, &camera_at(4.0), settings, SIZE));
+        let image = draw(&voxels(order, 2.0, &camera_at(4.0), style, SIZE));
         assert_eq!(count_color(&image, GREEN), 0);
         // Front face at 2.5 from the eye: 32 pixels.
         assert_eq!(count_color(&image, RED), 32 * 32);
@@ -378,7 +378,7 @@ fn points_are_squares_of_their_size_whatever_the_distance() {
     // Their squares do not touch, and they face away: points have no back.
     let cloud = [point(-1.0, 0.0), point(0.013, -3.0), point(1.0, 1.0)];
     for (point_size_px, pixels) in [(1.0, 1), (3.0, 9), (6.0, 36)] {
-        let settings = Style {
+        let style = Style {
             primitive: Primitive::Point,
             points: PointStyle {
                 size_px: point_size_px,
@@ -386,7 +386,7 @@ fn points_are_squares_of_their_size_whatever_the_distance() {
             },
             ..plain()
         };
-        let image = draw(&surfels(&cloud, &camera_at(4.0), settings, SIZE));
+        let image = draw(&surfels(&cloud, &camera_at(4.0), style, SIZE));
         assert_eq!(count_color(&image, RED), 3 * pixels, "{point_size_px} px");
     }
 }
@@ -400,7 +400,7 @@ fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
         color: [100, 60, 20],
     };
     for lighting in [Lighting::PerSurfel, Lighting::PerFragment] {
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 splatting: Splatting::TwoPass,
                 ..plain().surfels
@@ -411,7 +411,7 @@ fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
             },
             ..plain()
         };
-        let image = draw(&surfels(&[surfel], &camera_at(3.0), settings, [201, 201]));
+        let image = draw(&surfels(&[surfel], &camera_at(3.0), style, [201, 201]));
         let [r, g, b, _] = image.get_pixel(100, 100).0;
         // All of the colour, and the highlight's 15 % white.
         let highlight = 38;
@@ -426,7 +426,7 @@ fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
         normal: Vec3::new(0.866_025_4, 0.0, 0.5),
         ..surfel
     };
-    let settings = Style {
+    let style = Style {
         surfels: SurfelStyle {
             splatting: Splatting::TwoPass,
             ..plain().surfels
@@ -437,7 +437,7 @@ fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
         },
         ..plain()
     };
-    let image = draw(&surfels(&[tilted], &camera_at(3.0), settings, [201, 201]));
+    let image = draw(&surfels(&[tilted], &camera_at(3.0), style, [201, 201]));
     // 60 degrees: 0.25 + 0.75 / 2 of the colour, no highlight to speak of.
     assert!(
         image.get_pixel(100, 100).0[0].abs_diff(63) <= 1,
@@ -463,7 +463,7 @@ fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
                 elevation_deg,
                 ..camera_at(2.0)
             };
-            let settings = Style {
+            let style = Style {
                 surfels: SurfelStyle {
                     splatting,
                     ..plain().surfels
@@ -474,7 +474,7 @@ fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
                 },
                 ..plain()
             };
-            let image = draw(&surfels(&cloud, &camera, settings, [200, 200]));
+            let image = draw(&surfels(&cloud, &camera, style, [200, 200]));
             // The silhouette of a unit sphere at distance 2 is tan(30°) × 100 pixels wide.
             let silhouette = 100.0 * 30f32.to_radians().tan();
             for (x, y, pixel) in image.enumerate_pixels() {
@@ -491,7 +491,7 @@ fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
 
 #[test]
 fn a_gradient_runs_from_top_to_bottom() {
-    let settings = Style {
+    let style = Style {
         backdrop: Backdrop {
             background: Background {
                 top: [0, 0, 0],
@@ -501,7 +501,7 @@ fn a_gradient_runs_from_top_to_bottom() {
         },
         ..plain()
     };
-    let image = draw(&surfels(&[], &camera_at(1.0), settings, SIZE));
+    let image = draw(&surfels(&[], &camera_at(1.0), style, SIZE));
     for (_, y, pixel) in image.enumerate_pixels() {
         let expected = (y as f32 + 0.5).round() as u8;
         assert!(
@@ -529,14 +529,14 @@ fn a_cloud_far_from_the_world_origin_looks_the_same() {
 #[test]
 fn pictures_of_odd_sizes_come_back_whole() {
     for size in [[1, 1], [3, 7], [65, 1], [257, 33]] {
-        let settings = Style {
+        let style = Style {
             backdrop: Backdrop {
                 background: Background::solid([1, 2, 3]),
                 ..plain().backdrop
             },
             ..plain()
         };
-        let image = draw(&surfels(&[], &camera_at(1.0), settings, size));
+        let image = draw(&surfels(&[], &camera_at(1.0), style, size));
         assert_eq!([image.width(), image.height()], size);
         assert_eq!(count_color(&image, [1, 2, 3]), (size[0] * size[1]) as usize);
     }

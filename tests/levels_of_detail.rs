@@ -29,7 +29,7 @@ fn by_octree(lod: Lod) -> Style {
 }
 
 /// A closed sphere of radius 1 with colours that change along it.
-fn closed_sphere(settings: &Style) -> PreparedFrame {
+fn closed_sphere(style: &Style) -> PreparedFrame {
     let surfels = sphere(POINTS, 1.0);
     let positions = surfels.iter().map(|surfel| surfel.position.to_array());
     let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
@@ -40,12 +40,12 @@ fn closed_sphere(settings: &Style) -> PreparedFrame {
     raw.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
     raw.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
-    let needs = Scene::needs(settings);
+    let needs = Scene::needs(style);
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
-fn packet(frame: &PreparedFrame, distance: f64, settings: &Style) -> ScenePacket {
-    Scene::default().packet(frame, DVec3::ZERO, &camera_at(distance), settings, SIZE)
+fn packet(frame: &PreparedFrame, distance: f64, style: &Style) -> ScenePacket {
+    Scene::default().packet(frame, DVec3::ZERO, &camera_at(distance), style, SIZE)
 }
 
 /// From afar a fraction of the surfels makes nearly the same picture, and a closed one.
@@ -77,23 +77,23 @@ fn few_surfels_stand_for_many() {
 /// What normal cones leave out would not have been drawn.
 #[test]
 fn what_faces_away_is_left_out_and_not_missed() {
-    let settings = by_octree(Lod::ThresholdPx(0.0));
-    let frame = closed_sphere(&settings);
+    let style = by_octree(Lod::ThresholdPx(0.0));
+    let frame = closed_sphere(&style);
     let two_sided = Style {
         surfels: SurfelStyle {
             back_faces: BackFaces::Drawn,
-            ..settings.surfels
+            ..style.surfels
         },
-        ..settings
+        ..style
     };
-    let front = packet(&frame, 2.0, &settings);
+    let front = packet(&frame, 2.0, &style);
     let both = packet(&frame, 2.0, &two_sided);
     assert_eq!(both.content.points().unwrap().len(), POINTS as usize);
     // From twice the radius away a quarter of a sphere is seen.
     let share = front.content.points().unwrap().len() as f64 / f64::from(POINTS);
     assert!((0.25..0.45).contains(&share), "{share}");
     let drawn = draw(&front);
-    let culled_by_the_gpu = draw(&ScenePacket { settings, ..both });
+    let culled_by_the_gpu = draw(&ScenePacket { style, ..both });
     // Sums of weights come in another order.
     let error = mean_squared_error(&culled_by_the_gpu, &drawn).unwrap();
     assert!(psnr_db(error) > 50.0, "{} dB", psnr_db(error));

@@ -23,7 +23,7 @@ const SIZE: [u32; 2] = [1280, 720];
 /// As far from zero as the surface of the earth is from its middle.
 const ECEF: DVec3 = DVec3::new(4_510_720.0, -3_911_168.0, 2_207_744.0);
 
-fn settings(primitive: Primitive) -> Style {
+fn style(primitive: Primitive) -> Style {
     Style {
         primitive,
         points: PointStyle {
@@ -65,7 +65,7 @@ fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> SceneP
     ScenePacket {
         viewport_px: SIZE,
         view: camera.transform(origin, SIZE),
-        settings: settings(Primitive::Point),
+        style: style(Primitive::Point),
         content: Content::Points(Arc::new(points)),
         ground: None,
         bounds: Aabb::from_points(&positions),
@@ -190,7 +190,7 @@ fn surfels_are_drawn_alike_and_as_large_wherever_they_are() {
     for surfel in &mut scene {
         surfel.color = [200; 3];
     }
-    let packet = surfels(&scene, &camera, settings(Primitive::Surfel), SIZE);
+    let packet = surfels(&scene, &camera, style(Primitive::Surfel), SIZE);
     let [cpu, gpu] = [draw_on_cpu(&packet), draw(&packet)];
     let psnr = psnr_db(mean_squared_error(&cpu, &gpu).unwrap());
     assert!(psnr > 45.0, "{psnr} dB");
@@ -213,7 +213,7 @@ fn surfels_are_drawn_alike_and_as_large_wherever_they_are() {
         surfel(back * 0.9 + aside * 0.4, [255, 0, 0]),
         surfel(-back * 0.9 - aside * 0.4, [0, 255, 0]),
     ];
-    let packet = surfels(&pair, &camera, settings(Primitive::Surfel), SIZE);
+    let packet = surfels(&pair, &camera, style(Primitive::Surfel), SIZE);
     for image in [draw_on_cpu(&packet), draw(&packet)] {
         let count = |channel: usize| {
             let pixels = image.pixels();

@@ -108,7 +108,7 @@ fn what_a_person_chose_is_how_the_next_window_begins() {
     press(&mut harness, Modifiers::NONE, Key::L);
     press(&mut harness, Modifiers::NONE, Key::CloseBracket);
     let state = harness.state_mut();
-    state.settings.levels.stop = StopCriterion::Loss(0.2);
+    state.style.levels.stop = StopCriterion::Loss(0.2);
     state.panels.set(PanelId::SETTINGS, false);
     state.panels.set(PanelId::HELP, true);
     let kept = state.preferences();

@@ -24,7 +24,7 @@ const SIZE: [u32; 2] = [320, 240];
 const STRIDE: u32 = 3;
 
 /// So many points of a torus, each in a colour that no other has.
-fn torus(count: usize, settings: &Style) -> PreparedFrame {
+fn torus(count: usize, style: &Style) -> PreparedFrame {
     let shape = Sequence::of(Shape::Torus.frame(count)).frame(0).unwrap();
     let positions: Vec<[f32; 3]> = shape.positions().iter().map(Vec3::to_array).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(positions));
@@ -33,7 +33,7 @@ fn torus(count: usize, settings: &Style) -> PreparedFrame {
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     let needs = Needs {
         colors: Coloring::of(ColorSource::File),
-        ..Scene::needs(settings)
+        ..Scene::needs(style)
     };
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
@@ -55,7 +55,7 @@ fn color_of(number: usize) -> Color {
     Color([red, green, blue])
 }
 
-fn settings(primitive: Primitive) -> Style {
+fn style(primitive: Primitive) -> Style {
     Style {
         primitive,
         colors: Coloring::of(ColorSource::File),
@@ -84,9 +84,9 @@ fn camera(projection: Projection) -> Camera {
     }
 }
 
-fn packet_of(frame: &PreparedFrame, settings: &Style) -> ScenePacket {
+fn packet_of(frame: &PreparedFrame, style: &Style) -> ScenePacket {
     let camera = camera(Projection::Perspective);
-    Scene::default().packet(frame, DVec3::ZERO, &camera, settings, SIZE)
+    Scene::default().packet(frame, DVec3::ZERO, &camera, style, SIZE)
 }
 
 fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
@@ -136,12 +136,12 @@ fn slots(frame: &PreparedFrame) -> HashMap<Color, usize> {
 fn points_are_picked_as_both_renderers_draw_them() {
     let (square, disk) = (PointShape::Square, PointShape::Disk);
     for (size_px, shape, least_shown) in [(1.0, square, 1_000), (4.5, square, 2_000), (4.5, disk, 2_000)] {
-        let settings = Style {
+        let style = Style {
             points: PointStyle { size_px, shape },
-            ..settings(Primitive::Point)
+            ..style(Primitive::Point)
         };
-        let frame = torus(30_000, &settings);
-        let packet = packet_of(&frame, &settings);
+        let frame = torus(30_000, &style);
+        let packet = packet_of(&frame, &style);
         let numbers = slots(&frame);
         assert_eq!(numbers.len(), 30_000);
         // A GPU rounds places to a 256th of a pixel.
@@ -162,15 +162,15 @@ fn points_are_picked_as_both_renderers_draw_them() {
 #[test]
 fn surfels_are_picked_where_one_alone_is_seen() {
     // Small enough that many do not touch others.
-    let settings = Style {
+    let style = Style {
         surfels: SurfelStyle {
             splat_scale: 0.6,
-            ..(settings(Primitive::Surfel)).surfels
+            ..(style(Primitive::Surfel)).surfels
         },
-        ..settings(Primitive::Surfel)
+        ..style(Primitive::Surfel)
     };
-    let frame = torus(1_500, &settings);
-    let packet = packet_of(&frame, &settings);
+    let frame = torus(1_500, &style);
+    let packet = packet_of(&frame, &style);
     let image = draw_on_cpu(&packet);
     let numbers = slots(&frame);
     let (share, shown) = agreement(
@@ -191,16 +191,16 @@ fn depth_of(packet: &ScenePacket, frame: &PreparedFrame, slot: usize) -> f32 {
 #[test]
 fn surfels_of_closed_surfaces_are_picked_at_the_depth_that_is_drawn() {
     for surfel_lod in [false, true] {
-        let settings = Style {
+        let style = Style {
             levels: LevelStyle {
                 surfel_lod,
                 lod: Lod::ThresholdPx(4.0),
-                ..(settings(Primitive::Surfel)).levels
+                ..(style(Primitive::Surfel)).levels
             },
-            ..settings(Primitive::Surfel)
+            ..style(Primitive::Surfel)
         };
-        let frame = torus(20_000, &settings);
-        let packet = packet_of(&frame, &settings);
+        let frame = torus(20_000, &style);
+        let packet = packet_of(&frame, &style);
         let points = packet.content.points().unwrap();
         assert_eq!(Arc::ptr_eq(points, &frame.points), !surfel_lod);
         let mut renderer = CpuRenderer::new();
@@ -232,15 +232,15 @@ fn surfels_of_closed_surfaces_are_picked_at_the_depth_that_is_drawn() {
 #[test]
 fn a_point_inside_the_voxel_that_is_seen_is_picked() {
     for lod_px in [0.0, 6.0] {
-        let settings = Style {
+        let style = Style {
             levels: LevelStyle {
                 lod: Lod::ThresholdPx(lod_px),
-                ..(settings(Primitive::Voxel)).levels
+                ..(style(Primitive::Voxel)).levels
             },
-            ..settings(Primitive::Voxel)
+            ..style(Primitive::Voxel)
         };
-        let frame = torus(8_000, &settings);
-        let mut packet = packet_of(&frame, &settings);
+        let frame = torus(8_000, &style);
+        let mut packet = packet_of(&frame, &style);
         let Content::Voxels(voxels) = &mut packet.content else {
             panic!("a packet of voxels");
         };
@@ -274,16 +274,16 @@ fn a_point_inside_the_voxel_that_is_seen_is_picked() {
 
 #[test]
 fn parallel_rays_pick_what_they_draw() {
-    let settings = Style {
+    let style = Style {
         points: PointStyle {
             size_px: 3.0,
             ..PointStyle::default()
         },
-        ..settings(Primitive::Point)
+        ..style(Primitive::Point)
     };
-    let frame = torus(30_000, &settings);
+    let frame = torus(30_000, &style);
     let camera = camera(Projection::Orthographic);
-    let packet = Scene::default().packet(&frame, DVec3::ZERO, &camera, &settings, SIZE);
+    let packet = Scene::default().packet(&frame, DVec3::ZERO, &camera, &style, SIZE);
     let (share, shown) = agreement(
         &draw_on_cpu(&packet),
         &slots(&frame),
@@ -298,7 +298,7 @@ fn parallel_rays_pick_what_they_draw() {
 /// What is drawn from byte codes is picked near the point that is picked where the same surfels are drawn as disks.
 #[test]
 fn byte_codes_are_picked_where_their_surfels_are_drawn() {
-    let disks = settings(Primitive::Surfel);
+    let disks = style(Primitive::Surfel);
     let mut codes = disks;
     codes.codes.footprint = Footprint::Masks;
     codes.drawing.renderer = RendererChoice::Cpu;

@@ -35,14 +35,14 @@ fn cost(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RenderStats {
 fn an_untouched_picture_costs_nothing() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for &strategy in Strategy::ALL {
-        let settings = Style {
+        let style = Style {
             drawing: DrawingStyle {
                 strategy,
                 ..plain().drawing
             },
             ..plain()
         };
-        let packet = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
+        let packet = surfels(&sphere(500, 1.0), &camera_at(3.0), style, [64, 64]);
         assert_eq!(cost(&mut renderer, &packet).frames, 1);
         let again = cost(&mut renderer, &packet.clone());
         assert_eq!((again.frames, again.passes, again.uploads), (0, 0, 0), "{strategy}");
@@ -53,14 +53,14 @@ fn an_untouched_picture_costs_nothing() {
 fn a_moved_camera_uploads_nothing() {
     for &strategy in Strategy::ALL {
         let mut renderer = GpuRenderer::new(common::context()).unwrap();
-        let settings = Style {
+        let style = Style {
             drawing: DrawingStyle {
                 strategy,
                 ..plain().drawing
             },
             ..plain()
         };
-        let mut packet = surfels(&sphere(500, 1.0), &camera_at(3.0), settings, [64, 64]);
+        let mut packet = surfels(&sphere(500, 1.0), &camera_at(3.0), style, [64, 64]);
         let first = cost(&mut renderer, &packet);
         assert_eq!(
             (first.uploads, first.uploaded_bytes),
@@ -76,7 +76,7 @@ fn a_moved_camera_uploads_nothing() {
 #[test]
 fn a_new_visible_set_is_all_that_moving_among_voxels_uploads() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
-    let settings = Style {
+    let style = Style {
         primitive: Primitive::Voxel,
         ..plain()
     };
@@ -85,9 +85,9 @@ fn a_new_visible_set_is_all_that_moving_among_voxels_uploads() {
         color: [9; 3],
         level: 2,
     };
-    let first = voxels(vec![record; 10], 1.0, &camera_at(3.0), settings, [64, 64]);
+    let first = voxels(vec![record; 10], 1.0, &camera_at(3.0), style, [64, 64]);
     cost(&mut renderer, &first);
-    let second = voxels(vec![record; 7], 1.0, &camera_at(3.0), settings, [64, 64]);
+    let second = voxels(vec![record; 7], 1.0, &camera_at(3.0), style, [64, 64]);
     drop(first);
     let moved = cost(&mut renderer, &second);
     assert_eq!((moved.uploads, moved.uploaded_bytes), (1, 7 * 16));
@@ -98,7 +98,7 @@ fn points_do_not_upload_shapes_and_surfels_then_upload_shapes_alone() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let as_surfels = surfels(&sphere(500, 1.0), &camera_at(3.0), plain(), [64, 64]);
     let points = ScenePacket {
-        settings: Style {
+        style: Style {
             primitive: Primitive::Point,
             ..plain()
         },
@@ -141,7 +141,7 @@ fn what_is_gone_leaves_the_gpu() {
 #[test]
 fn the_octree_is_traversed_only_when_the_answer_can_differ() {
     let sequence = Sequence::demo();
-    let settings = Style {
+    let style = Style {
         primitive: Primitive::Voxel,
         ..plain()
     };
@@ -149,41 +149,41 @@ fn the_octree_is_traversed_only_when_the_answer_can_differ() {
         0,
         Arc::new(sequence.frame(0).unwrap()),
         0.0,
-        &Scene::needs(&settings),
+        &Scene::needs(&style),
         &PrepareCounters::default(),
     );
     let mut scene = Scene::default();
-    let mut traversals = |camera: &Camera, settings: &Style, size| {
-        let packet = scene.packet(&frame, sequence.origin(), camera, settings, size);
+    let mut traversals = |camera: &Camera, style: &Style, size| {
+        let packet = scene.packet(&frame, sequence.origin(), camera, style, size);
         (scene.stats().traversals, packet.content.voxels().cloned())
     };
     let camera = camera_at(3.0);
-    let (count, first) = traversals(&camera, &settings, [64, 64]);
+    let (count, first) = traversals(&camera, &style, [64, 64]);
     assert_eq!(count, 1);
-    let (count, again) = traversals(&camera, &settings, [64, 64]);
+    let (count, again) = traversals(&camera, &style, [64, 64]);
     assert_eq!(count, 1, "untouched");
     assert!(Arc::ptr_eq(&first.unwrap().records, &again.unwrap().records));
     let lit = Style {
         light: LightStyle {
             lighting: Lighting::PerFragment,
-            ..settings.light
+            ..style.light
         },
-        ..settings
+        ..style
     };
     assert_eq!(traversals(&camera, &lit, [64, 64]).0, 1, "light");
     let as_points = Style {
         primitive: Primitive::Point,
-        ..settings
+        ..style
     };
     let (count, voxels) = traversals(&camera, &as_points, [64, 64]);
     assert!(count == 1 && voxels.is_none(), "points need no octree");
-    assert_eq!(traversals(&camera_at(2.0), &settings, [64, 64]).0, 2, "camera");
+    assert_eq!(traversals(&camera_at(2.0), &style, [64, 64]).0, 2, "camera");
     let coarse = Style {
         levels: LevelStyle {
             lod: Lod::ThresholdPx(8.0),
-            ..settings.levels
+            ..style.levels
         },
-        ..settings
+        ..style
     };
     assert_eq!(traversals(&camera_at(2.0), &coarse, [64, 64]).0, 3, "LOD");
     assert_eq!(traversals(&camera_at(2.0), &coarse, [64, 32]).0, 4, "viewport");
@@ -201,14 +201,14 @@ fn each_mode_runs_only_its_passes() {
         (Splatting::TwoPassEnlarged, 4),
     ];
     for (splatting, passes) in expected {
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 splatting,
                 ..plain().surfels
             },
             ..plain()
         };
-        let packet = surfels(&sphere(100, 1.0), &camera_at(3.0), settings, [64, 64]);
+        let packet = surfels(&sphere(100, 1.0), &camera_at(3.0), style, [64, 64]);
         assert_eq!(cost(&mut renderer, &packet).passes, passes, "{splatting}");
     }
 }

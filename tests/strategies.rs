@@ -21,7 +21,7 @@ fn assert_agreement(renderer: &mut GpuRenderer, packet: &ScenePacket, what: &str
     let mut reference = None;
     for &strategy in Strategy::ALL {
         let mut packet = packet.clone();
-        packet.settings.drawing.strategy = strategy;
+        packet.style.drawing.strategy = strategy;
         let image = draw_with(renderer, &packet);
         let empty = *image.get_pixel(0, 0);
         assert!(
@@ -73,7 +73,7 @@ fn surfels_in_all_modes_and_lights() {
     let cloud = sphere(1500, 1.0);
     for &splatting in Splatting::ALL {
         for &lighting in Lighting::ALL {
-            let settings = Style {
+            let style = Style {
                 surfels: SurfelStyle {
                     splatting,
                     ..plain().surfels
@@ -88,7 +88,7 @@ fn surfels_in_all_modes_and_lights() {
                 },
                 ..plain()
             };
-            let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
+            let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
             assert_agreement(&mut renderer, &packet, &format!("{splatting}, light {lighting}"));
         }
     }
@@ -100,29 +100,29 @@ fn a_real_frame_in_every_mode_and_primitive() {
     let sequence = Sequence::demo();
     let frame = Arc::new(sequence.frame(9).unwrap());
     let mut scene = Scene::default();
-    let mut agree = |settings: Style, what: &str| {
-        let needs = Scene::needs(&settings);
+    let mut agree = |style: Style, what: &str| {
+        let needs = Scene::needs(&style);
         let frame = prepare(9, Arc::clone(&frame), 0.0, &needs, &PrepareCounters::default());
         let camera = Camera::framing(&frame.frame.bounds(), sequence.origin(), UpAxis::Y);
-        let packet = scene.packet(&frame, sequence.origin(), &camera, &settings, [160, 200]);
+        let packet = scene.packet(&frame, sequence.origin(), &camera, &style, [160, 200]);
         assert_agreement(&mut renderer, &packet, what);
     };
     for &splatting in Splatting::ALL {
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 splatting,
                 ..SurfelStyle::default()
             },
             ..Style::default()
         };
-        agree(settings, &format!("demo, {splatting}"));
+        agree(style, &format!("demo, {splatting}"));
     }
     for primitive in [Primitive::Voxel, Primitive::Point] {
-        let settings = Style {
+        let style = Style {
             primitive,
             ..Style::default()
         };
-        agree(settings, &format!("demo, {primitive}"));
+        agree(style, &format!("demo, {primitive}"));
     }
 }
 
@@ -130,14 +130,14 @@ fn a_real_frame_in_every_mode_and_primitive() {
 fn surfels_from_both_sides() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(1500, 1.0);
-    let settings = Style {
+    let style = Style {
         surfels: SurfelStyle {
             back_faces: BackFaces::Drawn,
             ..plain().surfels
         },
         ..plain()
     };
-    let packet = surfels(&cloud, &close_camera(), settings, [90, 120]);
+    let packet = surfels(&cloud, &close_camera(), style, [90, 120]);
     assert_agreement(&mut renderer, &packet, "both sides");
 }
 
@@ -156,10 +156,10 @@ fn small_surfels_that_are_seen_nearly_edge_on() {
         surfel.normal = (across + turned * away).normalize();
     }
     for splatting in [Splatting::Regular, Splatting::NoDepth, Splatting::TwoPass] {
-        let mut settings = plain();
-        settings.surfels.splatting = splatting;
-        settings.surfels.back_faces = BackFaces::Culled;
-        let packet = surfels(&cloud, &camera_at(3.0), settings, [150, 150]);
+        let mut style = plain();
+        style.surfels.splatting = splatting;
+        style.surfels.back_faces = BackFaces::Culled;
+        let packet = surfels(&cloud, &camera_at(3.0), style, [150, 150]);
         assert_agreement(&mut renderer, &packet, &format!("edge on, {splatting}"));
     }
 }
@@ -168,7 +168,7 @@ fn small_surfels_that_are_seen_nearly_edge_on() {
 fn voxels_in_all_lights() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for &lighting in Lighting::ALL {
-        let settings = Style {
+        let style = Style {
             primitive: Primitive::Voxel,
             light: LightStyle {
                 lighting,
@@ -180,7 +180,7 @@ fn voxels_in_all_lights() {
             },
             ..plain()
         };
-        let mut packet = voxels(shell_voxels(), 2.0, &close_camera(), settings, [120, 90]);
+        let mut packet = voxels(shell_voxels(), 2.0, &close_camera(), style, [120, 90]);
         assert_agreement(&mut renderer, &packet, &format!("voxels, light {lighting}"));
         let Content::Voxels(voxels) = &mut packet.content else {
             panic!("a packet of voxels");
@@ -198,12 +198,12 @@ fn points_of_one_and_of_several_pixels() {
     let cloud = sphere(5000, 1.0);
     let sizes = [1.0, 2.0, 5.0].into_iter();
     for (size_px, &shape) in sizes.flat_map(|size_px| PointShape::ALL.iter().map(move |shape| (size_px, shape))) {
-        let settings = Style {
+        let style = Style {
             primitive: Primitive::Point,
             points: PointStyle { size_px, shape },
             ..plain()
         };
-        let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
+        let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
         assert_agreement(&mut renderer, &packet, &format!("points of {size_px} px, {shape}"));
     }
 }
@@ -211,14 +211,14 @@ fn points_of_one_and_of_several_pixels() {
 #[test]
 fn many_batches_and_chunks_draw_what_one_draws() {
     let cloud = sphere(10_000, 1.0);
-    let settings = Style {
+    let style = Style {
         surfels: SurfelStyle {
             splatting: Splatting::Regular,
             ..plain().surfels
         },
         ..plain()
     };
-    let packet = surfels(&cloud, &close_camera(), settings, [120, 90]);
+    let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
     let mut whole = GpuRenderer::new(common::context()).unwrap();
     let reference = draw_with(&mut whole, &packet);
     // An odd number, so that neither batches nor workgroups end with a chunk.
@@ -229,7 +229,7 @@ fn many_batches_and_chunks_draw_what_one_draws() {
     let mut chunked = GpuRenderer::new(chunked).unwrap();
     for &strategy in Strategy::ALL {
         let mut packet = packet.clone();
-        packet.settings.drawing.strategy = strategy;
+        packet.style.drawing.strategy = strategy;
         let image = draw_with(&mut chunked, &packet);
         assert_eq!(common::difference(&reference, &image), (0, 0), "{strategy} in chunks");
         assert_eq!(chunked.stats().draw_calls, 13, "{strategy}: one draw a chunk");
@@ -239,15 +239,15 @@ fn many_batches_and_chunks_draw_what_one_draws() {
 #[test]
 fn the_compute_strategy_leaves_nothing_of_an_earlier_cloud() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
-    let settings = Style {
+    let style = Style {
         drawing: DrawingStyle {
             strategy: Strategy::Compute,
             ..plain().drawing
         },
         ..plain()
     };
-    let full = surfels(&sphere(1500, 1.0), &camera_at(3.0), settings, [64, 64]);
-    let empty = surfels(&[], &camera_at(3.0), settings, [64, 64]);
+    let full = surfels(&sphere(1500, 1.0), &camera_at(3.0), style, [64, 64]);
+    let empty = surfels(&[], &camera_at(3.0), style, [64, 64]);
     assert!(common::covered(&draw_with(&mut renderer, &full), [0, 0, 0]) > 250);
     assert_eq!(common::covered(&draw_with(&mut renderer, &empty), [0, 0, 0]), 0);
 }

@@ -236,10 +236,10 @@ fn a_window_on_a_display_of_another_scale_shows_a_cloud(painter: &str) {
 fn screen_painted_by(painter: &str, theme: &str) -> Vec<u8> {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
-    let settings = home.path().join("config/pointreel");
-    std::fs::create_dir_all(&settings).unwrap();
+    let style = home.path().join("config/pointreel");
+    std::fs::create_dir_all(&style).unwrap();
     let theme = format!("{{\"version\": 6, \"theme\": \"{theme}\"}}");
-    std::fs::write(settings.join("settings.json"), theme).unwrap();
+    std::fs::write(style.join("settings.json"), theme).unwrap();
     let program = server
         .view(home.path(), painter)
         .args(["--size", "1000x700", "--paused", "--renderer", "cpu"])

@@ -19,7 +19,7 @@ const MAX_ENTRIES: usize = 200;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Edited {
     /// The settings.
-    pub settings: Style,
+    pub style: Style,
     /// The camera path.
     pub path: Arc<Draft>,
 }
@@ -97,9 +97,9 @@ impl History {
 /// The settings that differ, by their names in files, and `path` if that does.
 fn changed_fields(before: &Edited, after: &Edited) -> Vec<&'static str> {
     let path = (before.path != after.path).then_some("path");
-    let settings = before.settings.settings().into_iter();
-    let changed = settings
-        .zip(after.settings.settings())
+    let style = before.style.settings().into_iter();
+    let changed = style
+        .zip(after.style.settings())
         .filter(|((_, before), (_, after))| before != after);
     path.into_iter()
         .chain(changed.map(|((described, _), _)| described.key))
@@ -113,7 +113,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn scaled(splat_scale: f32) -> Edited {
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 splat_scale,
                 ..SurfelStyle::default()
@@ -121,7 +121,7 @@ mod tests {
             ..Style::default()
         };
         let path = Arc::default();
-        Edited { settings, path }
+        Edited { style, path }
     }
 
     fn at(millis: u64) -> Duration {
@@ -145,7 +145,7 @@ mod tests {
         history.note(&scaled(3.0), false, at(4400));
         history.note(&scaled(4.0), false, at(4800));
         let mut points = scaled(4.0);
-        points.settings.primitive = Primitive::Point;
+        points.style.primitive = Primitive::Point;
         history.note(&points, false, at(4900));
         let undone: Vec<_> = std::iter::from_fn(|| history.undo()).collect();
         assert_eq!(undone, [4.0, 1.5, 1.4, 1.0].map(scaled));
@@ -178,10 +178,10 @@ mod tests {
             let mut history = History::default();
             let mut list: Vec<Edited> = Vec::new();
             for (second, &scale) in scales.iter().enumerate() {
-                let settings = scaled(scale as f32);
-                history.note(&settings, false, at(1000 * second as u64));
-                if list.last() != Some(&settings) {
-                    list.push(settings);
+                let style = scaled(scale as f32);
+                history.note(&style, false, at(1000 * second as u64));
+                if list.last() != Some(&style) {
+                    list.push(style);
                 }
             }
             let oldest = list.len().saturating_sub(1 + MAX_ENTRIES);

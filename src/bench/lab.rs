@@ -19,7 +19,7 @@ pub struct LabPoint {
     /// Name of the sequence.
     pub sequence: String,
     /// How it was drawn; names who drew.
-    pub settings: Style,
+    pub style: Style,
     /// The settings in a few words.
     pub label: String,
     /// From camera to finished picture, median.
@@ -63,7 +63,7 @@ pub struct QualityChoice {
     /// The settings in a few words.
     pub label: String,
     /// How to draw.
-    pub settings: Style,
+    pub style: Style,
     /// What a picture took, milliseconds.
     pub draw_ms: f64,
     /// FLIP of the object, 0 to 1.
@@ -78,7 +78,7 @@ impl Quality {
         let mut choices: Vec<QualityChoice> = on_front
             .map(|point| QualityChoice {
                 label: point.label.clone(),
-                settings: point.settings,
+                style: point.style,
                 draw_ms: point.draw_ms,
                 flip: point.flip,
             })
@@ -169,7 +169,7 @@ mod tests {
     fn point(draw_ms: f64, flip: f64) -> LabPoint {
         LabPoint {
             sequence: "scan".to_owned(),
-            settings: Style::default(),
+            style: Style::default(),
             label: String::new(),
             draw_ms,
             flip,

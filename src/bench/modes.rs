@@ -33,23 +33,19 @@ impl Modes {
         }
     }
 
-    /// Whether `settings`, which name who draws, are among them.
-    pub fn admit(&self, settings: &Style) -> bool {
-        let is_gpu = settings.drawing.renderer == RendererChoice::Gpu;
-        let is_surfel = settings.draws_surfels();
-        let primitive = if is_surfel {
-            Primitive::Surfel
-        } else {
-            settings.primitive
-        };
+    /// Whether `style`, which names who draws, are among them.
+    pub fn admit(&self, style: &Style) -> bool {
+        let is_gpu = style.drawing.renderer == RendererChoice::Gpu;
+        let is_surfel = style.draws_surfels();
+        let primitive = if is_surfel { Primitive::Surfel } else { style.primitive };
         let any_what = self.primitives.is_empty() && self.splattings.is_empty();
         let what = if is_surfel && !self.splattings.is_empty() {
-            self.splattings.contains(&settings.surfels.splatting)
+            self.splattings.contains(&style.surfels.splatting)
         } else {
             any_what || self.primitives.contains(&primitive)
         };
-        let how = self.strategies.is_empty() || is_gpu && self.strategies.contains(&settings.drawing.strategy);
-        let who = self.renderers.is_empty() || self.renderers.contains(&settings.drawing.renderer);
+        let how = self.strategies.is_empty() || is_gpu && self.strategies.contains(&style.drawing.strategy);
+        let who = self.renderers.is_empty() || self.renderers.contains(&style.drawing.renderer);
         who && what && how
     }
 }
@@ -105,7 +101,7 @@ mod tests {
             ..Style::default()
         };
         let (cpu, gpu) = (RendererChoice::Cpu, RendererChoice::Gpu);
-        let admits = |text: &str, settings: &Style| text.parse::<Modes>().unwrap().admit(settings);
+        let admits = |text: &str, style: &Style| text.parse::<Modes>().unwrap().admit(style);
         assert!(Modes::default().admit(&voxel));
         assert!(admits("cpu", &voxel) && !admits("gpu", &voxel));
         // Surfels of one mode, and voxels.

@@ -135,13 +135,13 @@ impl<'a> Run<'a> {
         Ok(loaded)
     }
 
-    /// Viewpoints around `frame`, each with the share of pixels that it covers when drawn by `settings`. A note names
+    /// Viewpoints around `frame`, each with the share of pixels that it covers when drawn by `style`. A note names
     /// those that could not be brought into the band.
     pub(super) fn viewpoints(
         &mut self,
         subject: &Subject<'_>,
         frame: &PreparedFrame,
-        settings: &Style,
+        style: &Style,
     ) -> Result<Vec<Viewpoint>, BenchError> {
         let origin = subject.sequence.origin();
         let framing = Camera {
@@ -157,7 +157,7 @@ impl<'a> Run<'a> {
                 ..framing
             };
             viewpoints.push(scenario::place(start, height_px, |camera| {
-                self.cover(subject, frame, camera, settings)
+                self.cover(subject, frame, camera, style)
             })?);
         }
         let outside: Vec<String> = viewpoints
@@ -189,20 +189,20 @@ impl<'a> Run<'a> {
         subject: &Subject<'_>,
         frame: &PreparedFrame,
         camera: &Camera,
-        settings: &Style,
+        style: &Style,
     ) -> Result<Cover, BenchError> {
         self.check_cancelled()?;
         let origin = subject.sequence.origin();
         let mut scene = Scene::default();
         let mut on_background = |background| {
-            let settings = Style {
+            let style = Style {
                 backdrop: Backdrop {
                     background: Background::solid(background),
-                    ..settings.backdrop
+                    ..style.backdrop
                 },
-                ..*settings
+                ..*style
             };
-            let packet = scene.packet(frame, origin, camera, &settings, self.options.viewport_px);
+            let packet = scene.packet(frame, origin, camera, &style, self.options.viewport_px);
             self.runner.image(&packet)
         };
         let [first, second] = COVERAGE_BACKGROUNDS;

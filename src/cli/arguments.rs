@@ -147,7 +147,7 @@ impl PictureArgs {
     }
 
     /// `default`, but for what is given.
-    pub(super) fn settings_over(&self, default: Style) -> Style {
+    pub(super) fn style_over(&self, default: Style) -> Style {
         let mut style = self.style.over(default);
         style.colors = self.colors.over(default.colors);
         if self.two_sided {

@@ -170,7 +170,7 @@ fn guess(sequence: &Sequence) -> Option<Guess> {
         return None;
     }
     let in_file = |corner: Vec3| (sequence.origin() + corner.as_dvec3()).to_array();
-    let settings = Style::default().resolved(&look);
+    let style = Style::default().resolved(&look);
     Some(Guess {
         up: look.up.name(),
         up_because: look.up_why,
@@ -178,11 +178,11 @@ fn guess(sequence: &Sequence) -> Option<Guess> {
         azimuth_deg: look.from.azimuth_deg,
         elevation_deg: look.from.elevation_deg,
         kind: look.kind,
-        primitive: settings.primitive,
+        primitive: style.primitive,
         primitive_because: look.primitive_why,
         planar_share: look.planar_share,
         spacing_spread: look.spacing_spread,
-        back_faces: settings.surfels.back_faces,
+        back_faces: style.surfels.back_faces,
         trimmed_min: in_file(look.trimmed.min),
         trimmed_max: in_file(look.trimmed.max),
     })

@@ -38,7 +38,7 @@ pub(super) struct PosesArgs {
 
 impl PosesArgs {
     /// All that was asked for, for pictures of the frames of `range`.
-    pub(super) fn poses(&self, range: FrameRange, headless: &Headless, settings: &Style) -> anyhow::Result<Poses> {
+    pub(super) fn poses(&self, range: FrameRange, headless: &Headless, style: &Style) -> anyhow::Result<Poses> {
         let onion = |count: u8| OnionSkin {
             is_on: true,
             before: count.into(),
@@ -46,7 +46,7 @@ impl PosesArgs {
             step: self.onion_step.map_or(1, usize::from),
             ..OnionSkin::default()
         };
-        let trails = self.trails(range, headless, settings)?;
+        let trails = self.trails(range, headless, style)?;
         let looks = |trails: &Trails| (0..trails.trail_count()).map(TrailLook::picked).collect();
         Ok(Poses {
             change: self.change.map(|step| ChangeColors {
@@ -62,12 +62,12 @@ impl PosesArgs {
     }
 
     /// The trails that were asked for, through the frames of `range`; where they end is said.
-    fn trails(&self, range: FrameRange, headless: &Headless, settings: &Style) -> anyhow::Result<Option<Trails>> {
+    fn trails(&self, range: FrameRange, headless: &Headless, style: &Style) -> anyhow::Result<Option<Trails>> {
         if self.trail.is_empty() {
             return Ok(None);
         }
         let sequence = headless.sequence();
-        let chosen_in = headless.frame(range.first, settings)?;
+        let chosen_in = headless.frame(range.first, style)?;
         let points_in_file = chosen_in.frame.points_in_file();
         let is_missing = |index: &&u32| **index as usize >= points_in_file;
         if let Some(index) = self.trail.iter().find(is_missing) {

@@ -40,25 +40,25 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
             sequence.len()
         );
     }
-    let settings = arguments.picture.settings_over(Style::default());
+    let style = arguments.picture.style_over(Style::default());
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
-    let renderer = AnyRenderer::open(settings.drawing.renderer)?;
+    let renderer = AnyRenderer::open(style.drawing.renderer)?;
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
-    let settings = settings.resolved(&*headless.first_look()?);
+    let style = style.resolved(&*headless.first_look()?);
     let mut stats = Stats {
         adapter: headless.renderer().summary(),
         size: arguments.size,
-        primitive: settings.primitive.to_string(),
-        splatting: settings.surfels.splatting.to_string(),
-        instancing: settings.drawing.strategy.to_string(),
+        primitive: style.primitive.to_string(),
+        splatting: style.surfels.splatting.to_string(),
+        instancing: style.drawing.strategy.to_string(),
         frames: Vec::new(),
     };
     let (failed, asked) = if let Some(output) = &arguments.output {
         let output = (output.as_path(), range);
-        let failed = render_frames(arguments, output, &settings, &mut headless, &mut stats)?;
+        let failed = render_frames(arguments, output, &style, &mut headless, &mut stats)?;
         (failed, range.last - range.first + 1)
     } else {
-        let failed = render_video(arguments, &settings, &mut headless, &mut stats.frames)?;
+        let failed = render_video(arguments, &style, &mut headless, &mut stats.frames)?;
         (failed, sequence.len())
     };
     if let Some(path) = &arguments.stats {
@@ -102,7 +102,7 @@ fn make_folder(output: &Path, frame_count: usize) -> anyhow::Result<()> {
 fn render_frames(
     arguments: &RenderArgs,
     (output, FrameRange { first, last }): (&Path, FrameRange),
-    settings: &Style,
+    style: &Style,
     headless: &mut Headless,
     stats: &mut Stats,
 ) -> anyhow::Result<Vec<(usize, String)>> {
@@ -110,12 +110,12 @@ fn render_frames(
     make_folder(output, sequence.len())?;
     let look = headless.first_look()?;
     let range = FrameRange { first, last };
-    let poses = arguments.poses.poses(range, headless, settings)?;
+    let poses = arguments.poses.poses(range, headless, style)?;
     let mut failed = Vec::new();
     // One camera for the whole range: poses stay comparable.
     let mut camera: Option<Camera> = None;
     for index in first..=last {
-        let frame = match headless.frame(index, settings) {
+        let frame = match headless.frame(index, style) {
             Ok(frame) => frame,
             Err(error) => {
                 if first != last {
@@ -129,13 +129,13 @@ fn render_frames(
             let choice = arguments.camera.choice();
             choice.camera(&look, sequence.origin(), arguments.size)
         });
-        let Dressed { frame, problems } = poses.dress(&frame, headless, settings)?;
+        let Dressed { frame, problems } = poses.dress(&frame, headless, style)?;
         for problem in problems {
             warnings::warn_of_frame(&problem);
         }
         let path = numbered(output, index, sequence.len());
         let size = arguments.picture_size();
-        write_picture(headless, &frame, camera, settings, size, &path)?;
+        write_picture(headless, &frame, camera, style, size, &path)?;
         stats.frames.push(headless.stats(&frame));
     }
     Ok(failed)

@@ -19,7 +19,7 @@ const DEFAULT_RATE: f64 = 30.0;
 /// Renders the video; returns the frames that could not be read, with the reason.
 pub(super) fn render_video(
     arguments: &RenderArgs,
-    settings: &Style,
+    style: &Style,
     headless: &mut Headless,
     stats: &mut Vec<PictureStats>,
 ) -> anyhow::Result<Vec<(usize, String)>> {
@@ -32,10 +32,10 @@ pub(super) fn render_video(
     };
     let last = headless.sequence().len() - 1;
     let range = arguments.frame.unwrap_or(FrameRange { first: 0, last });
-    let poses = arguments.poses.poses(range, headless, settings)?;
+    let poses = arguments.poses.poses(range, headless, style)?;
     let video = Video {
         path: &path,
-        settings,
+        style,
         poses: &poses,
         size: arguments.picture_size(),
         per_second,

@@ -112,7 +112,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let options = Options {
         state: StateOptions {
             preferences: Preferences {
-                settings: args.picture.settings_over(preferences.settings),
+                settings: args.picture.style_over(preferences.settings),
                 present: args.present.unwrap_or(preferences.present),
                 ..preferences
             },

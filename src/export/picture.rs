@@ -77,7 +77,7 @@ pub fn draw_picture(
     headless: &mut Headless,
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: &Style,
+    style: &Style,
     size: PictureSize,
 ) -> Result<RgbaImage, ExportError> {
     let mut pixels = Vec::new();
@@ -85,7 +85,7 @@ pub fn draw_picture(
         pixels.extend_from_slice(&strip);
         Ok(())
     };
-    for_each_strip(headless, frame, camera, settings, size, (take, &Progress::default()))?;
+    for_each_strip(headless, frame, camera, style, size, (take, &Progress::default()))?;
     let [width, height] = size.size_px;
     Ok(RgbaImage::from_raw(width, height, pixels).unwrap_or_default())
 }
@@ -98,12 +98,12 @@ pub fn write_picture(
     headless: &mut Headless,
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: &Style,
+    style: &Style,
     size: PictureSize,
     output: &Path,
 ) -> Result<(), ExportError> {
     let output = (output, &Progress::default());
-    write_picture_observed(headless, frame, camera, settings, size, output)
+    write_picture_observed(headless, frame, camera, style, size, output)
 }
 
 /// [`write_picture`], where `progress` counts the parts that are drawn, and may be cancelled.
@@ -114,7 +114,7 @@ pub fn write_picture_observed(
     headless: &mut Headless,
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: &Style,
+    style: &Style,
     size: PictureSize,
     (output, progress): (&Path, &Progress),
 ) -> Result<(), ExportError> {
@@ -126,7 +126,7 @@ pub fn write_picture_observed(
     let (partial, file) = Partial::create(output).map_err(failed)?;
     let mut png = start_png(file, size.size_px).map_err(failed)?;
     let take = &mut |strip: RgbaImage| png.write_all(&strip).map_err(failed);
-    for_each_strip(headless, frame, camera, settings, size, (take, progress))?;
+    for_each_strip(headless, frame, camera, style, size, (take, progress))?;
     png.finish()
         .map_err(io::Error::from)
         .and_then(|()| partial.finish())
@@ -155,13 +155,13 @@ fn for_each_strip(
     headless: &mut Headless,
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: &Style,
+    style: &Style,
     size: PictureSize,
     (take, progress): (TakeStrip<'_>, &Progress),
 ) -> Result<(), ExportError> {
     let size_px @ [width, height] = size.size_px;
     check_size(size_px)?;
-    let packet = headless.packet(frame, camera, settings, size_px);
+    let packet = headless.packet(frame, camera, style, size_px);
     let halo_px = EyeDomeLight::of(&packet).map_or(0, |light| light.halo_px());
     let [part_width, part_height] = size.largest_part_px(headless.renderer(), halo_px);
     let legend = Legend::of(frame).filter(|_| size.has_legend);
@@ -255,7 +255,7 @@ fn draw_part(headless: &mut Headless, packet: &ScenePacket, is_transparent: bool
     }
     let mut on = |gray: u8| {
         let mut packet = packet.clone();
-        packet.settings.backdrop.background = Background::solid([gray; 3]);
+        packet.style.backdrop.background = Background::solid([gray; 3]);
         draw(&packet)
     };
     let (mut on_black, on_white) = (on(0)?, on(255)?);

@@ -75,24 +75,19 @@ impl Poses {
     ///
     /// # Errors
     /// If all together has more points than a frame can have.
-    pub fn dress(
-        &self,
-        pose: &Arc<PreparedFrame>,
-        headless: &Headless,
-        settings: &Style,
-    ) -> Result<Dressed, FrameError> {
+    pub fn dress(&self, pose: &Arc<PreparedFrame>, headless: &Headless, style: &Style) -> Result<Dressed, FrameError> {
         let mut dressed = Dressed {
             frame: Arc::clone(pose),
             problems: pose.frame.warnings().to_vec(),
         };
         if let Some(change) = self.change {
-            change.color(&mut dressed, headless, settings);
+            change.color(&mut dressed, headless, style);
         }
-        let needs = headless.needs(settings);
+        let needs = headless.needs(style);
         if let Some(onion) = self.onion {
             let mut ghosts = Vec::new();
             for (index, share, tint) in onion.around(pose.index, headless.sequence().len()) {
-                match headless.frame_beside(index, settings) {
+                match headless.frame_beside(index, style) {
                     Ok(frame) => ghosts.push(Ghost { frame, share, tint }),
                     Err(error) => dressed.problems.push(format!("frame {index} is no ghost: {error}")),
                 }
@@ -143,7 +138,7 @@ impl Dressed {
 }
 
 impl ChangeColors {
-    fn color(self, dressed: &mut Dressed, headless: &Headless, settings: &Style) {
+    fn color(self, dressed: &mut Dressed, headless: &Headless, style: &Style) {
         let index = dressed.frame.index;
         let mut keeps = |why: String| {
             let problem = format!("frame {index} keeps its colours: {why}");
@@ -156,7 +151,7 @@ impl ChangeColors {
         let Some(other) = other else {
             return keeps(format!("there is no frame {} later", self.step));
         };
-        let other = match headless.frame_beside(other, settings) {
+        let other = match headless.frame_beside(other, style) {
             Ok(other) => other,
             Err(error) => return keeps(error.to_string()),
         };
@@ -164,7 +159,7 @@ impl ChangeColors {
         match Change::between(places, other.frame.positions(), || true) {
             Some(change) => {
                 let range = self.range.unwrap_or(change.usual_range());
-                let map = settings.colors.map;
+                let map = style.colors.map;
                 let paint = Paint::change(range, map);
                 let colors = change.colors(range, map);
                 dressed.frame = Arc::new(dressed.frame.in_colors(&colors, paint));

@@ -24,7 +24,7 @@ pub struct Video<'a> {
     /// Where the camera is and which frame is shown. Beyond the last frame the sequence begins anew.
     pub path: &'a CameraPath,
     /// How pictures are drawn.
-    pub settings: &'a Style,
+    pub style: &'a Style,
     /// What other poses add to each picture.
     pub poses: &'a Poses,
     /// How large they are.
@@ -161,7 +161,7 @@ fn draw_pictures(
             Direction::Forward
         };
         let index = place % headless.sequence().len().max(1);
-        match headless.frame_on_the_way(index, direction, video.settings) {
+        match headless.frame_on_the_way(index, direction, video.style) {
             Ok(frame) => shown = Some(frame),
             Err(error) if shown.is_none() => {
                 return Err(HeadlessError::from(error).into());
@@ -175,14 +175,14 @@ fn draw_pictures(
         let (frame, problems) = match &mut dressed {
             Some((of, dressed)) if Arc::ptr_eq(of, pose) => (&dressed.frame, Vec::new()),
             _ => {
-                let new = video.poses.dress(pose, headless, video.settings);
+                let new = video.poses.dress(pose, headless, video.style);
                 let mut new = new.map_err(HeadlessError::from)?;
                 let problems = std::mem::take(&mut new.problems);
                 let (_, new) = dressed.insert((Arc::clone(pose), new));
                 (&new.frame, problems)
             }
         };
-        let picture = draw_picture(headless, frame, &camera, video.settings, video.size)?;
+        let picture = draw_picture(headless, frame, &camera, video.style, video.size)?;
         let stats = headless.stats(frame);
         if pictures.send(picture).is_err() {
             break;

@@ -145,7 +145,7 @@ impl Companion {
 
     /// Asks for the frame that belongs to that of `clock`, and for those that come then. True if nothing is to be
     /// waited for: it is here, cannot be read, or there is none.
-    pub fn prepare(&mut self, clock: &Clock, is_playing: bool, settings: &Style) -> bool {
+    pub fn prepare(&mut self, clock: &Clock, is_playing: bool, style: &Style) -> bool {
         self.look_at_times();
         if self.sequence.is_empty() {
             return true;
@@ -164,7 +164,7 @@ impl Companion {
         }
         let interval = clock.frame_interval().div_f64(self.frames_per_frame());
         self.loader.set_interval(is_playing.then_some(interval));
-        let needs = Scene::needs(settings);
+        let needs = Scene::needs(style);
         self.pair = self.pair_of(clock.frame());
         let request = (self.pair.nearest, clock.direction(), needs);
         if self.requested != Some(request) {
@@ -176,27 +176,26 @@ impl Companion {
         };
         match self.loader.get(frame, &needs) {
             Slot::Ready(_) | Slot::Coarse(_) | Slot::Partial(_) | Slot::Failed(_) => true,
-            Slot::Stale(frame) => can_draw(&frame, settings.primitive),
+            Slot::Stale(frame) => can_draw(&frame, style.primitive),
             Slot::Pending => false,
         }
     }
 
     /// Shows the frame that [`Companion::prepare`] has asked for, if it is here. What was shown before stays until
     /// then.
-    pub fn show(&mut self, settings: &Style) -> PlayerChange {
+    pub fn show(&mut self, style: &Style) -> PlayerChange {
         let mut change = PlayerChange::default();
         let before = self.shown.as_ref().map(Arc::as_ptr);
         let was_waiting = self.waiting_for();
         let failed_before = self.failure.take().map(|error| error.index());
         match self.frame() {
             None => self.shown = None,
-            Some(index) => match self.loader.get(index, &Scene::needs(settings)) {
+            Some(index) => match self.loader.get(index, &Scene::needs(style)) {
                 Slot::Ready(frame) | Slot::Coarse(frame) | Slot::Partial(frame) => {
                     self.shown = Some(frame);
                 }
                 Slot::Stale(frame)
-                    if can_draw(&frame, settings.primitive)
-                        || self.shown.as_ref().is_some_and(|s| s.index == index) =>
+                    if can_draw(&frame, style.primitive) || self.shown.as_ref().is_some_and(|s| s.index == index) =>
                 {
                     self.shown = Some(frame);
                 }

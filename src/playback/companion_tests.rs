@@ -38,7 +38,7 @@ struct Theatre {
     player: Player,
     companion: Companion,
     workers: [Simulation; 2],
-    settings: Style,
+    style: Style,
     now_ms: u64,
 }
 
@@ -59,7 +59,7 @@ impl Theatre {
             player: Player::with_loader(a, true),
             companion: Companion::with_loader(&sequences[0], b),
             workers: [a_workers, b_workers],
-            settings: Style {
+            style: Style {
                 primitive: Primitive::Point,
                 ..Style::default()
             },
@@ -78,11 +78,11 @@ impl Theatre {
         for (workers, loader) in self.workers.iter_mut().zip([player.loader(), companion.loader()]) {
             workers.advance(loader, now);
         }
-        player.update_beside(now, &self.settings, |clock, is_playing| {
-            companion.prepare(clock, is_playing, &self.settings)
+        player.update_beside(now, &self.style, |clock, is_playing| {
+            companion.prepare(clock, is_playing, &self.style)
         });
         if !(player.is_playing() && player.waiting_for().is_some()) {
-            companion.show(&self.settings);
+            companion.show(&self.style);
         }
     }
 
@@ -188,7 +188,7 @@ fn a_broken_frame_of_b_stops_nobody_and_is_told_once() {
     theatre.update();
     assert_eq!(theatre.companion.failure().unwrap().index(), 2);
     assert_eq!(theatre.companion.waiting_for(), None);
-    let change = theatre.companion.show(&theatre.settings);
+    let change = theatre.companion.show(&theatre.style);
     assert!(change.new_failure.is_none() && !change.visible, "told before");
 }
 
@@ -278,7 +278,7 @@ proptest! {
         for _ in 0..500 {
             let now = theatre.now();
             theatre.workers[0].advance(theatre.player.loader(), now);
-            theatre.player.update(now, &theatre.settings);
+            theatre.player.update(now, &theatre.style);
             theatre.now_ms += 1;
         }
         theatre.player.set_loop_mode(loop_mode, theatre.now());

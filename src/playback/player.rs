@@ -147,9 +147,9 @@ impl Player {
     }
 
     /// Has the first frame made before there is a window to show it in.
-    pub fn begin(&mut self, settings: &Style) {
+    pub fn begin(&mut self, style: &Style) {
         self.loader.set_interval(self.interval(&self.clock));
-        let needs = Scene::needs(settings);
+        let needs = Scene::needs(style);
         self.request(self.clock.frame(), self.clock.direction(), needs);
     }
 
@@ -282,8 +282,8 @@ impl Player {
     }
 
     /// Moves the playhead to where it is at `now` and shows its frame if it is there.
-    pub fn update(&mut self, now: Duration, settings: &Style) -> PlayerChange {
-        self.update_beside(now, settings, |_, _| true)
+    pub fn update(&mut self, now: Duration, style: &Style) -> PlayerChange {
+        self.update_beside(now, style, |_, _| true)
     }
 
     /// [`Player::update`] beside something else that goes by the same clock: `prepare` is told where the clock will be,
@@ -291,11 +291,11 @@ impl Player {
     pub fn update_beside(
         &mut self,
         now: Duration,
-        settings: &Style,
+        style: &Style,
         prepare: impl FnOnce(&Clock, bool) -> bool,
     ) -> PlayerChange {
         let has_grown = self.grow(now);
-        let needs = Scene::needs(settings);
+        let needs = Scene::needs(style);
         let playhead_before = self.clock.frame();
         let playing_before = self.is_playing();
         let mut ahead = self.clock.clone();
@@ -314,7 +314,7 @@ impl Player {
         let frame = match slot {
             Slot::Partial(frame) | Slot::Ready(frame) | Slot::Coarse(frame) => Some(frame),
             // An older picture of the same pose serves meanwhile; one that cannot be drawn as asked would only flash.
-            Slot::Stale(frame) if can_draw(&frame, settings.primitive) || self.shows(target) => Some(frame),
+            Slot::Stale(frame) if can_draw(&frame, style.primitive) || self.shows(target) => Some(frame),
             Slot::Stale(_) | Slot::Pending => None,
             Slot::Failed(error) => {
                 self.arrive(ahead, now);

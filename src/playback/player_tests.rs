@@ -32,7 +32,7 @@ impl Gate {
 struct Fixture {
     gate: Arc<Gate>,
     player: Player,
-    settings: Style,
+    style: Style,
 }
 
 impl Drop for Fixture {
@@ -59,22 +59,22 @@ impl Fixture {
             Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]])))
         });
         let player = Player::new(Arc::new(sequence), LoaderOptions::default(), play).unwrap();
-        let settings = Style {
+        let style = Style {
             primitive: Primitive::Point,
             ..Style::default()
         };
-        Self { gate, player, settings }
+        Self { gate, player, style }
     }
 
     fn update(&mut self, now: Duration) -> Option<usize> {
-        self.player.update(now, &self.settings);
+        self.player.update(now, &self.style);
         self.player.shown().map(|frame| frame.index)
     }
 
     /// Lets `frames` through and waits until the loader has them.
     fn load(&mut self, frames: std::ops::Range<u64>) {
         self.gate.let_through(frames.clone());
-        let needs = Scene::needs(&self.settings);
+        let needs = Scene::needs(&self.style);
         let begin = Instant::now();
         for frame in frames {
             while matches!(self.player.loader.get(frame as usize, &needs), Slot::Pending) {
@@ -209,17 +209,17 @@ fn what_could_not_be_read_of_a_frame_is_told_once() {
     });
     let sequence = Arc::new(sequence);
     let mut player = Player::new(sequence, LoaderOptions::default(), false).unwrap();
-    let settings = Style {
+    let style = Style {
         primitive: Primitive::Point,
         ..Style::default()
     };
     let mut told = Vec::new();
     for frame in [0, 1, 2, 0, 2] {
         player.seek(frame, Duration::ZERO);
-        told.extend(player.update(Duration::ZERO, &settings).new_warnings);
-        let needs = Scene::needs(&settings);
+        told.extend(player.update(Duration::ZERO, &style).new_warnings);
+        let needs = Scene::needs(&style);
         player.loader().wait(frame, &needs).unwrap();
-        told.extend(player.update(Duration::ZERO, &settings).new_warnings);
+        told.extend(player.update(Duration::ZERO, &style).new_warnings);
         assert_eq!(player.shown().map(|shown| shown.index), Some(frame));
     }
     assert_eq!(told, ["frame_0.ply: no faces", "frame_2.ply: no faces"]);
@@ -259,12 +259,12 @@ fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
         ..LoaderOptions::default()
     };
     let mut player = Player::new(Arc::clone(&sequence), loader, false).unwrap();
-    let settings = Style::default();
+    let style = Style::default();
     player.follow_newest(true, Duration::ZERO);
     let shown = |player: &mut Player, now_ms: u64| {
         let begin = std::time::Instant::now();
         loop {
-            player.update(Duration::from_millis(now_ms), &settings);
+            player.update(Duration::from_millis(now_ms), &style);
             if player.waiting_for().is_none() && (player.shown().is_some() || player.failure().is_some()) {
                 let failed = player.failure().map(ToString::to_string);
                 return (player.shown().map(|frame| frame.index), failed);

@@ -15,7 +15,7 @@ const POINTS: usize = 1 << 16;
 struct Theatre {
     player: Player,
     workers: Simulation,
-    settings: Style,
+    style: Style,
     now: Duration,
     /// When the picture is finished that is being drawn.
     free_at: Duration,
@@ -57,7 +57,7 @@ impl Theatre {
         Self {
             player: Player::with_loader(loader, true),
             workers,
-            settings: Style {
+            style: Style {
                 primitive: Primitive::Point,
                 ..Style::default()
             },
@@ -74,7 +74,7 @@ impl Theatre {
         let end = Duration::from_millis(end_ms);
         while self.now < end {
             self.workers.advance(&self.player.loader, self.now);
-            self.player.update(self.now, &self.settings);
+            self.player.update(self.now, &self.style);
             let shown = self.player.shown().map(|frame| (frame.index, frame.frame.len()));
             if let Some((index, points)) = shown
                 && shown != self.last

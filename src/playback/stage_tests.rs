@@ -37,7 +37,7 @@ fn sequence(frames: usize, points: usize) -> Arc<Sequence> {
 struct Stage {
     player: Player,
     workers: Simulation,
-    settings: Style,
+    style: Style,
     now: Duration,
 }
 
@@ -59,7 +59,7 @@ impl Stage {
         Self {
             player: Player::with_loader(loader, play),
             workers,
-            settings: Style::default(),
+            style: Style::default(),
             now: Duration::ZERO,
         }
     }
@@ -68,7 +68,7 @@ impl Stage {
     fn watch(&mut self) -> Vec<ShownFrame> {
         let mut seen: Vec<ShownFrame> = Vec::new();
         for _ in 0..50 {
-            self.player.update(self.now, &self.settings);
+            self.player.update(self.now, &self.style);
             if let Some(frame) = self.player.shown() {
                 let (points, is_surfel) = (frame.points.len(), frame.shapes.is_some());
                 let picture = (points, is_surfel, self.player.is_partial());
@@ -78,7 +78,7 @@ impl Stage {
             }
             self.workers.advance(&self.player.loader, self.now);
             let Some(next) = self.workers.next_event() else {
-                self.player.update(self.now, &self.settings);
+                self.player.update(self.now, &self.style);
                 break;
             };
             self.now = next;
@@ -120,8 +120,8 @@ fn nothing_is_read_or_estimated_twice() {
 #[test]
 fn points_that_are_asked_for_alone_have_two_stages() {
     let mut stage = Stage::new(&sequence(1, LARGE), true, LoaderOptions::default());
-    stage.settings.primitive = Primitive::Point;
-    stage.settings.colors = crate::sequence::ColorSource::Uniform.into();
+    stage.style.primitive = Primitive::Point;
+    stage.style.colors = crate::sequence::ColorSource::Uniform.into();
     assert_eq!(stage.watch(), [(SAMPLE, false, true), (LARGE, false, false)]);
 }
 
@@ -131,7 +131,7 @@ fn other_frames_wait_until_the_one_that_is_looked_at_is_whole() {
     let seen = stage.watch();
     assert_eq!(seen.len(), 3, "{seen:?}");
     // All are whole in the end, and those that nobody looked at came at once.
-    let needs = Scene::needs(&stage.settings);
+    let needs = Scene::needs(&stage.style);
     for frame in 0..3 {
         assert!(matches!(stage.player.loader().get(frame, &needs), Slot::Ready(_)));
     }
@@ -160,10 +160,10 @@ fn who_wants_one_frame_gets_it_whole() {
 }
 
 /// Waits until a reading in this stage is under way on real threads, and cancels it.
-fn cancel(player: &mut Player, settings: &Style, stage: fn(ReadingStage) -> bool) {
+fn cancel(player: &mut Player, style: &Style, stage: fn(ReadingStage) -> bool) {
     let begin = std::time::Instant::now();
     loop {
-        player.update(begin.elapsed(), settings);
+        player.update(begin.elapsed(), style);
         let readings: Vec<Reading> = player.loader().readings();
         if let Some(reading) = readings.iter().find(|reading| stage(reading.stage)) {
             return reading.progress.cancel();
@@ -180,22 +180,22 @@ fn normals_that_are_cancelled_leave_the_points() {
         ..LoaderOptions::default()
     };
     let mut player = Player::new(sequence(1, LARGE), options, true).unwrap();
-    let mut settings = Style::default();
-    cancel(&mut player, &settings, |stage| stage == ReadingStage::Normals);
+    let mut style = Style::default();
+    cancel(&mut player, &style, |stage| stage == ReadingStage::Normals);
     while player.loader().is_busy() {
         std::thread::yield_now();
     }
-    let change = player.update(Duration::from_secs(100), &settings);
+    let change = player.update(Duration::from_secs(100), &style);
     assert!(change.new_failure.is_none());
     let frame = player.shown().unwrap();
     assert_eq!((frame.points.len(), frame.shapes.is_some()), (LARGE, false));
     assert!(!player.is_partial(), "nothing more is to come");
     assert!(!player.loader().is_busy());
     // Other needs are a new start, and so are these when they are asked for again.
-    settings.primitive = Primitive::Point;
-    player.update(Duration::from_secs(101), &settings);
-    settings.primitive = Primitive::Surfel;
-    player.update(Duration::from_secs(102), &settings);
+    style.primitive = Primitive::Point;
+    player.update(Duration::from_secs(101), &style);
+    style.primitive = Primitive::Surfel;
+    player.update(Duration::from_secs(102), &style);
     assert!(player.is_partial());
 }
 

@@ -109,8 +109,8 @@ proptest! {
         for way in ways() {
             let frame = complete(&frame, &Scene::needs(&way), &PrepareCounters::default());
             let packet = |clip| {
-                let settings = Style { of_sequence: OfSequence { clip, ..way.of_sequence }, ..way };
-                Scene::default().packet(&frame, origin, &camera(origin), &settings, SIZE)
+                let style = Style { of_sequence: OfSequence { clip, ..way.of_sequence }, ..way };
+                Scene::default().packet(&frame, origin, &camera(origin), &style, SIZE)
             };
             let (all, clipped) = (packet(None), packet(Some(clip)));
             prop_assert!(clipped.content.coded().is_none());
@@ -145,8 +145,8 @@ proptest! {
         let frame = frame(&places, origin);
         let clip = Clip::to(shape.relative_to(-origin));
         for way in ways() {
-            let settings = Style { of_sequence: OfSequence { clip: Some(clip), ..way.of_sequence }, ..way };
-            let packet = Scene::default().packet(&frame, origin, &camera(origin), &settings, SIZE);
+            let style = Style { of_sequence: OfSequence { clip: Some(clip), ..way.of_sequence }, ..way };
+            let packet = Scene::default().packet(&frame, origin, &camera(origin), &style, SIZE);
             let at = [px.0, px.1].map(|edge| f64::from(edge) + 0.5);
             let Some(slot) = pick(&packet, &frame, at, 20.0) else { continue };
             let place = Vec3::from_array(frame.points[slot].position).as_dvec3();
@@ -179,14 +179,14 @@ fn the_same_clip_is_the_same_allocation() {
             is_on,
             ..Clip::to(shape)
         };
-        let settings = Style {
+        let style = Style {
             of_sequence: OfSequence {
                 clip: Some(clip),
                 ..OfSequence::default()
             },
             ..Style::default()
         };
-        scene.packet(&frame, DVec3::ZERO, &camera(DVec3::ZERO), &settings, SIZE)
+        scene.packet(&frame, DVec3::ZERO, &camera(DVec3::ZERO), &style, SIZE)
     };
     let [first, again] = [packet(0.0, true), packet(0.0, true)];
     assert_eq!(first.content.record_count(), 50);

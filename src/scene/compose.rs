@@ -97,15 +97,15 @@ impl Scene {
     }
 
     /// What a frame must have for a picture with these settings.
-    pub fn needs(settings: &Style) -> Needs {
+    pub fn needs(style: &Style) -> Needs {
         Needs {
-            shapes: settings.draws_surfels() || settings.lights_voxels_by_normals(),
-            levels: settings.levels_kind().map(|kind| LevelsKey {
+            shapes: style.draws_surfels() || style.lights_voxels_by_normals(),
+            levels: style.levels_kind().map(|kind| LevelsKey {
                 kind,
-                stop: settings.octree_stop(),
+                stop: style.octree_stop(),
             }),
-            colors: settings.colors,
-            hints: settings.of_sequence.color_hints,
+            colors: style.colors,
+            hints: style.of_sequence.color_hints,
         }
     }
 
@@ -118,24 +118,24 @@ impl Scene {
         frame: &PreparedFrame,
         origin: DVec3,
         camera: &Camera,
-        settings: &Style,
+        style: &Style,
         viewport_px: [u32; 2],
     ) -> ScenePacket {
-        let viewport_px = settings.drawn_px(viewport_px);
+        let viewport_px = style.drawn_px(viewport_px);
         let view = camera.transform(origin, viewport_px);
-        let clip = settings.of_sequence.clip.filter(|clip| clip.is_on);
-        let mut settings = *settings;
-        settings.of_sequence.clip = clip.map(|clip| clip.relative_to(origin));
+        let clip = style.of_sequence.clip.filter(|clip| clip.is_on);
+        let mut style = *style;
+        style.of_sequence.clip = clip.map(|clip| clip.relative_to(origin));
         let bounds = frame.frame.bounds();
-        let ground = settings.backdrop.grid.then(|| {
-            let ground_box = settings.of_sequence.ground_box.unwrap_or(bounds);
-            GroundPlane::under(&ground_box, origin, camera.up, settings.backdrop.background)
+        let ground = style.backdrop.grid.then(|| {
+            let ground_box = style.of_sequence.ground_box.unwrap_or(bounds);
+            GroundPlane::under(&ground_box, origin, camera.up, style.backdrop.background)
         });
         ScenePacket {
             viewport_px,
             view,
-            content: self.content(frame, &view, viewport_px, &settings),
-            settings,
+            content: self.content(frame, &view, viewport_px, &style),
+            style,
             bounds,
             ground,
         }
@@ -147,27 +147,27 @@ impl Scene {
         frame: &PreparedFrame,
         view: &ViewTransform,
         viewport_px: [u32; 2],
-        settings: &Style,
+        style: &Style,
     ) -> Content {
-        let kind = settings.levels_kind();
-        let coded = self.coded(frame, settings);
-        if let Some(coded) = coded.filter(|_| settings.of_sequence.clip.is_none()) {
+        let kind = style.levels_kind();
+        let coded = self.coded(frame, style);
+        if let Some(coded) = coded.filter(|_| style.of_sequence.clip.is_none()) {
             self.stats.emitted_voxels = coded.deepest_nodes();
             return Content::Coded(coded);
         }
         if let Some(levels) = kind.and_then(|kind| frame.levels.get(kind)) {
             return self.cut(CutInput {
                 levels,
-                culls_back_faces: settings.culls_back_faces(),
+                culls_back_faces: style.culls_back_faces(),
                 view: *view,
                 viewport_px,
-                lod: settings.levels.lod,
+                lod: style.levels.lod,
                 affordable: self.affordable,
-                clip: settings.of_sequence.clip,
+                clip: style.of_sequence.clip,
             });
         }
         let points = || Arc::clone(&frame.points);
-        let whole = match settings.primitive {
+        let whole = match style.primitive {
             Primitive::Point => Content::Points(points()),
             Primitive::Auto | Primitive::Surfel => match &frame.shapes {
                 Some(shapes) => Content::Surfels(Surfels {
@@ -178,7 +178,7 @@ impl Scene {
             },
             Primitive::Voxel => Content::Nothing,
         };
-        match settings.of_sequence.clip {
+        match style.of_sequence.clip {
             Some(clip) => self.clip(clip, whole),
             None => whole,
         }
@@ -200,11 +200,11 @@ impl Scene {
 
     /// The byte code of a frame, if it is to be drawn. What is not a threshold chooses a level: as the code is stored
     /// breadth-first, that is one of its prefixes.
-    fn coded(&self, frame: &PreparedFrame, settings: &Style) -> Option<CodedCells> {
-        let is_drawn = settings.levels_kind() == Some(LevelsKind::Codes);
+    fn coded(&self, frame: &PreparedFrame, style: &Style) -> Option<CodedCells> {
+        let is_drawn = style.levels_kind() == Some(LevelsKind::Codes);
         let cloud = frame.levels.codes().filter(|_| is_drawn)?;
         let at_most = |nodes: u32| (0.0, cloud.deepest_level_of(nodes as usize));
-        let (lod_px, deepest_level) = match settings.levels.lod {
+        let (lod_px, deepest_level) = match style.levels.lod {
             Lod::ThresholdPx(lod_px) => (lod_px, cloud.depth()),
             Lod::Level(level) => (0.0, level),
             Lod::Budget(nodes) => at_most(nodes),
@@ -219,9 +219,9 @@ impl Scene {
     }
 
     /// Takes notice of how long the last picture took to draw, for [`Lod::FrameTimeMs`].
-    pub fn note_draw_ms(&mut self, settings: &Style, draw_ms: f64) {
-        if let Lod::FrameTimeMs(asked_ms) = settings.levels.lod
-            && settings.levels_kind().is_some()
+    pub fn note_draw_ms(&mut self, style: &Style, draw_ms: f64) {
+        if let Lod::FrameTimeMs(asked_ms) = style.levels.lod
+            && style.levels_kind().is_some()
         {
             let drawn = self.stats.emitted_voxels;
             self.affordable.learn(drawn, draw_ms, f64::from(asked_ms));

@@ -60,10 +60,10 @@ impl EyeDomeLight {
     /// That of a packet; `None` where there is none: [`Splatting::NoDepth`](super::Splatting::NoDepth) leaves no depths
     /// to shade by.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
-        let settings = &packet.settings;
-        let strength = settings.light.eye_dome_strength;
-        let is_on = settings.light.eye_dome == EyeDome::On && strength > 0.0;
-        (is_on && settings.leaves_depths()).then(|| {
+        let style = &packet.style;
+        let strength = style.light.eye_dome_strength;
+        let is_on = style.light.eye_dome == EyeDome::On && strength > 0.0;
+        (is_on && style.leaves_depths()).then(|| {
             let [top, bottom] = packet.view.rows_of_whole;
             let height_px = packet.viewport_px[1] as f32 / (bottom - top);
             Self::new(height_px.round(), packet.view.telephoto, strength)

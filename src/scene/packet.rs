@@ -12,7 +12,7 @@ pub struct ScenePacket {
     /// The camera.
     pub view: ViewTransform,
     /// How to draw.
-    pub settings: Style,
+    pub style: Style,
     /// What to draw; renderers tell records apart by their allocation.
     pub content: Content,
     /// The box around the cloud, for the grey of [`super::Splatting::Visibility`].

@@ -95,7 +95,7 @@ pub(crate) struct Surfel {
 }
 
 /// A packet of surfels (or of points, by the settings).
-pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, settings: Style, viewport_px: [u32; 2]) -> ScenePacket {
+pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, style: Style, viewport_px: [u32; 2]) -> ScenePacket {
     let positions: Vec<Vec3> = surfels.iter().map(|surfel| surfel.position).collect();
     let points = surfels.iter().map(|surfel| PointRecord {
         position: surfel.position.to_array(),
@@ -111,13 +111,13 @@ pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, settings: Style, view
     ScenePacket {
         viewport_px,
         view: camera.transform(DVec3::ZERO, viewport_px),
-        content: if settings.primitive == Primitive::Point {
+        content: if style.primitive == Primitive::Point {
             Content::Points(points)
         } else {
             let shapes = Arc::new(shapes.collect());
             Content::Surfels(Surfels { points, shapes })
         },
-        settings,
+        style,
         ground: None,
         bounds: Aabb::from_points(&positions),
     }
@@ -128,14 +128,14 @@ pub(crate) fn voxels(
     records: Vec<VoxelRecord>,
     cube_edge: f32,
     camera: &Camera,
-    settings: Style,
+    style: Style,
     viewport_px: [u32; 2],
 ) -> ScenePacket {
     let centers: Vec<Vec3> = records.iter().map(|record| Vec3::from_array(record.center)).collect();
     ScenePacket {
         viewport_px,
         view: camera.transform(DVec3::ZERO, viewport_px),
-        settings,
+        style,
         content: Content::Voxels(Voxels {
             records: Arc::new(records),
             normals: None,

@@ -64,7 +64,7 @@ pub(crate) fn state_on(sequence: Arc<Sequence>, options: StateOptions) -> State 
 /// Waits until the loader has every frame as the settings need it.
 pub(crate) fn load_all(state: &mut State) {
     state.update(state.now());
-    let needs = Scene::needs(&state.settings);
+    let needs = Scene::needs(&state.style);
     let loader = state.player.as_ref().unwrap().loader();
     for index in 0..FRAMES {
         // A broken frame is an answer as well.

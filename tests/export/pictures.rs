@@ -1,6 +1,6 @@
 //! Parts of a picture beside the whole of it, and alpha.
 
-use super::{headless, near_by, settings};
+use super::{headless, near_by, style};
 use crate::common;
 use image::RgbaImage;
 use pointreel::export::{ExportError, MAX_EDGE_PX, PictureSize, draw_picture, write_picture, write_picture_observed};
@@ -18,19 +18,19 @@ const SIZE_PX: [u32; 2] = [300, 220];
 
 /// How near a picture drawn in parts is to one drawn whole: in dB, and as the number of pixels that anybody could see
 /// to be others.
-fn parts_beside_whole(renderer: AnyRenderer, settings: &Style) -> (f64, usize) {
+fn parts_beside_whole(renderer: AnyRenderer, style: &Style) -> (f64, usize) {
     let mut headless = headless(renderer);
-    let (frame, camera) = near_by(&headless, settings);
+    let (frame, camera) = near_by(&headless, style);
     let mut draw = |part_edge_px: Option<u32>| {
         let size = PictureSize {
             part_edge_px,
             ..PictureSize::opaque(SIZE_PX)
         };
-        draw_picture(&mut headless, &frame, &camera, settings, size).unwrap()
+        draw_picture(&mut headless, &frame, &camera, style, size).unwrap()
     };
     // Neither divides the edges, nor the tiles of the software renderer.
     let (whole, parts) = (draw(None), draw(Some(77)));
-    let background = settings.backdrop.background.top;
+    let background = style.backdrop.background.top;
     assert!(common::covered(&whole, background) > 60_000, "the gradient");
     let others = whole
         .pixels()
@@ -48,7 +48,7 @@ fn ways() -> Vec<Style> {
     let mut ways = vec![
         Style {
             primitive: Primitive::Voxel,
-            ..settings()
+            ..style()
         },
         Style {
             primitive: Primitive::Point,
@@ -56,47 +56,47 @@ fn ways() -> Vec<Style> {
                 size_px: 5.0,
                 ..PointStyle::default()
             },
-            ..settings()
+            ..style()
         },
         Style {
             levels: LevelStyle {
                 surfel_lod: true,
                 lod: Lod::Budget(900),
-                ..settings().levels
+                ..style().levels
             },
-            ..settings()
+            ..style()
         },
     ];
     ways.extend(Splatting::ALL.iter().map(|&splatting| Style {
         surfels: SurfelStyle {
             splatting,
-            ..settings().surfels
+            ..style().surfels
         },
-        ..settings()
+        ..style()
     }));
     // In parts neighbours are seen beyond them, and lines go on.
     ways.extend([Primitive::Surfel, Primitive::Voxel].map(|primitive| Style {
         primitive,
         light: LightStyle {
             eye_dome: EyeDome::On,
-            ..settings().light
+            ..style().light
         },
         backdrop: Backdrop {
             grid: true,
-            ..settings().backdrop
+            ..style().backdrop
         },
-        ..settings()
+        ..style()
     }));
     ways
 }
 
 #[test]
 fn the_processor_draws_the_same_picture_in_parts() {
-    for settings in ways() {
-        let (db, others) = parts_beside_whole(AnyRenderer::cpu(), &settings);
-        let has_borders = settings.surfels.splatting == Splatting::Regular;
+    for style in ways() {
+        let (db, others) = parts_beside_whole(AnyRenderer::cpu(), &style);
+        let has_borders = style.surfels.splatting == Splatting::Regular;
         let is_near = db >= 60.0 || (has_borders && others <= MOST_BORDER_PIXELS);
-        assert!(is_near, "{db} dB, {others} pixels: {settings:?}");
+        assert!(is_near, "{db} dB, {others} pixels: {style:?}");
     }
 }
 
@@ -104,14 +104,14 @@ fn the_processor_draws_the_same_picture_in_parts() {
 #[test]
 fn byte_codes_are_nearly_the_same_in_parts() {
     for (footprint, least_db) in [(Footprint::Masks, 35.0), (Footprint::Pixels, 60.0)] {
-        let settings = Style {
+        let style = Style {
             codes: CodeStyle {
                 footprint,
-                ..settings().codes
+                ..style().codes
             },
-            ..settings()
+            ..style()
         };
-        let (db, _) = parts_beside_whole(AnyRenderer::cpu(), &settings);
+        let (db, _) = parts_beside_whole(AnyRenderer::cpu(), &style);
         assert!(db >= least_db, "{db} dB: {footprint}");
     }
 }
@@ -122,14 +122,14 @@ fn the_graphics_library_draws_the_same_picture_in_parts() {
     ways.extend(Strategy::ALL.iter().map(|&strategy| Style {
         drawing: DrawingStyle {
             strategy,
-            ..settings().drawing
+            ..style().drawing
         },
-        ..settings()
+        ..style()
     }));
-    for settings in ways {
+    for style in ways {
         let renderer = AnyRenderer::gpu(common::context()).unwrap();
-        let (db, _) = parts_beside_whole(renderer, &settings);
-        assert!(db >= 60.0, "{db} dB: {settings:?}");
+        let (db, _) = parts_beside_whole(renderer, &style);
+        assert!(db >= 60.0, "{db} dB: {style:?}");
     }
 }
 
@@ -153,7 +153,7 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
         .into_iter()
         .flat_map(|primitive| [EyeDome::Off, EyeDome::On].map(|eye_dome| (primitive, eye_dome)))
     {
-        let settings = Style {
+        let style = Style {
             primitive,
             light: LightStyle {
                 eye_dome,
@@ -166,13 +166,13 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
             ..Style::default()
         };
         let mut headless = headless(AnyRenderer::cpu());
-        let (frame, camera) = near_by(&headless, &settings);
+        let (frame, camera) = near_by(&headless, &style);
         let mut draw = |is_transparent| {
             let size = PictureSize {
                 is_transparent,
                 ..PictureSize::opaque(SIZE_PX)
             };
-            draw_picture(&mut headless, &frame, &camera, &settings, size).unwrap()
+            draw_picture(&mut headless, &frame, &camera, &style, size).unwrap()
         };
         let (opaque, transparent) = (draw(false), draw(true));
         let (_, largest) = common::difference(&over(&transparent, [200, 60, 120]), &opaque);
@@ -186,16 +186,16 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
 
 #[test]
 fn a_scale_bar_is_painted_over_the_same_picture() {
-    let settings = settings();
+    let style = style();
     let mut headless = headless(AnyRenderer::cpu());
-    let (frame, camera) = near_by(&headless, &settings);
+    let (frame, camera) = near_by(&headless, &style);
     let mut draw = |has_scale_bar, part_edge_px| {
         let size = PictureSize {
             has_scale_bar,
             part_edge_px,
             ..PictureSize::opaque([320, 240])
         };
-        draw_picture(&mut headless, &frame, &camera, &settings, size).unwrap()
+        draw_picture(&mut headless, &frame, &camera, &style, size).unwrap()
     };
     let (plain, with_bar) = (draw(false, None), draw(true, None));
     for (x, y, pixel) in with_bar.enumerate_pixels() {
@@ -211,16 +211,16 @@ fn a_scale_bar_is_painted_over_the_same_picture() {
 fn a_file_holds_what_was_drawn_in_parts() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.png");
-    let settings = settings();
+    let style = style();
     let mut headless = headless(AnyRenderer::cpu());
-    let (frame, camera) = near_by(&headless, &settings);
+    let (frame, camera) = near_by(&headless, &style);
     let size = PictureSize {
         is_transparent: true,
         part_edge_px: Some(100),
         ..PictureSize::opaque(SIZE_PX)
     };
-    write_picture(&mut headless, &frame, &camera, &settings, size, &file).unwrap();
-    let drawn = draw_picture(&mut headless, &frame, &camera, &settings, size).unwrap();
+    write_picture(&mut headless, &frame, &camera, &style, size, &file).unwrap();
+    let drawn = draw_picture(&mut headless, &frame, &camera, &style, size).unwrap();
     assert_eq!(image::open(&file).unwrap().to_rgba8(), drawn);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
@@ -229,9 +229,9 @@ fn a_file_holds_what_was_drawn_in_parts() {
 fn a_picture_that_is_cancelled_between_its_parts_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.png");
-    let settings = settings();
+    let style = style();
     let mut headless = headless(AnyRenderer::cpu());
-    let (frame, camera) = near_by(&headless, &settings);
+    let (frame, camera) = near_by(&headless, &style);
     let size = PictureSize {
         part_edge_px: Some(100),
         ..PictureSize::opaque([250, 120])
@@ -246,7 +246,7 @@ fn a_picture_that_is_cancelled_between_its_parts_leaves_nothing() {
             }
         });
         let output = (file.as_path(), &progress);
-        let written = write_picture_observed(&mut headless, &frame, &camera, &settings, size, output);
+        let written = write_picture_observed(&mut headless, &frame, &camera, &style, size, output);
         assert_eq!(progress.of(), Some(6));
         let told = told.lock().unwrap().clone();
         (written, told)
@@ -265,16 +265,15 @@ fn what_cannot_be_drawn_is_refused_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.png");
     let mut headless = headless(AnyRenderer::cpu());
-    let settings = Style {
+    let style = Style {
         drawing: DrawingStyle {
             resolution: 0.5,
-            ..settings().drawing
+            ..style().drawing
         },
-        ..settings()
+        ..style()
     };
-    let (frame, camera) = near_by(&headless, &settings);
-    let mut write =
-        |size: PictureSize| write_picture(&mut headless, &frame, &camera, &settings, size, &file).unwrap_err();
+    let (frame, camera) = near_by(&headless, &style);
+    let mut write = |size: PictureSize| write_picture(&mut headless, &frame, &camera, &style, size, &file).unwrap_err();
     let huge = write(PictureSize::opaque([MAX_EDGE_PX + 1, 4]));
     assert!(matches!(huge, ExportError::PictureSize { .. }), "{huge}");
     let scaled = write(PictureSize {

@@ -34,7 +34,7 @@ fn walk() -> Headless {
     headless_of(sequence, AnyRenderer::cpu())
 }
 
-fn settings() -> Style {
+fn style() -> Style {
     Style {
         primitive: Primitive::Point,
         // All points are white, which says nothing to the automatic choice.
@@ -69,10 +69,10 @@ fn path() -> CameraPath {
 /// The pictures of a video with `poses`, each of which is compared with the single picture of its frame; and what was
 /// said.
 fn pictures(poses: &Poses) -> (Vec<RgbaImage>, Vec<String>) {
-    let (path, settings) = (path(), settings());
+    let (path, style) = (path(), style());
     let video = Video {
         path: &path,
-        settings: &settings,
+        style: &style,
         poses,
         size: size(),
         per_second: 10.0,
@@ -89,10 +89,10 @@ fn pictures(poses: &Poses) -> (Vec<RgbaImage>, Vec<String>) {
     let pictures = (0..FRAMES).map(|frame| {
         let file = pointreel::export::numbered(&output, frame, FRAMES);
         let picture = image::open(file).unwrap().to_rgba8();
-        let pose = headless.frame(frame, &settings).unwrap();
-        let dressed = poses.dress(&pose, &headless, &settings).unwrap().frame;
+        let pose = headless.frame(frame, &style).unwrap();
+        let dressed = poses.dress(&pose, &headless, &style).unwrap().frame;
         let (camera, _) = path.at(frame as f64 / 10.0);
-        let single = draw_picture(&mut headless, &dressed, &camera, &settings, size()).unwrap();
+        let single = draw_picture(&mut headless, &dressed, &camera, &style, size()).unwrap();
         assert!(picture == single, "frame {frame}");
         picture
     });

@@ -24,16 +24,16 @@ static NO_POSES: Poses = Poses {
 };
 
 /// Seven pictures around the demo, 30 a second, a frame of it each.
-fn turntable(settings: &Style) -> CameraPath {
+fn turntable(style: &Style) -> CameraPath {
     let headless = headless(AnyRenderer::cpu());
-    let (_, camera) = near_by(&headless, settings);
+    let (_, camera) = near_by(&headless, style);
     CameraPath::turntable(camera, 1.0, [7.0, 30.0], [3.0, 1.0]).unwrap()
 }
 
-fn video<'a>(path: &'a CameraPath, settings: &'a Style) -> Video<'a> {
+fn video<'a>(path: &'a CameraPath, style: &'a Style) -> Video<'a> {
     Video {
         path,
-        settings,
+        style,
         poses: &NO_POSES,
         size: PictureSize::opaque(SIZE_PX),
         per_second: 30.0,
@@ -60,8 +60,8 @@ fn expected(video: &Video<'_>) -> Vec<RgbaImage> {
     (0..video.picture_count())
         .map(|picture| {
             let (camera, frame) = video.path.at(picture as f64 * video.speed / video.per_second);
-            let frame = headless.frame(frame % 24, video.settings).unwrap();
-            draw_picture(&mut headless, &frame, &camera, video.settings, video.size).unwrap()
+            let frame = headless.frame(frame % 24, video.style).unwrap();
+            draw_picture(&mut headless, &frame, &camera, video.style, video.size).unwrap()
         })
         .collect()
 }
@@ -88,10 +88,10 @@ fn delays_ms(frames: &[Frame]) -> Vec<u32> {
 
 #[test]
 fn a_webp_holds_every_picture_exactly() {
-    let settings = Style::default();
-    let path = turntable(&settings);
+    let style = Style::default();
+    let path = turntable(&style);
     for is_transparent in [false, true] {
-        let mut video = video(&path, &settings);
+        let mut video = video(&path, &style);
         video.size.is_transparent = is_transparent;
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.webp");
@@ -109,9 +109,9 @@ fn a_webp_holds_every_picture_exactly() {
 
 #[test]
 fn a_gif_holds_every_picture_nearly() {
-    let settings = Style::default();
-    let path = turntable(&settings);
-    let video = video(&path, &settings);
+    let style = Style::default();
+    let path = turntable(&style);
+    let video = video(&path, &style);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.gif");
     export(&video, &file);
@@ -129,9 +129,9 @@ fn a_gif_holds_every_picture_nearly() {
 fn a_gif_of_few_colours_is_exact() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.gif");
-    let settings = Style::default();
-    let path = turntable(&settings);
-    let mut sink = open_sink(&file, &video(&path, &settings).stream()).unwrap();
+    let style = Style::default();
+    let path = turntable(&style);
+    let mut sink = open_sink(&file, &video(&path, &style).stream()).unwrap();
     let pictures: Vec<RgbaImage> = (0..7)
         .map(|index| {
             RgbaImage::from_fn(SIZE_PX[0], SIZE_PX[1], |x, y| {
@@ -158,9 +158,9 @@ fn a_gif_of_few_colours_is_exact() {
 
 #[test]
 fn png_files_get_their_names_together() {
-    let settings = Style::default();
-    let path = turntable(&settings);
-    let mut video = video(&path, &settings);
+    let style = Style::default();
+    let path = turntable(&style);
+    let mut video = video(&path, &style);
     video.size.is_transparent = true;
     let folder = tempfile::tempdir().unwrap();
     export(&video, &folder.path().join("new/folder"));
@@ -178,9 +178,9 @@ fn png_files_get_their_names_together() {
 
 #[test]
 fn equal_input_makes_equal_bytes() {
-    let settings = Style::default();
-    let path = turntable(&settings);
-    let video = video(&path, &settings);
+    let style = Style::default();
+    let path = turntable(&style);
+    let video = video(&path, &style);
     let folder = tempfile::tempdir().unwrap();
     for extension in ["gif", "webp"] {
         let files = ["a", "b"].map(|name| folder.path().join(format!("{name}.{extension}")));
@@ -198,9 +198,9 @@ fn ffmpeg_is_there() -> bool {
 
 #[test]
 fn what_is_cancelled_leaves_nothing() {
-    let settings = Style::default();
-    let path = turntable(&settings);
-    let video = video(&path, &settings);
+    let style = Style::default();
+    let path = turntable(&style);
+    let video = video(&path, &style);
     let folder = tempfile::tempdir().unwrap();
     let mut names = vec!["a.gif", "a.webp", "folder", "more/{frame}.png"];
     names.extend(ffmpeg_is_there().then_some("a.mp4"));
@@ -230,9 +230,9 @@ fn what_is_cancelled_leaves_nothing() {
 
 #[test]
 fn an_mp4_is_made_by_ffmpeg() {
-    let settings = Style::default();
-    let path = turntable(&settings);
-    let video = video(&path, &settings);
+    let style = Style::default();
+    let path = turntable(&style);
+    let video = video(&path, &style);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.mp4");
     if !ffmpeg_is_there() {
@@ -266,11 +266,11 @@ fn an_mp4_is_made_by_ffmpeg() {
 
 #[test]
 fn formats_refuse_what_they_have_not() {
-    let settings = Style::default();
-    let path = turntable(&settings);
+    let style = Style::default();
+    let path = turntable(&style);
     let folder = tempfile::tempdir().unwrap();
     let of = |name: &str, change: &dyn Fn(&mut Video<'_>)| {
-        let mut video = video(&path, &settings);
+        let mut video = video(&path, &style);
         change(&mut video);
         let error = open_sink(&folder.path().join(name), &video.stream()).err();
         error.map_or_else(String::new, |error| error.to_string())
@@ -292,8 +292,8 @@ fn formats_refuse_what_they_have_not() {
 
 #[test]
 fn the_time_path_plays_backwards_holds_and_begins_anew() {
-    let settings = Style::default();
-    let (_, camera) = near_by(&headless(AnyRenderer::cpu()), &settings);
+    let style = Style::default();
+    let (_, camera) = near_by(&headless(AnyRenderer::cpu()), &style);
     let key = |time_s: f64, frame: f64| Keyframe { time_s, camera, frame };
     let keys = vec![
         key(0.0, 2.0),
@@ -306,7 +306,7 @@ fn the_time_path_plays_backwards_holds_and_begins_anew() {
     let video = Video {
         per_second: 2.0,
         speed: 2.0,
-        ..video(&path, &settings)
+        ..video(&path, &style)
     };
     let folder = tempfile::tempdir().unwrap();
     // A second of the path each.
@@ -316,7 +316,7 @@ fn the_time_path_plays_backwards_holds_and_begins_anew() {
 
 #[test]
 fn a_broken_frame_is_reported_and_the_one_before_it_stays() {
-    let settings = Style::default();
+    let style = Style::default();
     let demo = Sequence::demo();
     let sources = demo.entries().into_iter().map(|source| (*source).clone());
     let broken = demo.entry(4).path.clone();
@@ -327,12 +327,12 @@ fn a_broken_frame_is_reported_and_the_one_before_it_stays() {
         let index = demo.entries().iter().position(|known| known.path == source.path);
         demo.decode(index.unwrap()).map_err(Into::into)
     });
-    let path = turntable(&settings);
+    let path = turntable(&style);
     let folder = tempfile::tempdir().unwrap();
     let mut shown = Vec::new();
     let failed = export_video(
         &mut headless_of(sequence, AnyRenderer::cpu()),
-        &video(&path, &settings),
+        &video(&path, &style),
         &folder.path().join("a.gif"),
         &Progress::default(),
         &mut |picture| shown.push(picture.stats.index),

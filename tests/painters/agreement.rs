@@ -223,7 +223,7 @@ fn a_benchmark() {
 #[test]
 fn values_of_a_point_and_a_tooltip() {
     let mut shown = window();
-    shown.state().settings = Style {
+    shown.state().style = Style {
         primitive: Primitive::Point,
         points: PointStyle {
             size_px: 9.0,

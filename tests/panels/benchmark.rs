@@ -111,10 +111,10 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
 }
 
 /// A way to draw that takes so long and is so wrong.
-fn point(draw_ms: f64, flip: f64, settings: Style) -> Arc<LabPoint> {
+fn point(draw_ms: f64, flip: f64, style: Style) -> Arc<LabPoint> {
     Arc::new(LabPoint {
         sequence: "demo".to_owned(),
-        settings,
+        style,
         label: format!("way of {draw_ms} ms"),
         draw_ms,
         flip,
@@ -164,7 +164,7 @@ fn points() -> Vec<Arc<LabPoint>> {
 #[test]
 fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
     let mut harness = window();
-    harness.state_mut().settings.backdrop.background = Background::solid([1, 2, 3]);
+    harness.state_mut().style.backdrop.background = Background::solid([1, 2, 3]);
     let (go_on, gate) = sync_channel::<()>(0);
     let (reached, half_way) = sync_channel::<()>(0);
     let job: BenchmarkJob = Box::new(move |report, _| {
@@ -187,13 +187,10 @@ fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
     half_way.recv().unwrap();
     harness.run();
     click(&mut harness, "8.00 ms, FLIP 0.2000: way of 8 ms");
-    let settings = harness.state().settings;
+    let style = harness.state().style;
+    assert_eq!((style.primitive, style.drawing.resolution), (Primitive::Voxel, 0.5));
     assert_eq!(
-        (settings.primitive, settings.drawing.resolution),
-        (Primitive::Voxel, 0.5)
-    );
-    assert_eq!(
-        settings.backdrop.background,
+        style.backdrop.background,
         Background::solid([1, 2, 3]),
         "the background is the person's"
     );
@@ -221,6 +218,6 @@ fn a_slider_leads_from_fast_to_exact() {
     harness.run();
     harness.key_press(egui::Key::ArrowLeft);
     harness.run();
-    assert_eq!(harness.state().settings.primitive, Primitive::Voxel);
+    assert_eq!(harness.state().style.primitive, Primitive::Voxel);
     assert!(harness.query_by_label_contains("8.0 ms, FLIP 0.200").is_some());
 }

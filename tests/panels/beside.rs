@@ -54,7 +54,7 @@ fn beside(b: &Arc<Sequence>) -> Harness<'static, State> {
 
 fn beside_with(a: Arc<Sequence>, b: &Arc<Sequence>, options: StateOptions) -> Harness<'static, State> {
     let mut harness = window_on(a, options);
-    harness.state_mut().settings = Style {
+    harness.state_mut().style = Style {
         primitive: Primitive::Point,
         points: PointStyle {
             size_px: 9.0,
@@ -76,7 +76,7 @@ fn load_both(harness: &mut Harness<'_, State>) {
     let loader = state.beside.as_ref().unwrap().companion.loader();
     for index in 0..loader.sequence().len() {
         // A broken frame is an answer as well.
-        let _ = loader.wait(index, &Scene::needs(&state.settings));
+        let _ = loader.wait(index, &Scene::needs(&state.style));
     }
     harness.state_mut().update(now);
     harness.run();

@@ -125,15 +125,15 @@ fn times_frames_and_paces_are_set_in_the_list() {
 #[test]
 fn every_change_can_be_undone_in_order_with_those_of_settings() {
     let mut harness = with_path();
-    let splat_scale = harness.state().settings.surfels.splat_scale;
+    let splat_scale = harness.state().style.surfels.splat_scale;
     press(&mut harness, NONE, Key::Plus);
     click(&mut harness, "Delete keyframe 2");
     let undo = |harness: &mut Harness<'_, State>| press(harness, Modifiers::COMMAND, Key::Z);
     undo(&mut harness);
     assert_eq!(keys(&harness).len(), 3);
-    assert_ne!(harness.state().settings.surfels.splat_scale, splat_scale);
+    assert_ne!(harness.state().style.surfels.splat_scale, splat_scale);
     undo(&mut harness);
-    assert_eq!(harness.state().settings.surfels.splat_scale, splat_scale);
+    assert_eq!(harness.state().style.surfels.splat_scale, splat_scale);
     assert_eq!(keys(&harness).len(), 3);
     press(&mut harness, Modifiers::COMMAND, Key::Y);
     press(&mut harness, Modifiers::COMMAND, Key::Y);

@@ -32,19 +32,19 @@ fn the_palette_finds_chooses_and_runs() {
 #[test]
 fn settings_are_undone_and_redone() {
     let mut harness = window();
-    let before = harness.state().settings;
-    harness.state_mut().settings.primitive = Primitive::Point;
+    let before = harness.state().style;
+    harness.state_mut().style.primitive = Primitive::Point;
     harness.run();
-    let after = harness.state().settings;
+    let after = harness.state().style;
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(harness.state().settings, before);
+    assert_eq!(harness.state().style, before);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(harness.state().settings, before);
+    assert_eq!(harness.state().style, before);
     press(&mut harness, Modifiers::COMMAND, Key::Y);
-    assert_eq!(harness.state().settings, after);
+    assert_eq!(harness.state().style, after);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    assert_eq!(harness.state().settings, after);
+    assert_eq!(harness.state().style, after);
 }
 
 #[test]
@@ -58,8 +58,8 @@ fn presets_are_applied_saved_and_deleted() {
             ..options()
         },
     );
-    harness.state_mut().settings.surfels.splat_scale = 1.5;
-    let settings = harness.state().settings;
+    harness.state_mut().style.surfels.splat_scale = 1.5;
+    let style = harness.state().style;
     harness.run();
     click(&mut harness, "Presets");
     click(&mut harness, "Save settings…");
@@ -72,10 +72,10 @@ fn presets_are_applied_saved_and_deleted() {
 
     click(&mut harness, "Presets");
     click(&mut harness, "Fast");
-    assert_eq!(harness.state().settings.drawing.resolution, 0.5);
+    assert_eq!(harness.state().style.drawing.resolution, 0.5);
     click(&mut harness, "Presets");
     click(&mut harness, "mine");
-    assert_eq!(harness.state().settings, settings);
+    assert_eq!(harness.state().style, style);
     click(&mut harness, "Presets");
     click(&mut harness, "Delete");
     click(&mut harness, "Delete mine");

@@ -28,7 +28,7 @@ fn a_box_is_cut_to_and_comes_back_as_it_was() {
         min: DVec3::splat(-0.5),
         max: DVec3::splat(0.5),
     });
-    assert_eq!(harness.state().settings.of_sequence.clip, Some(whole));
+    assert_eq!(harness.state().style.of_sequence.clip, Some(whole));
     drag(&mut harness, "Y from", 0.25);
     drag(&mut harness, "Z to", 0.0);
     choose(&mut harness, "Keeps", "Outside");
@@ -39,14 +39,14 @@ fn a_box_is_cut_to_and_comes_back_as_it_was() {
             max: DVec3::new(0.5, 0.5, 0.0),
         })
     };
-    assert_eq!(harness.state().settings.of_sequence.clip, Some(cut));
+    assert_eq!(harness.state().style.of_sequence.clip, Some(cut));
     choose(&mut harness, "Clipping", "Off");
     assert!(harness.query_by_label("Y from").is_none());
-    assert!(!harness.state().settings.of_sequence.clip.unwrap().is_on);
+    assert!(!harness.state().style.of_sequence.clip.unwrap().is_on);
     choose(&mut harness, "Clipping", "To a box");
-    assert_eq!(harness.state().settings.of_sequence.clip, Some(cut));
+    assert_eq!(harness.state().style.of_sequence.clip, Some(cut));
     tap(&mut harness, "Fit to frame");
-    assert_eq!(harness.state().settings.of_sequence.clip.unwrap().shape, whole.shape);
+    assert_eq!(harness.state().style.of_sequence.clip.unwrap().shape, whole.shape);
 }
 
 #[test]
@@ -59,12 +59,12 @@ fn a_plane_stands_across_an_axis() {
         normal: DVec3::Z,
         offset: 0.125,
     });
-    assert_eq!(harness.state().settings.of_sequence.clip, Some(plane));
+    assert_eq!(harness.state().style.of_sequence.clip, Some(plane));
     tap(&mut harness, "Fit to frame");
-    let ClipShape::Plane { offset, .. } = harness.state().settings.of_sequence.clip.unwrap().shape else {
+    let ClipShape::Plane { offset, .. } = harness.state().style.of_sequence.clip.unwrap().shape else {
         panic!("it is a plane");
     };
     assert_eq!(offset, 0.0);
     tap(&mut harness, "Reset to defaults");
-    assert_eq!(harness.state().settings.of_sequence.clip, None);
+    assert_eq!(harness.state().style.of_sequence.clip, None);
 }

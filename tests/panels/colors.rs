@@ -62,7 +62,7 @@ fn a_field_is_shown_through_a_map_over_a_range() {
     assert_eq!(color_of(&harness, 1), ColorMap::Turbo.color(0.0));
     choose(&mut harness, "Colour range", "Fixed");
     let fixed = ColorRange::Fixed { low: 1.0, high: 98.0 };
-    assert_eq!(harness.state().settings.colors.range, fixed, "as it was");
+    assert_eq!(harness.state().style.colors.range, fixed, "as it was");
     let field = harness.get_by_role_and_label(Role::SpinButton, "Last colour");
     field.scroll_to_me();
     harness.run();
@@ -80,7 +80,7 @@ fn a_field_is_shown_through_a_map_over_a_range() {
     assert_eq!((map, ticks[0].1.as_str()), (ColorMap::Turbo, "5"));
     // Numbers of one source mean nothing for another.
     choose(&mut harness, "Colours", "Height");
-    assert_eq!(harness.state().settings.colors.range, ColorRange::USUAL);
+    assert_eq!(harness.state().style.colors.range, ColorRange::USUAL);
     choose(&mut harness, "Along", "-Z");
     settle(&mut harness);
     assert_eq!(color_of(&harness, 0), ColorMap::Turbo.color(1.0));

@@ -15,16 +15,16 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
     harness.state_mut().run(Command::ToggleComparison);
     harness.run();
     // The right side is edited first; the left one stays as it was.
-    harness.state_mut().settings.primitive = Primitive::Point;
+    harness.state_mut().style.primitive = Primitive::Point;
     let other = harness.state_mut().next_other_packet().unwrap();
-    assert_eq!(other.settings.primitive, Primitive::Surfel);
+    assert_eq!(other.style.primitive, Primitive::Surfel);
     assert!(harness.state_mut().next_other_packet().is_none(), "once");
     assert_eq!(
-        harness.state_mut().next_packet().unwrap().settings.primitive,
+        harness.state_mut().next_packet().unwrap().style.primitive,
         Primitive::Point
     );
     click(&mut harness, "A (left)");
-    assert_eq!(harness.state().settings.primitive, Primitive::Surfel);
+    assert_eq!(harness.state().style.primitive, Primitive::Surfel);
     let comparison = harness.state().comparison.as_ref().unwrap();
     assert_eq!(
         (comparison.edited, comparison.other.primitive),
@@ -50,7 +50,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
 fn pictures_that_rest_are_compared() {
     let mut harness = window();
     harness.state_mut().run(Command::ToggleComparison);
-    harness.state_mut().settings.surfels.splatting = Splatting::TwoPass;
+    harness.state_mut().style.surfels.splatting = Splatting::TwoPass;
     harness.run();
     harness.state_mut().next_packet();
     harness.state_mut().next_other_packet();
@@ -78,7 +78,7 @@ fn pictures_that_rest_are_compared() {
     harness.run();
     assert!(harness.state().pictures().unwrap().shows_difference);
     // The next change makes the numbers old.
-    harness.state_mut().settings.surfels.splat_scale = 2.0;
+    harness.state_mut().style.surfels.splat_scale = 2.0;
     assert!(harness.state_mut().next_packet().is_some());
     harness.run();
     assert!(harness.query_by_label("Compared when the pictures rest").is_some());

@@ -42,13 +42,13 @@ fn keys_do_what_the_table_says() {
     press(&mut harness, NONE, Key::R);
     assert_eq!(harness.state().camera.elevation_deg, 15.0);
     press(&mut harness, NONE, Key::G);
-    assert!(harness.state().settings.backdrop.grid);
+    assert!(harness.state().style.backdrop.grid);
     press(&mut harness, NONE, Key::G);
-    assert!(!harness.state().settings.backdrop.grid);
+    assert!(!harness.state().style.backdrop.grid);
     press(&mut harness, NONE, Key::Plus);
-    assert_eq!(harness.state().settings.surfels.splat_scale, 1.25);
+    assert_eq!(harness.state().style.surfels.splat_scale, 1.25);
     press(&mut harness, NONE, Key::Minus);
-    assert_eq!(harness.state().settings.surfels.splat_scale, 1.0);
+    assert_eq!(harness.state().style.surfels.splat_scale, 1.0);
     press(&mut harness, NONE, Key::F2);
     assert!(!harness.state().panels.has(PanelId::SETTINGS));
     assert!(harness.state_mut().take_requests().is_empty());

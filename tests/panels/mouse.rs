@@ -65,9 +65,9 @@ fn the_mouse_moves_the_camera_on_the_picture_only() {
     let back = harness.state().camera;
     assert!((back.target_in_world - orbited.target_in_world).length() < 1e-3 * panned.distance);
 
-    let settings = harness.get_by_label("Background").rect().center();
+    let style = harness.get_by_label("Background").rect().center();
     let timeline = harness.get_by_label("Timeline").rect().center();
-    for from in [settings, timeline, pos2(600.0, 12.0)] {
+    for from in [style, timeline, pos2(600.0, 12.0)] {
         drag(
             &mut harness,
             PointerButton::Primary,
@@ -161,7 +161,7 @@ fn the_wheel_zooms_on_the_picture_only() {
         near.distance,
         before.distance
     );
-    let settings = harness.get_by_label("Background").rect().center();
-    scroll(&mut harness, settings, -100.0);
+    let style = harness.get_by_label("Background").rect().center();
+    scroll(&mut harness, style, -100.0);
     assert_eq!(harness.state().camera, near);
 }

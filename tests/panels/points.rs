@@ -17,7 +17,7 @@ fn cube() -> Harness<'static, State> {
 
 /// The window with all frames there and points drawn as squares of 9 pixels.
 pub(super) fn in_squares(mut harness: Harness<'static, State>) -> Harness<'static, State> {
-    harness.state_mut().settings = Style {
+    harness.state_mut().style = Style {
         primitive: Primitive::Point,
         points: PointStyle {
             size_px: 9.0,

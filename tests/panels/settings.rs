@@ -68,79 +68,76 @@ fn long_texts_do_not_widen_the_panel() {
 fn every_setting_can_be_changed_and_reset() {
     let mut harness = window();
     choose(&mut harness, "Splatting", "Visibility");
-    assert_eq!(harness.state().settings.surfels.splatting, Splatting::Visibility);
+    assert_eq!(harness.state().style.surfels.splatting, Splatting::Visibility);
     assert!(
         harness.query_by_label("Enlargement").is_none(),
         "this mode has no enlargement"
     );
     choose(&mut harness, "Splatting", "Enlarged");
     slide(&mut harness, "Enlargement", 3.0);
-    assert_eq!(harness.state().settings.surfels.enlargement, 3.0);
+    assert_eq!(harness.state().style.surfels.enlargement, 3.0);
     choose(&mut harness, "Renderer", "CPU");
-    assert_eq!(harness.state().settings.drawing.renderer, RendererChoice::Cpu);
+    assert_eq!(harness.state().style.drawing.renderer, RendererChoice::Cpu);
     choose(&mut harness, "Instancing", "Compute");
-    assert_eq!(harness.state().settings.drawing.strategy, Strategy::Compute);
+    assert_eq!(harness.state().style.drawing.strategy, Strategy::Compute);
     slide(&mut harness, "Resolution", 0.5);
-    assert_eq!(harness.state().settings.drawing.resolution, 0.5);
+    assert_eq!(harness.state().style.drawing.resolution, 0.5);
     slide(&mut harness, "Splat scale", 2.5);
-    assert_eq!(harness.state().settings.surfels.splat_scale, 2.5);
+    assert_eq!(harness.state().style.surfels.splat_scale, 2.5);
     choose(&mut harness, "Back faces", "Drawn");
-    assert_eq!(harness.state().settings.surfels.back_faces, BackFaces::Drawn);
+    assert_eq!(harness.state().style.surfels.back_faces, BackFaces::Drawn);
     choose(&mut harness, "Eye-dome light", "On");
-    assert_eq!(harness.state().settings.light.eye_dome, EyeDome::On);
+    assert_eq!(harness.state().style.light.eye_dome, EyeDome::On);
     slide(&mut harness, "Strength", 1.5);
-    assert_eq!(harness.state().settings.light.eye_dome_strength, 1.5);
+    assert_eq!(harness.state().style.light.eye_dome_strength, 1.5);
     choose(&mut harness, "Lighting", "Per vertex");
-    assert_eq!(harness.state().settings.light.lighting, Lighting::PerVertex);
+    assert_eq!(harness.state().style.light.lighting, Lighting::PerVertex);
     choose(&mut harness, "Colours", "One colour");
-    assert_eq!(harness.state().settings.colors.source, ColorSource::Uniform);
+    assert_eq!(harness.state().style.colors.source, ColorSource::Uniform);
     choose(&mut harness, "Preset", "White");
-    assert_eq!(
-        harness.state().settings.backdrop.background,
-        Background::solid([255; 3])
-    );
+    assert_eq!(harness.state().style.backdrop.background, Background::solid([255; 3]));
     choose(&mut harness, "Up axis", "+Z");
     assert_eq!(harness.state().camera.up, UpAxis::Z);
     slide(&mut harness, "Field of view", 60.0);
     assert_eq!(harness.state().camera.fov_deg, 60.0);
 
     tap(&mut harness, "Voxels");
-    assert_eq!(harness.state().settings.primitive, Primitive::Voxel);
+    assert_eq!(harness.state().style.primitive, Primitive::Voxel);
     choose(&mut harness, "Light on", "Faces");
-    assert_eq!(harness.state().settings.voxels.light, VoxelLight::Faces);
+    assert_eq!(harness.state().style.voxels.light, VoxelLight::Faces);
     choose(&mut harness, "Divide", "By loss");
-    assert_eq!(harness.state().settings.levels.stop, StopCriterion::PAPER);
+    assert_eq!(harness.state().style.levels.stop, StopCriterion::PAPER);
     slide(&mut harness, "Loss δ", 20.0);
-    assert_eq!(harness.state().settings.levels.stop, StopCriterion::Loss(0.2));
+    assert_eq!(harness.state().style.levels.stop, StopCriterion::Loss(0.2));
     choose(&mut harness, "Divide", "To a level");
     slide(&mut harness, "Leaf level", 9.0);
-    assert_eq!(harness.state().settings.levels.stop, StopCriterion::Depth(9));
+    assert_eq!(harness.state().style.levels.stop, StopCriterion::Depth(9));
     choose(&mut harness, "Divide", "By points");
     slide(&mut harness, "Points a leaf", 16.0);
-    assert_eq!(harness.state().settings.levels.stop, StopCriterion::PointsPerOctant(16));
+    assert_eq!(harness.state().style.levels.stop, StopCriterion::PointsPerOctant(16));
     choose(&mut harness, "Divide", "By spacing");
-    assert_eq!(harness.state().settings.levels.stop, StopCriterion::Spacing);
+    assert_eq!(harness.state().style.levels.stop, StopCriterion::Spacing);
     slide(&mut harness, "Threshold τ", 8.0);
-    assert_eq!(harness.state().settings.levels.lod, Lod::ThresholdPx(8.0));
+    assert_eq!(harness.state().style.levels.lod, Lod::ThresholdPx(8.0));
     choose(&mut harness, "Level of detail", "Fixed level");
     slide(&mut harness, "Level", 7.0);
-    assert_eq!(harness.state().settings.levels.lod, Lod::Level(7));
+    assert_eq!(harness.state().style.levels.lod, Lod::Level(7));
     choose(&mut harness, "Level of detail", "Budget");
     slide(&mut harness, "Voxels", 2000.0);
-    assert_eq!(harness.state().settings.levels.lod, Lod::Budget(2000));
+    assert_eq!(harness.state().style.levels.lod, Lod::Budget(2000));
     choose(&mut harness, "Level of detail", "Frame time");
     slide(&mut harness, "Time", 20.0);
-    assert_eq!(harness.state().settings.levels.lod, Lod::FrameTimeMs(20.0));
+    assert_eq!(harness.state().style.levels.lod, Lod::FrameTimeMs(20.0));
     tap(&mut harness, "Points");
     slide(&mut harness, "Point size", 4.0);
-    assert_eq!(harness.state().settings.points.size_px, 4.0);
+    assert_eq!(harness.state().style.points.size_px, 4.0);
     choose(&mut harness, "Shape", "Disk");
-    assert_eq!(harness.state().settings.points.shape, PointShape::Disk);
+    assert_eq!(harness.state().style.points.shape, PointShape::Disk);
     tap(&mut harness, "Surfels");
-    assert_eq!(harness.state().settings.primitive, Primitive::Surfel);
+    assert_eq!(harness.state().style.primitive, Primitive::Surfel);
 
     tap(&mut harness, "Reset to defaults");
-    assert_eq!(harness.state().settings, Style::default());
+    assert_eq!(harness.state().style, Style::default());
     assert_eq!(harness.state().camera.up, UpAxis::Z);
 }
 
@@ -162,14 +159,14 @@ fn footprints_are_for_the_processor_and_for_modes_with_a_visibility_pass() {
     choose(&mut harness, "Footprint", "Masks");
     choose(&mut harness, "Normals", "17 bits");
     choose(&mut harness, "Offsets", "None");
-    let settings = harness.state().settings;
-    assert_eq!(settings.codes.footprint, Footprint::Masks);
-    assert_eq!(settings.codes.normal_bits, NormalBits::Seventeen);
-    assert_eq!(settings.codes.offset_bits, OffsetBits::None);
-    assert!(settings.draws_codes());
+    let style = harness.state().style;
+    assert_eq!(style.codes.footprint, Footprint::Masks);
+    assert_eq!(style.codes.normal_bits, NormalBits::Seventeen);
+    assert_eq!(style.codes.offset_bits, OffsetBits::None);
+    assert!(style.draws_codes());
     // How finely codes are drawn is a level of detail.
     slide(&mut harness, "Threshold τ", 8.0);
-    assert_eq!(harness.state().settings.levels.lod, Lod::ThresholdPx(8.0));
+    assert_eq!(harness.state().style.levels.lod, Lod::ThresholdPx(8.0));
 }
 
 #[test]
@@ -177,8 +174,8 @@ fn an_untouched_slider_changes_no_setting() {
     let mut harness = window();
     for primitive in ["Voxels", "Points", "Surfels"] {
         click(&mut harness, primitive);
-        harness.state_mut().settings.primitive = Style::default().primitive;
-        assert_eq!(harness.state().settings, Style::default(), "{primitive}");
+        harness.state_mut().style.primitive = Style::default().primitive;
+        assert_eq!(harness.state().style, Style::default(), "{primitive}");
     }
 }
 

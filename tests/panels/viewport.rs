@@ -50,7 +50,7 @@ fn a_window_without_room_draws_nothing() {
 #[test]
 fn a_paused_untouched_window_does_nothing() {
     let mut harness = window();
-    harness.state_mut().settings.primitive = Primitive::Voxel;
+    harness.state_mut().style.primitive = Primitive::Voxel;
     load_all(harness.state_mut());
     harness.run();
     assert!(harness.state_mut().next_packet().is_some());
@@ -80,19 +80,19 @@ fn a_paused_untouched_window_does_nothing() {
 fn the_picture_stays_until_the_new_primitive_is_there() {
     let mut harness = window();
     assert_eq!(
-        harness.state_mut().next_packet().unwrap().settings.primitive,
+        harness.state_mut().next_packet().unwrap().style.primitive,
         Primitive::Surfel
     );
-    harness.state_mut().settings.primitive = Primitive::Voxel;
-    harness.state_mut().settings.surfels.splat_scale = 2.0;
+    harness.state_mut().style.primitive = Primitive::Voxel;
+    harness.state_mut().style.surfels.splat_scale = 2.0;
     // No update yet: the frame has no octree.
     assert_eq!(
-        harness.state_mut().next_packet().unwrap().settings.primitive,
+        harness.state_mut().next_packet().unwrap().style.primitive,
         Primitive::Surfel
     );
     load_all(harness.state_mut());
     let packet = harness.state_mut().next_packet().unwrap();
-    assert_eq!(packet.settings.primitive, Primitive::Voxel);
+    assert_eq!(packet.style.primitive, Primitive::Voxel);
     assert!(packet.content.voxels().is_some());
 }
 

@@ -88,7 +88,7 @@ impl Chain {
 
     /// The picture of it as `primitive`; nothing is culled for facing away.
     pub(crate) fn draw(&self, camera: &Camera, primitive: Primitive) -> RgbaImage {
-        let settings = Style {
+        let style = Style {
             primitive,
             surfels: SurfelStyle {
                 back_faces: BackFaces::Drawn,
@@ -104,7 +104,7 @@ impl Chain {
             },
             ..Style::default()
         };
-        let packet = Scene::default().packet(&self.frame, self.origin, camera, &settings, SIZE_PX);
+        let packet = Scene::default().packet(&self.frame, self.origin, camera, &style, SIZE_PX);
         common::draw(&packet)
     }
 

@@ -69,22 +69,22 @@ impl SurfelsInView {
         &mut self,
         frame: &Arc<PreparedFrame>,
         (camera, origin): (&Camera, DVec3),
-        settings: &Style,
+        style: &Style,
         viewport_px: [u32; 2],
         now: Duration,
     ) -> Option<Arc<PreparedFrame>> {
         let are_missing =
-            matches!(settings.primitive, Primitive::Auto | Primitive::Surfel) && !can_draw(frame, settings.primitive);
+            matches!(style.primitive, Primitive::Auto | Primitive::Surfel) && !can_draw(frame, style.primitive);
         if !are_missing || frame.is_sample() || frame.points.len() < self.fewest_points {
             self.wanted = None;
             self.made = None;
             return None;
         }
-        let viewport_px = settings.drawn_px(viewport_px);
-        let clip = settings.of_sequence.clip.filter(|clip| clip.is_on);
+        let viewport_px = style.drawn_px(viewport_px);
+        let clip = style.of_sequence.clip.filter(|clip| clip.is_on);
         let key = ViewKey {
             frame: frame.id,
-            needs: Scene::needs(settings),
+            needs: Scene::needs(style),
             view: camera.transform(origin, viewport_px),
             viewport_px,
             clip: clip.map(|clip| clip.relative_to(origin)),
@@ -188,8 +188,8 @@ mod tests {
         camera: &Camera,
         time_ms: u64,
     ) -> Option<Arc<PreparedFrame>> {
-        let (settings, from) = (Style::default(), (camera, DVec3::ZERO));
-        surfels.choose(frame, from, &settings, VIEWPORT_PX, ms(time_ms))
+        let (style, from) = (Style::default(), (camera, DVec3::ZERO));
+        surfels.choose(frame, from, &style, VIEWPORT_PX, ms(time_ms))
     }
 
     /// Has made at `time_ms` what is due then; `None` if nothing is.

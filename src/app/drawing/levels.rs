@@ -53,18 +53,18 @@ impl Levels {
     pub(in crate::app) fn prepare<T: TaskOutcome + From<FrameWithLevels>>(
         &mut self,
         frame: &Arc<PreparedFrame>,
-        settings: &Style,
+        style: &Style,
         tasks: &Tasks<T>,
     ) {
-        let needs = Scene::needs(&in_cells(settings));
+        let needs = Scene::needs(&in_cells(style));
         let has_levels = frame.satisfies(&needs) || self.made_for(frame, &needs).is_some();
         if !self.is_slow(frame)
             || has_levels
             || self.asked_for == Some(frame.id)
-            || settings.primitive == Primitive::Point
-            || settings.draws_codes()
+            || style.primitive == Primitive::Point
+            || style.draws_codes()
             // What it lacks is on its way, or not wanted.
-            || !can_draw(frame, settings.primitive)
+            || !can_draw(frame, style.primitive)
         {
             return;
         }
@@ -95,7 +95,7 @@ impl Levels {
         &mut self,
         frame: &Arc<PreparedFrame>,
         camera: &Camera,
-        settings: &Style,
+        style: &Style,
         now: Duration,
     ) -> (Arc<PreparedFrame>, Style) {
         if self.camera.replace(*camera).is_some_and(|before| before != *camera) {
@@ -105,8 +105,8 @@ impl Levels {
             .moved_at
             .is_some_and(|moved_at| now.saturating_sub(moved_at) < REST);
         self.are_drawn = false;
-        if is_moving && self.is_slow(frame) && settings.primitive != Primitive::Point {
-            let coarse = in_cells(settings);
+        if is_moving && self.is_slow(frame) && style.primitive != Primitive::Point {
+            let coarse = in_cells(style);
             let needs = Scene::needs(&coarse);
             let made = self.made_for(frame, &needs);
             let made = made.or_else(|| frame.satisfies(&needs).then_some(frame));
@@ -116,7 +116,7 @@ impl Levels {
                 return (made, coarse);
             }
         }
-        (Arc::clone(frame), *settings)
+        (Arc::clone(frame), *style)
     }
 
     /// Whether the whole picture of a frame takes longer than a smooth motion allows.
@@ -133,14 +133,14 @@ impl Levels {
 }
 
 /// The same settings, by as many cells of the octree as can be drawn in time.
-fn in_cells(settings: &Style) -> Style {
+fn in_cells(style: &Style) -> Style {
     Style {
         levels: LevelStyle {
             surfel_lod: true,
             lod: Lod::FrameTimeMs(SMOOTH_MS),
-            ..settings.levels
+            ..style.levels
         },
-        ..*settings
+        ..*style
     }
 }
 
@@ -172,10 +172,10 @@ mod tests {
     }
 
     /// Starts the making of levels, if they are wanted, and takes them.
-    fn make(levels: &mut Levels, frame: &Arc<PreparedFrame>, settings: &Style) -> bool {
+    fn make(levels: &mut Levels, frame: &Arc<PreparedFrame>, style: &Style) -> bool {
         let (woken, wakes) = sync_channel(1);
         let mut tasks = Tasks::<Outcome>::new(Arc::new(move || woken.send(()).unwrap()));
-        levels.prepare(frame, settings, &tasks);
+        levels.prepare(frame, style, &tasks);
         if levels.asked_for.is_none() {
             return false;
         }
@@ -192,26 +192,26 @@ mod tests {
     #[test]
     fn a_slow_frame_is_coarse_while_the_camera_moves_and_whole_once_it_rests() {
         let frame = square();
-        let settings = Style::default();
+        let style = Style::default();
         let mut levels = Levels::default();
         let ms = Duration::from_millis;
-        let (drawn, same) = levels.choose(&frame, &camera(0), &settings, ms(0));
-        assert!(Arc::ptr_eq(&drawn, &frame) && same == settings);
+        let (drawn, same) = levels.choose(&frame, &camera(0), &style, ms(0));
+        assert!(Arc::ptr_eq(&drawn, &frame) && same == style);
         levels.note_whole_picture(&frame, 60.0);
         // Levels are made once.
-        assert!(make(&mut levels, &frame, &settings));
-        assert!(!make(&mut levels, &frame, &settings));
+        assert!(make(&mut levels, &frame, &style));
+        assert!(!make(&mut levels, &frame, &style));
 
-        let (drawn, coarse) = levels.choose(&frame, &camera(1), &settings, ms(100));
+        let (drawn, coarse) = levels.choose(&frame, &camera(1), &style, ms(100));
         assert!(drawn.levels.octree().is_some() && drawn.id == frame.id);
-        assert_eq!(coarse, in_cells(&settings));
+        assert_eq!(coarse, in_cells(&style));
         assert!(levels.are_drawn());
         // The picture of all points is due once the camera has rested, and no sooner.
         assert_eq!(levels.next_deadline(), Some(ms(100) + REST));
-        let (_, still_coarse) = levels.choose(&frame, &camera(1), &settings, ms(149));
-        assert_eq!(still_coarse, in_cells(&settings));
-        let (drawn, whole) = levels.choose(&frame, &camera(1), &settings, ms(150));
-        assert!(Arc::ptr_eq(&drawn, &frame) && whole == settings);
+        let (_, still_coarse) = levels.choose(&frame, &camera(1), &style, ms(149));
+        assert_eq!(still_coarse, in_cells(&style));
+        let (drawn, whole) = levels.choose(&frame, &camera(1), &style, ms(150));
+        assert!(Arc::ptr_eq(&drawn, &frame) && whole == style);
         assert_eq!(levels.next_deadline(), None);
     }
 
@@ -227,14 +227,14 @@ mod tests {
             // They have no levels of detail.
             ("points", points, 60.0),
         ];
-        for (name, settings, whole_ms) in cases {
+        for (name, style, whole_ms) in cases {
             let mut levels = Levels::default();
             levels.note_whole_picture(&frame, whole_ms);
-            assert!(!make(&mut levels, &frame, &settings), "{name}");
+            assert!(!make(&mut levels, &frame, &style), "{name}");
             for step in 0..3 {
                 let now = Duration::from_millis(10 * u64::from(step));
-                let (drawn, same) = levels.choose(&frame, &camera(step), &settings, now);
-                assert!(Arc::ptr_eq(&drawn, &frame) && same == settings, "{name}");
+                let (drawn, same) = levels.choose(&frame, &camera(step), &style, now);
+                assert!(Arc::ptr_eq(&drawn, &frame) && same == style, "{name}");
             }
         }
     }
@@ -242,13 +242,13 @@ mod tests {
     #[test]
     fn levels_of_a_frame_before_are_not_taken_for_those_of_the_next() {
         let [before, next] = [square(), square()];
-        let settings = Style::default();
+        let style = Style::default();
         let mut levels = Levels::default();
         levels.note_whole_picture(&before, 60.0);
-        assert!(make(&mut levels, &before, &settings));
+        assert!(make(&mut levels, &before, &style));
         levels.note_whole_picture(&next, 60.0);
-        levels.choose(&next, &camera(0), &settings, Duration::ZERO);
-        let (drawn, same) = levels.choose(&next, &camera(1), &settings, Duration::ZERO);
-        assert!(Arc::ptr_eq(&drawn, &next) && same == settings);
+        levels.choose(&next, &camera(0), &style, Duration::ZERO);
+        let (drawn, same) = levels.choose(&next, &camera(1), &style, Duration::ZERO);
+        assert!(Arc::ptr_eq(&drawn, &next) && same == style);
     }
 }

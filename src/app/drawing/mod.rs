@@ -80,7 +80,7 @@ impl Drawing {
             return None;
         }
         let (packet, drawn) = self.packet.as_ref().zip(self.frame.as_ref())?;
-        self.scene.note_draw_ms(&packet.settings, draw_ms);
+        self.scene.note_draw_ms(&packet.style, draw_ms);
         if self.levels.are_drawn() {
             return None;
         }
@@ -90,12 +90,12 @@ impl Drawing {
 
     /// Has made what the next pictures lack: levels of detail for a frame at rest that takes long to draw, so that the
     /// camera moves smoothly; surfels of what is in view at `now`, where those of the frame are not there.
-    pub(in crate::app) fn prepare<T>(&mut self, settings: &Style, is_at_rest: bool, tasks: &Tasks<T>, now: Duration)
+    pub(in crate::app) fn prepare<T>(&mut self, style: &Style, is_at_rest: bool, tasks: &Tasks<T>, now: Duration)
     where
         T: TaskOutcome + From<FrameWithLevels> + From<Arc<InView>>,
     {
         if let Some(drawn) = self.frame.as_ref().filter(|_| is_at_rest) {
-            self.levels.prepare(&drawn.frame, settings, tasks);
+            self.levels.prepare(&drawn.frame, style, tasks);
         }
         self.surfels_in_view.prepare(tasks, now);
     }
@@ -130,31 +130,31 @@ impl Drawing {
         &mut self,
         mut drawn: DrawnFrame,
         camera: &Camera,
-        settings: &Style,
+        style: &Style,
         viewport_px: [u32; 2],
         now: Duration,
     ) -> Option<ScenePacket> {
         let seen_from = (camera, drawn.origin);
         let part = self
             .surfels_in_view
-            .choose(&drawn.frame, seen_from, settings, viewport_px, now);
+            .choose(&drawn.frame, seen_from, style, viewport_px, now);
         if let Some(part) = part {
             drawn.frame = Arc::clone(&part);
             drawn.pose = part;
         }
-        let (frame, mut settings) = self.levels.choose(&drawn.frame, camera, settings, now);
-        if !can_draw(&drawn.frame, settings.primitive) {
-            settings.primitive = if can_draw(&drawn.frame, self.primitive) {
+        let (frame, mut style) = self.levels.choose(&drawn.frame, camera, style, now);
+        if !can_draw(&drawn.frame, style.primitive) {
+            style.primitive = if can_draw(&drawn.frame, self.primitive) {
                 self.primitive
             } else {
                 Primitive::Point
             };
         }
-        let packet = self.scene.packet(&frame, drawn.origin, camera, &settings, viewport_px);
+        let packet = self.scene.packet(&frame, drawn.origin, camera, &style, viewport_px);
         if self.packet.as_ref() == Some(&packet) {
             return None;
         }
-        self.primitive = settings.primitive;
+        self.primitive = style.primitive;
         self.frame = Some(drawn);
         self.packet = Some(packet.clone());
         self.is_new = true;

@@ -26,7 +26,7 @@ pub(super) fn benchmark(ui: &mut Ui, state: &mut State) {
     state.panels.set(PanelId::BENCHMARK, is_open);
     match request {
         Some(BenchmarkRequest::Save(format)) => state.ask_for_report(format),
-        Some(BenchmarkRequest::DrawAs(way)) => state.draw_as(&way.settings),
+        Some(BenchmarkRequest::DrawAs(way)) => state.draw_as(&way.style),
         None => {}
     }
 }
@@ -51,7 +51,7 @@ pub(super) fn pair(ui: &mut Ui, state: &mut State) {
 
 pub(super) fn timeline(ui: &mut Ui, state: &mut State) {
     let mut context = TimelineContext {
-        needs: Scene::needs(&state.drawn_settings()),
+        needs: Scene::needs(&state.drawn_style()),
         now: state.now(),
         player: state.player.as_mut(),
         timeline: &mut state.timeline,
@@ -124,7 +124,7 @@ pub(super) fn measuring(ui: &mut Ui, state: &mut State) {
 pub(super) fn change(ui: &mut Ui, state: &mut State) {
     let player = state.player.as_ref();
     let shown = player.and_then(|player| Some((player.shown()?, player.sequence().len())));
-    let colors = state.settings.colors.map;
+    let colors = state.style.colors.map;
     let corner = state.viewport.rect.right_top();
     change_ui(ui, &mut state.temporal, shown, colors, corner);
 }

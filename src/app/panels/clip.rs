@@ -74,7 +74,7 @@ pub(super) fn clip_ui(ui: &mut Ui, state: &mut State) {
         return;
     };
     let angle = last_angle(state);
-    let clip = &mut state.settings.of_sequence.clip;
+    let clip = &mut state.style.of_sequence.clip;
     rows(ui, "clip", |ui| {
         kind(ui, clip, &shown);
         if let Some(clip) = clip.as_mut().filter(|clip| clip.is_on) {

@@ -23,8 +23,8 @@ pub(super) fn colors_ui(ui: &mut Ui, state: &mut State) {
     let shown = state.player.as_ref().and_then(|player| player.shown().cloned());
     let shown = shown.as_ref();
     heading(ui, "Colours");
-    let before = state.settings.colors;
-    let coloring = &mut state.settings.colors;
+    let before = state.style.colors;
+    let coloring = &mut state.style.colors;
     rows(ui, "colours", |ui| {
         source(ui, coloring, shown);
         match coloring.source {

@@ -177,7 +177,7 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     for (text, is_on, command) in [
         ("Orthographic", is_orthographic, Command::ToggleOrthographic),
         ("Turntable", state.motion.turntable.is_on, Command::ToggleTurntable),
-        ("Grid", state.settings.backdrop.grid, Command::ToggleGrid),
+        ("Grid", state.style.backdrop.grid, Command::ToggleGrid),
         ("Scale bar", state.appearance.shows_scale_bar, Command::ToggleScaleBar),
         ("Thumbnails", state.thumbnails.is_on, Command::ToggleThumbnails),
         ("Legend", has_legend, legend),

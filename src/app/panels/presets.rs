@@ -7,11 +7,11 @@ use egui::{Align2, Button, Key, TextEdit, Ui, Window};
 /// Those that are built in, those of this person, and what can be done with the present settings.
 pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(180.0);
-    for (name, what, settings) in built_in() {
-        let is_present = state.settings.drawn_as(&settings) == state.settings;
+    for (name, what, style) in built_in() {
+        let is_present = state.style.drawn_as(&style) == state.style;
         let button = ui.add(Button::selectable(is_present, name));
         if button.on_hover_text(what).clicked() {
-            state.draw_as(&settings);
+            state.draw_as(&style);
             ui.close();
         }
     }
@@ -19,11 +19,11 @@ pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
     let mut deleted = None;
     let presets = state.presets.list();
     for preset in presets {
-        let is_present = state.settings == preset.settings;
+        let is_present = state.style == preset.settings;
         let button = ui.add(Button::selectable(is_present, preset.name.as_str()));
         let what = "All settings as they were when this was saved";
         if button.on_hover_text(what).clicked() {
-            state.settings = preset.settings;
+            state.style = preset.settings;
             ui.close();
         }
     }
@@ -76,7 +76,7 @@ pub(super) fn preset_name_ui(ui: &mut Ui, state: &mut State) {
     }
     let is_wanted = ui.input(|input| input.key_pressed(Key::Enter));
     if let Some(name) = state.preset_name.take().filter(|_| is_wanted)
-        && let Err(problem) = state.presets.save(&name, state.settings)
+        && let Err(problem) = state.presets.save(&name, state.style)
     {
         state.notices.warn(problem);
     }

@@ -27,7 +27,7 @@ fn choose(ui: &mut Ui, state: &mut State, quality: &Quality) {
     let choices = quality.choices();
     let current = choices
         .iter()
-        .position(|choice| state.settings.drawn_as(&choice.settings) == state.settings);
+        .position(|choice| state.style.drawn_as(&choice.style) == state.style);
     let mut wanted = current;
     let mut limits = state.quality.limits;
     rows(ui, "quality", |ui| {
@@ -78,7 +78,7 @@ fn choose(ui: &mut Ui, state: &mut State, quality: &Quality) {
                 choice.draw_ms, choice.flip, choice.label
             ));
             if wanted != current {
-                state.draw_as(&choice.settings);
+                state.draw_as(&choice.style);
             }
         }
         None => {

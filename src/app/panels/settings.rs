@@ -19,9 +19,9 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
         colors_ui(ui, state);
         clip_ui(ui, state);
         time_ui(ui, state);
-        let drawn = state.drawn_settings();
+        let drawn = state.drawn_style();
         for section in [("Shading", Section::Shading), ("Background", Section::Background)] {
-            section_ui(ui, &mut state.settings, &drawn, section);
+            section_ui(ui, &mut state.style, &drawn, section);
         }
         heading(ui, "Camera");
         rows(ui, "camera", |ui| camera(ui, state));
@@ -49,8 +49,8 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
 fn picture(ui: &mut Ui, state: &mut State) {
     heading(ui, "Picture");
     primitive(ui, state);
-    let drawn = state.drawn_settings();
-    let style = &mut state.settings;
+    let drawn = state.drawn_style();
+    let style = &mut state.style;
     rows(ui, "picture", |ui| {
         section_rows(ui, style, &drawn, Section::Picture);
     });
@@ -76,13 +76,13 @@ fn primitive(ui: &mut Ui, state: &mut State) {
     ui.horizontal(|ui| {
         for (&primitive, word) in Primitive::ALL.iter().zip(Primitive::WORDS.list) {
             let button =
-                Button::selectable(state.settings.primitive == primitive, word.title).min_size(egui::vec2(62.0, 26.0));
+                Button::selectable(state.style.primitive == primitive, word.title).min_size(egui::vec2(62.0, 26.0));
             if ui.add(button).on_hover_text(word.hint).clicked() {
-                state.settings.primitive = primitive;
+                state.style.primitive = primitive;
             }
         }
     });
-    if let (Primitive::Auto, Some(look)) = (state.settings.primitive, state.first_look()) {
+    if let (Primitive::Auto, Some(look)) = (state.style.primitive, state.first_look()) {
         let text = format!("Drawn as {}s: {}", look.primitive, look.primitive_why);
         ui.label(RichText::new(text).weak());
     }

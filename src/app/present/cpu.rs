@@ -81,7 +81,7 @@ impl CpuPicture {
         packet: &ScenePacket,
         context: impl FnOnce() -> Result<Arc<Context>, RenderError>,
     ) -> Result<(), RenderError> {
-        self.is_hardware = packet.settings.drawing.renderer == RendererChoice::Gpu;
+        self.is_hardware = packet.style.drawing.renderer == RendererChoice::Gpu;
         if self.is_hardware {
             let (renderer, image) = match &mut self.hardware {
                 Some(hardware) => hardware,
@@ -200,7 +200,7 @@ impl Presenter for CpuPresenter {
             Ok(Arc::clone(known.insert(context)))
         })?;
         // A picture of all pixels is shown as it is.
-        let filter = if packet.settings.drawing.resolution < 1.0 {
+        let filter = if packet.style.drawing.resolution < 1.0 {
             TextureFilter::Linear
         } else {
             TextureFilter::Nearest

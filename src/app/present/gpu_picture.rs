@@ -60,7 +60,7 @@ impl GpuPicture {
     ) -> Result<(), RenderError> {
         // A window that could not be painted has left them.
         self.submit(context, work);
-        let choice = packet.settings.drawing.renderer;
+        let choice = packet.style.drawing.renderer;
         self.drawn_by = if choice.is_processor(context.is_software()) {
             DrawnBy::Processor
         } else {
@@ -83,7 +83,7 @@ impl GpuPicture {
             }
         };
         // A picture of all pixels is shown as it is.
-        let filter = if packet.settings.drawing.resolution < 1.0 {
+        let filter = if packet.style.drawing.resolution < 1.0 {
             wgpu::FilterMode::Linear
         } else {
             wgpu::FilterMode::Nearest

@@ -59,7 +59,7 @@ impl State {
             Command::CopyView => self.copy_view(),
             Command::PasteView => self.requests.push(WindowRequest::PasteView),
             Command::ToggleTool(tool) => self.inspection.toggle(tool),
-            Command::ToggleGrid => self.settings.backdrop.grid ^= true,
+            Command::ToggleGrid => self.style.backdrop.grid ^= true,
             Command::ToggleScaleBar => self.appearance.shows_scale_bar ^= true,
             Command::Smaller => self.scale_size(1.0 / SIZE_STEP),
             Command::Larger => self.scale_size(SIZE_STEP),
@@ -126,7 +126,7 @@ impl State {
         }
         self.comparison = match self.comparison.take() {
             Some(_) => None,
-            None => Some(Comparison::new(self.settings)),
+            None => Some(Comparison::new(self.style)),
         };
     }
 
@@ -134,7 +134,7 @@ impl State {
     pub(in crate::app) fn edit_side(&mut self, side: Side) {
         if let Some(comparison) = &mut self.comparison {
             comparison.edited = side;
-            std::mem::swap(&mut comparison.other, &mut self.settings);
+            std::mem::swap(&mut comparison.other, &mut self.style);
         }
     }
 
@@ -167,15 +167,15 @@ impl State {
         let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         let edited = Edited {
-            settings: self.settings,
+            style: self.style,
             path: Arc::clone(&self.path.draft),
         };
         self.history.note(&edited, is_held, now);
     }
 
     fn take_edited(&mut self, edited: Option<Edited>) {
-        if let Some(Edited { settings, path }) = edited {
-            self.settings = settings;
+        if let Some(Edited { style, path }) = edited {
+            self.style = style;
             self.path.draft = path;
         }
     }
@@ -186,24 +186,24 @@ impl State {
     }
 
     /// How an export draws: as the window does, but at full resolution.
-    pub(in crate::app) fn settings_of_export(&self) -> Style {
-        let mut style = self.drawn_settings();
+    pub(in crate::app) fn style_of_export(&self) -> Style {
+        let mut style = self.drawn_style();
         style.drawing.resolution = 1.0;
-        style.drawing.renderer = self.main.renderer(self.settings.drawing.renderer);
+        style.drawing.renderer = self.main.renderer(self.style.drawing.renderer);
         style
     }
 
     /// Draws as `way` from now on.
     pub fn draw_as(&mut self, way: &Style) {
-        self.settings = self.settings.drawn_as(way);
+        self.style = self.style.drawn_as(way);
     }
 
     fn scale_size(&mut self, factor: f32) {
-        let scaled = match self.drawn_settings().primitive {
+        let scaled = match self.drawn_style().primitive {
             Primitive::Point => &PointStyle::SIZE_PX,
             Primitive::Auto | Primitive::Surfel | Primitive::Voxel => &SurfelStyle::SPLAT_SCALE,
         };
-        self.settings.edit(&mut |described, value| match value {
+        self.style.edit(&mut |described, value| match value {
             Value::Number(size) if described.key == scaled.key => {
                 described.nearest(Value::Number(size * f64::from(factor)))
             }
@@ -264,7 +264,7 @@ impl State {
     /// From now on the processor draws in place of the graphics card whose device was lost, until a person chooses who
     /// draws.
     pub(in crate::app) fn draw_without_gpu(&mut self) {
-        self.main.without_gpu = Some(self.settings.drawing.renderer);
+        self.main.without_gpu = Some(self.style.drawing.renderer);
         self.forget_picture();
     }
 }

@@ -203,7 +203,7 @@ impl State {
 
     /// The packet of the other sequence, if it differs from the last one.
     pub(super) fn next_packet_beside(&mut self) -> Option<ScenePacket> {
-        let settings = self.drawn_settings();
+        let style = self.drawn_style();
         let beside = self.beside.as_mut()?;
         let Some(frame) = beside.companion.shown() else {
             beside.pictures.forget_difference();
@@ -220,7 +220,7 @@ impl State {
         let size_px = self.viewport.other_size_px;
         let packet = beside
             .drawing
-            .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
+            .next_packet(drawn, &self.camera, &style, size_px, self.now)?;
         beside.note_change(self.now);
         Some(packet)
     }

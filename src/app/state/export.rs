@@ -93,7 +93,7 @@ impl State {
         let export = &self.export;
         Some(ExportJob {
             sequence: Arc::clone(player.sequence()),
-            settings: self.settings_of_export(),
+            style: self.style_of_export(),
             poses: self.poses_of_export(),
             shows: self.shown_by_export(player)?,
             per_second: export.per_second,

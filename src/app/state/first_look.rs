@@ -24,15 +24,15 @@ impl State {
     }
 
     /// The settings with what was guessed, and who draws, in place of what is left open.
-    pub fn drawn_settings(&self) -> Style {
-        self.resolved(&self.settings)
+    pub fn drawn_style(&self) -> Style {
+        self.resolved(&self.style)
     }
 
-    pub(super) fn resolved(&self, settings: &Style) -> Style {
-        let choice = self.main.renderer(settings.drawing.renderer);
+    pub(super) fn resolved(&self, style: &Style) -> Style {
+        let choice = self.main.renderer(style.drawing.renderer);
         let is_processor = choice.is_processor(self.graphics.is_software);
         self.first_look()
-            .map_or(*settings, |look| settings.resolved(look))
+            .map_or(*style, |look| style.resolved(look))
             .drawn_by(is_processor)
     }
 
@@ -46,14 +46,14 @@ impl State {
         self.looked = Looked::default();
         let usual = self.options.preferences.settings.primitive;
         let asked = self.options.primitive.take();
-        self.settings.primitive = asked.or(chosen.primitive).unwrap_or(usual);
-        self.looked.primitive = Some(self.settings.primitive);
+        self.style.primitive = asked.or(chosen.primitive).unwrap_or(usual);
+        self.looked.primitive = Some(self.style.primitive);
         self.timeline.chosen = chosen;
     }
 
     /// Keeps the primitive if it was changed for the open sequence.
     pub(super) fn keep_primitive(&mut self) {
-        let primitive = self.settings.primitive;
+        let primitive = self.style.primitive;
         if self.player.is_none() || self.looked.primitive.replace(primitive) == Some(primitive) {
             return;
         }
@@ -64,7 +64,7 @@ impl State {
 
     /// Everything as in a new installation, for this sequence and those to come; the camera stays.
     pub(in crate::app) fn reset_settings(&mut self) {
-        self.settings = Style::default();
+        self.style = Style::default();
         self.options.preferences.settings.primitive = Primitive::Auto;
     }
 

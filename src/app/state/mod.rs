@@ -70,7 +70,7 @@ pub struct State {
     /// Where the picture is seen from; kept across frames.
     pub camera: Camera,
     /// How pictures are asked for.
-    pub settings: Style,
+    pub style: Style,
     /// Messages.
     pub notices: Notices,
     /// Open panels.
@@ -137,7 +137,7 @@ impl State {
         Self {
             player: None,
             camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
-            settings: options.preferences.settings,
+            style: options.preferences.settings,
             notices: Notices::default(),
             panels: options.preferences.panels.into(),
             comparison: None,
@@ -194,7 +194,7 @@ impl State {
             // The primitive is chosen for one sequence, and kept with it.
             settings: Style {
                 primitive: self.options.preferences.settings.primitive,
-                ..self.settings
+                ..self.style
             },
             present: self.appearance.present,
             loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
@@ -229,22 +229,22 @@ impl State {
             visible = true;
         }
         self.keep_primitive();
-        let settings = self.drawn_settings();
+        let style = self.drawn_style();
         let Some(player) = &mut self.player else {
             return Change::of_panels(visible);
         };
         let (change, of_b) = match &mut self.beside {
             Some(beside) => {
-                let [of_a, of_b] = beside.update(player, now, &settings);
+                let [of_a, of_b] = beside.update(player, now, &style);
                 (of_a, Some(of_b))
             }
-            None => (player.update(now, &settings), None),
+            None => (player.update(now, &style), None),
         };
         let is_another_frame = change.visible;
         visible |= change.beyond_frame;
         let count = player.sequence().len();
         self.tell_of_frames(change, count);
-        visible |= self.follow_shown(&settings);
+        visible |= self.follow_shown(&style);
         self.follow_thumbnails();
         if let Some(of_b) = of_b {
             visible |= self.follow_beside(of_b);
@@ -272,11 +272,11 @@ impl State {
     }
 
     /// Has what features make of the shown frame made. True if something can be seen to change.
-    fn follow_shown(&mut self, settings: &Style) -> bool {
+    fn follow_shown(&mut self, style: &Style) -> bool {
         let Some(player) = &self.player else {
             return false;
         };
-        let mut visible = self.temporal.follow(player, settings, &self.tasks, self.now);
+        let mut visible = self.temporal.follow(player, style, &self.tasks, self.now);
         if let Some(frame) = player.shown() {
             self.inspection.follow(Side::A, frame, player.sequence().origin());
             visible |= self.trails.follow(player, &self.inspection, &self.tasks);
@@ -309,9 +309,9 @@ impl State {
         let Some((player, look)) = self.player.as_ref().zip(look) else {
             return;
         };
-        let settings = self.settings.resolved(&look);
-        let hints = settings.of_sequence.color_hints;
-        let key = (self.camera.up, settings.colors, hints);
+        let style = self.style.resolved(&look);
+        let hints = style.of_sequence.color_hints;
+        let key = (self.camera.up, style.colors, hints);
         let is_measured = matches!(self.benchmark, Benchmark::Running(_));
         self.thumbnails
             .follow(player, &look, key, is_measured, &self.tasks, self.now);
@@ -319,9 +319,9 @@ impl State {
 
     /// Takes in at once what the panels have changed about other poses.
     pub(in crate::app) fn follow_poses(&mut self) {
-        let settings = self.drawn_settings();
+        let style = self.drawn_style();
         if let Some(player) = &self.player {
-            self.temporal.follow(player, &settings, &self.tasks, self.now);
+            self.temporal.follow(player, &style, &self.tasks, self.now);
             self.trails.follow(player, &self.inspection, &self.tasks);
         }
     }

@@ -35,7 +35,7 @@ impl State {
         player.set_loop_mode(loop_mode, self.now);
         player.set_speed(speed, self.now);
         // The window may take a while to open.
-        player.begin(&self.settings);
+        player.begin(&self.style);
         if let Some(before) = self.player.replace(player) {
             self.leave(before);
         }

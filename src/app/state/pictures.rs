@@ -45,13 +45,13 @@ impl State {
             pose: Arc::clone(made.map_or(pose, ComposedFrame::pose)),
             origin,
         };
-        self.main.note_choice(self.settings.drawing.renderer);
-        let settings = self.drawn_settings();
+        self.main.note_choice(self.style.drawing.renderer);
+        let style = self.drawn_style();
         let size_px = self.viewport.size_px;
         let packet = self
             .main
             .drawing
-            .next_packet(drawn, &self.camera, &settings, size_px, self.now)?;
+            .next_packet(drawn, &self.camera, &style, size_px, self.now)?;
         self.counters.pictures += 1;
         self.note_picture();
         Some(packet)
@@ -63,7 +63,7 @@ impl State {
         self.graphics.frame_ms = frame_ms;
         self.graphics.render = render;
         let draw_ms = self.graphics.picture_ms();
-        let settings = self.drawn_settings();
+        let style = self.drawn_style();
         let Some(player) = &self.player else { return };
         let noted = self.main.drawing.note_draw_ms(draw_ms);
         // What stands for a frame that is on its way says nothing about its picture, and levels of it would be in its
@@ -74,12 +74,12 @@ impl State {
         }
         let is_at_rest = !player.is_playing() && !is_partial;
         let (tasks, now) = (&self.tasks, self.now);
-        self.main.drawing.prepare(&settings, is_at_rest, tasks, now);
+        self.main.drawing.prepare(&style, is_at_rest, tasks, now);
         if let Some(beside) = &mut self.beside {
             if let Some(points) = beside.drawing.note_draw_ms(draw_ms) {
                 beside.companion.note_picture_ms(points, draw_ms);
             }
-            beside.drawing.prepare(&settings, is_at_rest, tasks, now);
+            beside.drawing.prepare(&style, is_at_rest, tasks, now);
         }
     }
 
@@ -91,7 +91,7 @@ impl State {
         }
         let other = self.comparison.as_ref()?.other;
         let mut style = self.resolved(&other);
-        style.of_sequence.clip = self.settings.of_sequence.clip;
+        style.of_sequence.clip = self.style.of_sequence.clip;
         let comparison = self.comparison.as_mut()?;
         let player = self.player.as_ref()?;
         let frame = player.shown()?;

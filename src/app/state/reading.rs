@@ -132,7 +132,7 @@ impl State {
     /// Forgets what belongs to the sequence that was open before.
     pub(super) fn leave(&mut self, before: Player) {
         // Its numbers are those of the sequence before.
-        self.settings.of_sequence.clip = None;
+        self.style.of_sequence.clip = None;
         // Its threads end what they are on; nobody waits for that here.
         close(before);
         self.looked = Looked::default();

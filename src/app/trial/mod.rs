@@ -203,7 +203,7 @@ impl Trial {
     fn begin(&self, step: Step, now: Duration, state: &mut State) -> Watched {
         let input = &self.inputs[step.input];
         state.ask_for_primitive(step.primitive);
-        state.settings = Style {
+        state.style = Style {
             drawing: DrawingStyle {
                 renderer: self.renderer,
                 ..DrawingStyle::default()

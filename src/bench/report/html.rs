@@ -48,8 +48,8 @@ fn point_data(point: &LabPoint, details: &[Value]) -> Value {
     json!({
         "sequence": point.sequence,
         "label": point.label,
-        "renderer": point.settings.drawing.renderer.name(),
-        "primitive": point.settings.primitive.name(),
+        "renderer": point.style.drawing.renderer.name(),
+        "primitive": point.style.primitive.name(),
         "ms": point.draw_ms,
         "flip": point.flip,
         "front": point.is_on_front,

@@ -5,7 +5,7 @@
 //! down meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
 //! and timed, warm-up rounds are drawn, then the rounds that count.
 
-use super::paper_settings::{surfel_settings, voxel_settings};
+use super::paper_style::{surfel_style, voxel_style};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
 use crate::bench::statistics::mean;
@@ -97,19 +97,19 @@ struct Samples {
 }
 
 pub(super) fn measure_surfels(run: &mut Run<'_>) -> Result<(), BenchError> {
-    measure(run, &surfel_settings())
+    measure(run, &surfel_style())
 }
 
 pub(super) fn measure_voxels(run: &mut Run<'_>) -> Result<(), BenchError> {
-    measure(run, &voxel_settings())
+    measure(run, &voxel_style())
 }
 
-fn measure(run: &mut Run<'_>, settings: &Style) -> Result<(), BenchError> {
+fn measure(run: &mut Run<'_>, style: &Style) -> Result<(), BenchError> {
     let ways = ways(run);
     // One step to prepare a frame, one to place its viewpoints, one for each way.
     let steps_per_frame = 2 + ways.len();
     for subject in run.subjects(steps_per_frame)? {
-        measure_sequence(run, &subject, settings, &ways, steps_per_frame)?;
+        measure_sequence(run, &subject, style, &ways, steps_per_frame)?;
     }
     Ok(())
 }
@@ -117,11 +117,11 @@ fn measure(run: &mut Run<'_>, settings: &Style) -> Result<(), BenchError> {
 fn measure_sequence(
     run: &mut Run<'_>,
     subject: &Subject<'_>,
-    settings: &Style,
+    style: &Style,
     ways: &[Option<Strategy>],
     steps_per_frame: usize,
 ) -> Result<(), BenchError> {
-    let needs = Scene::needs(settings);
+    let needs = Scene::needs(style);
     let mut samples: Vec<Samples> = ways.iter().map(|_| Samples::default()).collect();
     let (mut point_counts, mut depths) = (Vec::new(), Vec::new());
     let mut coverages = Vec::new();
@@ -138,7 +138,7 @@ fn measure_sequence(
         point_counts.push(frame.points.len() as f64);
         depths.extend(frame.levels.octree().map(|octree| f64::from(octree.depth())));
         run.begin_step(format!("{} frame {index}: placing viewpoints", subject.name))?;
-        let viewpoints = run.viewpoints(subject, &frame, settings)?;
+        let viewpoints = run.viewpoints(subject, &frame, style)?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         // The pictures whose coverage was counted left the streams on the adapter; a renderer takes a copy for another
         // cloud, so that its upload can be measured.
@@ -146,7 +146,7 @@ fn measure_sequence(
         frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
         let packets: Vec<ScenePacket> = viewpoints
             .iter()
-            .map(|viewpoint| packet(run, subject, &frame, &viewpoint.camera, settings))
+            .map(|viewpoint| packet(run, subject, &frame, &viewpoint.camera, style))
             .collect();
         for (&way, samples) in ways.iter().zip(&mut samples) {
             run.begin_step(format!("{} frame {index}: {}", subject.name, name_of(way)))?;
@@ -169,10 +169,10 @@ fn packet(
     subject: &Subject<'_>,
     frame: &PreparedFrame,
     camera: &crate::scene::Camera,
-    settings: &Style,
+    style: &Style,
 ) -> ScenePacket {
     let origin = subject.sequence.origin();
-    Scene::default().packet(frame, origin, camera, settings, run.options.viewport_px)
+    Scene::default().packet(frame, origin, camera, style, run.options.viewport_px)
 }
 
 fn measure_way(
@@ -184,12 +184,12 @@ fn measure_way(
     let packets: Vec<ScenePacket> = packets
         .iter()
         .map(|packet| ScenePacket {
-            settings: Style {
+            style: Style {
                 drawing: DrawingStyle {
-                    strategy: way.unwrap_or(packet.settings.drawing.strategy),
-                    ..packet.settings.drawing
+                    strategy: way.unwrap_or(packet.style.drawing.strategy),
+                    ..packet.style.drawing
                 },
-                ..packet.settings
+                ..packet.style
             },
             ..packet.clone()
         })

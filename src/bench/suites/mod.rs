@@ -6,7 +6,7 @@ mod accuracy;
 mod draw;
 mod error;
 mod octree;
-mod paper_settings;
+mod paper_style;
 mod play;
 mod render;
 mod traversals;

@@ -9,7 +9,7 @@
 //! Traversals run on all threads. Each fills memory that the one before it left, as playing does; the viewpoints are
 //! those from which surfels cover 25 to 85 % of the picture.
 
-use super::paper_settings::surfel_settings;
+use super::paper_style::surfel_style;
 use super::traversals::Traversals;
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
@@ -174,7 +174,7 @@ fn one_thread() -> Result<ThreadPool, BenchError> {
 
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>, one_thread: &ThreadPool) -> Result<(), BenchError> {
     // What placing viewpoints needs; octrees are built by the clock.
-    let needs = Scene::needs(&surfel_settings());
+    let needs = Scene::needs(&surfel_style());
     let mut samples: Vec<Samples> = DELTAS.iter().map(|_| Samples::default()).collect();
     let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
     let mut first_failure = None;
@@ -189,7 +189,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>, one_thread: &Threa
         };
         point_counts.push(frame.points.len() as f64);
         run.begin_step(format!("{} frame {index}: placing viewpoints", subject.name))?;
-        let viewpoints = run.viewpoints(subject, &frame, &surfel_settings())?;
+        let viewpoints = run.viewpoints(subject, &frame, &surfel_style())?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         let cameras: Vec<Camera> = viewpoints.iter().map(|viewpoint| viewpoint.camera).collect();
         let beginnings = Beginnings::of(&frame, one_thread);

@@ -84,11 +84,11 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
         let mut points = Vec::new();
         for primitive in PRIMITIVES {
             run.begin_step(format!("{}: {primitive}, {wanted} frames", subject.name))?;
-            let settings = Style {
+            let style = Style {
                 primitive,
                 ..Style::default()
             };
-            let played = play(run, &subject, &settings)?;
+            let played = play(run, &subject, &style)?;
             points.push(played.mean_points);
             rows.push(played.row(subject.name, primitive));
         }
@@ -116,11 +116,11 @@ struct Played {
 }
 
 /// Plays until as many frames were shown as are wanted, or none can be.
-fn play(run: &Run<'_>, subject: &Subject<'_>, settings: &Style) -> Result<Played, BenchError> {
+fn play(run: &Run<'_>, subject: &Subject<'_>, style: &Style) -> Result<Played, BenchError> {
     let (wake, woken) = sync_channel(1);
     let options = loader_options(run.options.budget_bytes, wake);
     let mut player = Player::new(Arc::clone(subject.sequence), options, true)?;
-    let mut screen = Screen::new(run, subject, settings)?;
+    let mut screen = Screen::new(run, subject, style)?;
     let mut memory = Memory::new();
     let seconds = play_by_the_clock(run, &mut player, &mut screen, &mut memory, &woken)?;
     let stats = player.loader().stats();
@@ -175,7 +175,7 @@ fn play_by_the_clock(
     let mut looked_at = 0;
     while player.frames_shown() < wanted {
         run.check_cancelled()?;
-        player.update(begin.elapsed(), screen.settings);
+        player.update(begin.elapsed(), screen.style);
         check_failures(player, screen.subject)?;
         let new = player
             .shown()
@@ -226,7 +226,7 @@ struct Screen<'a> {
     renderer: AnyRenderer,
     scene: Scene,
     camera: Option<Camera>,
-    settings: &'a Style,
+    style: &'a Style,
     viewport_px: [u32; 2],
     subject: &'a Subject<'a>,
     pictures_ms: Vec<f64>,
@@ -235,12 +235,12 @@ struct Screen<'a> {
 }
 
 impl<'a> Screen<'a> {
-    fn new(run: &Run<'_>, subject: &'a Subject<'a>, settings: &'a Style) -> Result<Self, BenchError> {
+    fn new(run: &Run<'_>, subject: &'a Subject<'a>, style: &'a Style) -> Result<Self, BenchError> {
         Ok(Self {
-            renderer: AnyRenderer::open(settings.drawing.renderer)?,
+            renderer: AnyRenderer::open(style.drawing.renderer)?,
             scene: Scene::that_remembers(),
             camera: None,
-            settings,
+            style,
             viewport_px: run.options.viewport_px,
             subject,
             pictures_ms: Vec::new(),
@@ -255,9 +255,7 @@ impl<'a> Screen<'a> {
         let subject = self.subject;
         let camera = self.camera.get_or_insert_with(|| subject.framing(frame));
         let start = Instant::now();
-        let packet = self
-            .scene
-            .packet(frame, origin, camera, self.settings, self.viewport_px);
+        let packet = self.scene.packet(frame, origin, camera, self.style, self.viewport_px);
         self.renderer.prepare(&packet)?;
         self.renderer.render()?;
         self.renderer.wait()?;

@@ -84,7 +84,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 }
 
 fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject<'_>) -> Result<(), BenchError> {
-    let mut needs = Scene::needs(&settings(Primitive::Voxel));
+    let mut needs = Scene::needs(&style(Primitive::Voxel));
     needs.shapes = true;
     let mut samples: [[Samples; VIEWS.len()]; PRIMITIVES.len()] = Default::default();
     let mut point_counts = Vec::new();
@@ -115,7 +115,7 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
     Ok(())
 }
 
-fn settings(primitive: Primitive) -> Style {
+fn style(primitive: Primitive) -> Style {
     Style {
         primitive,
         ..Style::default()
@@ -138,7 +138,7 @@ fn packets(
             ..view
         };
         let viewport_px = run.options.viewport_px;
-        Scene::default().packet(frame, origin, &camera, &settings(primitive), viewport_px)
+        Scene::default().packet(frame, origin, &camera, &style(primitive), viewport_px)
     };
     let views = subject.views(frame, run.options.viewpoints, distance);
     views.into_iter().map(packet).collect()

@@ -48,7 +48,7 @@ impl Gradient {
     pub(super) fn of(packet: &ScenePacket) -> Self {
         let [top, bottom] = packet.view.rows_of_whole;
         Self {
-            background: packet.settings.backdrop.background,
+            background: packet.style.backdrop.background,
             first_row: top,
             per_row: (bottom - top) / packet.viewport_px[1] as f32,
         }

@@ -47,7 +47,7 @@ pub(super) fn draw<R: Records>(records: &R, blocks: &Blocks, packet: &ScenePacke
             records,
             lists: &lists,
             view: &painter.view,
-            are_rays_measured: packet.settings.light.lighting == Lighting::PerFragment && has_colors,
+            are_rays_measured: packet.style.light.lighting == Lighting::PerFragment && has_colors,
         };
         painter.paint(&content, bands);
         lists.handed_out()

@@ -19,7 +19,7 @@ pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
     ScenePacket {
         viewport_px: size_px,
         view: camera.transform(DVec3::ZERO, size_px),
-        settings: Style::default(),
+        style: Style::default(),
         content: Content::Nothing,
         ground: None,
         bounds: Aabb {

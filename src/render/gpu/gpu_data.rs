@@ -68,7 +68,7 @@ impl ViewUniform {
             light: LightStyle { lighting, .. },
             backdrop: Backdrop { background, .. },
             ..
-        } = packet.settings;
+        } = packet.style;
         let rotation = packet.view.view_from_frame_rotation;
         // Of a part of a picture the gradient is a part too.
         let [background_top, background_bottom] = packet.view.rows_of_whole.map(|share| {
@@ -89,7 +89,7 @@ impl ViewUniform {
             rotation_y: rotation.y_axis.extend(0.0).to_array(),
             rotation_z: rotation.z_axis.extend(0.0).to_array(),
             eye_high: packet.view.eye_high.to_array(),
-            splat_scale: packet.settings.surfels.splat_scale * enlargement,
+            splat_scale: packet.style.surfels.splat_scale * enlargement,
             eye_low: packet.view.eye_low.to_array(),
             near: packet.view.near,
             focal: packet.view.focal,
@@ -97,7 +97,7 @@ impl ViewUniform {
             background_top,
             background_bottom,
             depth_range: packet.depth_range(),
-            point_size_px: packet.settings.points.size_px,
+            point_size_px: packet.style.points.size_px,
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if one_pass { 0.0 } else { DEPTH_SLACK_RADII },
             lighting: match lighting {
@@ -106,9 +106,9 @@ impl ViewUniform {
                 Lighting::PerVertex => LIGHTING_PER_VERTEX,
                 Lighting::PerFragment => LIGHTING_PER_FRAGMENT,
             },
-            back_faces: if packet.settings.culls_back_faces() {
+            back_faces: if packet.style.culls_back_faces() {
                 BACK_FACES_CULLED
-            } else if packet.settings.darkens_back_faces() {
+            } else if packet.style.darkens_back_faces() {
                 BACK_FACES_DARKER
             } else {
                 BACK_FACES_DRAWN

@@ -40,19 +40,19 @@ impl<'a> Plan<'a> {
             [resolve, eye_dome]
         };
         let grid = packet.ground.map(|_| &GRID);
-        let background = packet.settings.backdrop.background;
+        let background = packet.style.backdrop.background;
         Self {
             drawable,
             background: (background.top != background.bottom).then_some(&BACKGROUND),
             finish: [first, second, grid].into_iter().flatten().collect(),
-            strategy: packet.settings.drawing.strategy,
+            strategy: packet.style.drawing.strategy,
         }
     }
 
     /// The uniforms of each pass over records.
     pub(super) fn views(packet: &ScenePacket) -> [ViewUniform; VIEWS] {
-        let style = &packet.settings.surfels;
-        let [visibility, attribute] = style.splatting.scales(style.enlargement);
+        let surfels = &packet.style.surfels;
+        let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
         [
             ViewUniform::new(packet, visibility),
             ViewUniform::new(packet, attribute).without_slack(),

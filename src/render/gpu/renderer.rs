@@ -155,7 +155,7 @@ impl GpuRenderer {
             encoder: &mut encoder,
             stats: &mut self.stats,
         };
-        let background = packet.settings.backdrop.background;
+        let background = packet.style.backdrop.background;
         recorder.record(&plan, background, self.instancing.as_mut(), &draw);
         if let Some(timer) = &mut self.timer {
             timer.end(&mut encoder);
@@ -249,10 +249,10 @@ impl Renderer for GpuRenderer {
         let start = Instant::now();
         self.prepared = None;
         self.ensure_targets(packet.viewport_px)?;
-        if self.instancing.strategy() != packet.settings.drawing.strategy {
+        if self.instancing.strategy() != packet.style.drawing.strategy {
             self.residency.clear();
             self.instancing = instancing::new(
-                packet.settings.drawing.strategy,
+                packet.style.drawing.strategy,
                 &self.context,
                 &self.pipelines.view_layout,
             );

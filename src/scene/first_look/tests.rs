@@ -107,14 +107,14 @@ fn dark_scans_have_a_brighter_background() {
     };
     let chosen = Background::solid([1, 2, 3]);
     let drawn = |background, level| {
-        let settings = Style {
+        let style = Style {
             backdrop: Backdrop {
                 background,
                 ..Backdrop::default()
             },
             ..Style::default()
         };
-        settings.resolved(&look(level)).backdrop.background
+        style.resolved(&look(level)).backdrop.background
     };
     assert_eq!(drawn(Background::default(), 10), Background::BEHIND_DARK);
     assert_eq!(drawn(Background::default(), 180), Background::default());

@@ -114,14 +114,14 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
     match &packet.content {
         Content::Nothing => None,
         Content::Points(points) => {
-            let sprites = Sprites::new(points, packet.settings.points);
+            let sprites = Sprites::new(points, packet.style.points);
             let chosen = ray.choose(&sprites, radius_px)?;
             slot_of(packet, frame, points, chosen.record)
         }
         Content::Surfels(surfels) => {
-            let disks = Disks::new(surfels, &packet.settings);
+            let disks = Disks::new(surfels, &packet.style);
             let chosen = ray.choose(&disks, radius_px)?;
-            let kind = packet.settings.levels_kind();
+            let kind = packet.style.levels_kind();
             if kind.and_then(|kind| frame.levels.get(kind)).is_none() {
                 return slot_of(packet, frame, &surfels.points, chosen.record);
             }
@@ -135,8 +135,8 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
             nearest_drawn(packet, frame, chosen.place, |place| cell.contains(place))
         }
         Content::Coded(coded) => {
-            let surfels = surfels_near(&ray, coded, &packet.settings, radius_px);
-            let disks = Disks::new(&surfels, &packet.settings);
+            let surfels = surfels_near(&ray, coded, &packet.style, radius_px);
+            let disks = Disks::new(&surfels, &packet.style);
             let chosen = ray.choose(&disks, radius_px)?;
             nearest_drawn(packet, frame, chosen.place, |_| true)
         }
@@ -145,7 +145,7 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
 
 /// The slot of a record of a packet that has all points of the frame but for those that are clipped.
 fn slot_of(packet: &ScenePacket, frame: &PreparedFrame, drawn: &Arc<Vec<PointRecord>>, record: usize) -> Option<usize> {
-    match packet.settings.of_sequence.clip {
+    match packet.style.of_sequence.clip {
         Some(clip) if !Arc::ptr_eq(drawn, &frame.points) => {
             let kept = clip.kept(&frame.points);
             kept.get(record).map(|&slot| slot as usize)
@@ -161,7 +161,7 @@ fn nearest_drawn(
     place: DVec3,
     is_within: impl Fn(DVec3) -> bool + Sync,
 ) -> Option<usize> {
-    let Some(clip) = packet.settings.of_sequence.clip else {
+    let Some(clip) = packet.style.of_sequence.clip else {
         return nearest(&frame.points, place, is_within);
     };
     let kept = clip.kept(&frame.points);

@@ -45,7 +45,7 @@ impl Oracle<'_> {
     }
 
     pub(super) fn point(&self) -> Option<usize> {
-        let half_px = 0.5 * f64::from(self.packet.settings.points.size_px);
+        let half_px = 0.5 * f64::from(self.packet.style.points.size_px);
         let mut best: Option<(f64, usize)> = None;
         for (slot, point) in self.packet.content.points().unwrap().iter().enumerate() {
             let place = self.rotation() * self.offset(point.position);
@@ -55,7 +55,7 @@ impl Oracle<'_> {
             let px = DVec2::new(width * (0.5 + 0.5 * ndc.x), height * (0.5 - 0.5 * ndc.y));
             let aside = px - self.px;
             let is_near = |reach_px: f64| aside.abs().max_element() <= reach_px;
-            let covers = match self.packet.settings.points.shape {
+            let covers = match self.packet.style.points.shape {
                 PointShape::Square => is_near(half_px),
                 PointShape::Disk => aside.length_squared() <= half_px * half_px || is_near(0.5),
             };
@@ -67,16 +67,16 @@ impl Oracle<'_> {
     }
 
     pub(super) fn surfel(&self) -> Option<usize> {
-        let settings = &self.packet.settings;
+        let style = &self.packet.style;
         let shapes = self.packet.content.shapes().unwrap();
         let mut met = Vec::new();
         for (slot, (point, shape)) in self.packet.content.points().unwrap().iter().zip(&**shapes).enumerate() {
             let offset = self.offset(point.position);
             let normal = oct_decode(shape.normal).as_dvec3();
-            if settings.culls_back_faces() && normal.dot(offset) > 0.0 {
+            if style.culls_back_faces() && normal.dot(offset) > 0.0 {
                 continue;
             }
-            let radius = f64::from(shape.radius) * f64::from(settings.surfels.splat_scale);
+            let radius = f64::from(shape.radius) * f64::from(style.surfels.splat_scale);
             let (u, v) = normal.any_orthonormal_pair();
             if let Some([depth, a, b]) = self.plane(offset, u * radius, v * radius)
                 && a * a + b * b <= 1.0

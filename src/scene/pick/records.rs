@@ -68,13 +68,13 @@ pub(super) struct Disks<'a> {
 }
 
 impl<'a> Disks<'a> {
-    pub(super) fn new(surfels: &'a Surfels, settings: &Style) -> Self {
-        let [visibility, _] = settings.surfels.splatting.scales(settings.surfels.enlargement);
+    pub(super) fn new(surfels: &'a Surfels, style: &Style) -> Self {
+        let [visibility, _] = style.surfels.splatting.scales(style.surfels.enlargement);
         Self {
             points: &surfels.points,
             shapes: &surfels.shapes,
-            scale: f64::from(settings.surfels.splat_scale) * f64::from(visibility),
-            cull_back_faces: settings.culls_back_faces(),
+            scale: f64::from(style.surfels.splat_scale) * f64::from(visibility),
+            cull_back_faces: style.culls_back_faces(),
         }
     }
 

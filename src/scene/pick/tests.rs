@@ -64,8 +64,8 @@ fn camera(distance: f64, azimuth_deg: f64, origin: DVec3) -> Camera {
     }
 }
 
-fn packet_of(frame: &PreparedFrame, origin: DVec3, camera: &Camera, settings: &Style) -> ScenePacket {
-    Scene::default().packet(frame, origin, camera, settings, SIZE)
+fn packet_of(frame: &PreparedFrame, origin: DVec3, camera: &Camera, style: &Style) -> ScenePacket {
+    Scene::default().packet(frame, origin, camera, style, SIZE)
 }
 
 proptest! {
@@ -88,13 +88,13 @@ proptest! {
         let back_faces = if culled { BackFaces::Culled } else { BackFaces::Drawn };
         let shape = if is_round { PointShape::Disk } else { PointShape::Square };
         for &primitive in Primitive::ALL {
-            let settings = Style {
+            let style = Style {
                 primitive,
                 surfels: SurfelStyle { back_faces, ..SurfelStyle::default() },
                 points: PointStyle { size_px, shape },
                 ..Style::default()
             };
-            let packet = packet_of(&frame, origin, &camera, &settings);
+            let packet = packet_of(&frame, origin, &camera, &style);
             let oracle = Oracle { packet: &packet, px: DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5) };
             let found = pick(&packet, &frame, place_px, 0.0);
             match primitive {
@@ -124,8 +124,8 @@ proptest! {
     ) {
         let frame = cloud(&places, 0.0, DVec3::ZERO);
         let camera = camera(3.0, 10.0, DVec3::ZERO);
-        let settings = Style { primitive: Primitive::Point, ..Style::default() };
-        let packet = packet_of(&frame, DVec3::ZERO, &camera, &settings);
+        let style = Style { primitive: Primitive::Point, ..Style::default() };
+        let packet = packet_of(&frame, DVec3::ZERO, &camera, &style);
         let middle = DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5);
         let found = pick(&packet, &frame, middle.to_array(), radius_px);
         let apart = |slot: usize| {
@@ -149,7 +149,7 @@ fn nothing_is_picked_where_nothing_is() {
     let origin = DVec3::ZERO;
     let camera = camera(3.0, 0.0, origin);
     for &primitive in Primitive::ALL {
-        let settings = Style {
+        let style = Style {
             primitive,
             surfels: SurfelStyle {
                 back_faces: BackFaces::Drawn,
@@ -158,22 +158,22 @@ fn nothing_is_picked_where_nothing_is() {
             ..Style::default()
         };
         let empty = cloud(&[], 0.1, origin);
-        let packet = packet_of(&empty, origin, &camera, &settings);
+        let packet = packet_of(&empty, origin, &camera, &style);
         assert_eq!(pick(&packet, &empty, [80.0, 60.0], 1e9), None);
         // Twice as far behind the eye as the target is before it.
         let eye = camera.eye_in_world();
         let behind = cloud(&[(eye * 3.0).as_vec3().to_array()], 0.1, origin);
-        let packet = packet_of(&behind, origin, &camera, &settings);
+        let packet = packet_of(&behind, origin, &camera, &style);
         assert_eq!(pick(&packet, &behind, [80.0, 60.0], 20.0), None, "{primitive}");
         // Nearer than the near plane.
         let close = cloud(&[(eye * (1.0 - 0.001)).as_vec3().to_array()], 1e-4, origin);
-        let packet = packet_of(&close, origin, &camera, &settings);
+        let packet = packet_of(&close, origin, &camera, &style);
         assert_eq!(pick(&packet, &close, [80.0, 60.0], 20.0), None, "{primitive}");
         // A frame that was not prepared for the primitive draws nothing of it.
         let mut bare = cloud(&[[0.0; 3]], 0.1, origin);
         bare.shapes = None;
         bare.levels = LevelsSet::default();
-        let packet = packet_of(&bare, origin, &camera, &settings);
+        let packet = packet_of(&bare, origin, &camera, &style);
         let expected = (primitive == Primitive::Point).then_some(0);
         assert_eq!(pick(&packet, &bare, [80.0, 60.0], 5.0), expected);
         // Places that no picture has.
@@ -190,13 +190,13 @@ fn the_front_one_wins_and_of_equals_the_last() {
         elevation_deg: 0.0,
         ..camera(3.0, 0.0, origin)
     };
-    let settings = Style {
+    let style = Style {
         primitive: Primitive::Point,
         ..Style::default()
     };
     let line = [[0.0, 0.0, -1.0], [0.0, 0.0, 0.5], [0.0, 0.0, 0.0]];
     let frame = cloud(&line, 0.1, origin);
-    let packet = packet_of(&frame, origin, &camera, &settings);
+    let packet = packet_of(&frame, origin, &camera, &style);
     let slot = pick(&packet, &frame, [79.9, 59.9], 0.0).unwrap();
     assert_eq!(Pick::of(&frame, origin, slot).unwrap().index_in_file, 1);
 
@@ -205,15 +205,15 @@ fn the_front_one_wins_and_of_equals_the_last() {
     raw.radii = Some(vec![0.1; 200]);
     let same = prepared(raw, origin);
     for &primitive in Primitive::ALL {
-        let settings = Style {
+        let style = Style {
             primitive,
             surfels: SurfelStyle {
                 back_faces: BackFaces::Drawn,
-                ..settings.surfels
+                ..style.surfels
             },
-            ..settings
+            ..style
         };
-        let packet = packet_of(&same, origin, &camera, &settings);
+        let packet = packet_of(&same, origin, &camera, &style);
         let px = camera.to_px(DVec3::splat(0.1), SIZE).unwrap();
         let slot = pick(&packet, &same, px.to_array(), 0.0).unwrap();
         assert_eq!(slot, 199, "{primitive}");
@@ -234,14 +234,14 @@ fn back_faces_are_picked_only_where_they_are_drawn() {
         raw.normals = Some(vec![[0.0, 0.0, toward]]);
         raw.radii = Some(vec![0.5]);
         let frame = prepared(raw, origin);
-        let settings = Style {
+        let style = Style {
             surfels: SurfelStyle {
                 back_faces,
                 ..SurfelStyle::default()
             },
             ..Style::default()
         };
-        let packet = packet_of(&frame, origin, &camera, &settings);
+        let packet = packet_of(&frame, origin, &camera, &style);
         assert_eq!(pick(&packet, &frame, [80.0, 60.0], 3.0), expected);
     }
 }
@@ -252,7 +252,7 @@ fn a_lone_point_is_picked_from_beside_it() {
     let frame = cloud(&[[0.0; 3]], 1e-6, origin);
     let camera = camera(2.0, 77.0, origin);
     for &primitive in Primitive::ALL {
-        let settings = Style {
+        let style = Style {
             primitive,
             surfels: SurfelStyle {
                 back_faces: BackFaces::Drawn,
@@ -260,7 +260,7 @@ fn a_lone_point_is_picked_from_beside_it() {
             },
             ..Style::default()
         };
-        let packet = packet_of(&frame, origin, &camera, &settings);
+        let packet = packet_of(&frame, origin, &camera, &style);
         assert_eq!(pick(&packet, &frame, [84.0, 57.0], 6.0), Some(0), "{primitive}");
         // The cell of a lone point is as large as one pleases.
         if primitive != Primitive::Voxel {

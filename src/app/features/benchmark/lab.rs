@@ -101,9 +101,9 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
                 (RendererChoice::Cpu, MarkerShape::Circle),
                 (RendererChoice::Gpu, MarkerShape::Square),
             ] {
-                let of_kind = points.iter().filter(|point| {
-                    point.settings.primitive == *primitive && point.settings.drawing.renderer == renderer
-                });
+                let of_kind = points
+                    .iter()
+                    .filter(|point| point.style.primitive == *primitive && point.style.drawing.renderer == renderer);
                 let places: Vec<[f64; 2]> = of_kind.map(|point| place(point)).collect();
                 let name = format!("{primitive} {renderer}");
                 plot.points(

@@ -70,17 +70,17 @@ impl Beside {
     }
 
     /// Moves both on: what has changed about the player's frames, and about those of B.
-    pub(in crate::app) fn update(&mut self, player: &mut Player, now: Duration, settings: &Style) -> [PlayerChange; 2] {
+    pub(in crate::app) fn update(&mut self, player: &mut Player, now: Duration, style: &Style) -> [PlayerChange; 2] {
         let companion = &mut self.companion;
-        let of_a = player.update_beside(now, settings, |clock, is_playing| {
-            companion.prepare(clock, is_playing, settings)
+        let of_a = player.update_beside(now, style, |clock, is_playing| {
+            companion.prepare(clock, is_playing, style)
         });
         // While playing waits, both stay as they are: two frames that belong together.
         let is_held = player.is_playing() && player.waiting_for().is_some();
         let of_b = if is_held {
             PlayerChange::default()
         } else {
-            companion.show(settings)
+            companion.show(style)
         };
         if self.ids(player) != self.measuring.as_ref().map(|(ids, _)| *ids) {
             self.cancel();

@@ -33,9 +33,9 @@ pub struct Comparison {
 
 impl Comparison {
     /// The same settings on both sides; the right one is edited.
-    pub(in crate::app) fn new(settings: Style) -> Self {
+    pub(in crate::app) fn new(style: Style) -> Self {
         Self {
-            other: settings,
+            other: style,
             edited: Side::B,
             pictures: PicturePair::default(),
             scene: Scene::that_remembers(),

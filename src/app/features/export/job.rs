@@ -34,7 +34,7 @@ pub(in crate::app) enum Shows {
 #[derive(Debug)]
 pub(in crate::app) struct ExportJob {
     pub(in crate::app) sequence: Arc<Sequence>,
-    pub(in crate::app) settings: Style,
+    pub(in crate::app) style: Style,
     /// What other poses add to each picture.
     pub(in crate::app) poses: Poses,
     pub(in crate::app) shows: Shows,
@@ -66,7 +66,7 @@ pub struct ExportEnded(pub(in crate::app) Result<Exported, ExportError>);
 pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exported, ExportError> {
     let ExportJob {
         sequence,
-        settings,
+        style,
         poses,
         shows,
         per_second,
@@ -83,15 +83,15 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
         ..defaults
     };
     let loader = Loader::new(Arc::clone(&sequence), options)?;
-    let renderer = AnyRenderer::open(settings.drawing.renderer)?;
+    let renderer = AnyRenderer::open(style.drawing.renderer)?;
     let mut headless = Headless::new(sequence, loader, renderer);
     let path = match shows {
         Shows::Picture { camera, frame } => {
-            let pose = headless.frame(frame, &settings);
-            let dressed = pose.and_then(|pose| poses.dress(&pose, &headless, &settings));
+            let pose = headless.frame(frame, &style);
+            let dressed = pose.and_then(|pose| poses.dress(&pose, &headless, &style));
             let shown = dressed.map_err(HeadlessError::from)?.frame;
             let file = (output.as_path(), progress);
-            write_picture_observed(&mut headless, &shown, &camera, &settings, size, file)?;
+            write_picture_observed(&mut headless, &shown, &camera, &style, size, file)?;
             return Ok(Exported {
                 output,
                 pictures: 1,
@@ -109,7 +109,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
     };
     let video = Video {
         path: &path,
-        settings: &settings,
+        style: &style,
         poses: &poses,
         size,
         per_second,

@@ -119,11 +119,11 @@ impl Temporal {
     pub(in crate::app) fn follow<T: TaskOutcome + From<Option<Box<ComposedFrame>>>>(
         &mut self,
         player: &Player,
-        settings: &Style,
+        style: &Style,
         tasks: &Tasks<T>,
         now: Duration,
     ) -> bool {
-        let Some(request) = self.request(player, settings) else {
+        let Some(request) = self.request(player, style) else {
             self.cancel();
             self.left_at = None;
             return self.made.take().is_some();
@@ -206,9 +206,9 @@ impl Temporal {
     }
 
     /// What is to be made of the shown pose; `None` if it is shown as it is.
-    fn request(&self, player: &Player, settings: &Style) -> Option<PoseRequest> {
+    fn request(&self, player: &Player, style: &Style) -> Option<PoseRequest> {
         let pose = player.shown()?;
-        let needs = Scene::needs(settings);
+        let needs = Scene::needs(style);
         let frame_count = player.sequence().len();
         let change = self.other_frame(pose.index, frame_count);
         let change = change.filter(|_| self.change.is_on);
@@ -225,7 +225,7 @@ impl Temporal {
             change: change.map(|to| ChangeRequest {
                 to,
                 range: self.change.range,
-                map: settings.colors.map,
+                map: style.colors.map,
             }),
             ghosts: ghosts.into_iter().filter_map(ghost).collect(),
             needs,

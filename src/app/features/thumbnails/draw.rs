@@ -93,7 +93,7 @@ fn draw(frame: &PreparedFrame, camera: &Camera, origin: DVec3) -> Result<ColorIm
     let packet = ScenePacket {
         viewport_px: PICTURE_PX,
         view: camera.transform(origin, PICTURE_PX),
-        settings: Style {
+        style: Style {
             primitive: Primitive::Point,
             points: PointStyle {
                 size_px: point_size_px(points.len()),

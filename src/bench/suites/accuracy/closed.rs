@@ -11,14 +11,14 @@ use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
-use crate::bench::suites::paper_settings::voxel_settings;
+use crate::bench::suites::paper_style::voxel_style;
 use crate::levels::octree::StopCriterion;
 use crate::scene::{BackFaces, LevelStyle, Scene, Style, SurfelStyle, VoxelLight, VoxelStyle};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 
 /// The ways to draw voxels, and the words for them.
 fn ways() -> [(&'static str, Style); 3] {
-    let paper = voxel_settings();
+    let paper = voxel_style();
     let stop = StopCriterion::Spacing;
     let faces = Style {
         levels: LevelStyle { stop, ..paper.levels },
@@ -59,27 +59,27 @@ impl Samples {
             },
             ..Style::default()
         };
-        let ways = ways().map(|(_, settings)| {
-            let needs = Scene::needs(&settings);
+        let ways = ways().map(|(_, style)| {
+            let needs = Scene::needs(&style);
             let frame = complete(frame, &needs, &PrepareCounters::default());
-            (frame, settings)
+            (frame, style)
         });
         for camera in subject.views(frame, run.options.viewpoints, 1.0) {
             let mut drawings: Vec<Drawing> = vec![draw(run, subject, frame, &camera, surfels)?];
-            for (frame, settings) in &ways {
-                drawings.push(draw(run, subject, frame, &camera, *settings)?);
+            for (frame, style) in &ways {
+                drawings.push(draw(run, subject, frame, &camera, *style)?);
             }
             let mut pictures = parts(&drawings);
             let Some(surfels) = pictures.next() else {
                 continue;
             };
-            for ((picture, samples), (frame, settings)) in pictures.zip(&mut self.0).zip(&ways) {
+            for ((picture, samples), (frame, style)) in pictures.zip(&mut self.0).zip(&ways) {
                 let [covered, outside] = picture.shares_of(&surfels);
                 samples.covered.push(covered);
                 samples.outside.push(outside);
                 samples.flip.push(picture.compare(&surfels)?.flip_object_mean);
                 let viewport_px = run.options.viewport_px;
-                let packet = Scene::default().packet(frame, subject.sequence.origin(), &camera, settings, viewport_px);
+                let packet = Scene::default().packet(frame, subject.sequence.origin(), &camera, style, viewport_px);
                 samples.drawn.push(packet.content.record_count() as f64);
             }
         }

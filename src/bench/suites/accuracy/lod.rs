@@ -15,7 +15,7 @@ use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
-use crate::bench::suites::paper_settings::{surfel_settings, voxel_settings_at};
+use crate::bench::suites::paper_style::{surfel_style, voxel_style_at};
 use crate::bench::suites::traversals::Traversals;
 use crate::bench::{BenchError, Quantiles};
 use crate::measure::psnr_db;
@@ -53,10 +53,10 @@ impl Samples {
     ) -> Result<(), BenchError> {
         let cameras = subject.views(frame, run.options.viewpoints, distance);
         for camera in &cameras {
-            let mut draw = |settings| draw(run, subject, frame, camera, settings);
-            let settings = LOD_PX.map(voxel_settings_at);
-            let drawings: Vec<Drawing> = std::iter::once(surfel_settings())
-                .chain(settings)
+            let mut draw = |style| draw(run, subject, frame, camera, style);
+            let style = LOD_PX.map(voxel_style_at);
+            let drawings: Vec<Drawing> = std::iter::once(surfel_style())
+                .chain(style)
                 .map(&mut draw)
                 .collect::<Result<_, _>>()?;
             let mut pictures = parts(&drawings);

@@ -14,7 +14,7 @@ mod lod;
 mod normals;
 mod pictures;
 
-use super::paper_settings::voxel_settings_at;
+use super::paper_style::voxel_style_at;
 use crate::bench::BenchError;
 use crate::bench::run::Run;
 use crate::bench::subject::Subject;
@@ -64,7 +64,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), BenchError> {
     let needs = Needs {
         shapes: true,
-        ..Scene::needs(&voxel_settings_at(0.0))
+        ..Scene::needs(&voxel_style_at(0.0))
     };
     let mut leaves = leaves::Samples::default();
     let mut lod: [lod::Samples; lod::DISTANCES.len()] = Default::default();

@@ -57,21 +57,21 @@ pub(super) fn draw(
     subject: &Subject<'_>,
     frame: &PreparedFrame,
     camera: &Camera,
-    settings: Style,
+    style: Style,
 ) -> Result<Drawing, BenchError> {
     run.check_cancelled()?;
     // One traversal for both backgrounds.
     let mut scene = Scene::default();
     let mut on_background = |background| -> Result<RgbaImage, RenderError> {
-        let settings = Style {
+        let style = Style {
             backdrop: Backdrop {
                 background: Background::solid(background),
-                ..settings.backdrop
+                ..style.backdrop
             },
-            ..settings
+            ..style
         };
         let origin = subject.sequence.origin();
-        let packet = scene.packet(frame, origin, camera, &settings, run.options.viewport_px);
+        let packet = scene.packet(frame, origin, camera, &style, run.options.viewport_px);
         run.runner.image(&packet)
     };
     let [first, second] = BACKGROUNDS;

@@ -219,10 +219,10 @@ fn measure_way(
     frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
     let origin = subject.sequence.origin();
     let viewport_px = run.options.viewport_px;
-    let packet = |view: &View, settings: &Style| {
+    let packet = |view: &View, style: &Style| {
         // As when the camera has moved: cells are chosen anew.
         let mut scene = Scene::default();
-        let packet = scene.packet(&frame, origin, &view.camera, settings, viewport_px);
+        let packet = scene.packet(&frame, origin, &view.camera, style, viewport_px);
         (packet, scene.stats().visited_nodes)
     };
     let (options, progress) = (run.options, run.progress);
@@ -245,7 +245,7 @@ fn measure_way(
             ..*way
         };
         let white_packet = ScenePacket {
-            settings: on_white,
+            style: on_white,
             ..drawn_packet.clone()
         };
         let on_white = runner.image(&white_packet)?;
@@ -279,7 +279,7 @@ fn shows_known_surface(way: &Style) -> bool {
 
 /// What lies where in the picture of a packet, if it shows one surface.
 fn depths(renderer: &mut CpuRenderer, packet: &ScenePacket) -> Result<Option<crate::measure::DepthImage>, BenchError> {
-    if !shows_known_surface(&packet.settings) {
+    if !shows_known_surface(&packet.style) {
         return Ok(None);
     }
     renderer.prepare(packet)?;
@@ -311,7 +311,7 @@ impl Samples {
         let [picture, error_map] = self.thumbnails.clone().unwrap_or_default();
         LabPoint {
             sequence: sequence.to_owned(),
-            settings: *way,
+            style: *way,
             label: ways::label(way),
             draw_ms: Quantiles::of(&self.draw_ms).map_or(0.0, |q| q.median),
             flip: mean(&self.flip_object),
@@ -322,7 +322,7 @@ impl Samples {
     }
 
     fn row(&self, point: &LabPoint) -> Row {
-        let way = &point.settings;
+        let way = &point.style;
         let draw = Quantiles::of(&self.draw_ms);
         let psnr = psnr_db(mean(&self.squared));
         let is_surfel = way.primitive == Primitive::Surfel;

@@ -39,22 +39,22 @@ impl<'a> Drawable<'a> {
     }
 
     fn with_slack(packet: &'a ScenePacket, slack_radii: f32) -> Self {
-        let settings = &packet.settings;
+        let style = &packet.style;
         match &packet.content {
             Content::Nothing => Self::Nothing,
             Content::Points(records) => Self::Points(Points {
                 records,
-                size_px: settings.points.size_px,
-                shape: settings.points.shape,
+                size_px: style.points.size_px,
+                shape: style.points.shape,
             }),
             Content::Surfels(surfels) => Self::Surfels(Surfels {
                 points: &surfels.points,
                 shapes: &surfels.shapes,
-                settings,
+                style,
                 slack_radii,
             }),
-            Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, settings.light.lighting)),
-            Content::Coded(cells) => Self::Coded(Coded::new(cells, settings)),
+            Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.lighting)),
+            Content::Coded(cells) => Self::Coded(Coded::new(cells, style)),
         }
     }
 
@@ -83,12 +83,12 @@ impl<'a> Drawable<'a> {
 /// `packet` as it is drawn for depths alone: what is blended in two passes lies on the disks of its first.
 pub(super) fn of_surfaces(packet: &ScenePacket) -> ScenePacket {
     let mut packet = packet.clone();
-    let style = &mut packet.settings.surfels;
-    match style.splatting {
+    let surfels = &mut packet.style.surfels;
+    match surfels.splatting {
         Splatting::Regular | Splatting::NoDepth | Splatting::Visibility => {}
         Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
-            style.splat_scale *= style.splatting.scales(style.enlargement)[0];
-            style.splatting = Splatting::Visibility;
+            surfels.splat_scale *= surfels.splatting.scales(surfels.enlargement)[0];
+            surfels.splatting = Splatting::Visibility;
         }
     }
     packet

@@ -20,7 +20,7 @@ use std::ops::Range;
 pub(in crate::render::cpu) struct Surfels<'a> {
     pub(super) points: &'a [PointRecord],
     pub(super) shapes: &'a [ShapeRecord],
-    pub(super) settings: &'a Style,
+    pub(super) style: &'a Style,
     /// How far the visibility pass is pushed back, in splat radii.
     pub(super) slack_radii: f32,
 }
@@ -60,7 +60,7 @@ impl Records for Surfels<'_> {
     type Scratch = Waiting;
 
     fn held(&self, packet: &ScenePacket) -> Held {
-        match self.settings.surfels.splatting {
+        match self.style.surfels.splatting {
             Splatting::Regular | Splatting::NoDepth => Held::BlendedColors,
             Splatting::Visibility => Held::depths(packet),
             Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => Held::Sums,
@@ -118,9 +118,9 @@ impl Records for Surfels<'_> {
 impl Surfels<'_> {
     /// Factors on the radii of what is drawn at most.
     fn largest_scale(&self) -> f32 {
-        let style = &self.settings.surfels;
-        let [visibility, attribute] = style.splatting.scales(style.enlargement);
-        visibility.max(attribute) * style.splat_scale
+        let surfels = &self.style.surfels;
+        let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
+        visibility.max(attribute) * surfels.splat_scale
     }
 
     /// Draws eight surfels, or lets them wait.
@@ -134,22 +134,21 @@ impl Surfels<'_> {
         seen: &EightSurfels<S>,
         waiting: &mut Waiting,
     ) {
-        let settings = self.settings;
-        let style = &settings.surfels;
-        let [visibility, attribute] = style.splatting.scales(style.enlargement);
-        let scale = style.splat_scale;
+        let surfels = &self.style.surfels;
+        let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
+        let scale = surfels.splat_scale;
         let [visibility, attribute] = [scale * visibility, scale * attribute];
         let mut canvas = Canvas {
             view,
             clip,
             outline: Outline::Disk,
-            cull_back_faces: settings.culls_back_faces(),
+            cull_back_faces: self.style.culls_back_faces(),
         };
-        match style.splatting {
+        match surfels.splatting {
             Splatting::Regular | Splatting::NoDepth => {
                 canvas.outline = Outline::Parallelogram;
                 let facets = seen.facets(simd, &canvas, scale);
-                let with_depth = style.splatting == Splatting::Regular;
+                let with_depth = surfels.splatting == Splatting::Regular;
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
                         let shading = self.shading(seen, lane, scale);
@@ -165,7 +164,7 @@ impl Surfels<'_> {
                         raster::visibility(simd, tile, &facet, push_back[lane]);
                     }
                 }
-                if style.splatting == Splatting::Visibility {
+                if surfels.splatting == Splatting::Visibility {
                     return;
                 }
                 let facets = seen.facets(simd, &canvas, attribute);
@@ -181,7 +180,7 @@ impl Surfels<'_> {
     #[inline(always)]
     fn shading<S: Simd>(&self, seen: &EightSurfels<S>, lane: usize, scale: f32) -> Shading {
         let [red, green, blue, _] = self.points[seen.first + lane].color;
-        let lighting = self.settings.light.lighting;
+        let lighting = self.style.light.lighting;
         let light = if lighting == Lighting::PerFragment {
             Light::OfPixels
         } else {
@@ -192,7 +191,7 @@ impl Surfels<'_> {
         let color = unit_color([red, green, blue]);
         let faces_away = seen.normals.lane(lane).dot(seen.centers.lane(lane)) > 0.0;
         Shading {
-            color: if faces_away && self.settings.darkens_back_faces() {
+            color: if faces_away && self.style.darkens_back_faces() {
                 seen_from_behind(color)
             } else {
                 color

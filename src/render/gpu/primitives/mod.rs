@@ -31,7 +31,7 @@ pub const AMPLIFICATIONS: [&Amplification; 5] = [
 
 /// What a packet shows: the one place where its content is asked for, once a picture.
 pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
-    let style = &packet.settings;
+    let style = &packet.style;
     match &packet.content {
         // Only the background is drawn: byte codes are for the processor alone.
         Content::Nothing | Content::Coded(_) => points::drawable(None, style),

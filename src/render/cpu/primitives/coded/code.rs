@@ -23,19 +23,19 @@ pub(in crate::render::cpu) struct Coded<'a> {
 }
 
 impl<'a> Coded<'a> {
-    pub(in crate::render::cpu) fn new(cells: &'a CodedCells, settings: &Style) -> Self {
-        let style = &settings.surfels;
-        let scales = style.splatting.scales(style.enlargement);
+    pub(in crate::render::cpu) fn new(cells: &'a CodedCells, style: &Style) -> Self {
+        let surfels = &style.surfels;
+        let scales = surfels.splatting.scales(surfels.enlargement);
         Self {
             cloud: &cells.cloud,
             lod_px: cells.lod_px,
             deepest_level: cells.deepest_level,
-            cull_back_faces: settings.culls_back_faces(),
-            darkens_back_faces: settings.darkens_back_faces(),
-            are_pixels: settings.codes.footprint == Footprint::Pixels,
-            normal_bits: settings.codes.normal_bits.bits(),
-            offset_bits: settings.codes.offset_bits.bits(),
-            scales: scales.map(|scale| scale * style.splat_scale),
+            cull_back_faces: style.culls_back_faces(),
+            darkens_back_faces: style.darkens_back_faces(),
+            are_pixels: style.codes.footprint == Footprint::Pixels,
+            normal_bits: style.codes.normal_bits.bits(),
+            offset_bits: style.codes.offset_bits.bits(),
+            scales: scales.map(|scale| scale * surfels.splat_scale),
         }
     }
 
@@ -43,7 +43,7 @@ impl<'a> Coded<'a> {
     #[cfg(test)]
     pub(super) fn of(packet: &'a crate::scene::ScenePacket) -> Option<Self> {
         let cells = packet.content.coded()?;
-        Some(Self::new(cells, &packet.settings))
+        Some(Self::new(cells, &packet.style))
     }
 
     /// How far splats reach, in their radii.

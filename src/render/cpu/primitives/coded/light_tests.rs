@@ -66,12 +66,12 @@ fn assert_pixels(
     let mut packet = packet_of_surfels(&surfels, DEPTH, &CAMERA);
     packet.viewport_px = [640, 480];
     packet.view = CAMERA.transform(DVec3::ZERO, packet.viewport_px);
-    packet.settings.codes.footprint = footprint;
-    packet.settings.light.lighting = lighting;
-    packet.settings.codes.normal_bits = normal_bits;
+    packet.style.codes.footprint = footprint;
+    packet.style.light.lighting = lighting;
+    packet.style.codes.normal_bits = normal_bits;
     // In the middles of cells.
-    packet.settings.codes.offset_bits = OffsetBits::None;
-    packet.settings.surfels.back_faces = BackFaces::Drawn;
+    packet.style.codes.offset_bits = OffsetBits::None;
+    packet.style.surfels.back_faces = BackFaces::Drawn;
     let mut image = RgbaImage::new(640, 480);
     let bands = bands_of(&packet, &mut image, 4).map(Rows::Bytes);
     let coded = Coded::of(&packet).expect("a byte code");

@@ -45,7 +45,7 @@ use transform::Transform;
 /// It begins on the caller's thread: the tables are made by all threads at their first use, and one of those that
 /// waited for a table might take up work that waits for the same.
 pub(super) fn draw(coded: &Coded<'_>, packet: &ScenePacket, bands: Vec<Rows<'_>>) -> u64 {
-    let held = match packet.settings.surfels.splatting {
+    let held = match packet.style.surfels.splatting {
         _ if coded.are_pixels => Held::Keys,
         Splatting::Visibility => Held::depths(packet),
         _ => Held::Sums,
@@ -59,8 +59,8 @@ pub(super) fn draw(coded: &Coded<'_>, packet: &ScenePacket, bands: Vec<Rows<'_>>
     let blocks = traversal.blocks();
     let lists = traversal.by_tile(&blocks, painter.tiles);
     let content = CodedTiles {
-        is_depth_only: packet.settings.surfels.splatting == Splatting::Visibility,
-        lighting: packet.settings.light.lighting,
+        is_depth_only: packet.style.surfels.splatting == Splatting::Visibility,
+        lighting: packet.style.light.lighting,
         normals: normals::seen(packet, view, coded.normal_bits),
         directions: quantised_normals(coded.normal_bits),
         footprints: Footprints::new(view),

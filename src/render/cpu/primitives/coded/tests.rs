@@ -46,7 +46,7 @@ pub(super) fn packet_of_surfels(surfels: &[([f32; 3], Vec3)], depth: u32, camera
     let cloud = CodedCloud::new(&Arc::new(octree), &points, &shapes);
     let mut packet = packet_of([320, 200]);
     packet.view = camera.transform(DVec3::ZERO, packet.viewport_px);
-    packet.settings = Style {
+    packet.style = Style {
         codes: CodeStyle {
             footprint: Footprint::Masks,
             ..CodeStyle::default()
@@ -126,7 +126,7 @@ proptest! {
         lod_px in 0f32..60.0,
     ) {
         let mut packet = packet_of_points(&points, depth, &camera);
-        packet.settings.surfels.back_faces = BackFaces::Drawn;
+        packet.style.surfels.back_faces = BackFaces::Drawn;
         let Content::Coded(cells) = &mut packet.content else { unreachable!() };
         cells.lod_px = lod_px;
         let coded = Coded::of(&packet).unwrap();

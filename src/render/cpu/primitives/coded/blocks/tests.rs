@@ -234,7 +234,7 @@ fn of_a_ball_much_is_skipped() {
     let above = -4.0 * 30f64.to_radians().tan() - 0.9;
     for (target_y, back_faces, largest_share) in [(0.0, BackFaces::Culled, 0.6), (above, BackFaces::Drawn, 0.6)] {
         let mut packet = packet_of_surfels(&ball(), 7, &camera_at(0.0, 0.0, target_y));
-        packet.settings.surfels.back_faces = back_faces;
+        packet.style.surfels.back_faces = back_faces;
         traversed(&packet, |traversal, blocks| {
             let cloud = traversal.coded.cloud;
             let drawn: usize = blocks.iter().map(|block| block.nodes(cloud).len()).sum();

@@ -5,7 +5,7 @@ use crate::levels::octree::StopCriterion;
 use crate::scene::{LevelStyle, Primitive, Splatting, Style, SurfelStyle, VoxelLight, VoxelStyle};
 
 /// How Table II draws, and by what the viewpoints of Table III are placed, which draws nothing.
-pub(super) fn surfel_settings() -> Style {
+pub(super) fn surfel_style() -> Style {
     Style {
         primitive: Primitive::Surfel,
         surfels: SurfelStyle {
@@ -18,7 +18,7 @@ pub(super) fn surfel_settings() -> Style {
 }
 
 /// How Table IV draws: cells of the paper's δ, lit by their faces, down to a pixel.
-pub(super) fn voxel_settings() -> Style {
+pub(super) fn voxel_style() -> Style {
     Style {
         primitive: Primitive::Voxel,
         voxels: VoxelStyle {
@@ -33,8 +33,8 @@ pub(super) fn voxel_settings() -> Style {
 }
 
 /// The same, drawn down to `lod_px`.
-pub(super) fn voxel_settings_at(lod_px: f32) -> Style {
-    let usual = voxel_settings();
+pub(super) fn voxel_style_at(lod_px: f32) -> Style {
+    let usual = voxel_style();
     Style {
         levels: LevelStyle {
             lod: Lod::ThresholdPx(lod_px),
