@@ -20,8 +20,7 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Camera, CodeStyle, DrawingStyle, Footprint, LightStyle, Lighting, NormalBits, Primitive, RendererChoice, Scene,
-    ScenePacket, Style, UpAxis,
+    Camera, Footprint, Lighting, NormalBits, Primitive, RendererChoice, Scene, ScenePacket, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
@@ -50,18 +49,11 @@ fn frame() -> PreparedFrame {
 }
 
 fn style(footprint: Footprint, normal_bits: NormalBits) -> Style {
-    Style {
-        codes: CodeStyle {
-            footprint,
-            normal_bits,
-            ..CodeStyle::default()
-        },
-        drawing: DrawingStyle {
-            renderer: RendererChoice::Cpu,
-            ..DrawingStyle::default()
-        },
-        ..Style::default()
-    }
+    Style::default().with(|style| {
+        style.codes.footprint = footprint;
+        style.codes.normal_bits = normal_bits;
+        style.drawing.renderer = RendererChoice::Cpu;
+    })
 }
 
 fn contenders() -> [(&'static str, Style); 6] {
@@ -71,13 +63,7 @@ fn contenders() -> [(&'static str, Style); 6] {
         ("masks", masks),
         (
             "masks, light once a normal",
-            Style {
-                light: LightStyle {
-                    lighting: Lighting::PerSurfel,
-                    ..masks.light
-                },
-                ..masks
-            },
+            masks.with(|style| style.light.lighting = Lighting::PerSurfel),
         ),
         ("masks, 17 bits", style(Footprint::Masks, NormalBits::Seventeen)),
         ("coded pixels", style(Footprint::Pixels, NormalBits::Thirteen)),

@@ -11,8 +11,8 @@ use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, Footprint, LevelStyle, LightStyle, Lighting, PointShape, PointStyle,
-    Primitive, Projection, RendererChoice, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
+    Background, Camera, Content, Footprint, LevelStyle, Lighting, PointShape, PointStyle, Primitive, Projection,
+    RendererChoice, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
 };
 use pointreel::sequence::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use std::collections::HashMap;
@@ -56,20 +56,13 @@ fn color_of(number: usize) -> Color {
 }
 
 fn style(primitive: Primitive) -> Style {
-    Style {
-        primitive,
-        colors: Coloring::of(ColorSource::File),
-        light: LightStyle {
-            lighting: Lighting::Unlit,
-            ..LightStyle::default()
-        },
-        backdrop: Backdrop {
-            // Number 0 is one more than none.
-            background: Background::solid([0; 3]),
-            ..Backdrop::default()
-        },
-        ..Style::default()
-    }
+    Style::default().with(|style| {
+        style.primitive = primitive;
+        style.colors = Coloring::of(ColorSource::File);
+        style.light.lighting = Lighting::Unlit;
+        // Number 0 is one more than none.
+        style.backdrop.background = Background::solid([0; 3]);
+    })
 }
 
 fn camera(projection: Projection) -> Camera {

@@ -109,17 +109,11 @@ fn changed_fields(before: &Edited, after: &Edited) -> Vec<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Primitive, SurfelStyle};
+    use crate::scene::Primitive;
     use proptest::prelude::*;
 
     fn scaled(splat_scale: f32) -> Edited {
-        let style = Style {
-            surfels: SurfelStyle {
-                splat_scale,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| style.surfels.splat_scale = splat_scale);
         let path = Arc::default();
         Edited { style, path }
     }

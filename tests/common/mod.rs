@@ -9,8 +9,8 @@ use pointreel::math::Aabb;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, LightStyle, Lighting, Primitive, Projection, ScenePacket, Splatting, Style,
-    SurfelStyle, Surfels, UpAxis, Voxels,
+    Background, Camera, Content, Lighting, Primitive, Projection, ScenePacket, Splatting, Style, Surfels, UpAxis,
+    Voxels,
 };
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 
@@ -55,21 +55,11 @@ pub(crate) fn draw_with(renderer: &mut GpuRenderer, packet: &ScenePacket) -> Rgb
 
 /// Settings whose colours can be predicted: no light, black background. Splats reach over what lies between them.
 pub(crate) fn plain() -> Style {
-    Style {
-        surfels: SurfelStyle {
-            splatting: Splatting::TwoPassEnlarged,
-            ..SurfelStyle::default()
-        },
-        light: LightStyle {
-            lighting: Lighting::Unlit,
-            ..LightStyle::default()
-        },
-        backdrop: Backdrop {
-            background: Background::solid([0, 0, 0]),
-            ..Backdrop::default()
-        },
-        ..Style::default()
-    }
+    Style::default().with(|style| {
+        style.surfels.splatting = Splatting::TwoPassEnlarged;
+        style.light.lighting = Lighting::Unlit;
+        style.backdrop.background = Background::solid([0, 0, 0]);
+    })
 }
 
 /// A camera on +Z at `distance`, looking at the origin, 90 degrees high and wide on a square viewport.

@@ -12,7 +12,7 @@ use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, Suite};
 use crate::bench::{BenchError, Quantiles};
-use crate::scene::{DrawingStyle, Scene, ScenePacket, Strategy, Style};
+use crate::scene::{Scene, ScenePacket, Strategy, Style};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -184,13 +184,9 @@ fn measure_way(
     let packets: Vec<ScenePacket> = packets
         .iter()
         .map(|packet| ScenePacket {
-            style: Style {
-                drawing: DrawingStyle {
-                    strategy: way.unwrap_or(packet.style.drawing.strategy),
-                    ..packet.style.drawing
-                },
-                ..packet.style
-            },
+            style: packet
+                .style
+                .with(|style| style.drawing.strategy = way.unwrap_or(packet.style.drawing.strategy)),
             ..packet.clone()
         })
         .collect();

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};
-use crate::scene::{Backdrop, Background, Projection, Style};
+use crate::scene::{Background, Projection, Style};
 use glam::UVec2;
 use proptest::prelude::*;
 
@@ -107,13 +107,7 @@ fn dark_scans_have_a_brighter_background() {
     };
     let chosen = Background::solid([1, 2, 3]);
     let drawn = |background, level| {
-        let style = Style {
-            backdrop: Backdrop {
-                background,
-                ..Backdrop::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| style.backdrop.background = background);
         style.resolved(&look(level)).backdrop.background
     };
     assert_eq!(drawn(Background::default(), 10), Background::BEHIND_DARK);

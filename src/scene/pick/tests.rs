@@ -149,14 +149,10 @@ fn nothing_is_picked_where_nothing_is() {
     let origin = DVec3::ZERO;
     let camera = camera(3.0, 0.0, origin);
     for &primitive in Primitive::ALL {
-        let style = Style {
-            primitive,
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| {
+            style.primitive = primitive;
+            style.surfels.back_faces = BackFaces::Drawn;
+        });
         let empty = cloud(&[], 0.1, origin);
         let packet = packet_of(&empty, origin, &camera, &style);
         assert_eq!(pick(&packet, &empty, [80.0, 60.0], 1e9), None);
@@ -205,14 +201,10 @@ fn the_front_one_wins_and_of_equals_the_last() {
     raw.radii = Some(vec![0.1; 200]);
     let same = prepared(raw, origin);
     for &primitive in Primitive::ALL {
-        let style = Style {
-            primitive,
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..style.surfels
-            },
-            ..style
-        };
+        let style = style.with(|style| {
+            style.primitive = primitive;
+            style.surfels.back_faces = BackFaces::Drawn;
+        });
         let packet = packet_of(&same, origin, &camera, &style);
         let px = camera.to_px(DVec3::splat(0.1), SIZE).unwrap();
         let slot = pick(&packet, &same, px.to_array(), 0.0).unwrap();
@@ -234,13 +226,7 @@ fn back_faces_are_picked_only_where_they_are_drawn() {
         raw.normals = Some(vec![[0.0, 0.0, toward]]);
         raw.radii = Some(vec![0.5]);
         let frame = prepared(raw, origin);
-        let style = Style {
-            surfels: SurfelStyle {
-                back_faces,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| style.surfels.back_faces = back_faces);
         let packet = packet_of(&frame, origin, &camera, &style);
         assert_eq!(pick(&packet, &frame, [80.0, 60.0], 3.0), expected);
     }
@@ -252,14 +238,10 @@ fn a_lone_point_is_picked_from_beside_it() {
     let frame = cloud(&[[0.0; 3]], 1e-6, origin);
     let camera = camera(2.0, 77.0, origin);
     for &primitive in Primitive::ALL {
-        let style = Style {
-            primitive,
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| {
+            style.primitive = primitive;
+            style.surfels.back_faces = BackFaces::Drawn;
+        });
         let packet = packet_of(&frame, origin, &camera, &style);
         assert_eq!(pick(&packet, &frame, [84.0, 57.0], 6.0), Some(0), "{primitive}");
         // The cell of a lone point is as large as one pleases.

@@ -95,6 +95,13 @@ impl Style {
         ..Described::USUAL
     };
 
+    /// This style with a change.
+    #[must_use]
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
     /// Shows each setting with its description to `edit`, and takes what that makes of it. The order is that of options
     /// in a help, and of rows in a section of the panel.
     pub fn edit(&mut self, edit: &mut dyn FnMut(&'static Described, Value) -> Value) {

@@ -13,22 +13,16 @@ use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
 use crate::bench::suites::paper_style::voxel_style;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{BackFaces, LevelStyle, Scene, Style, SurfelStyle, VoxelLight, VoxelStyle};
+use crate::scene::{BackFaces, Scene, Style, VoxelLight};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 
 /// The ways to draw voxels, and the words for them.
 fn ways() -> [(&'static str, Style); 3] {
     let paper = voxel_style();
     let stop = StopCriterion::Spacing;
-    let faces = Style {
-        levels: LevelStyle { stop, ..paper.levels },
-        ..paper
-    };
+    let faces = paper.with(|style| style.levels.stop = stop);
     let voxel_light = VoxelLight::Normals;
-    let normals = Style {
-        voxels: VoxelStyle { light: voxel_light },
-        ..faces
-    };
+    let normals = faces.with(|style| style.voxels.light = voxel_light);
     [("δ 5 %", paper), ("spacing", faces), ("spacing, normals", normals)]
 }
 
@@ -52,13 +46,7 @@ impl Samples {
         subject: &Subject<'_>,
         frame: &PreparedFrame,
     ) -> Result<(), BenchError> {
-        let surfels = Style {
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let surfels = Style::default().with(|style| style.surfels.back_faces = BackFaces::Drawn);
         let ways = ways().map(|(_, style)| {
             let needs = Scene::needs(&style);
             let frame = complete(frame, &needs, &PrepareCounters::default());

@@ -12,7 +12,7 @@ use crate::bench::run::Run;
 use crate::bench::subject::Subject;
 use crate::measure::{PIXELS_PER_DEGREE, Perceived, mean_squared_error};
 use crate::render::RenderError;
-use crate::scene::{Backdrop, Background, Camera, Scene, Style};
+use crate::scene::{Background, Camera, Scene, Style};
 use crate::sequence::PreparedFrame;
 use image::RgbaImage;
 use std::ops::Range;
@@ -63,13 +63,7 @@ pub(super) fn draw(
     // One traversal for both backgrounds.
     let mut scene = Scene::default();
     let mut on_background = |background| -> Result<RgbaImage, RenderError> {
-        let style = Style {
-            backdrop: Backdrop {
-                background: Background::solid(background),
-                ..style.backdrop
-            },
-            ..style
-        };
+        let style = style.with(|style| style.backdrop.background = Background::solid(background));
         let origin = subject.sequence.origin();
         let packet = scene.packet(frame, origin, camera, &style, run.options.viewport_px);
         run.runner.image(&packet)

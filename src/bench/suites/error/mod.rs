@@ -26,7 +26,7 @@ use crate::levels::octree::StopCriterion;
 use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
-use crate::scene::{Backdrop, Background, Primitive, RendererChoice, Scene, ScenePacket, Splatting, Style};
+use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Splatting, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
@@ -237,13 +237,7 @@ fn measure_way(
         let (drawn_packet, visited_nodes) = packet(view, way);
         let image = runner.image(&drawn_packet)?;
         let uploaded_bytes = runner.stats().uploaded_bytes - uploaded_before;
-        let on_white = Style {
-            backdrop: Backdrop {
-                background: Background::solid([255; 3]),
-                ..way.backdrop
-            },
-            ..*way
-        };
+        let on_white = way.with(|style| style.backdrop.background = Background::solid([255; 3]));
         let white_packet = ScenePacket {
             style: on_white,
             ..drawn_packet.clone()
