@@ -33,6 +33,7 @@ const ROUNDS: usize = 5;
 const FRAME_BYTES: usize = POINTS * (32 + 16 + 16);
 const SURFELS: Needs = Needs {
     shapes: true,
+    ellipses: false,
     levels: None,
     colors: Coloring::of(ColorSource::Auto),
     hints: ColorHints::NONE,

@@ -95,6 +95,22 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
 }
 
 #[test]
+fn ellipses_in_every_mode_and_light() {
+    for &splatting in Splatting::ALL {
+        for &lighting in Lighting::ALL {
+            let style = Style::default().with(|style| {
+                style.primitive = Primitive::Ellipse;
+                style.surfels.splatting = splatting;
+                style.light.lighting = lighting;
+            });
+            let blends = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
+            let (least_psnr_db, most_differing) = if blends { (50.0, 5e-4) } else { (60.0, 1e-5) };
+            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+        }
+    }
+}
+
+#[test]
 fn points_of_one_pixel_and_of_many() {
     for size_px in [1.0, 1.2, 2.0, 3.5, 16.0] {
         for &shape in PointShape::ALL {

@@ -71,15 +71,19 @@ fn close_camera() -> Camera {
 fn surfels_in_all_modes_and_lights() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(1500, 1.0);
-    for &splatting in Splatting::ALL {
-        for &lighting in Lighting::ALL {
-            let style = plain().with(|style| {
-                style.surfels.splatting = splatting;
-                style.light.lighting = lighting;
-                style.backdrop.background = gradient();
-            });
-            let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
-            assert_agreement(&mut renderer, &packet, &format!("{splatting}, light {lighting}"));
+    for primitive in [Primitive::Surfel, Primitive::Ellipse] {
+        for &splatting in Splatting::ALL {
+            for &lighting in Lighting::ALL {
+                let style = plain().with(|style| {
+                    style.primitive = primitive;
+                    style.surfels.splatting = splatting;
+                    style.light.lighting = lighting;
+                    style.backdrop.background = gradient();
+                });
+                let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
+                let what = format!("{primitive}, {splatting}, light {lighting}");
+                assert_agreement(&mut renderer, &packet, &what);
+            }
         }
     }
 }
@@ -101,7 +105,7 @@ fn a_real_frame_in_every_mode_and_primitive() {
         let style = Style::default().with(|style| style.surfels.splatting = splatting);
         agree(style, &format!("demo, {splatting}"));
     }
-    for primitive in [Primitive::Voxel, Primitive::Point] {
+    for primitive in [Primitive::Ellipse, Primitive::Voxel, Primitive::Point] {
         let style = Style {
             primitive,
             ..Style::default()

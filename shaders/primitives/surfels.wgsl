@@ -12,17 +12,13 @@ fn may_be_seen(instance: Instance) -> bool {
         && sphere_may_be_seen(point.position, 1.4143 * shape.radius * view.splat_scale);
 }
 
-// Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n × u.
 fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVertex {
     let n = oct_decode(shape.normal);
-    // `a` must not be parallel to n; the paper switches to a' only when it is, we do where the product loses digits.
-    let a = select(vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, -1.0), abs(n.y) > 0.99);
-    let u = normalize(cross(a, n));
-    let v = cross(n, u);
+    let axes = half_axes(n, shape.ellipse);
     let q = quad_corner(corner);
     let radius = shape.radius * view.splat_scale;
     let center = offset_from_eye(point.position);
-    let offset = center + (u * q.x + v * q.y) * radius;
+    let offset = center + (axes[0] * q.x + axes[1] * q.y) * radius;
     var clip = project(rotate_to_view(offset));
     // ε-z: the depth alone moves away along the ray, the footprint stays (one factor a surfel keeps it a plane).
     clip.z /= 1.0 + view.depth_slack * radius / max(length(center), view.near);

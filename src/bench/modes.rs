@@ -37,7 +37,10 @@ impl Modes {
     pub fn admit(&self, style: &Style) -> bool {
         let is_gpu = style.drawing.renderer == RendererChoice::Gpu;
         let is_surfel = style.draws_surfels();
-        let primitive = if is_surfel { Primitive::Surfel } else { style.primitive };
+        let primitive = match style.primitive {
+            Primitive::Auto => Primitive::Surfel,
+            chosen => chosen,
+        };
         let any_what = self.primitives.is_empty() && self.splattings.is_empty();
         let what = if is_surfel && !self.splattings.is_empty() {
             self.splattings.contains(&style.surfels.splatting)

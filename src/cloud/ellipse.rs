@@ -32,7 +32,7 @@ impl Ellipse {
 }
 
 /// Steps of both numbers.
-const STEPS: f32 = u16::MAX as f32;
+pub(crate) const ELLIPSE_STEPS: f32 = u16::MAX as f32;
 
 /// Packs an ellipse in the tangent plane of a packed normal; without one, a circle, which is 0.
 ///
@@ -46,8 +46,8 @@ pub fn encode_ellipse(normal: [i16; 2], ellipse: Option<Ellipse>) -> u32 {
     let x = if y < 0.0 { -x } else { x };
     let norm1 = x.abs() + y.abs();
     let direction = if norm1 > 0.0 { x / norm1 } else { 1.0 };
-    let direction = (0.5 * (direction + 1.0) * STEPS).round() as u32;
-    let ratio = (ratio * STEPS).round().clamp(1.0, STEPS) as u32;
+    let direction = (0.5 * (direction + 1.0) * ELLIPSE_STEPS).round() as u32;
+    let ratio = (ratio * ELLIPSE_STEPS).round().clamp(1.0, ELLIPSE_STEPS) as u32;
     direction << 16 | ratio
 }
 
@@ -56,12 +56,12 @@ pub fn decode_ellipse(normal: [i16; 2], packed: u32) -> Option<Ellipse> {
     if packed == 0 {
         return None;
     }
-    let x = 2.0 * (packed >> 16) as f32 / STEPS - 1.0;
+    let x = 2.0 * (packed >> 16) as f32 / ELLIPSE_STEPS - 1.0;
     let y = 1.0 - x.abs();
     let [tangent, bitangent] = tangent_basis(oct_decode(normal));
     Some(Ellipse {
         axis: (tangent * x + bitangent * y).normalize(),
-        ratio: (packed & 0xffff) as f32 / STEPS,
+        ratio: (packed & 0xffff) as f32 / ELLIPSE_STEPS,
     })
 }
 

@@ -9,6 +9,7 @@ mod sample;
 mod unit;
 mod value_sample;
 
+pub(crate) use ellipse::ELLIPSE_STEPS;
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};
 pub use frame::{CloudError, Frame};
 pub use quantised_normal::{

@@ -430,6 +430,7 @@ pub(super) fn new_warnings(frame: &PreparedFrame, told: &mut HashSet<usize>) -> 
 pub fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
     match primitive {
         Primitive::Auto | Primitive::Surfel => frame.shapes.is_some(),
+        Primitive::Ellipse => frame.shapes.is_some() && frame.has_ellipses,
         Primitive::Voxel => frame.levels.octree().is_some(),
         Primitive::Point => true,
     }

@@ -3,8 +3,8 @@
 use super::Paint;
 use super::coloring::UNIFORM_RGB;
 use super::scaled::{field, points_in_class_colors, points_on_scale};
-use crate::analysis::{Orientation, Surface, fake_color, splat_radii};
-use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
+use crate::analysis::{Orientation, Surface, fake_color, splat_ellipses, splat_radii};
+use crate::cloud::{Frame, PointRecord, ShapeRecord, encode_ellipse, oct_decode, oct_encode};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -118,6 +118,19 @@ pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec
             .collect(),
         None => shapes.map(|shape| record(shape, 0.0)).collect(),
     }
+}
+
+/// The same shapes with the ellipses that close the surface: see [`splat_ellipses`].
+pub(super) fn with_ellipses(positions: &[Vec3], shapes: &[ShapeRecord]) -> Vec<ShapeRecord> {
+    let normals: Vec<Vec3> = shapes.par_iter().map(|shape| oct_decode(shape.normal)).collect();
+    let ellipses = splat_ellipses(positions, &normals);
+    let shapes = shapes.par_iter().zip(ellipses).with_min_len(POINTS_PER_TASK);
+    shapes
+        .map(|(&shape, ellipse)| ShapeRecord {
+            ellipse: encode_ellipse(shape.normal, ellipse),
+            ..shape
+        })
+        .collect()
 }
 
 /// Records in `paint`, which is that of this frame. Precondition: `shapes` for fake colours of a frame that lacks

@@ -44,6 +44,7 @@ pub(crate) fn load(positions: &[DVec3], delta: f32) -> Chain {
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default()).unwrap();
     let needs = Needs {
         shapes: true,
+        ellipses: false,
         levels: Some(LevelsKey {
             kind: LevelsKind::Surfels,
             stop: StopCriterion::Loss(delta),

@@ -201,7 +201,7 @@ impl State {
     fn scale_size(&mut self, factor: f32) {
         let scaled = match self.drawn_style().primitive {
             Primitive::Point => &PointStyle::SIZE_PX,
-            Primitive::Auto | Primitive::Surfel | Primitive::Voxel => &SurfelStyle::SPLAT_SCALE,
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Voxel => &SurfelStyle::SPLAT_SCALE,
         };
         self.style.edit(&mut |described, value| match value {
             Value::Number(size) if described.key == scaled.key => {

@@ -14,6 +14,7 @@ mod eye_dome;
 mod facet;
 mod finish;
 mod grid;
+mod packed_ellipses;
 mod packed_normals;
 mod painter;
 mod pixels;

@@ -10,6 +10,7 @@ use crate::scene::{
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
 use proptest::prelude::*;
+use std::sync::Arc;
 
 pub(super) const SIZE: [u32; 2] = [160, 120];
 
@@ -49,7 +50,14 @@ fn cloud(places: &[[f32; 3]], radius: f32, origin: DVec3) -> PreparedFrame {
             .map(|index| radius * (1.0 + (index % 3) as f32))
             .collect(),
     );
-    prepared(raw, origin)
+    let mut frame = prepared(raw, origin);
+    // Thin ones and circles, in many directions.
+    let mut shapes = frame.shapes.take().unwrap().to_vec();
+    for (index, shape) in (0u32..).zip(&mut shapes) {
+        shape.ellipse = (index * 9973) << 16 | (index % 4) * 16_000;
+    }
+    frame.shapes = Some(Arc::new(shapes));
+    frame
 }
 
 fn camera(distance: f64, azimuth_deg: f64, origin: DVec3) -> Camera {
@@ -99,7 +107,9 @@ proptest! {
             let found = pick(&packet, &frame, place_px, 0.0);
             match primitive {
                 Primitive::Point => prop_assert_eq!(found, oracle.point()),
-                Primitive::Auto | Primitive::Surfel => prop_assert_eq!(found, oracle.surfel()),
+                Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => {
+                    prop_assert_eq!(found, oracle.surfel());
+                }
                 Primitive::Voxel => {
                     let Some(record) = oracle.voxel() else {
                         prop_assert_eq!(found, None);

@@ -10,6 +10,8 @@ choices! {
         Auto = "auto", "Auto", "Surfels where the points sample a surface, else points";
         /// Paper 000 §V.
         Surfel = "surfel", "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap";
+        /// Paper 002 §4.
+        Ellipse = "ellipse", "Ellipses", "Oriented ellipses: as surfels, but longer where points are farther apart";
         /// Paper 000 §VI.
         Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs";
         Point = "point", "Points", "Plain squares of a size in pixels: the fastest";

@@ -21,6 +21,8 @@ pub struct PreparedFrame {
     pub points: Arc<Vec<PointRecord>>,
     /// One record a point, if asked for, or if estimating normals for colours brought them anyway.
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
+    /// Whether `shapes` say how much longer than wide splats are; else all are disks.
+    pub has_ellipses: bool,
     /// By what the signs of the normals in `shapes` were decided: the back of a surfel says nothing unless they are
     /// right. `None` without shapes.
     pub orientation: Option<Orientation>,
@@ -37,7 +39,7 @@ impl PreparedFrame {
     /// True when completing it for `needs` would change nothing.
     pub fn satisfies(&self, needs: &Needs) -> bool {
         self.is_painted_for(needs)
-            && (!needs.shapes || self.shapes.is_some())
+            && (!needs.shapes || self.shapes.is_some() && (!needs.ellipses || self.has_ellipses))
             && needs.levels.is_none_or(|key| self.levels.has(key, needs.shapes))
     }
 

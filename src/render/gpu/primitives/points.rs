@@ -34,7 +34,7 @@ pub(super) fn drawable<'a>(points: Option<&'a Arc<Vec<PointRecord>>>, style: &St
         streams: points.map(Records::of).into_iter().collect(),
         // Of all that is drawn from a cloud, surfels have the smallest chunks: switching the primitive uploads nothing
         // again.
-        chunked_for: &surfels::QUAD,
+        chunked_for: &surfels::DISK,
         cull_back_faces: style.culls_back_faces(),
         passes: match style.points.shape {
             PointShape::Disk if !is_pixel => &[&ROUND_POINT],
