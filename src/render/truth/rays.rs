@@ -35,11 +35,11 @@ pub(super) struct Hit {
 /// What rays may meet.
 pub(super) trait Visible: Sync {
     /// What the rays of `samples` meet, row by row.
-    fn meet(&self, view: &TruthView, samples: &Samples) -> Vec<Option<Hit>>;
+    fn meet(&self, view: &TruthView, samples: &SampleGrid) -> Vec<Option<Hit>>;
 }
 
 /// The samples of a rectangle of pixels: `per_edge` along each edge of each pixel, in the middles of equal squares.
-pub(super) struct Samples {
+pub(super) struct SampleGrid {
     pub(super) columns_px: Range<u32>,
     pub(super) rows_px: Range<u32>,
     /// Along each edge of a pixel.
@@ -92,7 +92,7 @@ impl TruthView {
     }
 }
 
-impl Samples {
+impl SampleGrid {
     pub(super) fn size(&self) -> [usize; 2] {
         [&self.columns_px, &self.rows_px].map(|range| range.len() * self.per_edge as usize)
     }

@@ -7,7 +7,7 @@ use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
-use crate::render::cpu::records::Records;
+use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{Light, Shading, seen_from_behind, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
@@ -56,7 +56,7 @@ struct EightSurfels<S: Simd> {
     radii: f32x8<S>,
 }
 
-impl Records for Surfels<'_> {
+impl DrawnRecords for Surfels<'_> {
     type Scratch = Waiting;
 
     fn held(&self, packet: &ScenePacket) -> Held {

@@ -7,7 +7,7 @@ use crate::render::cpu::facet::{Canvas, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
-use crate::render::cpu::records::Records;
+use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{Light, Shading, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
@@ -39,7 +39,7 @@ impl Placed for Cubes<'_> {
     }
 }
 
-impl Records for Cubes<'_> {
+impl DrawnRecords for Cubes<'_> {
     type Scratch = ();
 
     fn held(&self, _: &ScenePacket) -> Held {
@@ -104,7 +104,7 @@ impl<'a> Cubes<'a> {
         if !simd.any_true_mask32x8(may_touch) {
             return;
         }
-        let cells = Cells {
+        let cells = EightCells {
             offsets,
             centers,
             half_edges,
@@ -158,7 +158,7 @@ impl<'a> Cubes<'a> {
 }
 
 /// Eight cells.
-struct Cells<S: Simd> {
+struct EightCells<S: Simd> {
     /// Of their middles from the eye, in the axes of the frame.
     offsets: Vectors<S>,
     /// The same in view space.
@@ -167,7 +167,7 @@ struct Cells<S: Simd> {
     may_touch: mask32x8<S>,
 }
 
-impl<S: Simd> Cells<S> {
+impl<S: Simd> EightCells<S> {
     /// The faces towards the eye that an axis of the frame crosses.
     #[inline(always)]
     fn faces(&self, simd: S, canvas: &Canvas<'_>, axis: usize) -> (Patches<S>, Facets) {

@@ -31,7 +31,7 @@ pub(super) struct Compute {
     /// By the name of their amplification.
     pipelines: HashMap<&'static str, Pipelines>,
     /// Outputs for each chunk of what was amplified last.
-    outputs: Vec<Output>,
+    outputs: Vec<AmplifiedChunk>,
 }
 
 #[derive(Debug)]
@@ -43,7 +43,7 @@ struct Pipelines {
 
 /// Where the corners of one chunk go.
 #[derive(Debug)]
-struct Output {
+struct AmplifiedChunk {
     record_capacity: u32,
     vertices_per_record: u32,
     indirect: wgpu::Buffer,
@@ -110,7 +110,7 @@ impl Compute {
         }
     }
 
-    fn build_output(&self, context: &Context, record_count: u32, vertices_per_record: u32) -> Output {
+    fn build_output(&self, context: &Context, record_count: u32, vertices_per_record: u32) -> AmplifiedChunk {
         let buffer = |label, size, usage| {
             context.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -130,7 +130,7 @@ impl Compute {
             binding: binding as u32,
             resource: entries[binding].as_entire_binding(),
         });
-        Output {
+        AmplifiedChunk {
             record_capacity: record_count,
             vertices_per_record,
             compute_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {

@@ -73,7 +73,7 @@ fn assert_pixels(
     packet.style.codes.offset_bits = OffsetBits::None;
     packet.style.surfels.back_faces = BackFaces::Drawn;
     let mut image = RgbaImage::new(640, 480);
-    let bands = bands_of(&packet, &mut image, 4).map(Rows::Bytes);
+    let bands = bands_of(&packet, &mut image, 4).map(TileRow::Bytes);
     let coded = Coded::of(&packet).expect("a byte code");
     assert!(draw(&coded, &packet, bands.collect()) > 0, "nodes are drawn");
 
