@@ -1,6 +1,6 @@
 //! What truths are made of: rays of a view, and what they meet.
 
-use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR};
+use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR};
 use crate::scene::{Background, Camera, Lighting};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
@@ -81,7 +81,7 @@ impl TruthView {
         }
         let [ambient, specular] = [HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR].map(f64::from);
         let facing = normal.dot(ray.normalize()).abs();
-        let lit = color * (ambient + (1.0 - ambient) * facing) + specular * facing.powi(24);
+        let lit = color * (ambient + (1.0 - ambient) * facing) + specular * facing.powi(HEAD_LIGHT_SHININESS as i32);
         lit.min(DVec3::ONE)
     }
 

@@ -1,6 +1,7 @@
 //! Surfels in the six modes of paper 000, Fig. 3.
 
 use crate::cloud::{PointRecord, ShapeRecord};
+use crate::render::constants::{SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
@@ -13,7 +14,6 @@ use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, ScenePacket, Splatting, Style};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
-use std::f32::consts::SQRT_2;
 use std::ops::Range;
 
 /// Surfels of a packet, and how they are drawn.
@@ -38,8 +38,7 @@ impl Placed for Surfels<'_> {
     }
 
     fn reach(&self, record: usize) -> f32 {
-        // The corner of the square.
-        SQRT_2 * self.shapes[record].radius
+        SQUARE_REACH_RADII * self.shapes[record].radius
     }
 }
 
@@ -91,7 +90,7 @@ impl DrawnRecords for Surfels<'_> {
                 let [x, y, z, _] = words(simd, &self.points[eight.clone()]);
                 let [normals, radii, ..] = words(simd, &self.shapes[eight.clone()]);
                 let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-                let reach = radii * (self.largest_scale() * SQRT_2);
+                let reach = radii * (self.largest_scale() * SQUARE_REACH_RADII);
                 let may_touch = pyramid.may_touch(simd, centers, reach) & lanes_below(simd, eight.len());
                 if simd.any_true_mask32x8(may_touch) {
                     let (normals, u) = axes(simd, normals);
@@ -208,7 +207,7 @@ fn axes<S: Simd>(simd: S, packed_normals: f32x8<S>) -> (Vectors<S>, Vectors<S>) 
     let splat = |value: f32| f32x8::splat(simd, value);
     let normals = oct_decode_each(simd, packed_normals);
     // a is −z where n is almost upright, and y elsewhere.
-    let is_upright = normals.y.abs().simd_gt(splat(0.99));
+    let is_upright = normals.y.abs().simd_gt(splat(UPRIGHT_NORMAL_Y));
     let u = Vectors {
         x: simd.select_f32x8(is_upright, normals.y, normals.z),
         y: simd.select_f32x8(is_upright, -normals.x, splat(0.0)),

@@ -1,6 +1,7 @@
 //! Cells as cubes: the three faces of each that can face the eye.
 
 use crate::cloud::{ShapeRecord, VoxelRecord};
+use crate::render::constants::CUBE_REACH_HALF_EDGES;
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facets, Outline, Patches};
@@ -34,8 +35,7 @@ impl Placed for Cubes<'_> {
     }
 
     fn reach(&self, record: usize) -> f32 {
-        // The corner of the cube.
-        3f32.sqrt() * self.half_edge(record)
+        CUBE_REACH_HALF_EDGES * self.half_edge(record)
     }
 }
 
@@ -100,7 +100,8 @@ impl<'a> Cubes<'a> {
         let offsets = view.offsets_from_eye(simd, [x, y, z]);
         let centers = view.rotate_each(simd, offsets);
         let half_edges = self.half_edges(color_and_level);
-        let may_touch = pyramid.may_touch(simd, centers, half_edges * 3f32.sqrt()) & lanes_below(simd, records.len());
+        let may_touch =
+            pyramid.may_touch(simd, centers, half_edges * CUBE_REACH_HALF_EDGES) & lanes_below(simd, records.len());
         if !simd.any_true_mask32x8(may_touch) {
             return;
         }

@@ -8,8 +8,8 @@
 use super::binding::{max_indexed_records, single_binding};
 use super::storage::Storage;
 use super::strategy::Instancing;
-use super::stream::{Chunk, Draw, STREAM_GROUP, ViewBinding};
-use crate::render::gpu::constants::GROUP_RECORDS;
+use super::stream::{Chunk, Draw, ViewBinding};
+use crate::render::gpu::constants::{GROUP_RECORDS, OUTPUT_GROUP, STREAM_GROUP, VIEW_GROUP};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::SplatVertex;
 use crate::render::gpu::primitives::Amplification;
@@ -19,9 +19,6 @@ use std::collections::HashMap;
 
 /// Bytes of `DrawIndexedIndirect`.
 const INDIRECT_BYTES: u64 = 20;
-
-/// Bind group of the compute stage's outputs.
-const OUTPUT_GROUP: u32 = 3;
 
 #[derive(Debug)]
 pub(super) struct Compute {
@@ -210,7 +207,7 @@ impl Instancing for Compute {
             label: Some("amplify"),
             timestamp_writes: None,
         });
-        pass.set_bind_group(0, view.bind_group, &[view.offset]);
+        pass.set_bind_group(VIEW_GROUP, view.bind_group, &[view.offset]);
         for (chunk, output) in self.outputs.iter().enumerate() {
             for (group, stream) in (STREAM_GROUP..).zip(draw.streams) {
                 pass.set_bind_group(group, stream.chunks[chunk].bind_group.as_ref(), &[]);
