@@ -21,7 +21,8 @@ pub(super) const HEAD_LIGHT_SHININESS: u32 = 24;
 /// Factor on the colour of a surfel that is seen from behind, where that is to be told.
 pub(super) const BACK_SIDE: f32 = 0.8;
 
-/// Normals with more of the y axis are taken for parallel to it: another axis gives the directions of a surfel's square.
+/// Normals with more of the y axis are taken for parallel to it: another axis gives the directions of a surfel's
+/// square.
 pub(super) const UPRIGHT_NORMAL_Y: f32 = 0.99;
 
 /// How far the corners of a surfel's square are from its middle, in radii: √2, rounded up.

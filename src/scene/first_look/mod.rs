@@ -1,8 +1,8 @@
 //! What to make of a sequence that nobody has chosen anything for: what it is, which way is up, where to stand, how to
 //! draw it.
 //!
-//! **How it works.** A few thousand points of some frames stand for the sequence ([`CloudSample`]). Outliers are left out
-//! (`trim.rs`), the way the points lie around the sensor tells what was scanned (`kind.rs`), the format or the way
+//! **How it works.** A few thousand points of some frames stand for the sequence ([`CloudSample`]). Outliers are left
+//! out (`trim.rs`), the way the points lie around the sensor tells what was scanned (`kind.rs`), the format or the way
 //! things stand tells what is up (`up.rs`), and where most is seen is where to stand (`standpoint.rs`). Every guess
 //! comes with its reason, for the person who is to believe or change it. It takes a few milliseconds, of clouds of any
 //! size, and the same frames give the same answer.
