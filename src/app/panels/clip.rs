@@ -1,7 +1,6 @@
 //! What of the cloud is drawn: a box or one side of a plane, in the coordinates of the file.
 
 use super::settings::{choice, heading, row, rows};
-use crate::app::{Gauge, State};
 use crate::math::Aabb;
 use crate::scene::{Clip, ClipShape};
 use egui::{DragValue, Ui};
@@ -20,20 +19,12 @@ enum ClipKind {
 }
 
 /// The shown frame: the box around it and the origin of its positions.
-struct ClippedFrame {
-    bounds: Aabb,
-    origin: DVec3,
+pub(super) struct ClippedFrame {
+    pub(super) bounds: Aabb,
+    pub(super) origin: DVec3,
 }
 
 impl ClippedFrame {
-    fn of(state: &State) -> Option<Self> {
-        let player = state.player.as_ref()?;
-        Some(Self {
-            bounds: player.shown()?.frame.bounds(),
-            origin: player.sequence().origin(),
-        })
-    }
-
     fn shape(&self, kind: ClipKind) -> ClipShape {
         match kind {
             ClipKind::Plane => self.plane(DVec3::X),
@@ -66,15 +57,13 @@ fn kind_of(clip: Option<Clip>) -> ClipKind {
     }
 }
 
-/// The section of the settings.
-pub(super) fn clip_ui(ui: &mut Ui, state: &mut State) {
+/// The section of the settings. `angle` are the points of the last angle that was measured.
+pub(super) fn clip_ui(ui: &mut Ui, clip: &mut Option<Clip>, shown: Option<ClippedFrame>, angle: Option<[DVec3; 3]>) {
     heading(ui, "Clip");
-    let Some(shown) = ClippedFrame::of(state) else {
+    let Some(shown) = shown else {
         ui.weak("Nothing is shown yet");
         return;
     };
-    let angle = last_angle(state);
-    let clip = &mut state.style.of_sequence.clip;
     rows(ui, "clip", |ui| {
         kind(ui, clip, &shown);
         if let Some(clip) = clip.as_mut().filter(|clip| clip.is_on) {
@@ -110,16 +99,6 @@ pub(super) fn clip_ui(ui: &mut Ui, state: &mut State) {
             }
         }
     });
-}
-
-/// The points of the last angle that was measured.
-fn last_angle(state: &State) -> Option<[DVec3; 3]> {
-    let measurements = &state.inspection.measurements;
-    let angle = measurements
-        .iter()
-        .rfind(|measurement| measurement.gauge == Gauge::Angle)?;
-    let places: Vec<DVec3> = angle.points.iter().map(|point| point.place).collect();
-    places.try_into().ok()
 }
 
 fn kind(ui: &mut Ui, clip: &mut Option<Clip>, shown: &ClippedFrame) {

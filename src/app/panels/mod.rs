@@ -17,7 +17,6 @@ mod settings;
 mod statistics;
 mod style;
 mod table;
-mod time;
 mod viewport;
 
 use super::State;

@@ -7,7 +7,6 @@ use super::help::help_ui;
 use super::notices::notices_ui;
 use super::presets::preset_name_ui;
 use super::question::question_ui;
-use super::settings::settings_ui;
 use super::statistics::statistics_ui;
 use crate::app::command::{Command, keys_of};
 use crate::app::features::palette::CommandEntry;
@@ -42,7 +41,7 @@ pub(super) const PANELS: &[PanelRow] = &[
         id: Some(PanelId::SETTINGS),
         menu: Some("Settings"),
         place: Dock::Right(312.0, 280.0..=460.0),
-        show: settings_ui,
+        show: bound::settings,
     },
     PanelRow {
         id: Some(PanelId::STATISTICS),
