@@ -7,9 +7,8 @@ fn amplified_vertex(instance: Instance) -> SplatVertex {
 fn may_be_seen(instance: Instance) -> bool {
     let point = fetch_point(instance);
     let shape = fetch_shape(instance);
-    // The quad's corners are √2 radii away.
     return surfel_may_face_eye(point, shape)
-        && sphere_may_be_seen(point.position, 1.4143 * shape.radius * view.splat_scale);
+        && sphere_may_be_seen(point.position, SQUARE_REACH_RADII * shape.radius * view.splat_scale);
 }
 
 fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVertex {
@@ -44,6 +43,6 @@ fn surfel_may_face_eye(point: PointRecord, shape: ShapeRecord) -> bool {
     let radius = shape.radius * view.splat_scale;
     let px_per_slope = 0.5 * min(view.focal.x * view.viewport_px.x, view.focal.y * view.viewport_px.y);
     // As thick as its disk is seen where it is farthest, beside 1/8 pixel.
-    let is_thin = -facing * radius * px_per_slope < 0.125 * distance * (distance + 1.4143 * radius);
+    let is_thin = -facing * radius * px_per_slope < 0.125 * distance * (distance + SQUARE_REACH_RADII * radius);
     return view.back_faces != BACK_FACES_CULLED || facing > -1e-3 * distance || is_thin;
 }

@@ -40,7 +40,7 @@ pub struct Presets {
 }
 
 #[derive(Serialize)]
-struct Stored<'a> {
+struct StoredPresets<'a> {
     version: u32,
     presets: &'a [Preset],
 }
@@ -139,7 +139,7 @@ impl Presets {
         let Some(file) = &self.file else {
             return Ok(());
         };
-        let stored = Stored {
+        let stored = StoredPresets {
             version: VERSION,
             presets: &self.list,
         };

@@ -4,7 +4,7 @@ use super::arguments::{ReadArgs, open_sequence_and_tell};
 use super::output::answer;
 use super::warnings;
 use crate::check::changed_attributes;
-use crate::scene::{BackFaces, FirstLook, Kind, Primitive, Style};
+use crate::scene::{BackFaces, CaptureKind, FirstLook, Primitive, Style};
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -51,7 +51,7 @@ struct Guess {
     from: &'static str,
     azimuth_deg: f64,
     elevation_deg: f64,
-    kind: Kind,
+    kind: CaptureKind,
     primitive: Primitive,
     primitive_because: &'static str,
     planar_share: f32,
@@ -89,12 +89,12 @@ struct FrameInfo {
     /// By the time stamp of the file or its name.
     time_s: Option<f64>,
     #[serde(flatten)]
-    content: Content,
+    content: FrameReport,
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Content {
+enum FrameReport {
     Read {
         points: usize,
         finite_points: usize,
@@ -128,8 +128,8 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     let failures: Vec<&String> = frames
         .iter()
         .filter_map(|frame| match &frame.content {
-            Content::Failed { error } => Some(error),
-            Content::Read { .. } => None,
+            FrameReport::Failed { error } => Some(error),
+            FrameReport::Read { .. } => None,
         })
         .collect();
     if let (true, Some(first)) = (failures.len() == frames.len(), failures.first()) {
@@ -140,8 +140,8 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     }
     for frame in &frames {
         let said = match &frame.content {
-            Content::Failed { error } => std::slice::from_ref(error),
-            Content::Read { warnings, .. } => warnings,
+            FrameReport::Failed { error } => std::slice::from_ref(error),
+            FrameReport::Read { warnings, .. } => warnings,
         };
         for warning in said {
             warnings::warn_of_frame(warning);
@@ -204,7 +204,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
     let content = match sequence.take_decoded(index) {
         Ok(raw) => {
             let (finite_points, bounds) = raw.positions.finite_bounds();
-            Content::Read {
+            FrameReport::Read {
                 points: raw.positions.len(),
                 finite_points,
                 min: bounds.map(|(min, _)| min.to_array()),
@@ -215,7 +215,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
                 warnings: raw.warnings,
             }
         }
-        Err(error) => Content::Failed {
+        Err(error) => FrameReport::Failed {
             error: error.to_string(),
         },
     };
@@ -238,8 +238,8 @@ fn table(info: &Info) -> String {
     );
     let lines = info.frames.iter().map(frame_line);
     let attributes = info.frames.iter().filter_map(|frame| match &frame.content {
-        Content::Read { attributes, .. } => Some((frame.index, attributes.as_slice())),
-        Content::Failed { .. } => None,
+        FrameReport::Read { attributes, .. } => Some((frame.index, attributes.as_slice())),
+        FrameReport::Failed { .. } => None,
     });
     let findings = changed_attributes(attributes).into_iter();
     let lines = lines
@@ -263,7 +263,7 @@ fn table(info: &Info) -> String {
 
 fn frame_line(frame: &FrameInfo) -> String {
     match &frame.content {
-        Content::Read {
+        FrameReport::Read {
             points,
             finite_points,
             min,
@@ -294,7 +294,7 @@ fn frame_line(frame: &FrameInfo) -> String {
                 place(frame)
             )
         }
-        Content::Failed { error } => format!("{:>6} cannot be read: {error}", frame.index),
+        FrameReport::Failed { error } => format!("{:>6} cannot be read: {error}", frame.index),
     }
 }
 

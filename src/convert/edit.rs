@@ -121,7 +121,7 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
 
 /// Sums of the points in a cell.
 #[derive(Default)]
-struct Cell {
+struct CellSums {
     count: f64,
     position: DVec3,
     color: [f64; 4],
@@ -140,7 +140,7 @@ fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
         return Err(EditError::TooManyCells { edge, farthest });
     }
     let mut places: HashMap<[i64; 3], usize> = HashMap::new();
-    let mut cells: Vec<Cell> = Vec::new();
+    let mut cells: Vec<CellSums> = Vec::new();
     for index in 0..cloud.positions.len() {
         let position = cloud.positions.get(index);
         if !position.is_finite() {
@@ -149,9 +149,9 @@ fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
         // Cells lie on multiples of the edge, in every frame the same.
         let key = (position / edge).floor().as_i64vec3().to_array();
         let place = *places.entry(key).or_insert_with(|| {
-            cells.push(Cell {
+            cells.push(CellSums {
                 scalars: vec![0.0; cloud.scalars.len()],
-                ..Cell::default()
+                ..CellSums::default()
             });
             cells.len() - 1
         });
@@ -178,15 +178,15 @@ fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
         Positions::F32(_) => Positions::F32(means.map(|mean| mean.as_vec3().to_array()).collect()),
         Positions::F64(_) => Positions::F64(means.map(|mean| mean.to_array()).collect()),
     };
-    let color = |cell: &Cell| cell.color.map(|sum| (sum / cell.count).round() as u8);
+    let color = |cell: &CellSums| cell.color.map(|sum| (sum / cell.count).round() as u8);
     cloud.colors = cloud.colors.take().map(|_| cells.iter().map(color).collect());
-    let normal = |cell: &Cell| cell.normal.normalize_or_zero().to_array();
+    let normal = |cell: &CellSums| cell.normal.normalize_or_zero().to_array();
     cloud.normals = cloud.normals.take().map(|_| cells.iter().map(normal).collect());
     // What one point covers, each of the joined ones covered in part.
-    let radius = |cell: &Cell| ((cell.radius / cell.count).max(0.5 * edge)) as f32;
+    let radius = |cell: &CellSums| ((cell.radius / cell.count).max(0.5 * edge)) as f32;
     cloud.radii = cloud.radii.take().map(|_| cells.iter().map(radius).collect());
     for (place, field) in cloud.scalars.iter_mut().enumerate() {
-        let mean = |cell: &Cell| (cell.scalars[place] / cell.count) as f32;
+        let mean = |cell: &CellSums| (cell.scalars[place] / cell.count) as f32;
         field.values = cells.iter().map(mean).collect();
     }
     cloud.faces.clear();

@@ -42,7 +42,7 @@ const READ_AT_ONCE_BYTES: usize = 1 << 17;
 
 /// A number in each row.
 #[derive(Debug)]
-pub(super) struct Field {
+pub(super) struct RowField {
     pub(super) name: String,
     pub(super) scalar: Scalar,
     /// Bytes before it in the row.
@@ -57,7 +57,7 @@ pub(super) struct FixedRows {
     pub(super) row_bytes: usize,
     pub(super) count: usize,
     pub(super) big_endian: bool,
-    pub(super) fields: Vec<Field>,
+    pub(super) fields: Vec<RowField>,
     /// See [`RawCloud::sensor`].
     pub(super) sensor: Option<DVec3>,
 }
@@ -70,7 +70,7 @@ impl FixedRows {
 
     /// The columns of rows that lie in `bytes` one after the other.
     pub(super) fn columns<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
-        let column = |field: &Field| Column {
+        let column = |field: &RowField| Column {
             name: field.name.clone(),
             scalar: field.scalar,
             values: Values::Packed {
@@ -148,7 +148,7 @@ impl FixedRows {
         let columns = self.columns(&[]);
         let roles = Roles::of(&columns).ok();
         let roles = roles.filter(|roles| roles.are_local(&columns));
-        let is_within = |field: &Field| field.offset + field.scalar.byte_size() <= self.row_bytes;
+        let is_within = |field: &RowField| field.offset + field.scalar.byte_size() <= self.row_bytes;
         let (Some(roles), Some(bytes), true) = (
             roles,
             self.count.checked_mul(self.row_bytes),
@@ -231,7 +231,7 @@ mod tests {
             let offset = row_bytes;
             row_bytes += scalar.byte_size();
             let name = name.to_owned();
-            Field { name, scalar, offset }
+            RowField { name, scalar, offset }
         });
         FixedRows {
             start: 0,

@@ -26,12 +26,12 @@ struct Attributes {
     colors: Option<Vec<[u8; 4]>>,
     scales: Option<Scales>,
     radii: Option<Vec<f32>>,
-    scalars: Vec<(String, Numbers)>,
+    scalars: Vec<(String, ScalarValues)>,
 }
 
 /// Numbers of a scalar field, as wide as the file has them.
 #[derive(Debug)]
-enum Numbers {
+enum ScalarValues {
     Narrow(Vec<f32>),
     Wide(Vec<f64>),
 }
@@ -57,9 +57,9 @@ impl Growing {
         let scalar = |&index: &usize| {
             let column = &columns[index];
             let numbers = if column.scalar.is_wide() {
-                Numbers::Wide(Vec::with_capacity(count))
+                ScalarValues::Wide(Vec::with_capacity(count))
             } else {
-                Numbers::Narrow(Vec::with_capacity(count))
+                ScalarValues::Narrow(Vec::with_capacity(count))
             };
             (column.name.clone(), numbers)
         };
@@ -103,8 +103,8 @@ impl Growing {
         cloud.has_narrow_colors = attributes.scales.is_some_and(|scales| scales.is_narrow);
         cloud.radii = attributes.radii;
         let field = |(name, numbers)| match numbers {
-            Numbers::Narrow(values) => ScalarField::new(name, values),
-            Numbers::Wide(values) => ScalarField::from_f64(name, &values),
+            ScalarValues::Narrow(values) => ScalarField::new(name, values),
+            ScalarValues::Wide(values) => ScalarField::from_f64(name, &values),
         };
         cloud.scalars = attributes.scalars.into_iter().map(field).collect();
         // Writers that know no transparency leave zeros.
@@ -140,8 +140,8 @@ impl Attributes {
         }
         for ((_, numbers), &index) in self.scalars.iter_mut().zip(&roles.scalars) {
             match numbers {
-                Numbers::Narrow(numbers) => columns[index].append_f32(numbers, count),
-                Numbers::Wide(numbers) => columns[index].append_f64(numbers, count),
+                ScalarValues::Narrow(numbers) => columns[index].append_f32(numbers, count),
+                ScalarValues::Wide(numbers) => columns[index].append_f64(numbers, count),
             }
         }
     }

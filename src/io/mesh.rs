@@ -39,7 +39,7 @@ pub(super) fn strip(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
 
 /// A place on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
+pub(super) struct MeshSample {
     /// Which face.
     pub(super) face: u32,
     /// Weight of each of the face's corners; they add up to one.
@@ -48,7 +48,7 @@ pub(super) struct Place {
 
 /// Places spread evenly over a mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Places(pub(super) Vec<Place>);
+pub(super) struct Places(pub(super) Vec<MeshSample>);
 
 /// Replaces the vertices of `cloud` by `count` points spread evenly over its faces. A mesh whose faces have no area
 /// keeps its vertices.
@@ -71,7 +71,7 @@ pub(super) fn check_memory(cloud: &RawCloud, count: NonZeroUsize, options: &Read
     let number_bytes = 4 * (usize::from(cloud.radii.is_some()) + cloud.scalars.len());
     // Normals are there whether the mesh had them or not.
     let point_bytes = position_bytes + color_bytes + number_bytes + 12;
-    check_bytes(count, point_bytes + size_of::<Place>(), options)
+    check_bytes(count, point_bytes + size_of::<MeshSample>(), options)
 }
 
 fn check_bytes(count: NonZeroUsize, point_bytes: usize, options: &ReadOptions) -> Result<(), Fault> {
@@ -91,7 +91,7 @@ impl Places {
         count: NonZeroUsize,
         options: &ReadOptions,
     ) -> Result<Option<Self>, Fault> {
-        check_bytes(count, size_of::<Place>(), options)?;
+        check_bytes(count, size_of::<MeshSample>(), options)?;
         let ordered = along_curve(positions, faces);
         let total: f64 = ordered.iter().map(|&(_, area)| area).sum();
         if !(total > 0.0 && total.is_finite()) {
@@ -109,7 +109,7 @@ impl Places {
                 face = next;
                 end += area;
             }
-            places.push(Place {
+            places.push(MeshSample {
                 face,
                 weights: weights(index),
             });
@@ -119,8 +119,8 @@ impl Places {
 
     /// The points of `mesh` at these places. Precondition: the mesh has the faces that the places were found on.
     pub(super) fn apply(&self, mesh: &RawCloud) -> RawCloud {
-        let corners = |place: &Place| mesh.faces[place.face as usize].map(|corner| corner as usize);
-        let position = |place: &Place| {
+        let corners = |place: &MeshSample| mesh.faces[place.face as usize].map(|corner| corner as usize);
+        let position = |place: &MeshSample| {
             let [a, b, c] = corners(place).map(|corner| mesh.positions.get(corner));
             let [_, second, third] = place.weights.map(f64::from);
             // From the first corner on: large coordinates keep the digits that small faces need.
@@ -133,7 +133,7 @@ impl Places {
         let mut cloud = RawCloud::from_positions(positions);
         cloud.normals = Some(self.map(|place| normal(mesh, corners(place), place.weights)));
         cloud.colors = mesh.colors.as_ref().map(|colors| {
-            let channel = |place: &Place, channel: usize| {
+            let channel = |place: &MeshSample, channel: usize| {
                 let values = corners(place).map(|corner| f32::from(colors[corner][channel]));
                 blend(values, place.weights).round() as u8
             };
@@ -153,7 +153,7 @@ impl Places {
         cloud
     }
 
-    fn map<T>(&self, each: impl Fn(&Place) -> T) -> Vec<T> {
+    fn map<T>(&self, each: impl Fn(&MeshSample) -> T) -> Vec<T> {
         self.0.iter().map(each).collect()
     }
 }

@@ -107,7 +107,7 @@ fn header_text(bytes: &[u8]) -> Result<(Vec<u8>, usize), Fault> {
     ))
 }
 
-struct Field {
+struct PcdField {
     name: String,
     scalar: Scalar,
     count: usize,
@@ -115,7 +115,7 @@ struct Field {
 
 /// The points as the header describes them.
 struct Table {
-    fields: Vec<Field>,
+    fields: Vec<PcdField>,
     row_bytes: usize,
     rows: usize,
 }
@@ -146,7 +146,7 @@ impl Table {
             let count = usize::try_from(field.count).map_err(|_| claim())?;
             let bytes = count.checked_mul(scalar.byte_size()).ok_or_else(claim)?;
             row_bytes = row_bytes.checked_add(bytes).ok_or_else(claim)?;
-            fields.push(Field {
+            fields.push(PcdField {
                 name: field.name.clone(),
                 scalar,
                 count,
@@ -179,7 +179,7 @@ impl Table {
 
     /// The fields but for padding, and the bytes before each in a row. Of fields with several numbers (descriptors) it
     /// is the first.
-    fn fields(&self) -> impl Iterator<Item = (&Field, usize)> {
+    fn fields(&self) -> impl Iterator<Item = (&PcdField, usize)> {
         let mut end = 0;
         let placed = self.fields.iter().map(move |field| {
             let offset = end;
@@ -189,8 +189,8 @@ impl Table {
         placed.filter(|(field, _)| field.name != "_")
     }
 
-    fn columns<'a>(&self, values: impl Fn(usize, &Field) -> Values<'a>) -> Vec<Column<'a>> {
-        let column = |(field, offset): (&Field, usize)| Column {
+    fn columns<'a>(&self, values: impl Fn(usize, &PcdField) -> Values<'a>) -> Vec<Column<'a>> {
+        let column = |(field, offset): (&PcdField, usize)| Column {
             name: field.name.clone(),
             scalar: field.scalar,
             values: values(offset, field),
@@ -200,7 +200,7 @@ impl Table {
 
     /// Point after point, behind `start` bytes.
     fn rows(&self, start: usize) -> FixedRows {
-        let field = |(field, offset): (&Field, usize)| fixed_rows::Field {
+        let field = |(field, offset): (&PcdField, usize)| fixed_rows::RowField {
             name: field.name.clone(),
             scalar: field.scalar,
             offset,

@@ -1,7 +1,7 @@
 //! From records of points to a cloud: where each field lies in which format.
 
 use super::extra::ExtraField;
-use super::header::{Header, take};
+use super::header::{LasHeader, take};
 use crate::cloud::{Positions, RawCloud, ScalarField};
 use crate::io::arrays;
 use crate::io::column::{Column, Scalar, Values};
@@ -47,7 +47,7 @@ impl Layout {
 }
 
 /// The cloud of the points in `rows`. Precondition: their length is a multiple of the bytes of a point.
-pub(super) fn cloud(header: &Header, extra: &[ExtraField], rows: &[u8]) -> RawCloud {
+pub(super) fn cloud(header: &LasHeader, extra: &[ExtraField], rows: &[u8]) -> RawCloud {
     let (step, count) = (header.point_bytes, rows.len() / header.point_bytes);
     let layout = Layout::of(header.format);
     let column = |name: &str, scalar: Scalar, start: usize| Column {

@@ -6,7 +6,7 @@
 //! bits.
 
 use crate::cloud::{Positions, RawCloud, ScalarField};
-use crate::io::write::{Encoder, Output};
+use crate::io::write::{Encoder, WriteSeek};
 use laz::{LazVlrBuilder, ParLasZipCompressor};
 use std::io::{Error, Result};
 
@@ -100,8 +100,8 @@ pub(in crate::io) const LAZ: &Encoder = &Encoder {
 };
 
 /// Writes the finite points of `cloud`, with colours, `intensity`, `classification` and `gps_time` if they are there.
-pub(super) fn write(out: &mut dyn Output, cloud: &RawCloud, compressed: bool) -> Result<()> {
-    let points = Points::new(cloud);
+pub(super) fn write(out: &mut dyn WriteSeek, cloud: &RawCloud, compressed: bool) -> Result<()> {
+    let points = LasPoints::new(cloud);
     let compression = compressed
         .then(|| LazVlrBuilder::default().with_point_format(points.format(), 0))
         .transpose()
@@ -132,7 +132,7 @@ pub(super) fn write(out: &mut dyn Output, cloud: &RawCloud, compressed: bool) ->
 }
 
 /// A cloud as the file will have it.
-struct Points<'a> {
+struct LasPoints<'a> {
     cloud: &'a RawCloud,
     axes: [Axis; 3],
     /// Corners as integers.
@@ -143,7 +143,7 @@ struct Points<'a> {
     gps_time: Option<&'a ScalarField>,
 }
 
-impl<'a> Points<'a> {
+impl<'a> LasPoints<'a> {
     fn new(cloud: &'a RawCloud) -> Self {
         let (count, bounds) = cloud.positions.finite_bounds();
         let (min, max) = bounds.unwrap_or_default();

@@ -1,7 +1,7 @@
 //! PCD, binary: point after point.
 
 use super::columns::{CHUNK_BYTES, Colors, Type, columns, plain_name};
-use super::encoder::{Encoder, Output};
+use super::encoder::{Encoder, WriteSeek};
 use crate::cloud::RawCloud;
 
 /// PCD 0.7, binary: all but faces.
@@ -11,7 +11,7 @@ pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     write: |out, cloud| write(out, cloud),
 };
 
-fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
+fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
     let name = |name: &str| match plain_name(name, |sign| sign.is_ascii_graphic()) {
         // Alone it is the name of padding.
         plain if plain == "_" => "scalar__".to_owned(),

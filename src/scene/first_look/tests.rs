@@ -94,7 +94,7 @@ fn poses_that_walk_are_all_in_the_first_picture() {
     let frames = [at(-4.0), at(0.0), at(6.0)];
     let look = FirstLook::of(&frames.iter().collect::<Vec<_>>(), DVec3::ZERO);
     assert!(look.trimmed.min.x < -4.2 && look.trimmed.max.x > 6.2);
-    assert_eq!((look.up, look.kind), (UpAxis::Y, Kind::Object));
+    assert_eq!((look.up, look.kind), (UpAxis::Y, CaptureKind::Object));
 }
 
 #[test]

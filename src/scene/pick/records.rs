@@ -149,12 +149,12 @@ pub(super) struct Cubes<'a> {
 
 /// The space of a cell.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
+pub(super) struct CellBox {
     center: DVec3,
     half_edge: f64,
 }
 
-impl Cell {
+impl CellBox {
     /// Whether a point may be one of the cell's: with its faces, which f32 rounds.
     pub(super) fn contains(&self, place: DVec3) -> bool {
         (place - self.center).abs().max_element() <= self.half_edge * (1.0 + 1e-4)
@@ -166,8 +166,8 @@ impl<'a> Cubes<'a> {
         Self { voxels }
     }
 
-    pub(super) fn cell(&self, record: usize) -> Cell {
-        Cell {
+    pub(super) fn cell(&self, record: usize) -> CellBox {
+        CellBox {
             center: self.position(record).as_dvec3(),
             half_edge: self.half_edge(record),
         }

@@ -39,7 +39,7 @@ impl RendererChoice {
 }
 
 choices! {
-    /// How instances reach the vertex stage (paper 000 §IV).
+    /// How instances reach the vertex stage (paper 000 §IV). What each is on the GPU: `render/gpu/instancing`.
     Strategy, "instancing strategy" {
         Storage = "storage", "Storage buffer", "Records pulled from a storage buffer";
         Uniform = "uniform", "Uniform buffers", "Records in 64 KiB uniform buffers, one draw for each";

@@ -5,7 +5,7 @@
 //! and by normals. Surfels are the measure, since they are made to close the surface.
 
 use super::columns::{CLOSED, row};
-use super::pictures::{Drawing, draw, parts};
+use super::pictures::{DrawnView, draw, parts};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
@@ -28,7 +28,7 @@ fn ways() -> [(&'static str, Style); 3] {
 
 /// What was measured of one sequence, for each of [`ways`].
 #[derive(Default)]
-pub(super) struct Samples([WaySamples; 3]);
+pub(super) struct ClosedSamples([WaySamples; 3]);
 
 /// One number for each picture.
 #[derive(Default)]
@@ -39,7 +39,7 @@ struct WaySamples {
     flip: Vec<f64>,
 }
 
-impl Samples {
+impl ClosedSamples {
     pub(super) fn measure(
         &mut self,
         run: &mut Run<'_>,
@@ -53,7 +53,7 @@ impl Samples {
             (frame, style)
         });
         for camera in subject.views(frame, run.options.viewpoints, 1.0) {
-            let mut drawings: Vec<Drawing> = vec![draw(run, subject, frame, &camera, surfels)?];
+            let mut drawings: Vec<DrawnView> = vec![draw(run, subject, frame, &camera, surfels)?];
             for (frame, style) in &ways {
                 drawings.push(draw(run, subject, frame, &camera, *style)?);
             }

@@ -4,9 +4,9 @@ use super::*;
 use laz::{LazVlrBuilder, ParLasZipCompressor};
 
 /// Bytes of a point, and where its time, colours and near infrared are.
-type Fields = (u16, Option<usize>, Option<usize>, Option<usize>);
+type FieldOffsets = (u16, Option<usize>, Option<usize>, Option<usize>);
 
-const FORMATS: [Fields; 11] = [
+const FORMATS: [FieldOffsets; 11] = [
     (20, None, None, None),
     (28, Some(20), None, None),
     (26, None, Some(20), None),

@@ -1,6 +1,7 @@
 //! Surfels, round or not, in the six modes of paper 000, Fig. 3.
 
 use crate::cloud::{PointRecord, ShapeRecord};
+use crate::render::constants::{SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
@@ -8,13 +9,12 @@ use crate::render::cpu::finish::Held;
 use crate::render::cpu::packed_ellipses::decode_each;
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
-use crate::render::cpu::records::Records;
+use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{Light, Shading, seen_from_behind, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, Primitive, ScenePacket, Splatting, Style};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
-use std::f32::consts::SQRT_2;
 use std::ops::Range;
 
 /// Surfels of a packet, and how they are drawn.
@@ -39,8 +39,7 @@ impl Placed for Surfels<'_> {
     }
 
     fn reach(&self, record: usize) -> f32 {
-        // The corner of the square.
-        SQRT_2 * self.shapes[record].radius
+        SQUARE_REACH_RADII * self.shapes[record].radius
     }
 }
 
@@ -57,7 +56,7 @@ struct EightSurfels<S: Simd> {
     radii: f32x8<S>,
 }
 
-impl Records for Surfels<'_> {
+impl DrawnRecords for Surfels<'_> {
     type Scratch = Waiting;
 
     fn held(&self, packet: &ScenePacket) -> Held {
@@ -92,7 +91,7 @@ impl Records for Surfels<'_> {
                 let [x, y, z, _] = words(simd, &self.points[eight.clone()]);
                 let [normals, radii, ellipses, _] = words(simd, &self.shapes[eight.clone()]);
                 let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-                let reach = radii * (self.largest_scale() * SQRT_2);
+                let reach = radii * (self.largest_scale() * SQUARE_REACH_RADII);
                 let may_touch = pyramid.may_touch(simd, centers, reach) & lanes_below(simd, eight.len());
                 if simd.any_true_mask32x8(may_touch) {
                     let normals = oct_decode_each(simd, normals);
@@ -218,7 +217,7 @@ impl Surfels<'_> {
 fn across<S: Simd>(simd: S, normals: Vectors<S>) -> Vectors<S> {
     let splat = |value: f32| f32x8::splat(simd, value);
     // a is −z where n is almost upright, and y elsewhere.
-    let is_upright = normals.y.abs().simd_gt(splat(0.99));
+    let is_upright = normals.y.abs().simd_gt(splat(UPRIGHT_NORMAL_Y));
     let u = Vectors {
         x: simd.select_f32x8(is_upright, normals.y, normals.z),
         y: simd.select_f32x8(is_upright, -normals.x, splat(0.0)),

@@ -5,7 +5,7 @@ use super::drawable::Drawable;
 use crate::render::gpu::passes::geometry::{ATTRIBUTE, NO_DEPTH, REGULAR, VISIBILITY};
 use crate::render::gpu::passes::screen::{DEPTH_VIEW, RESOLVE};
 use crate::render::gpu::passes::{GeometryPass, ScreenPass};
-use crate::render::gpu::residency::Records;
+use crate::render::gpu::residency::RecordSource;
 use crate::scene::{Primitive, Splatting, Style, Surfels};
 
 /// One quad on the surface, with a disk.
@@ -49,7 +49,7 @@ pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> 
         } else {
             &DISK
         },
-        streams: vec![Records::of(&surfels.points), Records::of(&surfels.shapes)],
+        streams: vec![RecordSource::of(&surfels.points), RecordSource::of(&surfels.shapes)],
         chunked_for: &DISK,
         cull_back_faces: style.culls_back_faces(),
         passes,
