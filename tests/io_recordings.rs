@@ -121,9 +121,9 @@ fn check(cloud: &RawCloud, first: f32) {
         let expected = [first + index as f32, -1.5, z].map(f64::from);
         assert_eq!(cloud.positions.get(index).to_array(), expected, "point {index}");
     }
-    assert_eq!(cloud.colors, Some(vec![[0x10, 0x20, 0x30, 255]; 6]));
-    assert_eq!(cloud.scalars[0].name, "ring");
-    assert_eq!(cloud.scalars[0].values, [300.0, 301.0, 302.0, 303.0, 304.0, 305.0]);
+    assert_eq!(cloud.attributes.colors, Some(vec![[0x10, 0x20, 0x30, 255]; 6]));
+    assert_eq!(cloud.attributes.scalars[0].name, "ring");
+    assert_eq!(cloud.attributes.scalars[0].values, [300.0, 301.0, 302.0, 303.0, 304.0, 305.0]);
 }
 
 /// Three clouds out of order on `/points`, one without a time; two on `/other`; text on `/talk`.

@@ -1,7 +1,9 @@
 //! One pose of a sequence: what a decoder read, the validated frame, and the records a renderer draws.
 
+mod attributes;
 mod ellipse;
 mod frame;
+mod image_grid;
 mod quantised_normal;
 mod raw;
 mod record;
@@ -9,8 +11,10 @@ mod sample;
 mod unit;
 mod value_sample;
 
+pub use attributes::Attributes;
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};
 pub use frame::{CloudError, Frame};
+pub use image_grid::ImageGrid;
 pub use quantised_normal::{
     FINEST_NORMAL_BITS, coarser_normal, largest_normal_error, quantise_direction, quantise_normal,
     quantised_directions, quantised_normals,

@@ -6,7 +6,7 @@
 //! the merged frame lead back: those below the number of the pose's points are its slots, all others are ghosts.
 
 use super::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, prepare};
-use crate::cloud::{CloudError, Frame, Positions, RawCloud, oct_decode};
+use crate::cloud::{CloudError, Frame, Positions, RawCloud, ShapeRecord, decode_ellipse, oct_decode};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -41,14 +41,12 @@ impl Ghost {
 /// are asked for, ghosts without shapes are left out.
 pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Result<PreparedFrame, CloudError> {
     let has_shapes = pose.shapes.is_some() && needs.shapes;
-    let (mut positions, mut colors) = (Vec::new(), Vec::new());
-    let (mut normals, mut radii) = (Vec::new(), Vec::new());
+    let (mut positions, mut colors, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
     let mut add = |frame: &PreparedFrame, slot: usize, color: [u8; 4]| {
         positions.push(frame.points[slot].position);
         colors.push(color);
-        if let Some(shapes) = frame.shapes.as_ref().filter(|_| has_shapes) {
-            normals.push(oct_decode(shapes[slot].normal).to_array());
-            radii.push(shapes[slot].radius);
+        if let Some(known) = frame.shapes.as_ref().filter(|_| has_shapes) {
+            shapes.push(known[slot]);
         }
     };
     for (slot, point) in pose.points.iter().enumerate() {
@@ -63,9 +61,15 @@ pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Res
         }
     }
     let mut raw = RawCloud::from_positions(Positions::F32(positions));
-    raw.colors = Some(colors);
-    raw.normals = has_shapes.then_some(normals);
-    raw.radii = has_shapes.then_some(radii);
+    raw.attributes.colors = Some(colors);
+    if has_shapes {
+        let normal = |shape: &ShapeRecord| oct_decode(shape.normal).to_array();
+        let ellipse = |shape: &ShapeRecord| decode_ellipse(shape.normal, shape.ellipse);
+        raw.attributes.normals = Some(shapes.iter().map(normal).collect());
+        raw.attributes.radii = Some(shapes.iter().map(|shape| shape.radius).collect());
+        let has_ellipses = shapes.iter().any(|shape| shape.ellipse != 0);
+        raw.attributes.ellipses = has_ellipses.then(|| shapes.iter().map(ellipse).collect());
+    }
     raw.unit = pose.frame.unit();
     let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO)?);
     let needs = Needs {
@@ -90,9 +94,9 @@ mod tests {
         let positions = (0..count).map(|point| [start + point as f32, 0.0, 0.0]);
         let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
         let color = |point| [[0, 0, 0, 255], [255; 4]][point % 2];
-        raw.colors = Some((0..count).map(color).collect());
-        raw.normals = Some(vec![[0.0, 0.0, 1.0]; count]);
-        raw.radii = Some(vec![0.25; count]);
+        raw.attributes.colors = Some((0..count).map(color).collect());
+        raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; count]);
+        raw.attributes.radii = Some(vec![0.25; count]);
         let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO).unwrap());
         let counters = PrepareCounters::default();
         Arc::new(prepare(index, frame, 0.0, needs, &counters))

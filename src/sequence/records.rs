@@ -4,7 +4,7 @@ use super::Paint;
 use super::coloring::UNIFORM_RGB;
 use super::scaled::{field, points_in_class_colors, points_on_scale};
 use crate::analysis::{Orientation, Surface, fake_color, splat_radii};
-use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
+use crate::cloud::{Frame, PointRecord, ShapeRecord, encode_ellipse, oct_decode, oct_encode};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -103,21 +103,23 @@ fn keep_given<T: Copy>(estimated: &mut [T], given: Option<&[T]>, usable: impl Fn
 
 /// One record a point; a scalar that the file does not have, or is no number there, is 0.
 pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec<ShapeRecord> {
-    let record = |(&normal, &radius): (&Vec3, &f32), scalar| ShapeRecord {
-        normal: oct_encode(normal),
-        radius,
-        ellipse: 0,
-        scalar,
+    let (ellipses, scalars) = (frame.ellipses(), frame.scalars());
+    let record = |slot: usize, normal: Vec3, radius: f32| {
+        let normal = oct_encode(normal);
+        let scalar = scalars.map_or(0.0, |scalars| scalars[slot]);
+        ShapeRecord {
+            normal,
+            radius,
+            ellipse: ellipses.map_or(0, |ellipses| encode_ellipse(normal, ellipses[slot])),
+            scalar: if scalar.is_nan() { 0.0 } else { scalar },
+        }
     };
     let shapes = surface.normals.par_iter().zip(surface.radii.par_iter());
-    let shapes = shapes.with_min_len(POINTS_PER_TASK);
-    match frame.scalars() {
-        Some(scalars) => shapes
-            .zip(scalars.par_iter())
-            .map(|(shape, &scalar)| record(shape, if scalar.is_nan() { 0.0 } else { scalar }))
-            .collect(),
-        None => shapes.map(|shape| record(shape, 0.0)).collect(),
-    }
+    shapes
+        .enumerate()
+        .with_min_len(POINTS_PER_TASK)
+        .map(|(slot, (&normal, &radius))| record(slot, normal, radius))
+        .collect()
 }
 
 /// Records in `paint`, which is that of this frame. Precondition: `shapes` for fake colours of a frame that lacks

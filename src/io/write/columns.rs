@@ -60,7 +60,7 @@ pub(super) fn columns<'a>(
             data,
         });
     }
-    if let Some(values) = cloud.colors.as_deref().filter(|_| colors != Colors::None) {
+    if let Some(values) = cloud.attributes.colors.as_deref().filter(|_| colors != Colors::None) {
         let has_alpha = values.iter().any(|color| color[3] != u8::MAX);
         let scaled = |channels: std::ops::Range<usize>| {
             let is_dark = values
@@ -86,7 +86,7 @@ pub(super) fn columns<'a>(
             });
         }
     }
-    if let Some(normals) = &cloud.normals {
+    if let Some(normals) = &cloud.attributes.normals {
         for (axis, name) in normal_names.into_iter().enumerate() {
             columns.push(Column {
                 name: name.to_owned(),
@@ -94,13 +94,13 @@ pub(super) fn columns<'a>(
             });
         }
     }
-    if let Some(radii) = &cloud.radii {
+    if let Some(radii) = &cloud.attributes.radii {
         columns.push(Column {
             name: "radius".to_owned(),
             data: Data::Numbers(radii),
         });
     }
-    for field in &cloud.scalars {
+    for field in &cloud.attributes.scalars {
         let data = if field.offset == 0.0 {
             Data::Numbers(&field.values)
         } else {

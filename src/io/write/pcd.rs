@@ -1,4 +1,7 @@
 //! PCD, binary: point after point.
+//!
+//! Lines of an organised cloud stay lines if it is known where the sensor stood: readers take the viewpoint of such a
+//! file for true, even where it is the origin.
 
 use super::columns::{CHUNK_BYTES, Colors, Type, columns, plain_name};
 use super::encoder::{Encoder, Output};
@@ -19,9 +22,15 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
     };
     let columns = columns(cloud, Colors::None, ["normal_x", "normal_y", "normal_z"], name);
     let count = cloud.positions.len();
-    let has_alpha = cloud.colors.iter().flatten().any(|color| color[3] != u8::MAX);
+    let has_alpha = cloud
+        .attributes
+        .colors
+        .iter()
+        .flatten()
+        .any(|color| color[3] != u8::MAX);
     // PCL keeps colours in the bits of a float, those with alpha in an unsigned integer.
     let color = cloud
+        .attributes
         .colors
         .is_some()
         .then_some(if has_alpha { ("rgba", "U") } else { ("rgb", "F") });
@@ -41,9 +50,11 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
         }
     }
     let sensor = cloud.sensor.unwrap_or_default();
+    let grid = cloud.grid.filter(|_| cloud.sensor.is_some());
+    let (width, height) = grid.map_or((count, 1), |grid| (grid.width() as usize, grid.height()));
     write!(
         out,
-        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT {} {} {} 1 0 \
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\nWIDTH {width}\nHEIGHT {height}\nVIEWPOINT {} {} {} 1 0 \
          0 0\nPOINTS {count}\nDATA binary\n",
         lines.join("\n"),
         sensor.x,
@@ -55,7 +66,7 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
         for column in &columns {
             column.put_bytes(row, &mut bytes);
         }
-        if let Some([red, green, blue, alpha]) = cloud.colors.as_ref().map(|colors| colors[row]) {
+        if let Some([red, green, blue, alpha]) = cloud.attributes.colors.as_ref().map(|colors| colors[row]) {
             bytes.extend([blue, green, red, if has_alpha { alpha } else { 0 }]);
         }
         if bytes.len() >= CHUNK_BYTES {

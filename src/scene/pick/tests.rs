@@ -43,8 +43,8 @@ fn cloud(places: &[[f32; 3]], radius: f32, origin: DVec3) -> PreparedFrame {
         let turned = Vec3::new(y - 0.3, z + 0.2, x + 0.1 * (index % 7) as f32);
         turned.normalize_or(Vec3::Z).to_array()
     });
-    raw.normals = Some(normals.collect());
-    raw.radii = Some(
+    raw.attributes.normals = Some(normals.collect());
+    raw.attributes.radii = Some(
         (0..places.len())
             .map(|index| radius * (1.0 + (index % 3) as f32))
             .collect(),
@@ -201,8 +201,8 @@ fn the_front_one_wins_and_of_equals_the_last() {
     assert_eq!(Pick::of(&frame, origin, slot).unwrap().index_in_file, 1);
 
     let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.1; 3]; 200]));
-    raw.normals = Some(vec![[0.0, 0.0, 1.0]; 200]);
-    raw.radii = Some(vec![0.1; 200]);
+    raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; 200]);
+    raw.attributes.radii = Some(vec![0.1; 200]);
     let same = prepared(raw, origin);
     for &primitive in Primitive::ALL {
         let style = Style {
@@ -231,8 +231,8 @@ fn back_faces_are_picked_only_where_they_are_drawn() {
         (-1.0, BackFaces::Darker, Some(0)),
     ] {
         let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]]));
-        raw.normals = Some(vec![[0.0, 0.0, toward]]);
-        raw.radii = Some(vec![0.5]);
+        raw.attributes.normals = Some(vec![[0.0, 0.0, toward]]);
+        raw.attributes.radii = Some(vec![0.5]);
         let frame = prepared(raw, origin);
         let style = Style {
             surfels: SurfelStyle {
@@ -275,9 +275,9 @@ fn a_pick_has_all_that_the_file_says_of_the_point() {
         [f64::NAN; 3],
         (ECEF + DVec3::new(0.25, 0.5, -0.125)).to_array(),
     ]));
-    raw.colors = Some(vec![[0; 4], [1, 2, 3, 250]]);
-    raw.normals = Some(vec![[1.0, 0.0, 0.0], [0.0, 0.0, -2.0]]);
-    raw.scalars = vec![
+    raw.attributes.colors = Some(vec![[0; 4], [1, 2, 3, 250]]);
+    raw.attributes.normals = Some(vec![[1.0, 0.0, 0.0], [0.0, 0.0, -2.0]]);
+    raw.attributes.scalars = vec![
         ScalarField::new("intensity", vec![9.0, 0.5]),
         ScalarField::from_f64("gps_time", &[1.3e9, 1.3e9 + 0.001]),
     ];
