@@ -1,6 +1,6 @@
 //! Files written here, with known values, in every encoding, scalar type and layout that the readers promise.
 
-use pointreel::cloud::{Positions, RawCloud};
+use pointreel::cloud::{ImageGrid, Positions, RawCloud};
 use pointreel::io::{self, Format};
 use std::path::Path;
 
@@ -290,13 +290,13 @@ fn pcd_of_a_camera_knows_where_it_stood() {
     assert_eq!(cloud.sensor, Some(glam::DVec3::ZERO));
     assert_eq!(cloud.positions.len(), 4);
     assert_eq!(cloud.positions.finite_bounds().0, 3);
+    assert_eq!(cloud.grid, ImageGrid::of(2, 2, 4));
     let moved = String::from_utf8_lossy(organised)
         .replace("HEIGHT 2", "HEIGHT 1")
         .replace("VIEWPOINT 0 0 0", "VIEWPOINT 1 2 3");
-    assert_eq!(
-        read("a.pcd", moved.as_bytes()).sensor,
-        Some(glam::DVec3::new(1.0, 2.0, 3.0))
-    );
+    let moved = read("a.pcd", moved.as_bytes());
+    assert_eq!(moved.sensor, Some(glam::DVec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(moved.grid, None);
 }
 
 #[test]
@@ -315,7 +315,10 @@ fn text_in_the_layouts_that_programs_write() {
         at("1 2 3 255 128 0\n1 2 3 0 0 9\n").attributes.colors,
         Some(vec![[255, 128, 0, 255], [0, 0, 9, 255]])
     );
-    assert_eq!(at("1 2 3 1.0 0.5 0.25\n").attributes.colors, Some(vec![[255, 128, 64, 255]]));
+    assert_eq!(
+        at("1 2 3 1.0 0.5 0.25\n").attributes.colors,
+        Some(vec![[255, 128, 64, 255]])
+    );
     assert_eq!(
         at("1 2 3 0.0 0.6 0.8\n4 5 6 -1 0 0\n").attributes.normals,
         Some(vec![[0.0, 0.6, 0.8], [-1.0, 0.0, 0.0]])
@@ -377,7 +380,11 @@ fn files_of_every_format_hold_the_same_cube() {
         assert_eq!(positions(&cloud), corners, "{name}");
         assert_eq!(cloud.attributes.colors.as_ref(), Some(&colors), "{name}");
         let has_normals = name != "cube.pts";
-        assert_eq!(cloud.attributes.normals.as_ref(), has_normals.then_some(&normals), "{name}");
+        assert_eq!(
+            cloud.attributes.normals.as_ref(),
+            has_normals.then_some(&normals),
+            "{name}"
+        );
         let has_intensities = name != "cube.xyz";
         assert_eq!(
             cloud.attributes.scalars.first().map(|field| &field.values),

@@ -293,7 +293,12 @@ fn colors_of_vertices_materials_and_textures() {
         assert_eq!(model.read().attributes.colors.unwrap(), texels);
         let sampled = model.pose(0.0, &ReadOptions::default().with_sample_count(NonZeroUsize::new(100)));
         assert!(
-            sampled.attributes.colors.unwrap().iter().all(|color| texels.contains(color)),
+            sampled
+                .attributes
+                .colors
+                .unwrap()
+                .iter()
+                .all(|color| texels.contains(color)),
             "texels are not mixed"
         );
     }
@@ -307,7 +312,10 @@ fn colors_of_vertices_materials_and_textures() {
         json!({"uri": "data:image/png;base64,AAAA"}),
     ] {
         model.json["images"] = json!([image]);
-        assert_eq!((model.read().positions.len(), model.read().attributes.colors), (4, None));
+        assert_eq!(
+            (model.read().positions.len(), model.read().attributes.colors),
+            (4, None)
+        );
     }
 }
 

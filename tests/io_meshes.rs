@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use glam::Vec3;
 use pointreel::cloud::RawCloud;
 use pointreel::io::{self, ReadOptions};
 use std::fmt::Write as _;
@@ -268,12 +269,23 @@ fn ply_gaussian_splats_are_disks() {
         }
         let cloud = read("a.ply", &file);
         // 0.5 + 0.2821 / 2 is 0.641 of 255.
-        assert_eq!(cloud.attributes.colors.unwrap(), [[128, 255, 0, 128], [163, 128, 128, 255]]);
+        assert_eq!(
+            cloud.attributes.colors.unwrap(),
+            [[128, 255, 0, 128], [163, 128, 128, 255]]
+        );
         let radii = cloud.attributes.radii.unwrap();
         assert!(
             (radii[0] - 4.0).abs() < 1e-5 && (radii[1] - 1f32.exp()).abs() < 1e-5,
             "{radii:?}"
         );
+        let ellipses = cloud.attributes.ellipses.unwrap();
+        assert_eq!(ellipses[0].axis, Vec3::Y, "the longest of the first");
+        let [longer, shorter] = ellipses[0].half_axes(radii[0]);
+        assert!(
+            (longer - 8.0).abs() < 1e-5 && (shorter - 2.0).abs() < 1e-5,
+            "{longer} {shorter}"
+        );
+        assert_eq!(ellipses[1].ratio, 1.0);
         let normals = cloud.attributes.normals.unwrap();
         assert_eq!(normals[0], [0.0, 0.0, 1.0]);
         assert!((normals[1][1] - 1.0).abs() < 1e-5, "{normals:?}");

@@ -130,7 +130,10 @@ fn records_are_read_by_their_names() {
     assert_eq!(positions(&cloud), [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
     assert_eq!(cloud.attributes.colors.unwrap(), [[0, 7, 9, 255], [1, 7, 9, 255]]);
     assert_eq!(
-        (cloud.attributes.scalars[0].name.as_str(), cloud.attributes.scalars[0].values.as_slice()),
+        (
+            cloud.attributes.scalars[0].name.as_str(),
+            cloud.attributes.scalars[0].values.as_slice()
+        ),
         ("intensity", &[0.0, 0.5][..])
     );
     let flat = "[('z', '<f4'), ('', '|V4'), ('y', '<f4'), ('x', '<i4'), ('red', '|u1'), ('green', '|u1'), ('blue', \

@@ -45,7 +45,10 @@ fn separators_commas_and_names_of_all_kinds() {
         b"//X Y Z R G B Intensity\n1 2 3 10 20 30 0.5\n4 5 6 40 50 255 0.25\n",
     )
     .unwrap();
-    assert_eq!(cloud.attributes.colors, Some(vec![[10, 20, 30, 255], [40, 50, 255, 255]]));
+    assert_eq!(
+        cloud.attributes.colors,
+        Some(vec![[10, 20, 30, 255], [40, 50, 255, 255]])
+    );
     assert_eq!(cloud.attributes.scalars[0].values, [0.5, 0.25]);
     let cloud = read("a.csv", b"x,y,z\n1,,3\n").unwrap();
     assert!(cloud.positions.get(0).y.is_nan());
@@ -64,10 +67,21 @@ fn scans_are_placed_by_their_poses() {
         assert_eq!(cloud.attributes.scalars[0].values, [0.25, 0.5]);
         assert_eq!(cloud.sensor.unwrap().to_array(), [10.0, 20.0, 30.0]);
     }
+    assert_eq!(read("a.ptx", text.as_bytes()).unwrap().grid, None, "a line is no image");
     let two = format!("{text}{SCAN}1 2 3 0.25\r\n\r\n1 2 4 0.25");
     let cloud = read("a.ptx", two.as_bytes()).unwrap();
     assert_eq!(points(&cloud)[2..], [[8.0, 21.0, 33.0], [8.0, 21.0, 34.0]]);
     assert_eq!((cloud.attributes.colors, cloud.sensor), (None, None));
+}
+
+#[test]
+fn the_columns_of_a_scan_are_the_lines_of_its_image() {
+    let header = SCAN.replacen("2\n1\n", "2\n3\n", 1);
+    let text = format!("{header}{}", "1 2 3 0.25\n".repeat(6));
+    let grid = read("a.ptx", text.as_bytes()).unwrap().grid.unwrap();
+    assert_eq!((grid.width(), grid.height()), (3, 2));
+    let two = read("a.ptx", text.repeat(2).as_bytes()).unwrap();
+    assert_eq!((two.positions.len(), two.grid), (12, None), "two scans are no image");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::DVec3;
-use pointreel::cloud::{Positions, RawCloud, ScalarField};
+use pointreel::cloud::{ImageGrid, Positions, RawCloud, ScalarField};
 use pointreel::io::{self, WriteFormat};
 use proptest::prelude::*;
 use std::io::Cursor;
@@ -170,6 +170,24 @@ fn files_look_as_other_programs_expect() {
     let npy = written("npy", &cloud);
     assert!(String::from_utf8_lossy(&npy).contains("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 7), }"));
     assert_eq!((npy.len() - 7 * 8) % 64, 0);
+}
+
+#[test]
+fn a_pcd_keeps_the_lines_of_an_image_that_was_seen_from_somewhere() {
+    let mut cloud = RawCloud::from_positions(Positions::F32(vec![[1.0; 3], [2.0; 3], [f32::NAN; 3], [4.0; 3]]));
+    cloud.grid = ImageGrid::of(2, 2, 4);
+    assert_eq!(
+        read_back("pcd", "a.pcd", &cloud).grid,
+        None,
+        "its sensor would be taken to be at the origin"
+    );
+    for sensor in [glam::DVec3::ZERO, glam::DVec3::new(1.0, 2.0, 3.0)] {
+        cloud.sensor = Some(sensor);
+        let read = read_back("pcd", "a.pcd", &cloud);
+        assert_eq!((read.grid, read.sensor), (cloud.grid, cloud.sensor));
+        assert!(read.positions.get(2).is_nan());
+        assert_eq!(read.positions.get(3), glam::DVec3::splat(4.0));
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What points have beside their positions: one list, from which follows all that is done to every attribute alike.
 
-use super::{CloudError, Ellipse, ScalarField};
+use super::{Ellipse, ScalarField};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -86,16 +86,10 @@ impl Attributes {
         self.arrays().map(|array| array.entry_bytes).sum()
     }
 
-    /// Fails unless every array has `expected` entries.
-    pub(super) fn check_lengths(&self, expected: usize) -> Result<(), CloudError> {
-        match self.arrays().find(|array| array.len != expected) {
-            Some(array) => Err(CloudError::LengthMismatch {
-                attribute: array.name.to_owned(),
-                expected,
-                found: array.len,
-            }),
-            None => Ok(()),
-        }
+    /// Name and length of the first array that has not `expected` entries.
+    pub fn other_length(&self, expected: usize) -> Option<(&str, usize)> {
+        let other = self.arrays().find(|array| array.len != expected);
+        other.map(|array| (array.name, array.len))
     }
 
     /// Splats cover `factor` times the length in every direction: ellipses have the area of their disks.
@@ -159,5 +153,91 @@ fn usable_radius(radius: f32) -> f32 {
         0.0
     } else {
         radius.clamp(0.0, f32::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// `count` entries of every attribute that there is, no two alike.
+    fn all(count: usize) -> Attributes {
+        let numbers = |offset: f32| (0..count).map(move |index| index as f32 + offset);
+        Attributes {
+            colors: Some((0..count).map(|index| [index as u8, 1, 2, 3]).collect()),
+            normals: Some(numbers(0.5).map(|number| [number; 3]).collect()),
+            radii: Some(numbers(0.25).collect()),
+            ellipses: Some(
+                numbers(1.0)
+                    .map(|number| Ellipse {
+                        axis: Vec3::X,
+                        ratio: 1.0 / number,
+                    })
+                    .collect(),
+            ),
+            scalars: vec![
+                ScalarField::new("heat", numbers(0.125).collect()),
+                ScalarField::new("t", vec![0.0; count]),
+            ],
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn every_array_keeps_the_entries_that_are_asked_for(indices in prop::collection::vec(0u32..50, 0..60)) {
+            let of_all = all(50);
+            let gathered = of_all.gathered(&indices);
+            let mut kept = of_all.clone();
+            kept.keep(&indices);
+            prop_assert_eq!(&kept, &gathered);
+            prop_assert_eq!(gathered.other_length(indices.len()), None);
+            prop_assert!(gathered.names().eq(of_all.names()));
+            for (place, &index) in indices.iter().enumerate() {
+                let at = |attributes: &Attributes, index: usize| {
+                    let mut one = attributes.clone();
+                    one.keep(&[index as u32]);
+                    one
+                };
+                prop_assert_eq!(at(&gathered, place), at(&of_all, index as usize));
+                prop_assert_eq!(gathered.radii.as_ref().unwrap()[place], index as f32 + 0.25);
+                prop_assert_eq!(gathered.scalars[0].values[place], index as f32 + 0.125);
+            }
+        }
+    }
+
+    #[test]
+    fn every_array_is_in_the_list() {
+        let mut attributes = all(3);
+        let names: Vec<&str> = attributes.names().collect();
+        assert_eq!(names, ["color", "normal", "radius", "ellipse", "heat", "t"]);
+        assert_eq!(attributes.point_bytes(), 4 + 12 + 4 + 16 + 4 + 4);
+        assert_eq!(attributes.other_length(3), None);
+        assert_eq!(attributes.other_length(4), Some(("color", 3)));
+        attributes.ellipses.as_mut().unwrap().pop();
+        assert_eq!(attributes.other_length(3), Some(("ellipse", 2)));
+        assert_eq!(Attributes::default().names().count(), 0);
+        assert_eq!(Attributes::default().point_bytes(), 0);
+    }
+
+    #[test]
+    fn ellipses_stay_where_there_are_a_normal_and_a_radius() {
+        let mut attributes = all(4);
+        let ellipse = Ellipse {
+            axis: Vec3::Y,
+            ratio: 0.5,
+        };
+        attributes.ellipses = Some(vec![ellipse; 4]);
+        attributes.normals.as_mut().unwrap()[1] = [f32::NAN; 3];
+        attributes.radii.as_mut().unwrap()[2] = -1.0;
+        let mut bare = Attributes {
+            radii: None,
+            ..attributes.clone()
+        };
+        attributes.make_usable();
+        let expected = [ellipse, Ellipse::CIRCLE, Ellipse::CIRCLE, ellipse];
+        assert_eq!(attributes.ellipses.unwrap(), expected);
+        bare.make_usable();
+        assert_eq!(bare.ellipses, None);
     }
 }

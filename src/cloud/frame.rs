@@ -290,11 +290,15 @@ impl Frame {
 /// Every attribute has one entry a point, and there are not too many points.
 fn check_lengths(raw: &RawCloud) -> Result<(), CloudError> {
     let point_count = raw.positions.len();
-    raw.attributes.check_lengths(point_count)?;
-    if point_count > Frame::MAX_POINTS {
-        return Err(CloudError::TooManyPoints { found: point_count });
+    match raw.attributes.other_length(point_count) {
+        Some((attribute, found)) => Err(CloudError::LengthMismatch {
+            attribute: attribute.to_owned(),
+            expected: point_count,
+            found,
+        }),
+        None if point_count > Frame::MAX_POINTS => Err(CloudError::TooManyPoints { found: point_count }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// [`even_places`] of no more points than a frame can hold.
@@ -411,6 +415,59 @@ mod tests {
                 assert_eq!(at.to_array(), position(index as usize));
             }
         }
+    }
+
+    /// An image in which a place tells its column and row, one pixel without a point.
+    fn image(width: u32, height: u32) -> RawCloud {
+        let place = |index: u32| [(index % width) as f32, (index / width) as f32, 1.0];
+        let mut places: Vec<[f32; 3]> = (0..width * height).map(place).collect();
+        places[7] = [f32::NAN; 3];
+        RawCloud {
+            grid: ImageGrid::of(width, height, places.len()),
+            ..RawCloud::from_positions(Positions::F32(places))
+        }
+    }
+
+    #[test]
+    fn points_of_an_organised_cloud_know_their_cells() {
+        let whole = Frame::from_raw(image(16, 9), DVec3::ZERO).unwrap();
+        let (of_memory, _) = whole.sample(40).unwrap();
+        let part = whole.part_without_splats(&[70, 3, 11]).unwrap();
+        let of_file = Frame::from_raw_sample(image(16, 9), DVec3::ZERO, 30).unwrap();
+        for (frame, count) in [(whole, 144), (of_memory, 40), (part, 3), (of_file, 30)] {
+            let grid = frame.grid().unwrap();
+            assert_eq!(frame.len() + frame.dropped_points(), count);
+            for (&index, at) in frame.file_index().iter().zip(frame.positions()) {
+                let [column, row] = grid.cell(index);
+                assert_eq!(*at, Vec3::new(column as f32, row as f32, 1.0));
+            }
+        }
+        let mut few = image(16, 9);
+        few.keep(&[0, 1, 2]);
+        assert_eq!(few.grid, None, "indices are no cells any more");
+    }
+
+    #[test]
+    fn ellipses_of_a_sample_grow_with_its_radii() {
+        let mut raw = RawCloud::from_positions(Positions::F32((0..100).map(|x| [x as f32, 0.0, 0.0]).collect()));
+        let ellipse = Ellipse {
+            axis: Vec3::X,
+            ratio: 0.25,
+        };
+        raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; 100]);
+        raw.attributes.radii = Some(vec![2.0; 100]);
+        raw.attributes.ellipses = Some(vec![ellipse; 100]);
+        let whole = Frame::from_raw(raw.clone(), DVec3::ZERO).unwrap();
+        let of_file = Frame::from_raw_sample(raw, DVec3::ZERO, 25).unwrap();
+        let (of_memory, _) = whole.sample(25).unwrap();
+        for (frame, half_axes) in [(&whole, [4.0, 1.0]), (&of_file, [8.0, 2.0]), (&of_memory, [8.0, 2.0])] {
+            for (ellipse, &radius) in frame.ellipses().unwrap().iter().zip(frame.radii().unwrap()) {
+                assert_eq!((ellipse.axis, ellipse.half_axes(radius)), (Vec3::X, half_axes));
+            }
+        }
+        let part = whole.part_without_splats(&[1, 2]).unwrap();
+        assert_eq!((part.radii(), part.ellipses()), (None, None));
+        assert!(part.normals().is_some());
     }
 
     #[test]

@@ -41,3 +41,34 @@ impl fmt::Display for ImageGrid {
         write!(f, "{} × {}", self.width, self.height)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_counted_line_by_line() {
+        let grid = ImageGrid::of(3, 2, 6).unwrap();
+        let cells: Vec<[u32; 2]> = (0..6).map(|index| grid.cell(index)).collect();
+        assert_eq!(cells, [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]);
+        assert_eq!(grid.to_string(), "3 × 2");
+    }
+
+    #[test]
+    fn lists_and_wrong_headers_have_no_grid() {
+        for (width, height, points) in [
+            (6, 1, 6),
+            (1, 6, 6),
+            (0, 0, 0),
+            (3, 2, 5),
+            (1 << 31, 2, 0),
+            (1 << 16, 1 << 16, 0),
+        ] {
+            assert_eq!(
+                ImageGrid::of(width, height, points),
+                None,
+                "{width} × {height} for {points}"
+            );
+        }
+    }
+}

@@ -8,6 +8,7 @@ mod quantised_normal;
 mod raw;
 mod record;
 mod sample;
+mod scalar_field;
 mod unit;
 mod value_sample;
 
@@ -19,9 +20,10 @@ pub use quantised_normal::{
     FINEST_NORMAL_BITS, coarser_normal, largest_normal_error, quantise_direction, quantise_normal,
     quantised_directions, quantised_normals,
 };
-pub use raw::{AxisConvention, Positions, RawCloud, ScalarField};
+pub use raw::{AxisConvention, Positions, RawCloud};
 pub use record::{PointRecord, ShapeRecord, VoxelRecord, oct_decode, oct_encode};
 pub(crate) use sample::{even_places, radius_factor};
+pub use scalar_field::ScalarField;
 pub use unit::LengthUnit;
 pub(crate) use value_sample::MAX_SAMPLE;
 pub use value_sample::{ValueKind, ValueSample};

@@ -54,11 +54,28 @@ fn transforms_move_points_and_turn_normals() {
     assert_eq!(cloud.positions.get(123), DVec3::new(5e6 + 3.0, 7.0, 5.0));
     assert_eq!(cloud.attributes.normals.unwrap()[0], [1.0, 0.0, 0.0]);
     assert!((cloud.attributes.radii.unwrap()[0] - 1.0).abs() < 1e-6);
+    // The long axis, X, becomes Y.
+    let ellipse = cloud.attributes.ellipses.unwrap()[0];
+    assert!(ellipse.axis.abs_diff_eq(glam::Vec3::Y, 1e-6), "{ellipse:?}");
+    assert!((ellipse.ratio - 0.25).abs() < 1e-6, "{ellipse:?}");
+    assert_eq!(cloud.grid, cube().grid);
     let flat = Edit {
         transform: Some(DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0))),
         ..Edit::default()
     };
     assert_eq!(flat.apply(&mut cube()), Err(EditError::FlatTransform));
+}
+
+#[test]
+fn ellipses_are_stretched_with_their_splats() {
+    // Half axes are 4 along X and 1 along Y: 4 and 8 afterwards.
+    let cloud = edited(&Edit {
+        transform: Some(DMat4::from_scale(DVec3::new(1.0, 8.0, 1.0))),
+        ..Edit::default()
+    });
+    let ellipse = cloud.attributes.ellipses.unwrap()[0];
+    assert!(ellipse.axis.abs().abs_diff_eq(glam::Vec3::Y, 1e-6), "{ellipse:?}");
+    assert!((ellipse.ratio - 0.5).abs() < 1e-6, "{ellipse:?}");
 }
 
 #[test]
@@ -72,6 +89,7 @@ fn cells_join_what_is_in_them() {
     // Points 0, 1, 10, 11, 100, 101, 110 and 111 are in the first cell.
     assert_eq!(cloud.attributes.scalars[0].values[0], 55.5);
     assert_eq!(cloud.attributes.colors.unwrap()[0], [56, 7, 9, 255]);
+    assert_eq!((&cloud.attributes.ellipses, cloud.grid), (&None, None));
     assert_eq!(cloud.attributes.normals.unwrap()[124], [0.0, 0.0, 1.0]);
     assert_eq!(cloud.attributes.radii.unwrap()[0], 1.0);
     let tiny = Edit {

@@ -14,7 +14,7 @@
 
 use super::error::Fault;
 use super::options::ReadOptions;
-use crate::cloud::{Positions, RawCloud, ScalarField};
+use crate::cloud::{Attributes, Positions, RawCloud};
 use glam::DVec3;
 use std::num::NonZeroUsize;
 
@@ -128,19 +128,24 @@ impl Places {
             Positions::F64(_) => Positions::F64(self.map(|place| position(place).to_array())),
         };
         let mut cloud = RawCloud::from_positions(positions);
-        cloud.attributes.normals = Some(self.map(|place| normal(mesh, corners(place), place.weights)));
-        cloud.attributes.colors = mesh.attributes.colors.as_ref().map(|colors| {
+        let colors = |colors: &[[u8; 4]]| {
             let channel = |place: &Place, channel: usize| {
                 let values = corners(place).map(|corner| f32::from(colors[corner][channel]));
                 blend(values, place.weights).round() as u8
             };
             self.map(|place| [0, 1, 2, 3].map(|index| channel(place, index)))
-        });
+        };
         let blended =
             |values: &[f32]| self.map(|place| blend(corners(place).map(|corner| values[corner]), place.weights));
-        cloud.attributes.radii = mesh.attributes.radii.as_deref().map(blended);
-        let fields = mesh.attributes.scalars.iter();
-        cloud.attributes.scalars = fields.map(|field| field.with_values(blended(&field.values))).collect();
+        let scalars = mesh.attributes.scalars.iter();
+        cloud.attributes = Attributes {
+            colors: mesh.attributes.colors.as_deref().map(colors),
+            normals: Some(self.map(|place| normal(mesh, corners(place), place.weights))),
+            radii: mesh.attributes.radii.as_deref().map(blended),
+            // Directions have nothing between them.
+            ellipses: None,
+            scalars: scalars.map(|field| field.with_values(blended(&field.values))).collect(),
+        };
         cloud.sensor = mesh.sensor;
         cloud.warnings.clone_from(&mesh.warnings);
         cloud
@@ -233,6 +238,7 @@ fn normal(mesh: &RawCloud, corners: [usize; 3], weights: [f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::ScalarField;
 
     fn quad(width: f32, height: f32) -> RawCloud {
         let corners = [

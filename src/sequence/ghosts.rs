@@ -85,6 +85,7 @@ pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Res
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::{Ellipse, encode_ellipse, oct_encode};
     use crate::levels::octree::StopCriterion;
     use crate::levels::{LevelsKey, LevelsKind};
     use glam::Vec3;
@@ -156,6 +157,42 @@ mod tests {
         let points = |needs: &Needs| with_ghosts(&now, bare, needs).unwrap().points.len();
         assert_eq!(points(&needs()), 10);
         assert_eq!(points(&Needs::default()), 20);
+    }
+
+    #[test]
+    fn ellipses_of_a_file_stay_beside_disks_that_were_estimated() {
+        let in_rows = (0..100).map(|point| [(point % 10) as f32, (point / 10) as f32, 0.0]);
+        let mut raw = RawCloud::from_positions(Positions::F32(in_rows.collect()));
+        let prepared = |raw: &RawCloud| {
+            let frame = Arc::new(Frame::from_raw(raw.clone(), DVec3::ZERO).unwrap());
+            Arc::new(prepare(0, frame, 0.0, &needs(), &PrepareCounters::default()))
+        };
+        let estimated = prepared(&raw);
+        let ellipse = Ellipse {
+            axis: Vec3::new(0.6, 0.8, 0.0),
+            ratio: 0.3,
+        };
+        raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; 100]);
+        raw.attributes.radii = Some(vec![0.25; 100]);
+        raw.attributes.ellipses = Some(vec![ellipse; 100]);
+        let of_file = prepared(&raw);
+        let packed = encode_ellipse(oct_encode(Vec3::Z), ellipse);
+        let ghost = Ghost {
+            frame: Arc::clone(&estimated),
+            share: 1.0,
+            tint: [255; 3],
+        };
+        let merged = with_ghosts(&of_file, &[ghost], &needs()).unwrap();
+        let shapes = merged.shapes.as_ref().unwrap();
+        for (&index, shape) in merged.frame.file_index().iter().zip(shapes.iter()) {
+            let expected = match index {
+                0..100 => (packed, 0.25),
+                ghost => (0, estimated.shapes.as_ref().unwrap()[ghost as usize - 100].radius),
+            };
+            assert_eq!((shape.ellipse, shape.radius), expected);
+        }
+        let alone = with_ghosts(&estimated, &[], &needs()).unwrap();
+        assert_eq!(alone.frame.ellipses(), None);
     }
 
     #[test]

@@ -105,7 +105,7 @@ impl Splat {
         let [longer, shorter] = if log_scales[a] >= log_scales[b] { [a, b] } else { [b, a] };
         Self {
             normal: axes.col(smallest),
-            radius: ((log_scales[longer] + log_scales[shorter]) / 2.0).exp(),
+            radius: f32::midpoint(log_scales[longer], log_scales[shorter]).exp(),
             ellipse: Ellipse {
                 axis: axes.col(longer),
                 ratio: (log_scales[shorter] - log_scales[longer]).exp(),
