@@ -96,7 +96,8 @@ proptest! {
     fn pcd_holds_all_but_faces(cloud in clouds()) {
         let mut expected = RawCloud { faces: Vec::new(), ..cloud.clone() };
         // Its readers take all zeros for no alpha.
-        if let Some(colors) = expected.attributes.colors.as_mut().filter(|colors| colors.iter().all(|color| color[3] == 0)) {
+        let colors = expected.attributes.colors.as_mut();
+        if let Some(colors) = colors.filter(|colors| colors.iter().all(|color| color[3] == 0)) {
             for color in colors { color[3] = 255; }
         }
         prop_assert_eq!(read_back("pcd", "a.pcd", &cloud), expected);

@@ -39,8 +39,8 @@ pub enum CloudError {
 ///
 /// Invariants, held by [`Frame::from_raw`]: every position and scalar is finite; normals are of unit length, or zero
 /// where the file gave none that can be used; radii are finite and not negative; ellipses are there beside normals and
-/// radii alone; points stand in the order of their Morton codes in the [`Cube`] around them, those in one finest cell in
-/// the order of the file.
+/// radii alone; points stand in the order of their Morton codes in the [`Cube`] around them, those in one finest cell
+/// in the order of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     positions: Vec<Vec3>,

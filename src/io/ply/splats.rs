@@ -4,8 +4,8 @@
 //!
 //! What is seen of an ellipsoid from most sides is its two large axes, so the splat lies across the smallest one: an
 //! ellipse with these half axes, and their geometric mean for its radius. They are shown as disks of that radius, which
-//! keeps the area. The harmonics' constant term is the colour seen on average from all sides; those that change with direction (`f_rest_*`) are left
-//! out.
+//! keeps the area. The harmonics' constant term is the colour seen on average from all sides; those that change with
+//! direction (`f_rest_*`) are left out.
 
 use super::super::column::Column;
 use crate::cloud::{Ellipse, RawCloud};
@@ -26,8 +26,8 @@ pub(super) fn is_used(name: &str) -> bool {
     COLORS.contains(&name) || name == OPACITY || SCALES.contains(&name) || ROTATION.contains(&name)
 }
 
-/// Gives `cloud` the colours, normals, radii and ellipses of the splats in `columns`, if there are any: the normals that such
-/// files have are zeros.
+/// Gives `cloud` the colours, normals, radii and ellipses of the splats in `columns`, if there are any: the normals
+/// that such files have are zeros.
 pub(super) fn apply(columns: &[Column<'_>], cloud: &mut RawCloud) {
     let count = cloud.positions.len();
     let find = |name: &str| {
