@@ -38,11 +38,11 @@ const ROUNDS: usize = 15;
 fn frame() -> PreparedFrame {
     let (positions, colors) = shapes::bumpy_torus(COUNT);
     let mut raw = RawCloud::from_positions(Positions::F32(positions.iter().map(Vec3::to_array).collect()));
-    raw.colors = Some(colors);
+    raw.attributes.colors = Some(colors);
     let normals = shapes::bumpy_torus_normals(COUNT);
-    raw.normals = Some(normals.iter().map(Vec3::to_array).collect());
+    raw.attributes.normals = Some(normals.iter().map(Vec3::to_array).collect());
     // The torus has an area of some 16; disks of the spacing close it but for a few holes between random points.
-    raw.radii = Some(vec![(16.0 / COUNT as f32).sqrt(); COUNT]);
+    raw.attributes.radii = Some(vec![(16.0 / COUNT as f32).sqrt(); COUNT]);
     let frame = Frame::from_raw(raw, DVec3::ZERO).expect("finite numbers");
     let needs = Scene::needs(&style(Footprint::Masks, NormalBits::Thirteen));
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())

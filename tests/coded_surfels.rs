@@ -56,9 +56,9 @@ fn ball(count: u32, radius: f32, is_white: bool, style: &Style) -> PreparedFrame
         let [red, green, blue] = (normal * 100.0 + 128.0).to_array().map(|value| value as u8);
         if is_white { [255; 4] } else { [red, green, blue, 255] }
     };
-    raw.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
-    raw.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
-    raw.radii = Some(vec![radius; surfels.len()]);
+    raw.attributes.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
+    raw.attributes.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
+    raw.attributes.radii = Some(vec![radius; surfels.len()]);
     prepared(raw, style)
 }
 

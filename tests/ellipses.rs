@@ -7,11 +7,11 @@ mod common;
 use common::{Surfel, camera_at, draw, plain, surfels};
 use glam::{DVec2, DVec3, Vec3};
 use image::RgbaImage;
-use pointreel::cloud::{Ellipse, ShapeRecord, encode_ellipse};
+use pointreel::cloud::{Ellipse, Frame, Positions, RawCloud, ShapeRecord, decode_ellipse, encode_ellipse};
 use pointreel::levels::LevelsKind;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
-use pointreel::scene::{Camera, Content, Primitive, Scene, ScenePacket, Style, UpAxis};
+use pointreel::scene::{Camera, Content, Primitive, Scene, ScenePacket, Splatting, Style, UpAxis};
 use pointreel::sequence::{PrepareCounters, PreparedFrame, Sequence, complete, prepare};
 use std::sync::Arc;
 
@@ -32,7 +32,14 @@ fn shapes_of(packet: &mut ScenePacket) -> &mut Vec<ShapeRecord> {
 }
 
 fn of_ellipses() -> Style {
-    plain().with(|style| style.primitive = Primitive::Ellipse)
+    plain().with(|style| {
+        style.primitive = Primitive::Ellipse;
+        style.surfels.splatting = Splatting::TwoPass;
+    })
+}
+
+fn of_disks() -> Style {
+    of_ellipses().with(|style| style.primitive = Primitive::Surfel)
 }
 
 /// One surfel of radius 1 that faces the eye, 3 away.
@@ -53,9 +60,11 @@ fn an_ellipse_covers_what_its_half_axes_say() {
         let axis = Vec3::new(turn.cos(), turn.sin(), 0.0);
         let ellipse = Ellipse { axis, ratio };
         let shape = &mut shapes_of(&mut packet)[0];
-        shape.ellipse = encode_ellipse(shape.normal, Some(ellipse));
+        shape.ellipse = encode_ellipse(shape.normal, ellipse);
         let px_per_unit = 0.5 * f64::from(SIZE[1]) * f64::from(packet.view.focal[1]) / 3.0;
-        let half_axes_px = ellipse.half_axes(1.0).map(|half| f64::from(half) * px_per_unit);
+        let half_axes_px = ellipse
+            .half_axes_of_quadratic_mean(1.0)
+            .map(|half| f64::from(half) * px_per_unit);
         for (image, by) in [(draw(&packet), "GPU"), (draw_on_cpu(&packet), "CPU")] {
             let mut covered = 0;
             for (x, y, pixel) in image.enumerate_pixels() {
@@ -83,7 +92,7 @@ fn an_ellipse_covers_what_its_half_axes_say() {
 
 #[test]
 fn an_ellipse_of_equal_axes_is_the_disk() {
-    let disk = facing(plain().with(|style| style.primitive = Primitive::Surfel));
+    let disk = facing(of_disks());
     let mut circle = facing(of_ellipses());
     shapes_of(&mut circle)[0].ellipse = 0;
     for (disk, circle) in [(draw(&disk), draw(&circle)), (draw_on_cpu(&disk), draw_on_cpu(&circle))] {
@@ -106,7 +115,7 @@ fn demo(style: &Style, counters: &PrepareCounters) -> PreparedFrame {
 #[test]
 fn ellipses_are_estimated_once_and_disks_need_nothing_more() {
     let counters = PrepareCounters::default();
-    let disks = Style::default().with(|style| style.primitive = Primitive::Surfel);
+    let disks = of_disks();
     let of_disks = demo(&disks, &counters);
     assert!(!of_disks.has_ellipses && counters.ellipses_estimated() == 0);
     let of_ellipses = complete(&of_disks, &Scene::needs(&of_ellipses()), &counters);
@@ -119,6 +128,39 @@ fn ellipses_are_estimated_once_and_disks_need_nothing_more() {
     assert!(shapes.iter().map(without_ellipse).eq(before.iter().copied()));
     let thin = shapes.iter().filter(|shape| shape.ellipse != 0).count();
     assert!(2 * thin > shapes.len(), "{thin} of {} are no circles", shapes.len());
+}
+
+#[test]
+fn ellipses_of_a_file_are_drawn_as_they_are_and_disks_have_their_area() {
+    let ellipse = Ellipse {
+        axis: Vec3::Y,
+        ratio: 0.25,
+    };
+    let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]]));
+    raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]]);
+    raw.attributes.radii = Some(vec![2.0]);
+    raw.attributes.ellipses = Some(vec![ellipse]);
+    let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO).unwrap());
+    let counters = PrepareCounters::default();
+    let disks = Scene::needs(&of_disks());
+    let ellipses = Scene::needs(&of_ellipses());
+    let of_disks = prepare(0, frame, 0.0, &disks, &counters);
+    let of_ellipses = complete(&of_disks, &ellipses, &counters);
+    let again = complete(&of_ellipses, &disks, &counters);
+    let shape = |frame: &PreparedFrame| frame.shapes.as_ref().unwrap()[0];
+    for frame in [&of_disks, &again] {
+        assert_eq!((shape(frame).radius, shape(frame).ellipse), (2.0, 0));
+    }
+    let drawn = shape(&of_ellipses);
+    let found = decode_ellipse(drawn.normal, drawn.ellipse);
+    for (half_axis, expected) in found
+        .half_axes_of_quadratic_mean(drawn.radius)
+        .into_iter()
+        .zip([4.0, 1.0])
+    {
+        assert!((half_axis - expected).abs() < 1e-3, "{half_axis} for {expected}");
+    }
+    assert!(found.axis.dot(Vec3::Y).abs() > 0.9999);
 }
 
 #[test]

@@ -212,7 +212,7 @@ fn a_wall_is_seen_from_its_front_and_does_not_vanish_from_behind() {
         .collect();
     for facing in [1.0, -1.0] {
         let mut raw = RawCloud::from_positions(Positions::F32(points.clone()));
-        raw.normals = Some(vec![[0.0, 0.0, facing]; points.len()]);
+        raw.attributes.normals = Some(vec![[0.0, 0.0, facing]; points.len()]);
         let shown = check("wall", of_cloud(raw));
         assert!(!shown.look.is_closed);
         let style = Style::default().resolved(&shown.look);
@@ -261,7 +261,7 @@ fn closed_shapes_are_culled_and_open_ones_are_not() {
         .collect();
     let take = |values: &[Vec3]| kept.iter().map(|&slot| values[slot].to_array()).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(take(frame.positions())));
-    raw.normals = Some(take(frame.normals().unwrap()));
+    raw.attributes.normals = Some(take(frame.normals().unwrap()));
     let shown = check("shell", of_cloud(raw));
     assert!(!shown.look.is_closed);
 }

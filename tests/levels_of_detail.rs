@@ -33,8 +33,8 @@ fn closed_sphere(style: &Style) -> PreparedFrame {
         let [red, green, blue] = (normal * 100.0 + 128.0).to_array().map(|value| value as u8);
         [red, green, blue, 255]
     };
-    raw.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
-    raw.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
+    raw.attributes.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
+    raw.attributes.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     let needs = Scene::needs(style);
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())

@@ -28,8 +28,8 @@ fn torus(count: usize, style: &Style) -> PreparedFrame {
     let shape = Sequence::of(Shape::Torus.frame(count)).frame(0).unwrap();
     let positions: Vec<[f32; 3]> = shape.positions().iter().map(Vec3::to_array).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(positions));
-    raw.normals = Some(shape.normals().unwrap().iter().map(Vec3::to_array).collect());
-    raw.colors = Some((0..count).map(|index| color_of(index).with_alpha()).collect());
+    raw.attributes.normals = Some(shape.normals().unwrap().iter().map(Vec3::to_array).collect());
+    raw.attributes.colors = Some((0..count).map(|index| color_of(index).with_alpha()).collect());
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     let needs = Needs {
         colors: Coloring::of(ColorSource::File),

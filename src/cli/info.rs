@@ -4,6 +4,7 @@ use super::arguments::{ReadArgs, open_sequence_and_tell};
 use super::output::answer;
 use super::warnings;
 use crate::check::changed_attributes;
+use crate::cloud::ImageGrid;
 use crate::scene::{BackFaces, CaptureKind, FirstLook, Primitive, Style};
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
@@ -102,6 +103,9 @@ enum FrameReport {
         min: Option<[f64; 3]>,
         max: Option<[f64; 3]>,
         attributes: Vec<String>,
+        /// Of organised clouds alone.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        grid: Option<ImageGrid>,
         /// Triangles of a mesh.
         faces: usize,
         /// What was assumed because nothing in the file says so.
@@ -209,7 +213,8 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
                 finite_points,
                 min: bounds.map(|(min, _)| min.to_array()),
                 max: bounds.map(|(_, max)| max.to_array()),
-                attributes: raw.attributes().into_iter().map(str::to_owned).collect(),
+                attributes: raw.point_names(),
+                grid: raw.grid,
                 faces: raw.faces.len(),
                 assumption: raw.assumption,
                 warnings: raw.warnings,
@@ -269,6 +274,7 @@ fn frame_line(frame: &FrameInfo) -> String {
             min,
             max,
             attributes,
+            grid,
             faces,
             assumption,
             ..
@@ -280,6 +286,7 @@ fn frame_line(frame: &FrameInfo) -> String {
                     .join(" "),
                 _ => "none".to_owned(),
             };
+            let grid = grid.map_or_else(String::new, |grid| format!(", organised {grid}"));
             let faces = match faces {
                 0 => String::new(),
                 faces => format!(" {faces} faces"),
@@ -288,7 +295,7 @@ fn frame_line(frame: &FrameInfo) -> String {
                 .as_ref()
                 .map_or_else(String::new, |assumption| format!(", {assumption}"));
             format!(
-                "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}{assumption}, {}",
+                "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}{grid}{assumption}, {}",
                 frame.index,
                 attributes.join(" "),
                 place(frame)

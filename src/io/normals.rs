@@ -84,7 +84,7 @@ pub(crate) fn read_with_normals(
     // Normals are those of the vertices: a mesh is sampled when it has them.
     let of_vertices = options.with_sample_count(None).with_mesh_sample_count(None);
     let mut cloud = read_part_observed(path, &Part::Whole, &of_vertices, progress)?;
-    if cloud.normals.is_none() {
+    if cloud.attributes.normals.is_none() {
         join(&mut cloud, path, normals, progress);
     }
     if progress.is_cancelled() {
@@ -102,7 +102,7 @@ pub(crate) fn read_with_normals(
 fn join(cloud: &mut RawCloud, path: &Path, normals: &Path, progress: &Progress) {
     let points = cloud.positions.len();
     match read_normals(normals, progress) {
-        Ok(read) if read.len() == points => cloud.normals = Some(read),
+        Ok(read) if read.len() == points => cloud.attributes.normals = Some(read),
         Ok(read) => cloud.warnings.push(format!(
             "{} has {} normals, but {} has {points} points: these normals are left out, and estimated where they are \
              needed",
@@ -185,7 +185,7 @@ mod tests {
     fn normals_are_joined_whatever_their_format() {
         for normals in [PCD, PLY] {
             let cloud = read_pair(POINTS, normals);
-            assert_eq!(cloud.normals.as_deref(), Some(&NORMALS[..]));
+            assert_eq!(cloud.attributes.normals.as_deref(), Some(&NORMALS[..]));
             assert_eq!(cloud.positions.len(), 2);
             assert_eq!(cloud.warnings, [""; 0]);
         }
@@ -202,7 +202,7 @@ mod tests {
             ("", "there is no line `DATA`"),
         ] {
             let cloud = read_pair(POINTS, normals);
-            assert_eq!((cloud.positions.len(), cloud.normals), (2, None));
+            assert_eq!((cloud.positions.len(), cloud.attributes.normals), (2, None));
             let [warning] = cloud.warnings.as_slice() else {
                 panic!("{:?}", cloud.warnings)
             };
@@ -220,7 +220,7 @@ mod tests {
             )
             .replace("1 2 3\n4 5 6\n", "1 2 3 1 0 0\n4 5 6 1 0 0\n");
         let cloud = read_pair(&own, PCD);
-        assert_eq!(cloud.normals, Some(vec![[1.0, 0.0, 0.0]; 2]));
+        assert_eq!(cloud.attributes.normals, Some(vec![[1.0, 0.0, 0.0]; 2]));
     }
 
     #[test]
@@ -235,7 +235,7 @@ mod tests {
         let cloud = read_with_normals(&path, &beside, &options, &Progress::default()).unwrap();
         assert_eq!((cloud.positions.len(), cloud.faces.len()), (50, 0));
         // The triangle lies in a plane across Z; the normals of its vertices lean to Y.
-        assert!(cloud.normals.unwrap().iter().all(|normal| normal[1] > 0.0));
+        assert!(cloud.attributes.normals.unwrap().iter().all(|normal| normal[1] > 0.0));
         assert_eq!(cloud.warnings, [""; 0]);
     }
 }

@@ -10,7 +10,7 @@ use super::fixed_rows::{self, FixedRows};
 use super::format::{Format, Traits};
 use super::growing;
 use super::numbers::{Tokens, line_endings, note_row, quoted};
-use crate::cloud::RawCloud;
+use crate::cloud::{ImageGrid, RawCloud};
 use crate::progress::Progress;
 use glam::DVec3;
 use pcd_rs::{DataKind, PcdMeta, ValueKind};
@@ -47,6 +47,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     let payload = (&bytes[..payload_start], &bytes[payload_start..]);
     let mut cloud = table.with_columns(header.data, payload, progress, growing::cloud)?;
     cloud.sensor = sensor(&header);
+    cloud.grid = grid(&header);
     Ok(cloud)
 }
 
@@ -72,6 +73,7 @@ pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     let rows = Table::new(&header).ok().filter(|_| is_binary)?.rows(start);
     Some(FixedRows {
         sensor: sensor(&header),
+        grid: grid(&header),
         ..rows
     })
 }
@@ -212,6 +214,7 @@ impl Table {
             big_endian: false,
             fields: self.fields().map(field).collect(),
             sensor: None,
+            grid: None,
         }
     }
 
@@ -336,6 +339,13 @@ impl Table {
             }
         }
     }
+}
+
+/// The lines of the points of an organised cloud.
+fn grid(header: &PcdMeta) -> Option<ImageGrid> {
+    let side = |points: u64| u32::try_from(points).ok();
+    let point_count = usize::try_from(header.num_points).ok()?;
+    ImageGrid::of(side(header.width)?, side(header.height)?, point_count)
 }
 
 /// Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid of the

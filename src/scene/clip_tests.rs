@@ -19,8 +19,8 @@ fn frame(places: &[Vec3], origin: DVec3) -> PreparedFrame {
     let positions = places.iter().map(|place| (origin + place.as_dvec3()).to_array());
     let mut raw = RawCloud::from_positions(Positions::F64(positions.collect()));
     let normal = |place: &Vec3| (*place + 0.01).normalize_or(Vec3::Z).to_array();
-    raw.normals = Some(places.iter().map(normal).collect());
-    raw.radii = Some(vec![0.05; places.len()]);
+    raw.attributes.normals = Some(places.iter().map(normal).collect());
+    raw.attributes.radii = Some(vec![0.05; places.len()]);
     let frame = Arc::new(Frame::from_raw(raw, origin).unwrap());
     let needs = Needs {
         shapes: true,

@@ -26,7 +26,7 @@ fn walk() -> Headless {
         let frame: f32 = source.name[..1].parse()?;
         let place = |point: i32| [2.0 * frame, 0.05 * point as f32 - 1.0, 0.0];
         let mut cloud = RawCloud::from_positions(Positions::F32((0..40).map(place).collect()));
-        cloud.colors = Some(vec![[255; 4]; 40]);
+        cloud.attributes.colors = Some(vec![[255; 4]; 40]);
         Ok(cloud)
     });
     headless_of(sequence, AnyRenderer::cpu())

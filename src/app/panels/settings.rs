@@ -123,7 +123,7 @@ fn picture(ui: &mut Ui, context: &mut SettingsContext<'_>) {
 }
 
 fn primitive(ui: &mut Ui, chosen: &mut Primitive, guessed: Option<(Primitive, &str)>) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (&primitive, word) in Primitive::ALL.iter().zip(Primitive::WORDS.list) {
             let button = Button::selectable(*chosen == primitive, word.title).min_size(egui::vec2(62.0, 26.0));
             if ui.add(button).on_hover_text(word.hint).clicked() {

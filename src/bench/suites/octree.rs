@@ -334,7 +334,7 @@ mod tests {
         positions[7] = [f32::NAN; 3];
         let mut raw = RawCloud::from_positions(Positions::F32(positions));
         let color = |index: u32| [index as u8, (index >> 8) as u8, 0, 255];
-        raw.colors = Some((0..5000).map(color).collect());
+        raw.attributes.colors = Some((0..5000).map(color).collect());
         raw
     }
 
@@ -352,7 +352,7 @@ mod tests {
             panic!("single precision");
         };
         let mut expected: Vec<Vec3> = positions.iter().map(|&at| at.into()).collect();
-        let mut colors = raw.colors.unwrap();
+        let mut colors = raw.attributes.colors.unwrap();
         expected.remove(7);
         colors.remove(7);
         assert_eq!(beginnings.file_order.positions, expected);

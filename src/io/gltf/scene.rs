@@ -162,7 +162,7 @@ fn sampled(
     let mesh = bare(geometry);
     mesh::check_memory(&mesh, count, options)?;
     let mut cloud = places.apply(&mesh);
-    cloud.colors = colors;
+    cloud.attributes.colors = colors;
     Ok(cloud)
 }
 
@@ -178,7 +178,7 @@ fn vertices(geometry: Geometry, surfaces: &Surfaces<'_>) -> RawCloud {
         (0..geometry.positions.len()).map(color).collect()
     });
     let mut cloud = bare(geometry);
-    cloud.colors = colors;
+    cloud.attributes.colors = colors;
     cloud
 }
 
@@ -199,7 +199,7 @@ fn bare(geometry: Geometry) -> RawCloud {
                 .collect(),
         )
     });
-    cloud.normals = geometry.has_normals.then_some(geometry.normals);
+    cloud.attributes.normals = geometry.has_normals.then_some(geometry.normals);
     cloud.faces = geometry.faces;
     cloud
 }

@@ -78,7 +78,7 @@ pub(super) fn cloud(header: &LasHeader, extra: &[ExtraField], rows: &[u8]) -> Ra
         let channels = [0, 2, 4].map(|channel| column("color", Scalar::U16, start + channel));
         arrays::set_colors(&mut cloud, channels.each_ref(), None, count);
     }
-    let scalars = &mut cloud.scalars;
+    let scalars = &mut cloud.attributes.scalars;
     scalars.push(plain("intensity", Scalar::U16, 12));
     scalars.push(if layout.is_wide {
         plain("classification", Scalar::U8, 16)

@@ -160,7 +160,7 @@ impl<'a> LasPoints<'a> {
         });
         let field = |name: &str| {
             let is_named = |field: &&ScalarField| field.name.eq_ignore_ascii_case(name);
-            cloud.scalars.iter().find(is_named)
+            cloud.attributes.scalars.iter().find(is_named)
         };
         Self {
             cloud,
@@ -178,11 +178,11 @@ impl<'a> LasPoints<'a> {
     }
 
     fn format(&self) -> u8 {
-        if self.cloud.colors.is_some() { 7 } else { 6 }
+        if self.cloud.attributes.colors.is_some() { 7 } else { 6 }
     }
 
     fn point_bytes(&self) -> u16 {
-        if self.cloud.colors.is_some() { 36 } else { 30 }
+        if self.cloud.attributes.colors.is_some() { 36 } else { 30 }
     }
 
     /// The header, and behind it the record of the compression if it is not empty.
@@ -246,7 +246,7 @@ impl<'a> LasPoints<'a> {
             rows.extend([RETURNS, 0, class, 0, 0, 0, 0, 0]);
             let time = self.gps_time.map_or(0.0, number);
             rows.extend(if time.is_finite() { time } else { 0.0 }.to_le_bytes());
-            if let Some(colors) = &self.cloud.colors {
+            if let Some(colors) = &self.cloud.attributes.colors {
                 /// From 8 bits to 16, both full.
                 const WIDER: u16 = 257;
                 for channel in &colors[index][..3] {

@@ -78,6 +78,7 @@ fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<FixedRows> {
         big_endian,
         fields,
         sensor: None,
+        grid: None,
     })
 }
 

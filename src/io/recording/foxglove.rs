@@ -253,7 +253,7 @@ impl Pose {
             (0..cloud.positions.len()).map(|index| (rotation * cloud.positions.get(index) + position).to_array());
         cloud.positions = Positions::F64(points.collect());
         let rotation = rotation.as_quat();
-        for normal in cloud.normals.iter_mut().flatten() {
+        for normal in cloud.attributes.normals.iter_mut().flatten() {
             *normal = (rotation * glam::Vec3::from_array(*normal)).to_array();
         }
         Ok(())

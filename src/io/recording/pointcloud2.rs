@@ -5,7 +5,7 @@ use super::super::error::Fault;
 use super::super::growing;
 use super::super::options::ReadOptions;
 use super::bytes::Bytes;
-use crate::cloud::{AxisConvention, RawCloud};
+use crate::cloud::{AxisConvention, ImageGrid, RawCloud};
 use std::borrow::Cow;
 use std::time::Duration;
 
@@ -121,6 +121,7 @@ pub(super) fn decode(message: &[u8], serialisation: Serialisation, options: &Rea
     let columns = columns.collect::<Result<Vec<_>, Fault>>()?;
     let mut read = growing::cloud(&columns, grid.count() as usize)?;
     read.convention = Some(convention(&cloud));
+    read.grid = ImageGrid::of(cloud.width, cloud.height, read.positions.len());
     Ok(read)
 }
 

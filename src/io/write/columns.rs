@@ -1,4 +1,4 @@
-//! The attributes of a cloud as named columns.
+//! The attributes of a cloud as named columns. Ellipses are left out: no other program would know them by a name.
 
 use crate::cloud::{Positions, RawCloud};
 use std::fmt::Write as _;
@@ -49,6 +49,7 @@ pub(super) fn columns<'a>(
     normal_names: [&str; 3],
     names: impl Fn(&str) -> String,
 ) -> Vec<WrittenColumn<'a>> {
+    let attributes = &cloud.attributes;
     let mut columns: Vec<WrittenColumn<'a>> = Vec::new();
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let data = match &cloud.positions {
@@ -60,7 +61,7 @@ pub(super) fn columns<'a>(
             data,
         });
     }
-    if let Some(values) = cloud.colors.as_deref().filter(|_| colors != Colors::None) {
+    if let Some(values) = attributes.colors.as_deref().filter(|_| colors != Colors::None) {
         let has_alpha = values.iter().any(|color| color[3] != u8::MAX);
         let scaled = |channels: std::ops::Range<usize>| {
             let is_dark = values
@@ -86,7 +87,7 @@ pub(super) fn columns<'a>(
             });
         }
     }
-    if let Some(normals) = &cloud.normals {
+    if let Some(normals) = &attributes.normals {
         for (axis, name) in normal_names.into_iter().enumerate() {
             columns.push(WrittenColumn {
                 name: name.to_owned(),
@@ -94,13 +95,13 @@ pub(super) fn columns<'a>(
             });
         }
     }
-    if let Some(radii) = &cloud.radii {
+    if let Some(radii) = &attributes.radii {
         columns.push(WrittenColumn {
             name: "radius".to_owned(),
             data: Data::Numbers(radii),
         });
     }
-    for field in &cloud.scalars {
+    for field in &attributes.scalars {
         let data = if field.offset == 0.0 {
             Data::Numbers(&field.values)
         } else {

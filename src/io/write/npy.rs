@@ -53,9 +53,9 @@ fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
 }
 
 fn told_by_number<'a>(columns: Vec<WrittenColumn<'a>>, cloud: &RawCloud) -> Vec<WrittenColumn<'a>> {
-    let (has_colors, has_normals) = (cloud.colors.is_some(), cloud.normals.is_some());
-    let scalar = match cloud.scalars.first() {
-        Some(_) if !has_normals => Some(columns.len() - cloud.scalars.len()),
+    let (has_colors, has_normals) = (cloud.attributes.colors.is_some(), cloud.attributes.normals.is_some());
+    let scalar = match cloud.attributes.scalars.first() {
+        Some(_) if !has_normals => Some(columns.len() - cloud.attributes.scalars.len()),
         _ => None,
     };
     let wanted = |name: &str| match name {

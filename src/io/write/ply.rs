@@ -4,7 +4,7 @@ use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns, plain_na
 use super::encoder::{Encoder, WriteSeek};
 use crate::cloud::RawCloud;
 
-/// PLY, little endian: holds all but where the sensor stood.
+/// PLY, little endian: holds all but ellipses and where the sensor stood.
 pub(in crate::io) const BINARY: &Encoder = &Encoder {
     name: "ply",
     extension: "ply",

@@ -18,7 +18,7 @@ fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
         })
     };
     let mut columns = columns(cloud, Colors::Untyped, ["nx", "ny", "nz"], name);
-    for scalar in columns.iter_mut().rev().take(cloud.scalars.len()) {
+    for scalar in columns.iter_mut().rev().take(cloud.attributes.scalars.len()) {
         scalar.widen();
     }
     let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();

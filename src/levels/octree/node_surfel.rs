@@ -116,12 +116,12 @@ fn merged_ellipse(points: &[PointRecord], shapes: &[ShapeRecord], center: Vec3, 
     for (point, shape) in points.iter().zip(shapes) {
         add(Vec3::from_array(point.position) - center, 1.0);
         let normal = oct_decode(shape.normal);
-        let axes = match decode_ellipse(shape.normal, shape.ellipse) {
-            Some(ellipse) => {
-                let [longer, shorter] = ellipse.half_axes(shape.radius);
-                [ellipse.axis * longer, normal.cross(ellipse.axis) * shorter]
-            }
-            None => <[Vec3; 2]>::from(normal.any_orthonormal_pair()).map(|axis| axis * shape.radius),
+        let ellipse = decode_ellipse(shape.normal, shape.ellipse);
+        let axes = if ellipse == Ellipse::CIRCLE {
+            <[Vec3; 2]>::from(normal.any_orthonormal_pair()).map(|axis| axis * shape.radius)
+        } else {
+            let [longer, shorter] = ellipse.half_axes_of_quadratic_mean(shape.radius);
+            [ellipse.axis * longer, normal.cross(ellipse.axis) * shorter]
         };
         // The second moment of an evenly filled ellipse along a half axis is a quarter of its square.
         for axis in axes {
@@ -137,7 +137,7 @@ fn merged_ellipse(points: &[PointRecord], shapes: &[ShapeRecord], center: Vec3, 
     let ratio = ((mean - spread).max(0.0) / (mean + spread)).sqrt() as f32;
     let angle = 0.5 * xy.atan2(half_difference);
     let axis = tangent * angle.cos() as f32 + bitangent * angle.sin() as f32;
-    encode_ellipse(oct_encode(normal), Some(Ellipse { axis, ratio }))
+    encode_ellipse(oct_encode(normal), Ellipse { axis, ratio })
 }
 
 #[cfg(test)]
@@ -149,7 +149,7 @@ mod tests {
         let normal = oct_encode(Vec3::Z);
         let ratio = across / along;
         let radius = (0.5 * (along * along + across * across)).sqrt();
-        let ellipse = encode_ellipse(normal, Some(Ellipse { axis: Vec3::X, ratio }));
+        let ellipse = encode_ellipse(normal, Ellipse { axis: Vec3::X, ratio });
         let at = |x: f32| PointRecord {
             position: [x, 0.0, 0.0],
             color: [255; 4],
@@ -167,7 +167,7 @@ mod tests {
                 .ellipse,
             0
         );
-        let ellipse = decode_ellipse(surfel.shape.normal, surfel.shape.ellipse).unwrap();
+        let ellipse = decode_ellipse(surfel.shape.normal, surfel.shape.ellipse);
         [ellipse.axis.x.abs(), ellipse.ratio]
     }
 

@@ -102,7 +102,7 @@ fn dark_scans_have_a_brighter_background() {
     let look = |level: u8| {
         let points = (0..3_000).map(|i| [i as f32 % 50.0, i as f32 / 50.0, 0.0]);
         let mut raw = RawCloud::from_positions(Positions::F32(points.collect()));
-        raw.colors = Some(vec![[level, level, level, 255]; 3_000]);
+        raw.attributes.colors = Some(vec![[level, level, level, 255]; 3_000]);
         FirstLook::of(&[&Frame::from_raw(raw, DVec3::ZERO).unwrap()], DVec3::ZERO)
     };
     let chosen = Background::solid([1, 2, 3]);

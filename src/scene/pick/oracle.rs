@@ -77,14 +77,13 @@ impl Oracle<'_> {
                 continue;
             }
             let radius = f64::from(shape.radius) * f64::from(style.surfels.splat_scale);
-            let [u, v] = match decode_ellipse(shape.normal, shape.ellipse) {
-                Some(ellipse) if style.primitive == Primitive::Ellipse => {
-                    let axis = ellipse.axis.as_dvec3();
-                    let ratio = f64::from(ellipse.ratio);
-                    let longer = (2.0 / (1.0 + ratio * ratio)).sqrt();
-                    [axis * longer, normal.cross(axis) * ratio * longer]
-                }
-                _ => normal.any_orthonormal_pair().into(),
+            let [u, v] = if style.primitive == Primitive::Ellipse && shape.ellipse != 0 {
+                let ellipse = decode_ellipse(shape.normal, shape.ellipse);
+                let (axis, ratio) = (ellipse.axis.as_dvec3(), f64::from(ellipse.ratio));
+                let longer = (2.0 / (1.0 + ratio * ratio)).sqrt();
+                [axis * longer, normal.cross(axis) * ratio * longer]
+            } else {
+                normal.any_orthonormal_pair().into()
             };
             if let Some([depth, a, b]) = self.plane(offset, u * radius, v * radius)
                 && a * a + b * b <= 1.0

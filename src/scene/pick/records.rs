@@ -5,7 +5,7 @@ use crate::cloud::{PointRecord, ShapeRecord, decode_ellipse, oct_decode};
 use crate::scene::{PointShape, PointStyle, Primitive, Style, Surfels, Voxels};
 use glam::{DVec3, Vec3};
 
-/// The longer half axis of the thinnest ellipse, in radii: see [`Ellipse::half_axes`](crate::cloud::Ellipse::half_axes).
+/// The longer half axis of the thinnest ellipse, in radii: see [`ShapeRecord`].
 const LONGEST_HALF_AXIS: f64 = std::f64::consts::SQRT_2;
 
 /// Points as squares or disks of pixels.
@@ -95,15 +95,14 @@ impl<'a> Disks<'a> {
     fn share_of_rim(&self, record: usize, offset: DVec3) -> f64 {
         let radius = self.radius(record);
         let ShapeRecord { normal, ellipse, .. } = self.shapes[record];
-        match decode_ellipse(normal, ellipse).filter(|_| self.are_ellipses) {
-            None => offset.length() / radius,
-            Some(ellipse) => {
-                let [longer, shorter] = ellipse.half_axes(radius as f32).map(f64::from);
-                let along = ellipse.axis.as_dvec3().dot(offset);
-                let across = (offset.length_squared() - along * along).max(0.0).sqrt();
-                (along / longer).hypot(across / shorter)
-            }
+        if !self.are_ellipses || ellipse == 0 {
+            return offset.length() / radius;
         }
+        let ellipse = decode_ellipse(normal, ellipse);
+        let [longer, shorter] = ellipse.half_axes_of_quadratic_mean(radius as f32).map(f64::from);
+        let along = ellipse.axis.as_dvec3().dot(offset);
+        let across = (offset.length_squared() - along * along).max(0.0).sqrt();
+        (along / longer).hypot(across / shorter)
     }
 }
 

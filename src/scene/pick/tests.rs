@@ -44,8 +44,8 @@ fn cloud(places: &[[f32; 3]], radius: f32, origin: DVec3) -> PreparedFrame {
         let turned = Vec3::new(y - 0.3, z + 0.2, x + 0.1 * (index % 7) as f32);
         turned.normalize_or(Vec3::Z).to_array()
     });
-    raw.normals = Some(normals.collect());
-    raw.radii = Some(
+    raw.attributes.normals = Some(normals.collect());
+    raw.attributes.radii = Some(
         (0..places.len())
             .map(|index| radius * (1.0 + (index % 3) as f32))
             .collect(),
@@ -54,7 +54,7 @@ fn cloud(places: &[[f32; 3]], radius: f32, origin: DVec3) -> PreparedFrame {
     // Thin ones and circles, in many directions.
     let mut shapes = frame.shapes.take().unwrap().to_vec();
     for (index, shape) in (0u32..).zip(&mut shapes) {
-        shape.ellipse = (index * 9973) << 16 | (index % 4) * 16_000;
+        shape.ellipse = ((index * 9973) << 16) | ((index % 4) * 16_000);
     }
     frame.shapes = Some(Arc::new(shapes));
     frame
@@ -207,8 +207,8 @@ fn the_front_one_wins_and_of_equals_the_last() {
     assert_eq!(Pick::of(&frame, origin, slot).unwrap().index_in_file, 1);
 
     let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.1; 3]; 200]));
-    raw.normals = Some(vec![[0.0, 0.0, 1.0]; 200]);
-    raw.radii = Some(vec![0.1; 200]);
+    raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; 200]);
+    raw.attributes.radii = Some(vec![0.1; 200]);
     let same = prepared(raw, origin);
     for &primitive in Primitive::ALL {
         let style = style.with(|style| {
@@ -233,8 +233,8 @@ fn back_faces_are_picked_only_where_they_are_drawn() {
         (-1.0, BackFaces::Darker, Some(0)),
     ] {
         let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]]));
-        raw.normals = Some(vec![[0.0, 0.0, toward]]);
-        raw.radii = Some(vec![0.5]);
+        raw.attributes.normals = Some(vec![[0.0, 0.0, toward]]);
+        raw.attributes.radii = Some(vec![0.5]);
         let frame = prepared(raw, origin);
         let style = Style::default().with(|style| style.surfels.back_faces = back_faces);
         let packet = packet_of(&frame, origin, &camera, &style);
@@ -267,9 +267,9 @@ fn a_pick_has_all_that_the_file_says_of_the_point() {
         [f64::NAN; 3],
         (ECEF + DVec3::new(0.25, 0.5, -0.125)).to_array(),
     ]));
-    raw.colors = Some(vec![[0; 4], [1, 2, 3, 250]]);
-    raw.normals = Some(vec![[1.0, 0.0, 0.0], [0.0, 0.0, -2.0]]);
-    raw.scalars = vec![
+    raw.attributes.colors = Some(vec![[0; 4], [1, 2, 3, 250]]);
+    raw.attributes.normals = Some(vec![[1.0, 0.0, 0.0], [0.0, 0.0, -2.0]]);
+    raw.attributes.scalars = vec![
         ScalarField::new("intensity", vec![9.0, 0.5]),
         ScalarField::from_f64("gps_time", &[1.3e9, 1.3e9 + 0.001]),
     ];

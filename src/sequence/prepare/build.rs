@@ -41,6 +41,10 @@ impl Build<'_> {
         };
         let colors_need_shapes =
             paint == Paint::Normal && same_colors.is_none() && records::file_normals(&self.frame).is_none();
+        if !needs.ellipses && self.has_ellipses && self.frame.ellipses().is_some() {
+            // Disks have other radii than the ellipses of the file.
+            (self.shapes, self.has_ellipses) = (None, false);
+        }
         if needs.shapes || colors_need_shapes {
             self.complete_shapes();
         }
@@ -87,7 +91,7 @@ impl Build<'_> {
             return;
         };
         let start = Instant::now();
-        *shapes = Arc::new(records::with_ellipses(self.frame.positions(), shapes));
+        *shapes = Arc::new(records::with_ellipses(&self.frame, shapes));
         self.has_ellipses = true;
         self.timings.analysis_ms += milliseconds_since(start);
         self.counters.ellipses_estimated.fetch_add(1, Ordering::Relaxed);

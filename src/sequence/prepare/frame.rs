@@ -39,8 +39,14 @@ impl PreparedFrame {
     /// True when completing it for `needs` would change nothing.
     pub fn satisfies(&self, needs: &Needs) -> bool {
         self.is_painted_for(needs)
-            && (!needs.shapes || self.shapes.is_some() && (!needs.ellipses || self.has_ellipses))
+            && (!needs.shapes || self.has_shapes_for(needs))
             && needs.levels.is_none_or(|key| self.levels.has(key, needs.shapes))
+    }
+
+    /// Estimated ellipses have the radii of disks, those of a file have not.
+    fn has_shapes_for(&self, needs: &Needs) -> bool {
+        let are_disks = !self.has_ellipses || self.frame.ellipses().is_none();
+        self.shapes.is_some() && if needs.ellipses { self.has_ellipses } else { are_disks }
     }
 
     pub(super) fn is_painted_for(&self, needs: &Needs) -> bool {

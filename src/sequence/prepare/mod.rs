@@ -117,7 +117,7 @@ pub fn prepare_part(
     counters: &PrepareCounters,
 ) -> Result<PreparedFrame, CloudError> {
     let mut timings = Timings::default();
-    let (frame, _) = existing.frame.part(slots, None)?;
+    let frame = existing.frame.part_without_splats(slots)?;
     let (shapes, orientation) = estimated_shapes(&frame, &mut timings, counters, estimate_surface_fast);
     let build = Build {
         index: existing.index,

@@ -139,7 +139,7 @@ mod tests {
             Some(0) => {
                 let corners = (0..8).map(|corner| [0, 1, 2].map(|axis| (corner >> axis & 1) as f32));
                 let mut raw = RawCloud::from_positions(Positions::F32(corners.collect()));
-                raw.colors = Some(vec![[255, 0, 0, 255]; 8]);
+                raw.attributes.colors = Some(vec![[255, 0, 0, 255]; 8]);
                 Ok(raw)
             }
             Some(1) => Err("unread".into()),
