@@ -20,6 +20,7 @@ use super::write::{NodeWriter, Nodes};
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::levels::cut::{Cut, NodeRange};
 use glam::Vec3;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The surfels of an octree's nodes.
@@ -60,7 +61,7 @@ impl LodSurfels {
             cone_level: cone_level(&octree),
             octree,
             points,
-            are_ellipses: shapes.iter().any(|shape| shape.ellipse != 0),
+            are_ellipses: shapes.par_iter().any(|shape| shape.ellipse != 0),
             shapes,
             levels: KeptLevels::default(),
             normals: KeptLevels::default(),

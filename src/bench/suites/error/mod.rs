@@ -267,7 +267,7 @@ fn measure_way(
 
 /// Whether depths of what a way shows can be drawn: not of splats without depth, nor of byte codes.
 fn shows_known_surface(way: &Style) -> bool {
-    let is_without_depth = way.primitive == Primitive::Surfel && way.surfels.splatting == Splatting::NoDepth;
+    let is_without_depth = way.draws_surfels() && way.surfels.splatting == Splatting::NoDepth;
     !is_without_depth && !way.draws_codes()
 }
 
@@ -319,7 +319,7 @@ impl ErrorSamples {
         let way = &point.style;
         let draw = Quantiles::of(&self.draw_ms);
         let psnr = psnr_db(mean(&self.squared));
-        let is_surfel = way.primitive == Primitive::Surfel;
+        let is_surfel = way.draws_surfels();
         let is_gpu = way.drawing.renderer == RendererChoice::Gpu;
         let text_if = |is_there: bool, text: &str| {
             if is_there {

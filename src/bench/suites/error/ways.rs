@@ -64,7 +64,10 @@ fn of_renderer(base: &Style) -> Vec<Style> {
     ways.extend(
         [Lighting::PerSurfel, Lighting::PerVertex].map(|lighting| base.with(|style| style.light.lighting = lighting)),
     );
-    for coarse in [detail, voxel] {
+    let ellipse = base.with(|style| style.primitive = Primitive::Ellipse);
+    ways.push(ellipse);
+    ways.push(ellipse.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged));
+    for coarse in [detail, ellipse.with(|style| style.levels.surfel_lod = true), voxel] {
         ways.push(coarse);
         ways.extend(THRESHOLDS_PX.map(|threshold| coarse.with(|style| style.levels.lod = Lod::ThresholdPx(threshold))));
     }
