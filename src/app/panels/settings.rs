@@ -106,7 +106,8 @@ fn picture(ui: &mut Ui, context: &mut SettingsContext<'_>) {
     });
     section_ui(ui, style, drawn, ("Surfels", Section::Surfels));
     let on_processor = drawn.drawing.renderer == RendererChoice::Cpu;
-    let has_footprints = on_processor && style.surfels.splatting.has_visibility_pass();
+    let are_disks = drawn.draws_surfels() && drawn.primitive != Primitive::Ellipse;
+    let has_footprints = on_processor && are_disks && style.surfels.splatting.has_visibility_pass();
     ui.add_enabled_ui(has_footprints, |ui| {
         rows(ui, "footprints", |ui| {
             section_rows(ui, style, drawn, Section::Footprints);

@@ -166,7 +166,7 @@ pub(super) fn over<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &S
 
 /// Draws what is nearest, opaque.
 #[inline(always)]
-pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading) {
+pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, outline: Outline) {
     for_each(
         simd,
         tile.rect(),
@@ -175,8 +175,7 @@ pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &
         |at, fragments| {
             let depths = fragments.depths(simd, facet.depth_per_w);
             let before = load(simd, &tile.depth, at);
-            let drawn =
-                fragments.are_inside(Outline::Parallelogram) & are_beyond_near(simd, depths) & depths.simd_ge(before);
+            let drawn = fragments.are_inside(outline) & are_beyond_near(simd, depths) & depths.simd_ge(before);
             if !simd.any_true_mask32x8(drawn) {
                 return;
             }

@@ -3,7 +3,7 @@
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
 use crate::render::constants::DEPTH_SLACK_RADII;
-use crate::scene::{Backdrop, EyeDomeLight, LightStyle, Lighting, ScenePacket, Splatting, Style, SurfelStyle};
+use crate::scene::{Backdrop, EyeDomeLight, LightStyle, Lighting, ScenePacket, Style, SurfelStyle};
 use bytemuck::{Pod, Zeroable};
 
 /// [`ViewUniform::lighting`] of surfaces that are lit; WGSL gets these numbers from here (`constants.rs`).
@@ -83,7 +83,7 @@ impl ViewUniform {
                 ground.axes[axis].extend(along).to_array()
             })
         };
-        let one_pass = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
+        let one_pass = !splatting.has_visibility_pass();
         Self {
             rotation_x: rotation.x_axis.extend(0.0).to_array(),
             rotation_y: rotation.y_axis.extend(0.0).to_array(),

@@ -4,7 +4,7 @@ use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Unit, Values, When, group};
 
 choices! {
-    /// The six ways of splatting of paper 000, Fig. 3.
+    /// The six ways of splatting of paper 000, Fig. 3, and hard disks.
     Splatting, "splatting mode" {
         /// (a) Square artefacts where splats cut each other.
         Regular = "regular", "Regular", "One pass, depth test and blending";
@@ -19,6 +19,8 @@ choices! {
         /// (f) The paper's proposal.
         TwoPassEnlarged = "two-pass-enlarged", "Two-pass, enlarged",
             "Two passes, enlarged in the second only: the smoothest";
+        /// Paper 002, Figs. 5 and 6.
+        Opaque = "opaque", "Opaque", "One pass, nothing blended: hard disks, of which the nearest is seen";
     }
 }
 
@@ -26,7 +28,7 @@ impl Splatting {
     /// Factors on the splat radius in the visibility and in the attribute pass.
     pub fn scales(self, enlargement: f32) -> [f32; 2] {
         match self {
-            Self::Regular | Self::NoDepth | Self::Visibility | Self::TwoPass => [1.0, 1.0],
+            Self::Regular | Self::NoDepth | Self::Visibility | Self::TwoPass | Self::Opaque => [1.0, 1.0],
             Self::Enlarged => [enlargement, enlargement],
             Self::TwoPassEnlarged => [1.0, enlargement],
         }
@@ -39,7 +41,7 @@ impl Splatting {
 
     /// Whether depths are written before colours are blended.
     pub fn has_visibility_pass(self) -> bool {
-        !matches!(self, Self::Regular | Self::NoDepth)
+        !matches!(self, Self::Regular | Self::NoDepth | Self::Opaque)
     }
 }
 
@@ -82,7 +84,7 @@ group! {
             flag: "splatting",
             value_name: "MODE",
             title: "Splatting",
-            hint: "How overlapping surfels become one surface (the six modes of the paper's Fig. 3)",
+            hint: "How overlapping surfels become one surface (six modes of the paper's Fig. 3, and hard disks)",
             when: When::Surfels,
             label: Label::Always(Place::What, "{}"),
             values: Values::Words(Splatting::WORDS),

@@ -85,7 +85,7 @@ pub(super) fn of_surfaces(packet: &ScenePacket) -> ScenePacket {
     let mut packet = packet.clone();
     let surfels = &mut packet.style.surfels;
     match surfels.splatting {
-        Splatting::Regular | Splatting::NoDepth | Splatting::Visibility => {}
+        Splatting::Regular | Splatting::NoDepth | Splatting::Visibility | Splatting::Opaque => {}
         Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
             surfels.splat_scale *= surfels.splatting.scales(surfels.enlargement)[0];
             surfels.splatting = Splatting::Visibility;

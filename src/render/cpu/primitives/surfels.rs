@@ -1,4 +1,4 @@
-//! Surfels, round or not, in the six modes of paper 000, Fig. 3.
+//! Surfels, round or not, in the six modes of paper 000, Fig. 3, and as hard disks.
 
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::render::constants::{SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
@@ -62,6 +62,7 @@ impl DrawnRecords for Surfels<'_> {
     fn held(&self, packet: &ScenePacket) -> Held {
         match self.style.surfels.splatting {
             Splatting::Regular | Splatting::NoDepth => Held::BlendedColors,
+            Splatting::Opaque => Held::SolidColors,
             Splatting::Visibility => Held::depths(packet),
             Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => Held::Sums,
         }
@@ -163,6 +164,15 @@ impl Surfels<'_> {
                     if let Some(facet) = facets.get(lane) {
                         let shading = self.shading(seen, lane, scale);
                         raster::over(simd, tile, &facet, &shading, with_depth);
+                    }
+                }
+            }
+            Splatting::Opaque => {
+                let facets = seen.facets(simd, &canvas, scale);
+                for lane in 0..LANES {
+                    if let Some(facet) = facets.get(lane) {
+                        let shading = self.shading(seen, lane, scale);
+                        raster::solid(simd, tile, &facet, &shading, canvas.outline);
                     }
                 }
             }

@@ -142,7 +142,7 @@ impl<'a> Cubes<'a> {
                         }
                     };
                     let color = unit_color(record.color);
-                    raster::solid(simd, tile, &facet, &Shading { color, light });
+                    raster::solid(simd, tile, &facet, &Shading { color, light }, Outline::Parallelogram);
                 }
             }
         }

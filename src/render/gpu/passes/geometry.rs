@@ -40,6 +40,13 @@ pub(in crate::render::gpu) const NO_DEPTH: GeometryPass = GeometryPass {
     ..REGULAR
 };
 
+/// Hard disks: the nearest is seen (paper 002, Fig. 5).
+pub(in crate::render::gpu) const OPAQUE: GeometryPass = GeometryPass {
+    name: "opaque",
+    wgsl: include_str!("../../../../shaders/passes/opaque.wgsl"),
+    ..SOLID
+};
+
 /// Opaque faces in their light (paper 000 §VI-B).
 pub(in crate::render::gpu) const SOLID: GeometryPass = GeometryPass {
     name: "solid",

@@ -6,6 +6,7 @@
 //! | point | point, or round point |
 //! | voxel | solid |
 //! | surfel `regular`, `no-depth` | splat |
+//! | surfel `opaque` | opaque |
 //! | surfel `visibility` | visibility, depth view |
 //! | surfel, other modes | visibility, attribute, resolve |
 

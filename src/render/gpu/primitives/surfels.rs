@@ -1,8 +1,8 @@
-//! Surfels, round or not, in the six modes of paper 000, Fig. 3.
+//! Surfels, round or not, in the six modes of paper 000, Fig. 3, and as hard disks.
 
 use super::amplification::Amplification;
 use super::drawable::Drawable;
-use crate::render::gpu::passes::geometry::{ATTRIBUTE, NO_DEPTH, REGULAR, VISIBILITY};
+use crate::render::gpu::passes::geometry::{ATTRIBUTE, NO_DEPTH, OPAQUE, REGULAR, VISIBILITY};
 use crate::render::gpu::passes::screen::{DEPTH_VIEW, RESOLVE};
 use crate::render::gpu::passes::{GeometryPass, ScreenPass};
 use crate::render::gpu::residency::RecordSource;
@@ -18,7 +18,7 @@ pub(super) const DISK: Amplification = Amplification {
     vertices_per_record: 4,
     reads_shapes: true,
     compute_amplifies: true,
-    passes: &[&VISIBILITY, &ATTRIBUTE, &REGULAR, &NO_DEPTH],
+    passes: &[&VISIBILITY, &ATTRIBUTE, &REGULAR, &NO_DEPTH, &OPAQUE],
 };
 
 /// The same with an ellipse.
@@ -38,6 +38,7 @@ pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> 
     let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match splatting {
         Splatting::Regular => (&[&REGULAR], None),
         Splatting::NoDepth => (&[&NO_DEPTH], None),
+        Splatting::Opaque => (&[&OPAQUE], None),
         Splatting::Visibility => (&[&VISIBILITY], Some(&DEPTH_VIEW)),
         Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
             (&[&VISIBILITY, &ATTRIBUTE], Some(&RESOLVE))
